@@ -1,0 +1,175 @@
+"""Configuration: frozen models of one TOML file. Units stand in the names here and nowhere else."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from ross_payload.errors import ConfigError
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Degrees = Annotated[float, Field(allow_inf_nan=False)]
+Model = TypeVar("Model", bound=BaseModel)
+
+
+class Table(BaseModel):
+    """A table of the file: frozen, and an unknown key is an error."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Array(Table):
+    """[array]: the two microphones."""
+
+    spacing_m: Annotated[float, Field(ge=0.005, le=1.0)] = 0.05
+    speed_of_sound_m_s: Annotated[float, Field(ge=250, le=450)] = 343.0
+    offset_deg: Degrees = 0.0  # heading of the axis from microphone 1 to 2 when the joint angle and mount yaw are 0
+
+
+class Audio(Table):
+    """[audio]: rates and frames."""
+
+    rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 16000
+    hop_ms: Annotated[int, Field(ge=1, le=20)] = 10
+    frame: Annotated[int, Field(ge=128, le=8192)] = 2048  # STFT frame of the separation [samples]
+    overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75
+
+
+class Actuator(Table):
+    """[actuator]: what turns the array; options are the back end's own."""
+
+    kind: str = "tb6600"
+    options: dict[str, Any] = Field(default_factory=dict)
+
+
+class Guard(Table):
+    """[guard]: limits and what to do on a fault."""
+
+    lower_deg: Degrees = -200.0
+    upper_deg: Degrees = 200.0
+    max_speed_deg_s: Positive = 225.0
+    max_acceleration_deg_s2: Positive = 112.5
+    max_move_s: Positive = 30.0
+    watchdog_s: Positive = 0.5
+    on_fault: Literal["hold", "release", "park"] = "hold"
+    park_deg: Degrees = 0.0
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Guard:
+        if self.lower_deg >= self.upper_deg:
+            raise ValueError(f"lower_deg = {self.lower_deg:g} must be below upper_deg = {self.upper_deg:g}")
+        if not self.lower_deg <= self.park_deg <= self.upper_deg:
+            raise ValueError(f"park_deg = {self.park_deg:g} must lie within the limits")
+        return self
+
+
+class Mount(Table):
+    """[mount]: where the base points."""
+
+    yaw_deg: Degrees | None = None  # clockwise from north, as on a compass; absent: unknown, mount frame
+
+
+class Explore(Table):
+    """[explore]: find K and every azimuth."""
+
+    method: str = "joint"
+    lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listened to before anything turns, for the noise
+    unit_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_unit
+    step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0
+    min_rotations: Annotated[int, Field(ge=1, le=24)] = 4
+    max_rotations: Annotated[int, Field(ge=1, le=24)] = 12
+
+
+class Exploit(Table):
+    """[exploit]: turn, separate, recognise, keep listening."""
+
+    separator: str = "auto"
+    check_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_check
+    run_s: Annotated[float, Field(ge=1, le=600)] = 10.0  # T_run
+    runs: Annotated[int, Field(ge=0)] = 1  # how many T_run before the mission is done; 0: until stopped
+    criterion: Annotated[float, Field(allow_inf_nan=False)] = 0.0  # accept a voice above this score
+    max_restarts: Annotated[int, Field(ge=0)] = 2
+
+
+class Telemetry(Table):
+    """[telemetry]: who we are on MAVLink and where we speak."""
+
+    urls: tuple[str, ...] = ()
+    system_id: Annotated[int, Field(ge=1, le=255)] = 1
+    component_id: Annotated[int, Field(ge=1, le=255)] = 191
+
+
+class Config(Table):
+    """The whole file."""
+
+    array: Array = Array()
+    audio: Audio = Audio()
+    actuator: Actuator = Actuator()
+    guard: Guard = Guard()
+    mount: Mount = Mount()
+    explore: Explore = Explore()
+    exploit: Exploit = Exploit()
+    telemetry: Telemetry = Telemetry()
+    seed: Annotated[int, Field(ge=0)] = 0
+
+    @property
+    def hop(self) -> int:
+        """Samples of one Input."""
+        return self.audio.rate_hz * self.audio.hop_ms // 1000
+
+    @property
+    def offset(self) -> float:
+        """Calibrated offset of the array's axis [rad]."""
+        return math.radians(self.array.offset_deg)
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Read a TOML file.
+
+    Raises
+    ------
+    ConfigError
+        When the file is missing, unreadable or not TOML.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
+        raise ConfigError(f"{path}: cannot be read: {reason}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: not TOML: {error}") from error
+
+
+def validated(model: type[Model], values: Any, where: str) -> Model:
+    """Check values against a model.
+
+    Raises
+    ------
+    ConfigError
+        With one line that names the first wrong key, what was found and what was wanted.
+    """
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        raise ConfigError(f"{where}: {_explain(error)}") from error
+
+
+def load(path: Path) -> Config:
+    """Load one TOML file; what it does not say has the default, and nothing else is merged."""
+    return validated(Config, read_toml(path), str(path))
+
+
+def _explain(error: ValidationError) -> str:
+    first, others = error.errors()[0], error.error_count() - 1
+    key = ".".join(str(part) for part in first["loc"]) or "file"
+    if first["type"] == "extra_forbidden":
+        text = f"unknown key '{key}'"
+    else:
+        text = f"{key}: {first['msg'].removeprefix('Value error, ')}"
+        if not isinstance(first["input"], dict):
+            text += f" (found {first['input']!r})"
+    return text + (f"; and {others} more" if others else "")

@@ -1,0 +1,60 @@
+"""Everything that can go wrong, as one tree.
+
+::
+
+    RossError
+    ├── ConfigError          a file, an option or an argument is wrong: exit code 2
+    │   └── PluginError      a plug-in is unknown, broken, or lacks an extra
+    ├── AudioError           no audio, or audio that cannot be used
+    ├── ActuatorError        the thing that turns
+    │   ├── ActuatorFault    it reports a fault, or the guard does
+    │   ├── ActuatorTimeout  it did not arrive in time
+    │   ├── LimitError       a goal outside the limits
+    │   └── NotHomed         an absolute move before the position is known
+    ├── LinkError            a port that cannot be opened or written
+    └── NotLive              a separator that only works on whole recordings
+"""
+
+
+class RossError(Exception):
+    """The root: one clear line for the user."""
+
+
+class ConfigError(RossError):
+    """A file, an option or an argument is wrong; says what was found and what was wanted."""
+
+
+class PluginError(ConfigError):
+    """A plug-in is unknown, broken, or lacks an extra."""
+
+
+class AudioError(RossError):
+    """No audio, or audio that cannot be used."""
+
+
+class ActuatorError(RossError):
+    """The thing that turns."""
+
+
+class ActuatorFault(ActuatorError):
+    """The actuator or its guard reports a fault."""
+
+
+class ActuatorTimeout(ActuatorError):
+    """The actuator did not arrive in time."""
+
+
+class LimitError(ActuatorError):
+    """A goal outside the limits."""
+
+
+class NotHomed(ActuatorError):
+    """An absolute move was asked for before the position is known."""
+
+
+class LinkError(RossError):
+    """A port that cannot be opened or written."""
+
+
+class NotLive(RossError):
+    """A separator that only works on whole recordings."""

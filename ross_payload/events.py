@@ -1,0 +1,190 @@
+"""What the mission says: facts that cross to telemetry, reports and pictures.
+
+Every angle is in radians, counter-clockwise. *Headings* and *azimuths* are in the frame of the mount's attitude (earth
+frame when that is known, else mount frame); *joint angles* are what the actuator speaks. ``time`` is mission time [s]:
+samples heard divided by the rate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Real = NDArray[np.floating[Any]]
+
+
+class State(IntEnum):
+    """What the mission is doing; the number goes into the heartbeat's custom_mode."""
+
+    IDLE = 0
+    LEAD_IN = 1
+    EXPLORE_TURN = 2
+    EXPLORE_LISTEN = 3
+    ALIGN_TURN = 4
+    CHECK = 5
+    RUN = 6
+    DONE = 7
+    STOPPED = 8
+    FAULT = 9
+
+
+class Outcome(IntEnum):
+    """How a mission ends; the value is the exit code."""
+
+    TARGET_FOUND = 0
+    FAULT = 1
+    NO_TARGET = 3
+    STOPPED = 4
+
+
+@dataclass(frozen=True, slots=True)
+class SourceEstimate:
+    """One source that the explorer believes in."""
+
+    azimuth: float  # [rad]
+    sigma: float  # one standard deviation of the azimuth [rad]
+    confidence: float  # probability that there is a source here, 0 to 1
+    resolved: bool  # front told from back
+    weight: float = 0.0  # share of the evidence, 0 to 1
+    elevation: float | None = None  # [rad], None: not estimated
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """Everything the explorer believes after some orientations."""
+
+    sources: tuple[SourceEstimate, ...]
+    certain: bool = False  # enough has been heard: the stop rule is met
+    directness: float | None = None  # 1 in the open, less in reverberation; None: not estimated
+
+    @property
+    def k(self) -> int:
+        """The number of sources K."""
+        return len(self.sources)
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """The root of all events."""
+
+    time: float  # mission time [s]
+
+
+@dataclass(frozen=True, slots=True)
+class StateChanged(Event):
+    """The mission enters a state."""
+
+    state: State
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseMeasured(Event):
+    """The quiet lead-in gave a noise PSD, or did not."""
+
+    level_db: float | None  # mean level at microphone 1 [dB re full scale], None: there was no quiet
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class OrientationHeard(Event):
+    """One orientation of the exploration is complete."""
+
+    index: int  # r
+    heading: float  # [rad]
+    joint: float  # [rad]
+    grid: Real  # ITD [s], (n_bins,)
+    density: Real  # (n_bins,)
+    peaks: tuple[float, ...]  # ITD [s]
+
+
+@dataclass(frozen=True, slots=True)
+class SourcesEstimated(Event):
+    """The explorer's belief after an orientation."""
+
+    estimate: Estimate
+    rotations: int
+    final: bool
+
+
+@dataclass(frozen=True, slots=True)
+class AlignmentCandidate:
+    """A heading that isolates one source."""
+
+    source: int  # index into the estimate's sources
+    heading: float  # [rad]
+    joint: float  # [rad]
+    isolation: float  # min_k |tau_i - tau_k| at this heading [s]
+    rule: str  # "bisector", "argmax" or "stay"
+    aliased: tuple[int, ...] = ()  # interferers that pose as one
+
+
+@dataclass(frozen=True, slots=True)
+class AlignmentPlanned(Event):
+    """Where to turn, in order of travel."""
+
+    candidates: tuple[AlignmentCandidate, ...]
+    headings: Real  # [rad], (n_headings,), over [0, pi)
+    isolation: Real  # [s], (n_sources, n_headings)
+
+
+@dataclass(frozen=True, slots=True)
+class TurnStarted(Event):
+    """The array is asked to turn."""
+
+    joint: float  # goal [rad]
+    heading: float  # goal [rad]
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class GroupScore:
+    """One separated group and how much it sounds like the target."""
+
+    members: tuple[int, ...]  # indices into the estimate's sources
+    value: float
+    accepted: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Checked(Event):
+    """T_check of listening at a candidate, separated and scored."""
+
+    candidate: AlignmentCandidate
+    groups: tuple[GroupScore, ...]
+    accepted: int | None  # index into groups
+    method: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Separated(Event):
+    """T_run of listening, separated and scored."""
+
+    start: int  # index of the first sample
+    heading: float  # [rad]
+    voices: Real  # (n_groups, n_samples), float32, at microphone 1
+    groups: tuple[GroupScore, ...]
+    target: int  # index into groups
+    method: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class ScoreDropped(Event):
+    """The running target no longer sounds like the target: the mission starts again."""
+
+    value: float
+    criterion: float
+
+
+@dataclass(frozen=True, slots=True)
+class Finished(Event):
+    """The mission is over."""
+
+    outcome: Outcome
+    reason: str

@@ -1,0 +1,338 @@
+"""The seams: what a simulator, a driver or a plug-in must provide, and the frozen values that cross them.
+
+Inside the payload everything is SI and radians, counter-clockwise. Three angles are never mixed: the *joint angle*
+is what an actuator speaks (from its zero, unwrapped); the *heading* is where the axis from microphone 1 to
+microphone 2 points (mount yaw + joint angle + calibrated offset); an *azimuth* is where a source is, in the same
+frame as the heading.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass, field
+from enum import IntFlag, StrEnum
+from types import TracebackType
+from typing import Any, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ross_payload.events import Estimate, Event, Outcome
+
+Real = NDArray[np.floating[Any]]
+Complex = NDArray[np.complexfloating[Any, Any]]
+Samples = NDArray[np.float32]
+
+
+# ---------------------------------------------------------------------------------------------------- time
+
+class Cancel(Protocol):
+    """Ends a periodic call."""
+
+    def __call__(self) -> None:
+        """Do not call again."""
+
+
+class Clock(Protocol):
+    """Time, injected. The system's clock or a simulated one."""
+
+    def now(self) -> float:
+        """Return the time [s], monotonic, from an arbitrary origin."""
+
+    def sleep(self, duration: float) -> None:
+        """Wait for ``duration`` [s]."""
+
+    def every(self, period: float, call: Callable[[], None]) -> Cancel:
+        """Call ``call`` every ``period`` [s] until cancelled; calls due at one time run in order of registration."""
+
+
+# ---------------------------------------------------------------------------------------------------- audio
+
+class AudioFlag(IntFlag):
+    """What is wrong with a block of audio."""
+
+    NONE = 0
+    CLIPPED = 1
+    INVALID = 2  # not-a-number or infinite samples, replaced by zeros
+
+
+@dataclass(frozen=True, slots=True)
+class AudioBlock:
+    """Consecutive samples of both microphones."""
+
+    samples: Samples  # (2, n), on a 24-bit grid
+    index: int  # of the first sample, since the source was opened
+    time: float  # of the first sample, on the Clock [s]
+    lost: int = 0  # samples lost right before this block
+    flags: AudioFlag = AudioFlag.NONE
+
+
+class AudioSource(Protocol):
+    """Two microphones. A context manager."""
+
+    @property
+    def rate(self) -> int:
+        """Sampling rate [Hz]."""
+
+    def read(self, n: int) -> AudioBlock:
+        """Return the next ``n`` consecutive samples; never skips, also what was heard while turning.
+
+        Raises
+        ------
+        AudioError
+            When the source has ended or broken.
+        """
+
+    def __enter__(self) -> Self:
+        """Open the source."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the source."""
+
+
+# ---------------------------------------------------------------------------------------------------- motion
+
+class Feedback(StrEnum):
+    """Where an actuator's reported angle comes from."""
+
+    MEASURED = "measured"
+    MODEL = "model"  # open loop: computed from what was commanded
+
+
+@dataclass(frozen=True, slots=True)
+class Capabilities:
+    """What an actuator can do. Angles are joint angles [rad]."""
+
+    lower: float  # travel limit [rad], -inf when continuous
+    upper: float  # travel limit [rad], +inf when continuous
+    max_speed: float  # [rad/s]
+    max_acceleration: float  # [rad/s^2]
+    resolution: float  # smallest step [rad]
+    continuous: bool  # turns without end
+    feedback: Feedback
+
+
+@dataclass(frozen=True, slots=True)
+class ActuatorState:
+    """Where an actuator is, as far as it knows."""
+
+    angle: float  # joint angle [rad]
+    rate: float  # [rad/s]
+    settled: bool  # at the goal and still
+    homed: bool  # the zero is known
+    healthy: bool
+    time: float  # of the report, on the Clock [s]
+    fault: str = ""  # in words, empty when healthy
+
+
+class Actuator(Protocol):
+    """Something that turns. A context manager; no method blocks."""
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """Travel, speed, acceleration, resolution, feedback."""
+
+    def command(self, angle: float, rate: float | None = None) -> None:
+        """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal in flight.
+
+        Raises
+        ------
+        LimitError
+            When the angle lies outside the travel or is not finite.
+        NotHomed
+            When the zero is not known.
+        ActuatorFault
+            When the actuator is in a fault or its stop is latched.
+        """
+
+    def state(self) -> ActuatorState:
+        """Return the last known state."""
+
+    def stop(self) -> None:
+        """Decelerate to rest and forget the goal; from any thread; idempotent."""
+
+    def home(self) -> None:
+        """Begin to find (or declare) the zero."""
+
+    def release(self) -> None:
+        """Remove the torque; the position is unknown afterwards where the hardware forgets it."""
+
+    def poll(self, now: float) -> None:
+        """Drain input and send what is due at ``now`` [s]; never waits."""
+
+    def __enter__(self) -> Self:
+        """Open the actuator; nothing moves."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop and close."""
+
+
+class Port(Protocol):
+    """A wire: serial, UDP, TCP, CAN, pulses, or an in-process one."""
+
+    def send(self, frame: Any) -> None:
+        """Send one frame (bytes, a CAN message, a pulse segment); never waits."""
+
+    def receive(self) -> list[Any]:
+        """Return what has arrived since the last call; never waits."""
+
+    def close(self) -> None:
+        """Give the wire back; idempotent."""
+
+
+@dataclass(frozen=True, slots=True)
+class Services:
+    """What a back end is given when it is opened."""
+
+    clock: Clock
+    open_port: Callable[[str], Port]  # from the URL in the configuration
+
+
+class Backend(Protocol):
+    """The object behind an entry point in ``ross_payload.actuators``."""
+
+    Config: type[Any]  # a frozen pydantic model of [actuator.options]
+
+    def open(self, config: Any, services: Services) -> Actuator:
+        """Make the actuator; nothing moves."""
+
+
+@dataclass(frozen=True, slots=True)
+class Attitude:
+    """The base of the payload in the earth frame [rad], counter-clockwise yaw."""
+
+    yaw: float
+    pitch: float = 0.0
+    roll: float = 0.0
+    sigma: float = 0.0  # one standard deviation of the yaw [rad]
+    age: float = 0.0  # [s]
+    known: bool = True  # False: angles are in the mount frame
+
+
+class Mount(Protocol):
+    """Where the base of the payload points."""
+
+    def attitude(self, time: float) -> Attitude:
+        """Return the attitude at ``time`` on the Clock [s]."""
+
+
+# ---------------------------------------------------------------------------------------------------- mission
+
+class Command(StrEnum):
+    """What an operator can ask of a running mission."""
+
+    STOP = "stop"  # decelerate now, latch, end
+    CANCEL = "cancel"  # decelerate now, end
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """One hop of audio and what was known while it was heard."""
+
+    block: AudioBlock
+    heading_start: float  # of the first sample [rad]
+    heading_end: float  # just after the last sample [rad]
+    joint: float  # joint angle just after the last sample [rad]
+    settled: bool  # still at the goal during the whole hop
+    attitude: Attitude
+    fault: str = ""  # of the actuator, in words
+    commands: tuple[Command, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """What the mission says and wants after an Input."""
+
+    events: tuple[Event, ...] = ()
+    goal: float | None = None  # joint angle [rad]
+    stop: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """How a mission ended."""
+
+    outcome: Outcome
+    reason: str
+
+
+Mission = Generator[Output, Input, Result]
+
+
+# ---------------------------------------------------------------------------------------------------- plug-ins
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """What one orientation (T_unit of listening at rest) tells about ITDs."""
+
+    heading: float  # [rad]
+    grid: Real  # centres of the ITD bins [s], (n_bins,)
+    density: Real  # weighted ITD density over the grid, sums to 1 when anything was heard, (n_bins,)
+    weight: float  # evidence: the sum of the weights of all bins used; 0 in silence
+    peaks: tuple[float, ...] = ()  # prominent peaks of the density [s]
+    features: Any = None  # what an explorer wants to keep for itself
+
+
+class Explorer(Protocol):
+    """Finds K and every azimuth from observations at several headings."""
+
+    name: str
+
+    def observe(self, spectrogram: Complex, frequencies: Real, heading: float, noise_psd: Real | None) -> Observation:
+        """Condense one orientation; spectrogram (2, n_freqs, n_frames), frequencies [Hz]."""
+
+    def estimate(self, observations: Sequence[Observation]) -> Estimate:
+        """Estimate K and all azimuths from every orientation heard so far."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a separator may know."""
+
+    frequencies: Real  # [Hz], (n_freqs,)
+    spacing: float  # d [m]
+    speed_of_sound: float  # v_p [m/s]
+    n_sources: int  # K
+    tau: Real | None = None  # TDOA of every source at this heading [s], (n_sources,), > 0 when microphone 2 leads
+    noise_psd: Real | None = None  # E|noise|^2 per bin and microphone, (n_freqs,)
+    directness: float | None = None  # 1 in the open, less in reverberation; None: unknown
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Groups:
+    """Separated signals, each as heard at the reference microphone (microphone 1)."""
+
+    signals: Complex  # (n_groups, n_freqs, n_frames)
+    members: tuple[tuple[int, ...], ...]  # indices into Scene.tau that each group holds; () when unknown
+    method: str  # the separator that made them
+    why: str = ""  # why this method was chosen, in words
+    masks: Real | None = field(default=None)  # in [0, 1], (n_groups, n_freqs, n_frames)
+
+
+class Separator(Protocol):
+    """Splits a mixture into groups of sources that share a TDOA."""
+
+    name: str
+
+    def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
+        """Separate a whole recording; spectrogram (2, n_freqs, n_frames)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """How much a voice sounds like the enrolled one."""
+
+    value: float  # calibrated log-likelihood ratio [nat]; 0 is undecided
+    accepted: bool  # above the criterion
+
+
+class VoicePrint(Protocol):
+    """One enrolled voice."""
+
+    def score(self, voice: Real, rate: int) -> Score:
+        """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice."""

@@ -1,0 +1,44 @@
+"""Plug-ins are entry points, built-ins included: only the one asked for is imported."""
+
+from __future__ import annotations
+
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from ross_payload.errors import PluginError
+
+EXTRAS = {"pyroomacoustics": "sim", "matplotlib": "sim", "espeakng_loader": "sim", "sounddevice": "capture",
+          "can": "can", "serial": "serial"}
+
+
+def available(group: str) -> dict[str, EntryPoint]:
+    """Return the entry points of a group by name, sorted; nothing is imported."""
+    return {point.name: point for point in sorted(entry_points(group=group), key=lambda point: point.name)}
+
+
+def load(group: str, name: str) -> Any:
+    """Import one plug-in.
+
+    Raises
+    ------
+    PluginError
+        When the name is unknown (lists those that exist), a dependency is missing (names the extra) or the plug-in
+        is broken (says how).
+    """
+    points = available(group)
+    if name not in points:
+        wanted = ", ".join(points) or "none is installed"
+        raise PluginError(f"{group.removeprefix('ross_payload.').rstrip('s')} '{name}' is unknown; there are: {wanted}")
+    try:
+        return points[name].load()
+    except ModuleNotFoundError as error:
+        raise PluginError(_missing(name, error)) from error
+    except Exception as error:  # a broken plug-in must not take the others with it
+        raise PluginError(f"plug-in '{name}' ({points[name].value}) is broken: {error!r}") from error
+
+
+def _missing(name: str, error: ModuleNotFoundError) -> str:
+    module = (error.name or "").partition(".")[0]
+    if module in EXTRAS:
+        return f"'{name}' needs the package {module}: pip install 'ross-payload[{EXTRAS[module]}]'"
+    return f"plug-in '{name}' cannot be imported: {error}"

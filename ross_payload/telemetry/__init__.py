@@ -1,0 +1,1 @@
+"""The MAVLink component: what the payload tells a ground station."""
