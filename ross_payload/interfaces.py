@@ -26,6 +26,7 @@ Samples = NDArray[np.float32]
 
 # ---------------------------------------------------------------------------------------------------- time
 
+
 class Cancel(Protocol):
     """Ends a periodic call."""
 
@@ -47,6 +48,7 @@ class Clock(Protocol):
 
 
 # ---------------------------------------------------------------------------------------------------- audio
+
 
 class AudioFlag(IntFlag):
     """What is wrong with a block of audio."""
@@ -93,6 +95,7 @@ class AudioSource(Protocol):
 
 
 # ---------------------------------------------------------------------------------------------------- motion
+
 
 class Feedback(StrEnum):
     """Where an actuator's reported angle comes from."""
@@ -222,6 +225,7 @@ class Mount(Protocol):
 
 # ---------------------------------------------------------------------------------------------------- mission
 
+
 class Command(StrEnum):
     """What an operator can ask of a running mission."""
 
@@ -264,6 +268,7 @@ Mission = Generator[Output, Input, Result]
 
 
 # ---------------------------------------------------------------------------------------------------- plug-ins
+
 
 @dataclass(frozen=True, slots=True)
 class Observation:

@@ -7,8 +7,14 @@ from typing import Any
 
 from ross_payload.errors import PluginError
 
-EXTRAS = {"pyroomacoustics": "sim", "matplotlib": "sim", "espeakng_loader": "sim", "sounddevice": "capture",
-          "can": "can", "serial": "serial"}
+EXTRAS = {
+    "pyroomacoustics": "sim",
+    "matplotlib": "sim",
+    "espeakng_loader": "sim",
+    "sounddevice": "capture",
+    "can": "can",
+    "serial": "serial",
+}
 
 
 def available(group: str) -> dict[str, EntryPoint]:
