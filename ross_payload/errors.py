@@ -5,13 +5,14 @@
     RossError
     ├── ConfigError          a file, an option or an argument is wrong: exit code 2
     │   └── PluginError      a plug-in is unknown, broken, or lacks an extra
-    ├── AudioError           no audio, or audio that cannot be used
-    ├── ActuatorError        the thing that turns
+    ├── AudioError           no audio, or audio that cannot be used: exit code 2
+    ├── ActuatorError        the thing that turns: exit code 1
     │   ├── ActuatorFault    it reports a fault, or the guard does
     │   ├── ActuatorTimeout  it did not arrive in time
     │   ├── LimitError       a goal outside the limits
     │   └── NotHomed         an absolute move before the position is known
-    ├── LinkError            a port that cannot be opened or written
+    ├── LinkError            a port that cannot be opened: exit code 2
+    ├── OutputError          results cannot be written any more: exit code 1
     └── NotLive              a separator that only works on whole recordings
 """
 
@@ -53,7 +54,11 @@ class NotHomed(ActuatorError):
 
 
 class LinkError(RossError):
-    """A port that cannot be opened or written."""
+    """A port that cannot be opened."""
+
+
+class OutputError(RossError):
+    """Results cannot be written any more: the disk is full or gone."""
 
 
 class NotLive(RossError):

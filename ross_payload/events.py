@@ -33,12 +33,12 @@ class State(IntEnum):
 
 
 class Outcome(IntEnum):
-    """How a mission ends; the value is the exit code."""
+    """How a mission ends; the value is the exit code of the command that ran it."""
 
     TARGET_FOUND = 0
     FAULT = 1
     NO_TARGET = 3
-    STOPPED = 4
+    STOPPED = 130
 
 
 @dataclass(frozen=True, slots=True)

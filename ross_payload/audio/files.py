@@ -1,0 +1,90 @@
+"""Audio files: read whole, written as 24-bit PCM, and never left half-written in place of a good one."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+import soundfile
+
+from ross_payload.errors import AudioError, OutputError
+from ross_payload.interfaces import Real
+
+
+def read_mono(path: Path) -> tuple[Real, int]:
+    """Read a file as one channel (n_samples,), the mean of its channels, and its rate [Hz].
+
+    Raises
+    ------
+    AudioError
+        When the file is missing, not audio, empty, or holds samples that are not finite.
+    """
+    if not path.is_file():
+        raise AudioError(f"{path}: no such file")
+    try:
+        samples, rate = soundfile.read(path, dtype="float64", always_2d=True)
+    except (soundfile.LibsndfileError, RuntimeError) as error:
+        raise AudioError(f"{path}: not audio that libsndfile can read") from error
+    if len(samples) == 0:
+        raise AudioError(f"{path}: a clip of 0 s; wanted some speech")
+    if not np.isfinite(samples).all():
+        raise AudioError(f"{path}: holds samples that are not finite numbers")
+    return samples.mean(axis=1), int(rate)
+
+
+class WavWriter:
+    """Writes PCM_24 WAV block by block to ``path + '.part'`` and renames it when closed, also after an exception.
+
+    PCM_24 because float WAV files carry a time stamp and would differ from run to run.
+    """
+
+    def __init__(self, path: Path, rate: int, channels: int) -> None:
+        self._path = path
+        self._part = path.with_name(path.name + ".part")
+        try:
+            self._file = soundfile.SoundFile(
+                self._part, "w", samplerate=rate, channels=channels, subtype="PCM_24", format="WAV"
+            )
+        except (OSError, soundfile.LibsndfileError) as error:
+            raise OutputError(f"{path}: cannot be written: {error}") from error
+
+    def write(self, samples: Real) -> None:
+        """Append samples (n_channels, n).
+
+        Raises
+        ------
+        OutputError
+            When the disk is full or gone.
+        """
+        try:
+            self._file.write(np.clip(samples, -1.0, 1.0 - 2.0**-23).T)
+        except (OSError, soundfile.LibsndfileError) as error:
+            raise OutputError(f"{self._path}: cannot be written: {error}") from error
+
+    def close(self) -> None:
+        """Finish the file and put it in place; idempotent."""
+        if self._file.closed:
+            return
+        try:
+            self._file.close()
+        except (OSError, soundfile.LibsndfileError) as error:
+            raise OutputError(f"{self._path}: cannot be written: {error}") from error
+        os.replace(self._part, self._path)  # noqa: PTH105 - the atomic rename
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def write_wav(path: Path, samples: Real, rate: int) -> None:
+    """Write samples (n,) or (n_channels, n) as PCM_24."""
+    block = np.atleast_2d(samples)
+    with WavWriter(path, rate, block.shape[0]) as writer:
+        writer.write(block)

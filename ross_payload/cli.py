@@ -1,0 +1,130 @@
+"""The ``ross`` command. Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ross_payload import __version__, plugins
+from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError
+
+COMMANDS = "ross_payload.commands"
+
+
+class _WithPlugins(click.Group):
+    """Own commands, and those that other packages bring by entry point; a broken one does not hurt another."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return sorted({*super().list_commands(ctx), *plugins.available(COMMANDS)})
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        own = super().get_command(ctx, name)
+        if own is not None or name not in plugins.available(COMMANDS):
+            return own
+        try:
+            command: click.Command = plugins.load(COMMANDS, name)
+        except PluginError as error:
+            return _broken(name, str(error))
+        return command
+
+
+def _broken(name: str, why: str) -> click.Command:
+    def fail(**_: Any) -> None:
+        raise PluginError(why)
+
+    rest = click.Argument(["rest"], nargs=-1, type=click.UNPROCESSED)
+    settings = {"ignore_unknown_options": True}
+    return click.Command(name, callback=fail, params=[rest], short_help="(cannot be loaded)", context_settings=settings)
+
+
+@click.group(cls=_WithPlugins, epilog=__doc__, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="ross")
+def ross() -> None:
+    """Hear several talkers, turn until interferers pose as one, and separate the target voice."""
+
+
+@ross.group()
+def config() -> None:
+    """Look at configuration files."""
+
+
+@config.command("check")
+@click.argument("file", type=click.Path(path_type=Path))
+def check(file: Path) -> None:
+    """Check a payload's TOML FILE: keys, values, and the options of the actuator it names."""
+    from ross_payload.actuators.registry import check_options
+    from ross_payload.config import load
+
+    loaded = load(file)
+    check_options(loaded)
+    for group, name in (
+        ("ross_payload.explorers", loaded.explore.method),
+        ("ross_payload.separators", loaded.exploit.separator),
+    ):
+        if name not in plugins.available(group):
+            plugins.load(group, name)
+    click.echo(f"{file}: good")
+
+
+@ross.command()
+@click.argument("name")
+@click.argument("file", type=click.Path(path_type=Path), required=False)
+@click.option("--forget", is_flag=True, help="Delete the voice print of NAME instead.")
+def enroll(name: str, file: Path | None, forget: bool) -> None:
+    """Make the voice print of NAME from an audio FILE with a few seconds of clean speech.
+
+    A voice print is personal data: it is kept on this computer only, readable by you alone, until you --forget it.
+    """
+    from ross_payload.audio.files import read_mono
+    from ross_payload.voiceprint import VoiceStore, enrol
+
+    store = VoiceStore()
+    if forget:
+        store.forget(name)
+        click.echo(f"forgot {name}")
+        return
+    if file is None:
+        raise click.UsageError("missing FILE: wanted an audio file with a few seconds of speech")
+    voice, rate = read_mono(file)
+    store.save(name, enrol(voice, rate))
+    click.echo(f"enrolled {name}; 'ross enroll {name} --forget' deletes the voice print")
+
+
+@ross.command()
+@click.option("--json", "as_json", is_flag=True, help="For machines.")
+def actuators(as_json: bool) -> None:
+    """List the actuator back ends and whether they can be used here."""
+    import json
+
+    from ross_payload.actuators.registry import describe
+
+    rows = describe()
+    if as_json:
+        click.echo(json.dumps([{"name": row.name, "usable": row.usable, "about": row.about} for row in rows]))
+        return
+    for row in rows:
+        click.echo(f"{row.name:<16} {'usable' if row.usable else 'not usable':<11} {row.about}")
+
+
+def main() -> None:
+    """Run the command line; a user's mistake gets one line and exit code 2."""
+    try:
+        code = ross.main(standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        code = error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("ross: interrupted", err=True)
+        code = 130
+    except (ActuatorError, OutputError) as error:
+        click.echo(f"ross: {error}", err=True)
+        code = 1
+    except RossError as error:
+        click.echo(f"ross: {error}", err=True)
+        code = 2
+    except BrokenPipeError:
+        code = 1
+    sys.exit(code if isinstance(code, int) else 0)

@@ -1,0 +1,143 @@
+"""What the whole mission shares: its settings, its tools, and the hop that exchanges an Output for an Input."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import numpy as np
+
+from ross_payload.dsp.noise import quiet_psd
+from ross_payload.dsp.stft import Stft
+from ross_payload.events import Event, Outcome, State, StateChanged, TurnStarted
+from ross_payload.interfaces import Command, Complex, Explorer, Input, Output, Real, Samples, Separator, VoicePrint
+
+T = TypeVar("T")
+Step = Generator[Output, Input, T]
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """The mission's numbers, in SI and radians."""
+
+    rate: int  # [Hz]
+    spacing: float  # d [m]
+    speed_of_sound: float  # v_p [m/s]
+    lead_in: float  # [s] heard before anything turns
+    unit: float  # T_unit [s]
+    rotation: float  # one step of the exploration [rad]
+    min_rotations: int
+    max_rotations: int
+    check: float  # T_check [s]
+    run: float  # T_run [s]
+    runs: int  # how many T_run until done, 0: until stopped
+    criterion: float  # a voice above this score is the target
+    max_restarts: int
+    lower: float  # travel of the joint [rad]
+    upper: float  # [rad]
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Tools:
+    """What the mission hears and decides with."""
+
+    explorer: Explorer
+    explorer_stft: Stft
+    separator: Separator
+    stft: Stft
+    voiceprint: VoicePrint
+
+
+class Ended(Exception):
+    """The mission ends here: a stop, a cancel or a fault of the actuator."""
+
+    def __init__(self, outcome: Outcome, reason: str) -> None:
+        super().__init__(reason)
+        self.outcome = outcome
+        self.reason = reason
+
+
+@dataclass(slots=True)
+class Context:
+    """The mission's memory between hops."""
+
+    settings: Settings
+    tools: Tools
+    samples: int = 0  # heard so far
+    last: Input | None = None
+    lead_in: Samples | None = None  # (2, n), quiet or not
+    noise_psd: dict[int, Real | None] = field(default_factory=dict)  # by STFT frame
+    pending: list[Event] = field(default_factory=list)
+
+    @property
+    def time(self) -> float:
+        """Mission time [s]."""
+        return self.samples / self.settings.rate
+
+    @property
+    def here(self) -> Input:
+        """The latest Input; the mission has always heard one when it asks."""
+        if self.last is None:
+            raise RuntimeError("the mission has not heard anything yet")
+        return self.last
+
+    def say(self, event: Event) -> None:
+        """Send an event with the next Output."""
+        self.pending.append(event)
+
+    def enter(self, state: State, detail: str = "") -> None:
+        """Enter a state and say so."""
+        self.say(StateChanged(self.time, state, detail))
+
+    def psd(self, stft: Stft, later: Complex) -> Real | None:
+        """Noise PSD from the lead-in for this STFT, or None when the lead-in was not quiet; computed once."""
+        if stft.frame not in self.noise_psd:
+            found = None
+            if self.lead_in is not None and self.lead_in.shape[1] >= stft.frame:
+                found = quiet_psd(stft.analyse(self.lead_in), later)
+            self.noise_psd[stft.frame] = found
+        return self.noise_psd[stft.frame]
+
+
+def hop(context: Context, goal: float | None = None) -> Step[Input]:
+    """Exchange one Output for one Input; every stop, cancel and fault is obeyed here.
+
+    Raises
+    ------
+    Ended
+        On a command or a fault.
+    """
+    events, context.pending = tuple(context.pending), []
+    heard = yield Output(events, goal)
+    context.last = heard
+    context.samples += heard.block.samples.shape[1]
+    if Command.STOP in heard.commands:
+        raise Ended(Outcome.STOPPED, "stopped by command")
+    if Command.CANCEL in heard.commands:
+        raise Ended(Outcome.STOPPED, "cancelled by command")
+    if heard.fault:
+        raise Ended(Outcome.FAULT, heard.fault)
+    return heard
+
+
+def listen(context: Context, seconds: float) -> Step[Samples]:
+    """Hear ``seconds`` of audio at rest; return the samples (2, n)."""
+    wanted = round(seconds * context.settings.rate)
+    blocks: list[Samples] = []
+    heard = 0
+    while heard < wanted:
+        block = (yield from hop(context)).block.samples
+        blocks.append(block)
+        heard += block.shape[1]
+    return np.concatenate(blocks, axis=1) if blocks else np.zeros((2, 0), np.float32)
+
+
+def turn(context: Context, joint: float, reason: str) -> Step[None]:
+    """Turn to a joint angle [rad] and wait until settled; what is heard meanwhile passes by."""
+    here = context.here
+    context.say(TurnStarted(context.time, joint, here.heading_end + joint - here.joint, reason))
+    yield from hop(context, goal=joint)
+    while not context.here.settled:
+        yield from hop(context)

@@ -1,0 +1,166 @@
+"""Configuration to objects, and the runner: read a hop, send an Input, obey the Output."""
+
+from __future__ import annotations
+
+import math
+from queue import Empty, SimpleQueue
+from typing import Protocol
+
+from ross_payload import plugins
+from ross_payload.config import Config
+from ross_payload.dsp.stft import Stft
+from ross_payload.errors import ActuatorError
+from ross_payload.events import Event
+from ross_payload.interfaces import (
+    Actuator,
+    ActuatorState,
+    AudioSource,
+    Command,
+    Explorer,
+    Input,
+    Mission,
+    Mount,
+    Output,
+    Result,
+    Separator,
+    VoicePrint,
+)
+from ross_payload.mission.context import Settings, Tools
+
+EXPLORER_FRAME = 0.064  # [s], rounded to a power of two in samples
+REST_TIMEOUT = 10.0  # [s] of audio that a decelerating motor may take at the end
+
+
+class Observer(Protocol):
+    """Watches a mission: telemetry, recorders, live views."""
+
+    def heard(self, heard: Input) -> None:
+        """One hop was heard."""
+
+    def said(self, event: Event, heard: Input) -> None:
+        """The mission said something about all that was heard up to this Input."""
+
+
+class Runner:
+    """Drives one mission with real or simulated parts; every stop passes through it within one hop."""
+
+    def __init__(self, mission: Mission, source: AudioSource, actuator: Actuator, mount: Mount, config: Config) -> None:
+        self._mission = mission
+        self._source = source
+        self._actuator = actuator
+        self._mount = mount
+        self._hop = config.hop
+        self._offset = config.offset
+        self._rest_hops = math.ceil(REST_TIMEOUT * source.rate / config.hop)
+        self._commands: SimpleQueue[Command] = SimpleQueue()
+        self._fault = ""
+        self.observers: list[Observer] = []
+
+    def command(self, command: Command) -> None:
+        """Ask the running mission for something; from any thread or signal handler."""
+        self._commands.put(command)
+
+    def run(self) -> Result:
+        """Run the mission to its end and the actuator to rest."""
+        output = next(self._mission)
+        heard = None
+        try:
+            while True:
+                heard = self._listen(output.goal)
+                output = self._mission.send(heard)
+                self._obey(output, heard)
+        except StopIteration as end:
+            result: Result = end.value
+        except BaseException:
+            self._actuator.stop()
+            raise
+        self._rest()
+        return result
+
+    def _listen(self, goal: float | None) -> Input:
+        before = self._actuator.state()
+        block = self._source.read(self._hop)
+        after = self._actuator.state()
+        heard = Input(
+            block=block,
+            heading_start=self._heading(before, block.time),
+            heading_end=self._heading(after, block.time + self._hop / self._source.rate),
+            joint=after.angle,
+            settled=before.settled and after.settled and goal is None,
+            attitude=self._mount.attitude(block.time),
+            fault=self._fault or ("" if after.healthy else after.fault or "the actuator reports a fault"),
+            commands=self._drain(),
+        )
+        for observer in self.observers:
+            observer.heard(heard)
+        return heard
+
+    def _obey(self, output: Output, heard: Input) -> None:
+        if output.stop:
+            self._actuator.stop()
+        if output.goal is not None:
+            try:
+                self._actuator.command(output.goal)
+            except ActuatorError as error:
+                self._fault = str(error)
+        for event in output.events:
+            for observer in self.observers:
+                observer.said(event, heard)
+
+    def _rest(self) -> None:
+        """Keep hearing until the motor stands still, so that what is recorded includes its deceleration."""
+        for _ in range(self._rest_hops):
+            if self._actuator.state().rate == 0.0:
+                return
+            self._listen(None)
+
+    def _heading(self, state: ActuatorState, time: float) -> float:
+        return self._mount.attitude(time).yaw + state.angle + self._offset
+
+    def _drain(self) -> tuple[Command, ...]:
+        commands = []
+        try:
+            while True:
+                commands.append(self._commands.get_nowait())
+        except Empty:
+            return tuple(commands)
+
+
+def settings_of(config: Config, lower: float, upper: float) -> Settings:
+    """Convert a configuration to the mission's units; ``lower`` and ``upper`` are the guarded travel [rad]."""
+    explore, exploit = config.explore, config.exploit
+    return Settings(
+        rate=config.audio.rate_hz,
+        spacing=config.array.spacing_m,
+        speed_of_sound=config.array.speed_of_sound_m_s,
+        lead_in=explore.lead_in_s,
+        unit=explore.unit_s,
+        rotation=math.radians(explore.step_deg),
+        min_rotations=explore.min_rotations,
+        max_rotations=explore.max_rotations,
+        check=exploit.check_s,
+        run=exploit.run_s,
+        runs=exploit.runs,
+        criterion=exploit.criterion,
+        max_restarts=exploit.max_restarts,
+        lower=lower,
+        upper=upper,
+        seed=config.seed,
+    )
+
+
+def tools_of(config: Config, voiceprint: VoicePrint) -> Tools:
+    """Load the plug-ins that a configuration names."""
+    audio, array = config.audio, config.array
+    explorer: Explorer = plugins.load("ross_payload.explorers", config.explore.method).make(
+        array.spacing_m, array.speed_of_sound_m_s
+    )
+    separator: Separator = plugins.load("ross_payload.separators", config.exploit.separator)
+    frame = 2 ** round(math.log2(EXPLORER_FRAME * audio.rate_hz))
+    return Tools(
+        explorer=explorer,
+        explorer_stft=Stft(audio.rate_hz, frame, frame // 4),
+        separator=separator,
+        stft=Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap))),
+        voiceprint=voiceprint,
+    )
