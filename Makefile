@@ -1,0 +1,59 @@
+# make demo   see it work              make test   run every test
+# make check  ruff, mypy, imports      make bench  the measured tables       make soak  the full figures
+# make docs   build the manual         make protocols  regenerate the MAVLink dialect
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+SPEECH ?= ../shared/speech
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet install --constraint constraints.txt
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+
+.PHONY: demo test check bench soak docs protocols clean
+.DELETE_ON_ERROR:
+
+demo: $(VENV)/.demo
+	$(BIN)/ross sitl --out out/demo
+
+test: $(VENV)/.dev
+	$(ONE_THREAD) $(BIN)/pytest --numprocesses 2 --dist worksteal $(ARGS)
+
+check: $(VENV)/.dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(VENV)/.dev
+	$(BIN)/python -m ross_sim.study.separation --speech $(SPEECH)
+	$(BIN)/python -m ross_sim.study.exploration --speech $(SPEECH)
+	$(BIN)/python -m ross_sim.study.voices --speech $(SPEECH)
+	$(BIN)/python -m ross_sim.study.cost --speech $(SPEECH)
+
+soak: $(VENV)/.dev
+	$(ONE_THREAD) $(BIN)/pytest --numprocesses 2 -m soak --timeout 7200 $(ARGS)
+
+docs: $(VENV)/.dev
+	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build/html
+
+protocols: $(VENV)/.dev
+	$(BIN)/python protocols/generate.py
+
+clean:
+	rm -rf $(VENV) out docs/_build dist build
+
+$(VENV)/.demo: pyproject.toml constraints.txt | $(BIN)/python
+	$(PIP) --editable '.[sim]'
+	@touch $@
+
+$(VENV)/.dev: pyproject.toml constraints.txt | $(BIN)/python
+	$(PIP) --editable '.[all]' --group dev
+	@touch $@ $(VENV)/.demo
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Python 3.11 or newer is needed; $$($(PYTHON) --version) was found. Try: make PYTHON=python3.11"; exit 2; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || if [ "$$(id -u)" = 0 ]; then \
+	    apt-get update -qq && apt-get install -y -qq python3-venv; \
+	  else echo "Python has no venv module here; type: sudo apt-get install python3-venv"; exit 2; fi
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip --disable-pip-version-check --quiet install --upgrade 'pip>=25.1'
