@@ -1,0 +1,65 @@
+"""The noise PSD: measured while nobody talks, or guessed from the quietest frames."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.stats
+
+from ross_payload.interfaces import Complex, Real
+
+SPREAD = 3.0  # frames within this of the quiet level are noise [dB]
+RISE = 6.0  # what comes later is at least this much louder [dB]
+FRAMES = 8  # fewer quiet frames tell nothing
+SHARE = 0.4  # of the lead-in that must be quiet
+QUANTILE = 0.1  # of the bin powers, for the guess
+
+
+def frame_levels(spectrogram: Complex) -> Real:
+    """Mean power per frame over microphones and frequencies, (n_frames,)."""
+    return np.asarray((np.abs(spectrogram) ** 2).mean(axis=(0, 1)), float)
+
+
+def quiet_psd(lead_in: Complex, later: Complex) -> Real | None:
+    """Noise PSD E|noise|^2 per bin and microphone from a lead-in in which nobody talks, else None.
+
+    The frames within 3 dB of the lower quartile of the levels are quiet: a cough or a talker who starts early stays
+    out. They are noise when they are at least 40 % of the lead-in (speech is not that stationary) and the loud tenth
+    of what comes later is at least 6 dB above them.
+
+    Parameters
+    ----------
+    lead_in, later
+        Spectrograms (2, n_freqs, n_frames).
+
+    Returns
+    -------
+    ndarray or None
+        (n_freqs,), the mean over the quiet frames and both microphones.
+    """
+    levels, loud = frame_levels(lead_in), frame_levels(later)
+    if levels.size < FRAMES or not loud.size:
+        return None
+    inner = levels[1:-1]  # the frames at the ends are partly empty
+    quiet = np.flatnonzero(np.abs(_decibel(inner) - np.quantile(_decibel(inner), 0.25)) <= SPREAD) + 1
+    if quiet.size < max(FRAMES, SHARE * levels.size):
+        return None
+    if np.quantile(loud, 0.9) < 10 ** (RISE / 10) * levels[quiet].mean() or not loud.max():
+        return None
+    return np.asarray((np.abs(lead_in[:, :, quiet]) ** 2).mean(axis=(0, 2)), float)
+
+
+def guessed_psd(spectrogram: Complex) -> Real:
+    """Guess the noise PSD per bin and microphone from the quietest tenth of a mixture, (n_freqs,).
+
+    A low quantile of the power per bin, divided by that quantile of the mean power of two independent channels of
+    Gaussian noise (a gamma distribution of shape 2); Martin 2001 uses the minimum in the same way.
+    """
+    if not spectrogram.shape[-1]:
+        return np.zeros(spectrogram.shape[1])
+    power = (np.abs(spectrogram) ** 2).mean(axis=0)
+    unit = float(scipy.stats.gamma.ppf(QUANTILE, 2, scale=0.5))
+    return np.asarray(np.quantile(power, QUANTILE, axis=-1) / unit, float)
+
+
+def _decibel(power: Real) -> Real:
+    return np.asarray(10 * np.log10(np.maximum(power, 1e-30)))
