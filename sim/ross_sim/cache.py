@@ -1,0 +1,131 @@
+"""Arrays on disk that may be lost, cut short or written twice at once without harm."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Samples
+from ross_sim.room import RoomSpec, respond
+
+Array = NDArray[Any]
+
+TURN = 6_283_185  # [microradian], once around
+_UNREADABLE = (OSError, EOFError, KeyError, ValueError, NotImplementedError, zipfile.BadZipFile, zlib.error)
+
+
+def cache_folder(folder: Path | None = None) -> Path:
+    """Where to keep things: ``folder``, else ROSS_CACHE, else ross in XDG_CACHE_HOME, else in ~/.cache."""
+    if folder is not None:
+        return folder
+    own = os.environ.get("ROSS_CACHE")
+    if own:
+        return Path(own)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ross"
+
+
+def fingerprint(**values: Any) -> str:
+    """Hash everything that a cached array depends on; numbers count to their last bit.
+
+    >>> fingerprint(t60=0.1 + 0.2) == fingerprint(t60=0.3)
+    False
+    """
+    return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:32]
+
+
+def cached(path: Path, make: Callable[[], dict[str, Array]]) -> dict[str, Array]:
+    """Read arrays from ``path``; when the file is missing or damaged, make them, write them and read them back.
+
+    They come from the disk on the first run also, so that the first and every later run compute with the same bytes.
+    A file appears under its name only when complete; of two writers the last wins, with the same content.
+
+    Raises
+    ------
+    ConfigError
+        When the folder cannot be written.
+    """
+    found = _read(path)
+    if found is None:
+        _write(path, make())
+        found = _read(path)
+    if found is None:
+        raise ConfigError(f"{path}: written but cannot be read back; set ROSS_CACHE to another folder")
+    return found
+
+
+def _read(path: Path) -> dict[str, Array] | None:
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}  # the archive's checksums are compared here
+    except _UNREADABLE:
+        return None
+
+
+def _write(path: Path, arrays: dict[str, Array]) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".part")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                np.savez(file, allow_pickle=False, **arrays)
+                file.flush()
+                os.fsync(file.fileno())
+            Path(name).replace(path)
+        finally:
+            Path(name).unlink(missing_ok=True)
+    except OSError as error:
+        raise ConfigError(
+            f"{path.parent}: the cache cannot be written: {error.strerror}; set ROSS_CACHE to another folder"
+        ) from error
+
+
+class Responses:
+    """The impulse responses of one room, heading by heading, from memory, from disk or simulated.
+
+    Headings are rounded to one microradian, which moves a microphone by nanometres.
+    """
+
+    def __init__(self, spec: RoomSpec, folder: Path | None = None) -> None:
+        self._spec = spec
+        self._known: dict[int, Samples] = {}
+        key = fingerprint(
+            size=spec.size,
+            t60=spec.t60,
+            rate=spec.rate,
+            array_centre=spec.array_centre,
+            spacing=spec.spacing,
+            sources=spec.sources,
+            speed_of_sound=spec.speed_of_sound,
+            pyroomacoustics=version("pyroomacoustics"),
+            layout=1,
+        )
+        self._folder = cache_folder(folder) / "rooms" / key
+
+    def at(self, heading: float) -> Samples:
+        """Return the responses at a heading [rad], (2, n_sources, n_taps)."""
+        step = round(heading * 1e6) % TURN
+        if step not in self._known:
+            self._known[step] = self._load(step)
+        return self._known[step]
+
+    def _load(self, step: int) -> Samples:
+        def make() -> dict[str, Array]:
+            return {"responses": respond(self._spec, [step * 1e-6])[0]}
+
+        path = self._folder / f"{step:07d}.npz"
+        responses = cached(path, make).get("responses")
+        if responses is None or responses.dtype != np.float32 or responses.shape[:2] != (2, len(self._spec.sources)):
+            raise ConfigError(f"{path}: holds something else than impulse responses; delete it")
+        return responses

@@ -1,0 +1,214 @@
+"""Rooms by the image method (pyroomacoustics): what two omnidirectional microphones hear at any heading."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pyroomacoustics as pra
+from numpy.typing import ArrayLike, NDArray
+
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Samples
+
+Real = NDArray[np.floating[Any]]
+
+CLEARANCE = 0.2  # [m], nearest a source may come to the centre of the array
+WALL = 0.01  # [m], nearest anything may come to a wall
+SPEED_OF_SOUND = 343.0  # [m/s]
+SINC = 81  # taps of a fractional delay; every response starts SINC // 2 samples late
+
+
+@dataclass(frozen=True, slots=True)
+class RoomSpec:
+    """A shoebox, the array in it and who stands where.
+
+    Raises
+    ------
+    ConfigError
+        When something lies outside the room or on top of the array, or a number is impossible.
+    """
+
+    size: tuple[float, ...]  # [m], two numbers (a plane, as in the paper) or three
+    t60: float  # nominal reverberation time [s]; 0: no walls
+    rate: int  # [Hz]
+    array_centre: tuple[float, ...]  # [m]
+    spacing: float  # d [m]
+    sources: tuple[tuple[float, ...], ...]  # [m], one position per source
+    speed_of_sound: float = SPEED_OF_SOUND  # v_p [m/s]
+
+    def __post_init__(self) -> None:
+        """Check everything before any of it is simulated."""
+        _check_numbers(self)
+        _check_places(self)
+
+
+def impulse_responses(  # noqa: PLR0917
+    size: ArrayLike,
+    t60: float,
+    rate: int,
+    array_centre: ArrayLike,
+    spacing: float,
+    sources: ArrayLike,
+    headings: ArrayLike,
+    speed_of_sound: float = SPEED_OF_SOUND,
+) -> Samples:
+    """Impulse responses from every source to both microphones at every heading, (n_headings, 2, n_sources, n_taps).
+
+    The axis from microphone 1 to microphone 2 points along the heading h: with u = (cos h, sin h), microphone 1 is at
+    centre - d/2 u and microphone 2 at centre + d/2 u. The walls' absorption comes from the nominal T60 by Sabine's
+    formula (in its two-dimensional form for a plane); all images that arrive within T60 count and nothing later.
+    With T60 = 0 only the direct path does. Every response starts 40 samples late: half a fractional delay filter.
+
+    Parameters
+    ----------
+    size
+        Two or three sides [m].
+    t60
+        Nominal reverberation time [s].
+    rate
+        [Hz].
+    array_centre
+        [m], (2,) or (3,).
+    spacing
+        d [m].
+    sources
+        [m], (n_sources, 2) or (n_sources, 3).
+    headings
+        [rad], (n_headings,).
+    speed_of_sound
+        v_p [m/s].
+
+    Raises
+    ------
+    ConfigError
+        When something lies outside the room or on top of the array, or a number is impossible.
+
+    Examples
+    --------
+    A source 2 m ahead on the axis is 0.343 m nearer to microphone 2, which is 16 samples at 16 kHz:
+
+    >>> response = impulse_responses((10, 10), 0.0, 16000, (5, 5), 0.343, [(7, 5)], [0.0])
+    >>> response.shape[:3]
+    (1, 2, 1)
+    >>> first, second = np.abs(response[0, :, 0]).argmax(axis=-1)
+    >>> int(first - second)
+    16
+    """
+    places = np.asarray(sources, dtype=float).reshape(-1, np.size(size))
+    spec = RoomSpec(
+        _numbers(size), float(t60), rate, _numbers(array_centre), spacing, tuple(map(_numbers, places)), speed_of_sound
+    )
+    return respond(spec, np.atleast_1d(np.asarray(headings, dtype=float)).tolist())
+
+
+def respond(spec: RoomSpec, headings: Sequence[float]) -> Samples:
+    """Impulse responses of a room at headings [rad], (n_headings, 2, n_sources, n_taps)."""
+    n_sources = len(spec.sources)
+    if not n_sources or not len(headings):
+        return np.zeros((len(headings), 2, n_sources, 1), dtype=np.float32)
+    with _single_thread(spec.t60 > 0):
+        room = _shoebox(spec)
+        room.add_microphone_array(microphones(spec, headings))
+        for source in spec.sources:
+            room.add_source(list(source))
+        room.compute_rir()
+    taps = _taps(spec, max(len(response) for row in room.rir for response in row))
+    padded = np.zeros((2 * len(headings), n_sources, taps), dtype=np.float32)
+    for row, responses in zip(padded, room.rir, strict=True):
+        for out, response in zip(row, responses, strict=True):
+            out[: min(taps, len(response))] = response[:taps]
+    return padded.reshape(len(headings), 2, n_sources, taps)
+
+
+def microphones(spec: RoomSpec, headings: Sequence[float]) -> Real:
+    """Positions of both microphones at every heading, (dim, 2 n_headings), microphones side by side.
+
+    >>> spec = RoomSpec((4, 4), 0.0, 16000, (2, 2), 0.1, ())
+    >>> microphones(spec, [0.0, np.pi / 2]).round(3).T.tolist()
+    [[1.95, 2.0], [2.05, 2.0], [2.0, 1.95], [2.0, 2.05]]
+    """
+    along = np.zeros((len(headings), 1, len(spec.size)))
+    along[:, 0, 0], along[:, 0, 1] = np.cos(headings), np.sin(headings)
+    ends = np.asarray(spec.array_centre) + np.array([[-0.5], [0.5]]) * spec.spacing * along
+    return np.asarray(ends.reshape(-1, len(spec.size)).T)
+
+
+def _shoebox(spec: RoomSpec) -> Any:
+    absorption, order = 1.0, 0
+    if spec.t60 > 0:
+        try:
+            absorption, order = pra.inverse_sabine(spec.t60, list(spec.size), c=spec.speed_of_sound)
+        except ValueError as error:
+            raise ConfigError(
+                f"t60 = {spec.t60:g} s is too short for a room of {_text(spec.size)} m: even walls that absorb "
+                "everything would ring longer by Sabine's formula; use a longer T60, a smaller room, or 0 for no walls"
+            ) from error
+    room = pra.ShoeBox(list(spec.size), fs=spec.rate, materials=pra.Material(absorption), max_order=max(order, 0))
+    room.set_sound_speed(spec.speed_of_sound)
+    return room
+
+
+def _taps(spec: RoomSpec, longest: int) -> int:
+    if spec.t60 <= 0:
+        return longest
+    reach = max(math.dist(source, spec.array_centre) for source in spec.sources) / spec.speed_of_sound
+    return min(longest, math.ceil(max(spec.t60, reach + 0.01) * spec.rate) + SINC)
+
+
+@contextmanager
+def _single_thread(high_pass: bool) -> Iterator[None]:
+    """One thread, so that sums are formed in one order; the library's constants are put back."""
+    wanted = {"num_threads": 1, "rir_hpf_enable": high_pass, "frac_delay_length": SINC}
+    before = {name: pra.constants.get(name) for name in wanted}
+    try:
+        for name, value in wanted.items():
+            pra.constants.set(name, value)
+        yield
+    finally:
+        for name, value in before.items():
+            pra.constants.set(name, value)
+
+
+def _check_numbers(spec: RoomSpec) -> None:
+    if len(spec.size) not in (2, 3) or not all(0 < side < math.inf for side in spec.size):
+        raise ConfigError(f"a room has two or three positive sides [m], not {_text(spec.size)}")
+    for name, value, lowest in (("t60", spec.t60, 0.0), ("speed_of_sound", spec.speed_of_sound, 1.0)):
+        if not lowest <= value < math.inf:
+            raise ConfigError(f"{name} = {value:g}: at least {lowest:g} wanted")
+    if spec.rate <= 0:
+        raise ConfigError(f"rate = {spec.rate} Hz: a positive rate is wanted")
+    if not 0 < spec.spacing < 2 * CLEARANCE:
+        raise ConfigError(f"spacing = {spec.spacing:g} m: more than 0 and less than {2 * CLEARANCE:g} m wanted")
+
+
+def _check_places(spec: RoomSpec) -> None:
+    reach = np.array([spec.spacing / 2, spec.spacing / 2, 0.0])[: len(spec.size)]
+    _check_inside(spec, "the array", spec.array_centre, reach)
+    for index, source in enumerate(spec.sources):
+        _check_inside(spec, f"source {index}", source, np.zeros(len(spec.size)))
+        distance = math.dist(source, spec.array_centre)
+        if distance < CLEARANCE:
+            raise ConfigError(
+                f"source {index} is on top of the array: {distance:.2f} m from its centre, {CLEARANCE:g} m wanted"
+            )
+
+
+def _check_inside(spec: RoomSpec, who: str, place: tuple[float, ...], reach: Real) -> None:
+    if len(place) != len(spec.size):
+        raise ConfigError(f"{who} is at {_text(place)} m, but the room has {len(spec.size)} sides")
+    margin = reach + WALL
+    if not bool(np.all((np.asarray(place) >= margin) & (np.asarray(place) <= np.asarray(spec.size) - margin))):
+        raise ConfigError(f"{who} at {_text(place)} m is outside the room of {_text(spec.size)} m")
+
+
+def _numbers(values: ArrayLike) -> tuple[float, ...]:
+    return tuple(float(value) for value in np.asarray(values, dtype=float).ravel())
+
+
+def _text(values: Sequence[float]) -> str:
+    return " x ".join(f"{value:.3g}" for value in values)
