@@ -36,7 +36,7 @@ class Audio(Table):
     rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 16000
     hop_ms: Annotated[int, Field(ge=1, le=20)] = 10
     frame: Annotated[int, Field(ge=128, le=8192)] = 2048  # STFT frame of the separation [samples]
-    overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75
+    overlap: Annotated[float, Field(ge=0.5, le=0.9)] = 0.75
 
 
 class Actuator(Table):

@@ -1,0 +1,192 @@
+"""What a person sees while the mission runs: a live view on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Protocol
+
+from rich.console import Console, Group
+from rich.live import Live
+from rich.progress_bar import ProgressBar
+from rich.table import Table
+from rich.text import Text
+
+from ross_payload.events import (
+    AlignmentPlanned,
+    Checked,
+    Event,
+    Finished,
+    NoiseMeasured,
+    OrientationHeard,
+    ScoreDropped,
+    Separated,
+    SourcesEstimated,
+    State,
+    StateChanged,
+    TurnStarted,
+)
+from ross_payload.interfaces import Input, Real
+
+BARS = " ▁▂▃▄▅▆▇█"
+LINES = 6  # of the log under the live view
+REFRESH = 8  # [Hz]
+
+
+class View(Protocol):
+    """Shows a mission while it runs."""
+
+    def heard(self, heard: Input) -> None:
+        """One hop was heard."""
+
+    def said(self, event: Event, heard: Input) -> None:
+        """The mission said something."""
+
+    def close(self) -> None:
+        """Give the screen back."""
+
+
+class Silent:
+    """Shows nothing: for machines."""
+
+    def heard(self, heard: Input) -> None:
+        """Ignore it."""
+
+    def said(self, event: Event, heard: Input) -> None:
+        """Ignore it."""
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+
+class PlainLines:
+    """One line for every event that a person wants to know."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+
+    def heard(self, heard: Input) -> None:
+        """Say nothing about single hops."""
+
+    def said(self, event: Event, heard: Input) -> None:
+        """Print the event in words."""
+        words = in_words(event)
+        if words:
+            self._console.print(f"{event.time:7.2f} s  {words}", highlight=False, markup=False, soft_wrap=True)
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+
+class LiveView:
+    """State, progress, level, heading, ITD density and sources, redrawn in place."""
+
+    def __init__(self, console: Console, expected: float) -> None:
+        self._expected = expected  # [s] of mission time
+        self._time = 0.0
+        self._level = -100.0
+        self._heading = 0.0
+        self._state = State.IDLE
+        self._detail = ""
+        self._density = ""
+        self._sources: SourcesEstimated | None = None
+        self._log: list[str] = []
+        self._live = Live(self, console=console, refresh_per_second=REFRESH, transient=False)
+        self._live.start()
+
+    def heard(self, heard: Input) -> None:
+        """Follow level and heading."""
+        samples = heard.block.samples
+        power = float((samples * samples).mean()) if samples.size else 0.0
+        self._level = max(10 * math.log10(power + 1e-10), self._level - 0.5)
+        self._heading = heard.heading_end
+        self._time = heard.block.time
+
+    def said(self, event: Event, heard: Input) -> None:
+        """Take the event into the picture."""
+        if isinstance(event, StateChanged):
+            self._state, self._detail = event.state, event.detail
+        elif isinstance(event, OrientationHeard):
+            self._density = sparkline(event.density)
+        elif isinstance(event, SourcesEstimated):
+            self._sources = event
+        words = in_words(event)
+        if words:
+            self._log = [*self._log[-LINES + 1 :], f"{event.time:7.2f} s  {words}"]
+
+    def close(self) -> None:
+        """Give the screen back, with the last view left on it."""
+        self._live.stop()
+
+    def __rich__(self) -> Group:
+        """Draw the latest; called by the library's refresh thread, which only reads."""
+        state = Text.assemble((self._state.name.replace("_", " ").lower(), "bold"), f"  {self._detail}")
+        facts = f"heading {math.degrees(self._heading) % 360:6.1f} deg   level {self._level:6.1f} dBFS"
+        bar = ProgressBar(total=self._expected, completed=min(self._time, self._expected), width=50)
+        return Group(
+            state,
+            Text(f"{facts}   {self._time:6.1f} s of about {self._expected:.0f} s"),
+            bar,
+            Text(f"ITD  {self._density}", style="cyan"),
+            self._table(),
+            *(Text(line, style="dim") for line in self._log),
+        )
+
+    def _table(self) -> Table:
+        table = Table(box=None, pad_edge=False, header_style="bold")
+        for column in ("source", "azimuth", "sigma", "confidence", "front/back"):
+            table.add_column(column, justify="right")
+        for index, source in enumerate(self._sources.estimate.sources if self._sources else ()):
+            table.add_row(
+                str(index),
+                f"{math.degrees(source.azimuth):.1f} deg",
+                f"{math.degrees(source.sigma):.1f}",
+                f"{source.confidence:.2f}",
+                "told" if source.resolved else "open",
+            )
+        return table
+
+
+def sparkline(values: Real, width: int = 60) -> str:
+    """Draw a density as one line of bars.
+
+    >>> import numpy as np
+    >>> sparkline(np.array([0.0, 0.5, 1.0]), width=3)
+    ' ▄█'
+    """
+    if not len(values) or values.max() <= 0:
+        return ""
+    edges = [round(i * len(values) / width) for i in range(width + 1)]
+    heights = [max(values[a : max(b, a + 1)]) / values.max() for a, b in pairwise(edges)]
+    return "".join(BARS[int(height * (len(BARS) - 1))] for height in heights)
+
+
+def in_words(event: Event) -> str:  # noqa: PLR0911 - one line for each kind of event
+    """Tell an event in words; empty when it is not worth a line."""
+    match event:
+        case NoiseMeasured(level_db=None):
+            return "there was no quiet lead-in: the noise is guessed"
+        case NoiseMeasured(level_db=level, seconds=seconds):
+            return f"quiet lead-in of {seconds:g} s: noise at {level:.1f} dBFS"
+        case SourcesEstimated(estimate=estimate, rotations=rotations, final=final):
+            where = ", ".join(f"{math.degrees(source.azimuth):.1f}" for source in estimate.sources)
+            return f"rotation {rotations}: K = {estimate.k}{' at ' + where + ' deg' if where else ''}" + (
+                "; enough heard" if final else ""
+            )
+        case AlignmentPlanned(candidates=candidates):
+            plans = ", ".join(f"{math.degrees(c.joint):.1f} deg for source {c.source} ({c.rule})" for c in candidates)
+            return f"alignments: {plans or 'none can be reached'}"
+        case TurnStarted(joint=joint, reason=reason):
+            return f"turn to {math.degrees(joint):.1f} deg: {reason}" if "alignment" in reason else ""
+        case Checked(groups=groups, method=method, accepted=accepted):
+            scores = ", ".join(f"{'+'.join(map(str, g.members))}: {g.value:+.1f}" for g in groups)
+            verdict = "no target here" if accepted is None else f"group {accepted} is the target"
+            return f"voice scores by {method} ({scores}): {verdict}"
+        case Separated(groups=groups, target=target, method=method, why=why):
+            return f"separated by {method}, score {groups[target].value:+.1f}" + (f": {why}" if why else "")
+        case ScoreDropped(value=value, criterion=criterion):
+            return f"the score dropped to {value:+.1f}, below {criterion:+.1f}: start again"
+        case Finished(reason=reason):
+            return reason
+        case _:
+            return ""

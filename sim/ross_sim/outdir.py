@@ -1,0 +1,74 @@
+"""A folder of results that is either the old one or the new one, file by file, and never half-written."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from ross_payload.errors import ConfigError, OutputError
+
+OURS = ("report.json", "timing.json", "events.jsonl", "mixture.wav", "target.wav", "group-*.wav", "mission.png",
+        "mission.tlog")  # fmt: skip
+
+
+class OutDir:
+    """Collects results in a hidden folder beside its place and moves them there when closed.
+
+    Results of an earlier mission under our names are replaced, files of anybody else are left alone.
+
+    Raises
+    ------
+    ConfigError
+        When the folder cannot be made or written, before anything is simulated.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            self.staging = Path(tempfile.mkdtemp(prefix=".mission-", dir=path))
+        except OSError as error:
+            raise ConfigError(f"--out {path}: cannot be written: {error.strerror}") from error
+
+    def write_text(self, name: str, text: str) -> None:
+        """Write a small file.
+
+        Raises
+        ------
+        OutputError
+            When the disk is full or gone.
+        """
+        try:
+            (self.staging / name).write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise OutputError(f"{self.path / name}: cannot be written: {error.strerror}") from error
+
+    def write_json(self, name: str, values: Any) -> None:
+        """Write plain values as indented JSON."""
+        self.write_text(name, json.dumps(values, indent=2, allow_nan=False) + "\n")
+
+    def close(self, complete: bool) -> None:
+        """Put the results in place when they are complete; otherwise leave the earlier ones as they were."""
+        try:
+            if complete:
+                for stale in (old for pattern in OURS for old in self.path.glob(pattern)):
+                    stale.unlink()
+                for file in sorted(self.staging.iterdir()):
+                    os.replace(file, self.path / file.name)  # noqa: PTH105 - the atomic rename
+        except OSError as error:
+            raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
+        finally:
+            shutil.rmtree(self.staging, ignore_errors=True)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close(complete=kind is None)

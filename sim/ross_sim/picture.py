@@ -1,0 +1,132 @@
+"""The mission in one picture: who was found where, how that was heard, where the array turned, and what it gained."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from ross_payload.dsp.stft import Stft
+from ross_payload.events import AlignmentPlanned, Checked, Separated, SourcesEstimated
+from ross_payload.interfaces import Real
+from ross_sim.report import Story, Truth, orientations
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#999999")
+STYLE: dict[Any, Any] = {"font.size": 8, "axes.titlesize": 9, "axes.titleweight": "bold", "svg.hashsalt": "ross"}
+RANGE = 60.0  # [dB] shown in spectrograms
+
+
+def draw(path: Path, story: Story, truth: Truth, rate: int, unit: float, title: str) -> None:
+    """Write the picture of a mission as PNG; the same bytes for the same mission.
+
+    ``unit`` is d / v_p [s]: the largest TDOA there is.
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(13, 8.2), layout="constrained")
+        FigureCanvasAgg(figure)
+        figure.suptitle(title, fontsize=12, fontweight="bold")
+        grid = figure.add_gridspec(2, 6)
+        _polar(figure.add_subplot(grid[0, :2], projection="polar"), story, truth)
+        _densities(figure.add_subplot(grid[0, 2:4]), story, unit)
+        _isolation(figure.add_subplot(grid[0, 4:]), story)
+        _spectrograms([figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])], story, truth, rate)
+        figure.savefig(path, format="png", dpi=110, metadata={"Software": None})
+
+
+def _polar(axes: Any, story: Story, truth: Truth) -> None:
+    axes.set_title("where: truth (rings), found (wedges), headings")
+    axes.set_ylim(0, 1.3)
+    axes.set_yticks([])
+    for name, azimuth in zip(truth.names, truth.azimuths, strict=True):
+        axes.plot([azimuth], [1.0], "o", ms=13, mfc="none", mec="black", mew=1.4)
+        axes.annotate(name, (azimuth, 1.22), ha="center", va="center")
+    for event in orientations(story):
+        axes.plot([event.heading, event.heading + np.pi], [0.42, 0.42], color="0.82", lw=0.8)
+    estimated: SourcesEstimated | None = story.last(SourcesEstimated)
+    for index, source in enumerate(estimated.estimate.sources if estimated else ()):
+        width = max(2 * source.sigma, np.deg2rad(1.5))
+        axes.bar(
+            [source.azimuth],
+            [1.0],
+            width=width,
+            color=COLOURS[index % len(COLOURS)],
+            alpha=0.35 + source.confidence / 2,
+        )
+        axes.annotate(f"{index}", (source.azimuth, 0.8), ha="center", va="center", fontweight="bold")
+    checked: Checked | None = story.last(Checked)
+    if checked is not None:
+        heading = checked.candidate.heading
+        axes.plot([heading + np.pi, heading], [0.42, 0.42], color="black", lw=2)
+        axes.plot([heading], [0.42], ">", color="black", ms=5)
+
+
+def _densities(axes: Any, story: Story, unit: float) -> None:
+    axes.set_title("heard: ITD density per orientation")
+    axes.set_xlabel("ITD [us]")
+    axes.set_ylabel("heading [deg]")
+    heard = orientations(story)
+    if not heard:
+        return
+    step = np.median(np.abs(np.diff([np.rad2deg(event.heading) for event in heard]))) if len(heard) > 1 else 15.0
+    for event in heard:
+        level, peak = np.rad2deg(event.heading), event.density.max()
+        shape = event.density / peak if peak > 0 else event.density
+        axes.fill_between(event.grid * 1e6, level, level + 0.9 * step * shape, color="#0072b2", alpha=0.35, lw=0)
+    headings = np.linspace(heard[0].heading, heard[-1].heading, 200)
+    estimated: SourcesEstimated | None = story.last(SourcesEstimated)
+    reach = np.abs(heard[0].grid).max() * 1e6
+    for index, source in enumerate(estimated.estimate.sources if estimated else ()):
+        tau = unit * np.cos(source.elevation or 0.0) * np.cos(source.azimuth - headings) * 1e6
+        axes.plot(tau, np.rad2deg(headings), color=COLOURS[index % len(COLOURS)], lw=1.4, label=f"source {index}")
+    axes.set_xlim(-reach, reach)
+    if estimated and estimated.estimate.sources:
+        axes.legend(loc="upper right", fontsize=7)
+
+
+def _isolation(axes: Any, story: Story) -> None:
+    axes.set_title("where to turn: predicted isolation of each source")
+    axes.set_xlabel("heading modulo 180 [deg]")
+    axes.set_ylabel("isolation [us]")
+    planned: AlignmentPlanned | None = story.last(AlignmentPlanned)
+    if planned is None:
+        return
+    for index, curve in enumerate(planned.isolation):
+        axes.plot(
+            np.rad2deg(planned.headings), curve * 1e6, color=COLOURS[index % len(COLOURS)], label=f"source {index}"
+        )
+    for candidate in planned.candidates:
+        colour = COLOURS[candidate.source % len(COLOURS)]
+        axes.plot([np.rad2deg(candidate.heading) % 180], [candidate.isolation * 1e6], "v", color=colour, ms=7)
+    checked: Checked | None = story.last(Checked)
+    if checked is not None:
+        axes.axvline(np.rad2deg(checked.candidate.heading) % 180, color="black", lw=1, ls=":", label="array")
+    axes.legend(fontsize=7)
+
+
+def _spectrograms(axes: list[Any], story: Story, truth: Truth, rate: int) -> None:
+    separated: Separated | None = story.last(Separated)
+    for which, title in zip(axes, ("before: microphone 1", "after: the target's voice"), strict=True):
+        which.set_title(title)
+        which.set_xlabel("time [s]")
+        which.set_ylabel("frequency [kHz]")
+    if separated is None:
+        return
+    n = separated.voices.shape[1]
+    before = truth.mixture[separated.start : separated.start + n]
+    top = None
+    for which, signal in zip(axes, (before, separated.voices[separated.target]), strict=True):
+        level = _level(signal, rate)
+        top = level.max() if top is None else top
+        which.imshow(
+            level, origin="lower", aspect="auto", cmap="magma", vmin=top - RANGE, vmax=top,
+            extent=(separated.start / rate, (separated.start + n) / rate, 0, rate / 2000), interpolation="nearest",
+        )  # fmt: skip
+
+
+def _level(signal: Real, rate: int) -> Real:
+    stft = Stft(rate, 512, 128)
+    return np.asarray(20 * np.log10(np.abs(stft.analyse(signal)) + 1e-9))
