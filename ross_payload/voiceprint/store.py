@@ -1,0 +1,161 @@
+"""Keep voice prints: personal data, in files that only their owner can read."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ross_payload.errors import ConfigError
+from ross_payload.voiceprint.background import Background, shipped_background
+from ross_payload.voiceprint.model import VoicePrintModel
+
+FORMAT = "ross-voice-print"
+VERSION = 1
+SUFFIX = ".json"
+
+
+def save(model: VoicePrintModel, path: Path) -> None:
+    """Write a voice print as JSON, readable by its owner only; the file is whole or not there at all.
+
+    Missing folders are made with mode 0700.
+
+    Raises
+    ------
+    ConfigError
+        When the file cannot be written.
+    """
+    content = {
+        "format": FORMAT,
+        "version": VERSION,
+        "background": model.background.fingerprint,
+        "seconds": model.seconds,
+        "criterion": model.criterion,
+        "point": [float(value) for value in model.point],
+    }
+    try:
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        _replace(path, json.dumps(content, indent=1) + "\n")
+    except OSError as error:
+        raise ConfigError(f"{path}: the voice print cannot be written: {error.strerror}") from error
+
+
+def load(path: Path, background: Background | None = None) -> VoicePrintModel:
+    """Read a voice print.
+
+    Raises
+    ------
+    ConfigError
+        When the file is missing or damaged, or was made with another background model.
+    """
+    model = background or shipped_background()
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: no voice print can be read: {error.strerror}") from error
+    except ValueError as error:
+        raise ConfigError(f"{path}: damaged voice print: not JSON") from error
+    return _decoded(content, model, path)
+
+
+@dataclass(frozen=True, slots=True)
+class VoiceStore:
+    """A folder of voice prints, one file per name."""
+
+    folder: Path
+
+    @classmethod
+    def default(cls, environment: Mapping[str, str] = os.environ) -> VoiceStore:
+        """Return the store of this user: ``$XDG_DATA_HOME/ross/voices``, or ``~/.local/share/ross/voices``."""
+        home = environment.get("XDG_DATA_HOME", "")
+        base = Path(home) if Path(home).is_absolute() else Path.home() / ".local" / "share"
+        return cls(base / "ross" / "voices")
+
+    def path(self, name: str) -> Path:
+        """Return the file of a name.
+
+        Raises
+        ------
+        ConfigError
+            When the name is not made of letters, digits, ``_``, ``-`` and ``.`` (no leading dot), 64 at most.
+        """
+        if not re.fullmatch(r"\w[\w.-]{0,63}", name):
+            raise ConfigError(f"'{name}' cannot name a voice: use letters, digits, '_', '-' and '.', 64 at most")
+        return self.folder / (name + SUFFIX)
+
+    def names(self) -> tuple[str, ...]:
+        """Return who is enrolled, sorted."""
+        return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
+
+    def save(self, name: str, model: VoicePrintModel) -> Path:
+        """Keep a voice print under a name, in place of an earlier one; returns the file."""
+        path = self.path(name)
+        save(model, path)
+        self.folder.chmod(0o700)
+        return path
+
+    def load(self, name: str, background: Background | None = None) -> VoicePrintModel:
+        """Return the voice print of a name.
+
+        Raises
+        ------
+        ConfigError
+            When nobody of that name is enrolled, or the file is damaged.
+        """
+        path = self.path(name)
+        if not path.exists():
+            known = ", ".join(self.names()) or "nobody is"
+            raise ConfigError(f"no voice '{name}' is enrolled; enrolled: {known}")
+        return load(path, background)
+
+    def forget(self, name: str) -> None:
+        """Delete the voice print of a name.
+
+        Raises
+        ------
+        ConfigError
+            When nobody of that name is enrolled, or the file cannot be deleted.
+        """
+        try:
+            self.path(name).unlink()
+        except FileNotFoundError as error:
+            raise ConfigError(f"no voice '{name}' is enrolled") from error
+        except OSError as error:
+            raise ConfigError(f"{self.path(name)}: cannot be deleted: {error.strerror}") from error
+
+
+def _replace(path: Path, text: str) -> None:
+    handle, temporary = tempfile.mkstemp(prefix=".", suffix=".part", dir=path.parent)  # mode 0600
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _decoded(content: Any, background: Background, path: Path) -> VoicePrintModel:
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise ConfigError(f"{path}: not a voice print")
+    if content.get("version") != VERSION:
+        raise ConfigError(f"{path}: voice print of version {content.get('version')!r}, wanted {VERSION}")
+    if content.get("background") != background.fingerprint:
+        raise ConfigError(f"{path}: made with another background model: enrol this voice again")
+    try:
+        point = np.array(content["point"], dtype=np.float64)
+        seconds, criterion = float(content["seconds"]), float(content["criterion"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise ConfigError(f"{path}: damaged voice print: {error!r}") from error
+    if point.shape != background.between.shape or not np.isfinite([*point, seconds, criterion]).all():
+        raise ConfigError(f"{path}: damaged voice print: wanted {len(background.between)} finite numbers")
+    return VoicePrintModel(point, seconds, background, criterion)
