@@ -1,0 +1,81 @@
+"""Opens what the configuration names, always inside the guard; lists what there is.
+
+Options named ``max_speed_deg_s`` and ``max_acceleration_deg_s2`` mean the same in every back end that has them; they
+are lowered to the guard's caps before the back end sees them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ross_payload import config, plugins
+from ross_payload.actuators.guard import Guard
+from ross_payload.errors import PluginError
+from ross_payload.interfaces import Backend, Services
+
+GROUP = "ross_payload.actuators"
+CAPS = ("max_speed_deg_s", "max_acceleration_deg_s2")
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """One back end in a list."""
+
+    name: str
+    origin: str  # module and object of the entry point
+    usable: bool
+    about: str  # one line: what it is, or why it cannot be used
+
+
+def open_actuator(settings: config.Config, services: Services) -> Guard:
+    """Make the actuator that the configuration names, inside its guard; enter it to open its wire.
+
+    Raises
+    ------
+    ConfigError
+        When the back end is unknown or broken, an option is wrong, or the limits exclude all of its travel.
+    """
+    backend = _backend(settings.actuator.kind)
+    actuator = backend.open(checked_options(settings), services)
+    return Guard(actuator, settings.guard, services.clock)
+
+
+def check_options(settings: config.Config) -> None:
+    """Raise the ConfigError that `checked_options` has for this configuration, if any."""
+    checked_options(settings)
+
+
+def checked_options(settings: config.Config) -> Any:
+    """Return the back end's own ``Config`` from [actuator.options], its caps lowered to the guard's.
+
+    Raises
+    ------
+    ConfigError
+        When the back end is unknown or broken, or an option is wrong.
+    """
+    model = _backend(settings.actuator.kind).Config
+    options = config.validated(model, settings.actuator.options, f"actuator.options of '{settings.actuator.kind}'")
+    caps = {name: getattr(settings.guard, name) for name in CAPS if hasattr(options, name)}
+    return options.model_copy(update={name: min(cap, getattr(options, name)) for name, cap in caps.items()})
+
+
+def describe() -> list[Description]:
+    """List every back end, sorted by name; one that is broken or lacks an extra says so and hurts no other."""
+    return [_describe(name, point.value) for name, point in plugins.available(GROUP).items()]
+
+
+def _describe(name: str, origin: str) -> Description:
+    try:
+        backend = _backend(name)
+    except PluginError as error:
+        return Description(name, origin, False, str(error))
+    lines = (type(backend).__doc__ or "").strip().splitlines()
+    return Description(name, origin, True, lines[0] if lines else "")
+
+
+def _backend(name: str) -> Backend:
+    backend = plugins.load(GROUP, name)
+    if not (hasattr(backend, "Config") and callable(getattr(backend, "open", None))):
+        raise PluginError(f"plug-in '{name}' is broken: wanted an object with Config and open(config, services)")
+    return backend  # type: ignore[no-any-return]
