@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+
+from ross_payload.config import Config, load
+from ross_payload.errors import ConfigError
+
+
+def write(path, text):
+    path.write_text(text)
+    return path
+
+
+def test_an_empty_file_is_the_default(tmp_path):
+    assert load(write(tmp_path / "a.toml", "")) == Config()
+
+
+def test_the_hop_is_counted_in_samples(tmp_path):
+    assert load(write(tmp_path / "a.toml", "[audio]\nrate_hz = 24000\nhop_ms = 20\n")).hop == 480
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[array]\nspacng_m = 0.05", "unknown key 'array.spacng_m'"),
+        ("[array]\nspacing_m = 0", "array.spacing_m"),
+        ("[array]\nspacing_m = nan", "array.spacing_m"),
+        ("[guard]\nlower_deg = 10\nupper_deg = -10", "must be below"),
+        ("[guard]\npark_deg = 300", "park_deg"),
+        ("[guard]\nmax_speed_deg_s = inf", "max_speed_deg_s"),
+        ("[audio]\nhop_ms = 40", "hop_ms"),
+        ("[telemetry]\nsystem_id = 0", "system_id"),
+        ("not toml at all", "not TOML"),
+        ("colour = 'red'", "unknown key 'colour'"),
+    ],
+)
+def test_bad_values_are_named_in_one_line(tmp_path, text, words):
+    with pytest.raises(ConfigError) as caught:
+        load(write(tmp_path / "a.toml", text))
+    assert words in str(caught.value)
+    assert "a.toml" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_and_a_binary_one_are_config_errors(tmp_path):
+    with pytest.raises(ConfigError, match="cannot be read"):
+        load(tmp_path / "nothing.toml")
+    (tmp_path / "b.toml").write_bytes(bytes(range(128, 256)))
+    with pytest.raises(ConfigError, match="not UTF-8"):
+        load(tmp_path / "b.toml")
+
+
+def test_offset_is_in_radians(tmp_path):
+    config = load(write(tmp_path / "a.toml", "[array]\noffset_deg = 90"))
+    assert config.offset == pytest.approx(np.pi / 2)

@@ -1,0 +1,279 @@
+"""The mission is a coroutine: these tests send it Inputs and read its Outputs; nothing else moves."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+
+from ross_payload.dsp.stft import Stft
+from ross_payload.events import (
+    AlignmentPlanned,
+    Checked,
+    Estimate,
+    Finished,
+    OrientationHeard,
+    Outcome,
+    ScoreDropped,
+    Separated,
+    SourceEstimate,
+    SourcesEstimated,
+    State,
+    StateChanged,
+    TurnStarted,
+)
+from ross_payload.interfaces import (
+    Attitude,
+    AudioBlock,
+    Command,
+    Groups,
+    Input,
+    Observation,
+    Score,
+)
+from ross_payload.mission.context import Settings, Tools
+from ross_payload.mission.supervise import mission
+
+RATE, HOP = 8000, 80
+SETTINGS = Settings(
+    rate=RATE,
+    spacing=0.05,
+    speed_of_sound=343.0,
+    lead_in=0.1,
+    unit=0.5,
+    rotation=np.deg2rad(15),
+    min_rotations=2,
+    max_rotations=4,
+    check=0.5,
+    run=1.0,
+    runs=1,
+    criterion=0.0,
+    max_restarts=1,
+    lower=-3.5,
+    upper=3.5,
+    seed=0,
+)
+
+
+@dataclass
+class ThreeTalkers:
+    """An explorer that believes in three talkers once it has heard three orientations."""
+
+    name: str = "fixed"
+    azimuths: tuple[float, ...] = (170, 70, -50)
+    certain: bool = True
+
+    def observe(self, spectrogram, frequencies, heading, noise_psd):
+        return Observation(heading, np.zeros(1), np.ones(1), 1.0)
+
+    def estimate(self, observations):
+        if len(observations) < 3:
+            return Estimate(())
+        sources = tuple(SourceEstimate(float(np.deg2rad(a)), 0.01, 0.9, True) for a in self.azimuths)
+        return Estimate(sources, certain=self.certain)
+
+
+class OneGroupEach:
+    """A separator whose group k is the mixture times k + 1, so that a voice print can tell them apart."""
+
+    name = "numbered"
+
+    def batch(self, spectrogram, scene):
+        count = scene.n_sources
+        signals = np.stack([spectrogram[0] * (k + 1) for k in range(count)])
+        return Groups(signals, tuple((k,) for k in range(count)), self.name)
+
+
+@dataclass
+class Likes:
+    """A voice print that accepts the group with one number, and can be told to change its mind."""
+
+    number: int
+    after: dict = field(default_factory=dict)
+    calls: int = 0
+
+    def score(self, voice, rate):
+        number = round(float(np.abs(voice).max() / 0.1)) - 1
+        self.calls += 1
+        accepted = self.after.get(self.calls, number == self.number)
+        doubt = -0.5 if number == self.number else -1.0
+        return Score(1.0 if accepted else doubt, accepted)
+
+
+@dataclass
+class Rig:
+    """Obeys Outputs like an ideal turntable that needs three hops for any turn."""
+
+    brain: object
+    joint: float = 0.0
+    goal: float = 0.0
+    moving: int = 0
+    hops: int = 0
+    events: list = field(default_factory=list)
+    outputs: list = field(default_factory=list)
+
+    def run(self, on_hop=None, limit=20000):
+        output = next(self.brain)
+        try:
+            for _ in range(limit):
+                self._obey(output)
+                heard = self._hear()
+                if on_hop is not None:
+                    heard = on_hop(self, heard) or heard
+                output = self.brain.send(heard)
+        except StopIteration as end:
+            return end.value
+        raise AssertionError("the mission does not end")
+
+    def _obey(self, output):
+        self.outputs.append(output)
+        self.events += output.events
+        if output.goal is not None:
+            self.goal, self.moving = output.goal, 3
+        if output.stop:
+            self.goal, self.moving = self.joint, 0
+
+    def _hear(self):
+        was = self.moving
+        if self.moving:
+            self.moving -= 1
+            self.joint = self.goal if not self.moving else self.joint
+        samples = np.full((2, HOP), 0.1, np.float32)
+        block = AudioBlock(samples, self.hops * HOP, self.hops * HOP / RATE)
+        self.hops += 1
+        return Input(block, self.joint, self.joint, self.joint, was == 0, Attitude(0.0, known=False))
+
+    def said(self, kind):
+        return [event for event in self.events if isinstance(event, kind)]
+
+
+def rig(likes=1, settings=SETTINGS, explorer=None, voiceprint=None):
+    stft = Stft(RATE, 512, 128)
+    tools = Tools(explorer or ThreeTalkers(), stft, OneGroupEach(), stft, voiceprint or Likes(likes))
+    return Rig(mission(settings, tools))
+
+
+def test_target_is_found_at_its_own_alignment():
+    one = rig(likes=1)
+    result = one.run()
+    assert result.outcome is Outcome.TARGET_FOUND
+    heading = one.said(Checked)[-1].candidate.heading
+    assert np.cos(np.deg2rad(170) - heading) == pytest.approx(np.cos(np.deg2rad(-50) - heading), abs=1e-9)
+    assert one.said(Separated)[-1].target == 1
+
+
+def test_exploration_stops_when_certain_and_not_before_the_minimum():
+    one = rig()
+    one.run()
+    heard = one.said(OrientationHeard)
+    assert [round(np.rad2deg(event.heading)) for event in heard] == [0, 15, 30]
+    assert [event.final for event in one.said(SourcesEstimated)] == [False, False, True]
+
+
+def test_exploration_ends_at_the_maximum_when_never_certain():
+    one = rig(explorer=ThreeTalkers(certain=False))
+    one.run()
+    assert len(one.said(OrientationHeard)) == SETTINGS.max_rotations + 1
+
+
+def test_exploration_turns_the_other_way_where_the_travel_ends():
+    one = rig(explorer=ThreeTalkers(certain=False), settings=replace(SETTINGS, upper=np.deg2rad(31), lower=-3.5))
+    one.run()
+    degrees = [round(np.rad2deg(event.joint)) for event in one.said(OrientationHeard)]
+    assert degrees == [0, -15, -30, -45, -60]
+
+
+def test_exploration_uses_both_sides_of_a_narrow_travel():
+    narrow = replace(SETTINGS, lower=np.deg2rad(-31), upper=np.deg2rad(31))
+    one = rig(explorer=ThreeTalkers(certain=False), settings=narrow)
+    one.run()
+    degrees = [round(np.rad2deg(event.joint)) for event in one.said(OrientationHeard)]
+    assert degrees == [0, 15, 30, -15, -30]
+
+
+def test_every_goal_lies_inside_the_travel():
+    tight = replace(SETTINGS, lower=np.deg2rad(-20), upper=np.deg2rad(50))
+    one = rig(settings=tight)
+    one.run()
+    goals = [output.goal for output in one.outputs if output.goal is not None]
+    assert goals
+    assert all(tight.lower <= goal <= tight.upper for goal in goals)
+
+
+def test_nobody_talking_is_an_answer():
+    result = rig(explorer=ThreeTalkers(azimuths=())).run()
+    assert result.outcome is Outcome.NO_TARGET
+
+
+def test_no_target_here_is_an_answer_and_not_a_wrong_pick():
+    one = rig(likes=7)
+    result = one.run()
+    assert result.outcome is Outcome.NO_TARGET
+    assert not one.said(Separated)
+    planned = one.said(AlignmentPlanned)[-1]
+    assert len(one.said(Checked)) == len(planned.candidates) + 1  # everyone once, the likeliest again
+
+
+def test_a_target_that_pauses_during_the_check_gets_a_second_hearing():
+    one = rig(voiceprint=Likes(1, after=dict.fromkeys(range(1, 10), False)))  # no voice accepted in three checks
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert len(one.said(Checked)) == 4
+    assert one.said(Checked)[-1].candidate.source == 1
+
+
+def test_a_dropped_score_starts_the_mission_again():
+    probe = rig(likes=1)
+    probe.run()
+    checked = sum(len(event.groups) for event in probe.said(Checked))
+    fickle = Likes(1, after={checked + 2: False})
+    one = rig(voiceprint=fickle)
+    result = one.run()
+    assert len(one.said(ScoreDropped)) == 1
+    assert len([event for event in one.said(OrientationHeard) if event.index == 0]) == 2
+    assert result.outcome is Outcome.TARGET_FOUND
+
+
+def test_restarts_are_bounded():
+    always = Likes(1)
+    always.score = lambda voice, rate: Score(1.0, True) if len(voice) < RATE else Score(-1.0, False)
+    result = rig(voiceprint=always).run()
+    assert result.outcome is Outcome.NO_TARGET
+    assert "dropped 2 times" in result.reason
+
+
+@pytest.mark.parametrize("command", [Command.STOP, Command.CANCEL])
+def test_a_stop_is_obeyed_within_one_hop_anywhere(command):
+    probe = rig()
+    probe.run()
+    for at in range(0, probe.hops, 7):
+        one = rig()
+
+        def press(self, heard, at=at):
+            return replace(heard, commands=(command,)) if self.hops == at + 1 else None
+
+        result = one.run(press)
+        assert result.outcome is Outcome.STOPPED
+        assert one.hops <= at + 2  # the stop goes out with the very next Output
+        assert one.outputs[-1].stop
+
+
+def test_a_fault_ends_the_mission_and_is_named():
+    one = rig()
+    result = one.run(lambda self, heard: replace(heard, fault="motor stalled") if self.hops == 30 else None)
+    assert (result.outcome, result.reason) == (Outcome.FAULT, "motor stalled")
+    assert one.outputs[-1].stop
+    assert State.FAULT in [event.state for event in one.said(StateChanged)]
+
+
+def test_nothing_is_listened_to_while_turning():
+    one = rig()
+    one.run()
+    turns = one.said(TurnStarted)
+    listens = [event for event in one.said(StateChanged) if event.state is State.EXPLORE_LISTEN]
+    for turned, listened in zip(turns[:2], listens[1:3], strict=True):
+        assert listened.time - turned.time >= 4 * HOP / RATE  # three hops of travel and one settled
+
+
+def test_cancelled_mission_says_finished_last():
+    one = rig()
+    one.run(lambda self, heard: replace(heard, commands=(Command.CANCEL,)) if self.hops == 5 else None)
+    assert isinstance(one.outputs[-1].events[-1], Finished)

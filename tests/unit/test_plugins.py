@@ -1,0 +1,39 @@
+from importlib.metadata import EntryPoint
+
+import pytest
+
+from ross_payload import plugins
+from ross_payload.errors import PluginError
+
+
+@pytest.fixture
+def points(monkeypatch):
+    def use(**values):
+        found = [EntryPoint(name, value, "ross_payload.things") for name, value in values.items()]
+        monkeypatch.setattr(plugins, "entry_points", lambda group: found)
+
+    return use
+
+
+def test_only_the_one_asked_for_is_imported(points):
+    points(good="math:tau", broken="no_such_module_anywhere:x")
+    assert plugins.load("ross_payload.things", "good") == pytest.approx(6.283185307)
+
+
+def test_an_unknown_name_lists_what_exists(points):
+    points(good="math:tau", other="math:pi")
+    with pytest.raises(PluginError, match="'bad' is unknown; there are: good, other"):
+        plugins.load("ross_payload.things", "bad")
+
+
+def test_a_missing_extra_is_named(points, monkeypatch):
+    monkeypatch.setitem(plugins.EXTRAS, "no_such_module_anywhere", "sim")
+    points(voices="no_such_module_anywhere:x")
+    with pytest.raises(PluginError, match=r"pip install 'ross-payload\[sim\]'"):
+        plugins.load("ross_payload.things", "voices")
+
+
+def test_a_broken_plugin_says_how(points):
+    points(broken="math:no_such_name")
+    with pytest.raises(PluginError, match="is broken: AttributeError"):
+        plugins.load("ross_payload.things", "broken")
