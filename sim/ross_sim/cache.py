@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Samples
-from ross_sim.room import RoomSpec, respond
+from ross_sim.room import RoomSpec, n_taps, respond
 
 Array = NDArray[Any]
 
@@ -49,7 +49,8 @@ def cached(path: Path, make: Callable[[], dict[str, Array]]) -> dict[str, Array]
     """Read arrays from ``path``; when the file is missing or damaged, make them, write them and read them back.
 
     They come from the disk on the first run also, so that the first and every later run compute with the same bytes.
-    A file appears under its name only when complete; of two writers the last wins, with the same content.
+    A file appears under its name only when complete, and what a crash cuts short its checksum tells; of two writers
+    the last wins, with the same content.
 
     Raises
     ------
@@ -80,8 +81,6 @@ def _write(path: Path, arrays: dict[str, Array]) -> None:
         try:
             with os.fdopen(handle, "wb") as file:
                 np.savez(file, allow_pickle=False, **arrays)
-                file.flush()
-                os.fsync(file.fileno())
             Path(name).replace(path)
         finally:
             Path(name).unlink(missing_ok=True)
@@ -91,15 +90,24 @@ def _write(path: Path, arrays: dict[str, Array]) -> None:
         ) from error
 
 
+def microradians(heading: float) -> int:
+    """Round a heading [rad] to whole microradians within one turn: the name it goes by in the cache.
+
+    >>> microradians(-0.5) == microradians(2 * np.pi - 0.5)
+    True
+    """
+    return round(heading * 1e6) % TURN
+
+
 class Responses:
-    """The impulse responses of one room, heading by heading, from memory, from disk or simulated.
+    """The impulse responses of one room, heading by heading: simulated once, then read from disk.
 
     Headings are rounded to one microradian, which moves a microphone by nanometres.
     """
 
     def __init__(self, spec: RoomSpec, folder: Path | None = None) -> None:
         self._spec = spec
-        self._known: dict[int, Samples] = {}
+        self.n_taps = n_taps(spec)
         key = fingerprint(
             size=spec.size,
             t60=spec.t60,
@@ -109,18 +117,14 @@ class Responses:
             sources=spec.sources,
             speed_of_sound=spec.speed_of_sound,
             pyroomacoustics=version("pyroomacoustics"),
-            layout=1,
+            layout=2,
         )
         self._folder = cache_folder(folder) / "rooms" / key
 
     def at(self, heading: float) -> Samples:
         """Return the responses at a heading [rad], (2, n_sources, n_taps)."""
-        step = round(heading * 1e6) % TURN
-        if step not in self._known:
-            self._known[step] = self._load(step)
-        return self._known[step]
+        step = microradians(heading)
 
-    def _load(self, step: int) -> Samples:
         def make() -> dict[str, Array]:
             return {"responses": respond(self._spec, [step * 1e-6])[0]}
 

@@ -45,6 +45,7 @@ class RoomSpec:
         """Check everything before any of it is simulated."""
         _check_numbers(self)
         _check_places(self)
+        _walls(self)
 
 
 def impulse_responses(  # noqa: PLR0917
@@ -110,19 +111,25 @@ def respond(spec: RoomSpec, headings: Sequence[float]) -> Samples:
     """Impulse responses of a room at headings [rad], (n_headings, 2, n_sources, n_taps)."""
     n_sources = len(spec.sources)
     if not n_sources or not len(headings):
-        return np.zeros((len(headings), 2, n_sources, 1), dtype=np.float32)
+        return np.zeros((len(headings), 2, n_sources, n_taps(spec)), dtype=np.float32)
     with _single_thread(spec.t60 > 0):
         room = _shoebox(spec)
         room.add_microphone_array(microphones(spec, headings))
         for source in spec.sources:
             room.add_source(list(source))
         room.compute_rir()
-    taps = _taps(spec, max(len(response) for row in room.rir for response in row))
+    taps = n_taps(spec)
     padded = np.zeros((2 * len(headings), n_sources, taps), dtype=np.float32)
     for row, responses in zip(padded, room.rir, strict=True):
         for out, response in zip(row, responses, strict=True):
             out[: min(taps, len(response))] = response[:taps]
     return padded.reshape(len(headings), 2, n_sources, taps)
+
+
+def n_taps(spec: RoomSpec) -> int:
+    """Length of every response of a room: T60, or the longest direct path, and a fractional delay filter."""
+    reach = max((math.dist(source, spec.array_centre) for source in spec.sources), default=0.0) + spec.spacing / 2
+    return math.ceil(max(spec.t60, reach / spec.speed_of_sound) * spec.rate) + SINC + 2
 
 
 def microphones(spec: RoomSpec, headings: Sequence[float]) -> Real:
@@ -139,25 +146,24 @@ def microphones(spec: RoomSpec, headings: Sequence[float]) -> Real:
 
 
 def _shoebox(spec: RoomSpec) -> Any:
-    absorption, order = 1.0, 0
-    if spec.t60 > 0:
-        try:
-            absorption, order = pra.inverse_sabine(spec.t60, list(spec.size), c=spec.speed_of_sound)
-        except ValueError as error:
-            raise ConfigError(
-                f"t60 = {spec.t60:g} s is too short for a room of {_text(spec.size)} m: even walls that absorb "
-                "everything would ring longer by Sabine's formula; use a longer T60, a smaller room, or 0 for no walls"
-            ) from error
-    room = pra.ShoeBox(list(spec.size), fs=spec.rate, materials=pra.Material(absorption), max_order=max(order, 0))
+    absorption, order = _walls(spec)
+    room = pra.ShoeBox(list(spec.size), fs=spec.rate, materials=pra.Material(absorption), max_order=order)
     room.set_sound_speed(spec.speed_of_sound)
     return room
 
 
-def _taps(spec: RoomSpec, longest: int) -> int:
+def _walls(spec: RoomSpec) -> tuple[float, int]:
+    """Absorption of the walls, and the order of reflections up to which images count."""
     if spec.t60 <= 0:
-        return longest
-    reach = max(math.dist(source, spec.array_centre) for source in spec.sources) / spec.speed_of_sound
-    return min(longest, math.ceil(max(spec.t60, reach + 0.01) * spec.rate) + SINC)
+        return 1.0, 0
+    try:
+        absorption, order = pra.inverse_sabine(spec.t60, list(spec.size), c=spec.speed_of_sound)
+    except ValueError as error:
+        raise ConfigError(
+            f"t60 = {spec.t60:g} s is too short for a room of {_text(spec.size)} m: even walls that absorb "
+            "everything would ring longer by Sabine's formula; use a longer T60, a smaller room, or 0 for no walls"
+        ) from error
+    return float(absorption), max(order, 0)
 
 
 @contextmanager

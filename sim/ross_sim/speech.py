@@ -24,7 +24,7 @@ CLIPPING = 1e-4  # share of samples at full scale
 _log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Voice:
     """One talker: what is heard in the room, and another clip of the same voice to enrol from."""
 

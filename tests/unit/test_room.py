@@ -102,7 +102,7 @@ def test_impossible_room_is_refused_in_words(changes, message):
 
 def test_t60_too_short_for_any_wall_is_refused():
     with pytest.raises(ConfigError, match="too short for a room"):
-        respond(spec(t60=0.01), [0.0])
+        spec(t60=0.01)
 
 
 def test_responses_come_back_from_disk_unchanged(tmp_path):
@@ -178,7 +178,8 @@ def test_cache_that_cannot_be_written_says_so(tmp_path):
 
 def test_two_processes_may_fill_one_cache(tmp_path):
     program = (
-        "import sys\nfrom pathlib import Path\nfrom ross_sim.cache import Responses\nfrom ross_sim.room import RoomSpec\n"
+        "import sys\nfrom pathlib import Path\nfrom ross_sim.cache import Responses\n"
+        "from ross_sim.room import RoomSpec\n"
         "room = RoomSpec((10.0, 10.0), 0.4, 16000, (5.0, 5.0), 0.05, ((7.0, 5.0),))\n"
         "[Responses(room, Path(sys.argv[1])).at(0.1 * i) for i in range(20)]"
     )

@@ -1,0 +1,201 @@
+"""A scenario: one TOML file that says who talks where and when, in which room, and how the payload is set up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ross_payload.config import Config, Degrees, Positive, Table, read_toml, validated
+from ross_payload.errors import ConfigError
+from ross_sim.room import RoomSpec
+from ross_sim.speech import Voice
+
+LEAD_IN = 2.0  # at least so long does nobody talk, unless the file says so [s]
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Place = tuple[Finite, Finite] | tuple[Finite, Finite, Finite]
+
+
+class Room(Table):
+    """[room]: a shoebox and the array in it; its axes are those of the mount."""
+
+    size_m: Place = (10.0, 10.0)  # two numbers: a plane, as in the paper
+    t60_s: Seconds = 0.0  # nominal; 0: no walls
+    array_m: Place | None = None  # absent: the middle, 1.2 m high
+
+
+class Talker(Table):
+    """[[talkers]]: who talks where and when."""
+
+    name: str | Annotated[int, Field(ge=0)] | None = None  # whose voice: a name, a number among all, or the next unused
+    azimuth_deg: Degrees  # counter-clockwise, in the frame of the mount
+    distance_m: Positive = 2.5  # from the centre of the array, along the floor
+    height_m: Positive | None = None  # above the floor; three dimensions only; absent: 1.6 m
+    level_db: Finite = 0.0  # at microphone 1, relative to the others
+    start_s: Seconds | None = None  # absent: when the lead-in of the payload ends, but 2 s at least
+    end_s: Positive | None = None  # absent: never
+    pauses: tuple[tuple[Seconds, Seconds], ...] = ()  # [[from, to], ...]
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        start = self.start_s or 0.0
+        if self.end_s is not None and self.end_s <= start:
+            raise ValueError(f"end_s = {self.end_s:g} must come after start_s = {start:g}")
+        for begin, end in self.pauses:
+            if end <= begin:
+                raise ValueError(f"the pause [{begin:g}, {end:g}] must end after it begins")
+        return self
+
+
+class Noise(Table):
+    """[noise]: sensor noise, white and independent at each microphone, and the motor.
+
+    The reference "mixture" is the power that all talkers together have at microphone 1 while all of them talk, joint
+    angle 0; "talker" is the same for one talker of level 0 dB.
+    """
+
+    snr_db: Finite = 15.0
+    snr_reference: Literal["mixture", "talker"] = "mixture"
+    motor_db: Finite = -20.0  # while turning, relative to the mixture
+
+
+class Scenario(Table):
+    """The whole file."""
+
+    title: str
+    target: str | Annotated[int, Field(ge=0)] = 0  # a name, or a number: talkers first, then voices not in the room
+    payload: Config = Config()
+    room: Room = Room()
+    talkers: tuple[Talker, ...]
+    noise: Noise = Noise()
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        try:
+            self.spec()
+        except ConfigError as error:
+            raise ValueError(str(error)) from error
+        return self
+
+    def spec(self) -> RoomSpec:
+        """Return the room with every talker in place.
+
+        Raises
+        ------
+        ConfigError
+            When something lies outside the room or on top of the array.
+        """
+        return RoomSpec(
+            size=self.room.size_m,
+            t60=self.room.t60_s,
+            rate=self.payload.audio.rate_hz,
+            array_centre=self.centre(),
+            spacing=self.payload.array.spacing_m,
+            sources=tuple(self._position(talker) for talker in self.talkers),
+            speed_of_sound=self.payload.array.speed_of_sound_m_s,
+        )
+
+    def centre(self) -> tuple[float, ...]:
+        """Where the centre of the array is [m]."""
+        width, depth, *height = self.room.size_m
+        return self.room.array_m or (width / 2, depth / 2, *(min(1.2, side / 2) for side in height))
+
+    def start(self, talker: Talker) -> float:
+        """When a talker begins [s]."""
+        return max(LEAD_IN, self.payload.explore.lead_in_s) if talker.start_s is None else talker.start_s
+
+    def azimuths(self) -> tuple[float, ...]:
+        """The true azimuth of every talker in the frame of the mount [rad], in (-pi, pi]."""
+        return tuple(math.remainder(math.radians(talker.azimuth_deg), 2 * math.pi) for talker in self.talkers)
+
+    def elevations(self) -> tuple[float, ...]:
+        """The true elevation of every talker as seen from the array [rad]; 0 in a plane."""
+        centre = self.centre()
+        return tuple(
+            math.atan2(sum(self._position(talker)[2:]) - sum(centre[2:]), talker.distance_m) for talker in self.talkers
+        )
+
+    def cast(self, voices: Sequence[Voice]) -> Cast:
+        """Give every talker a voice and find the target's.
+
+        Raises
+        ------
+        ConfigError
+            When there are fewer voices than talkers, a name is unknown, or a voice is wanted twice.
+        """
+        if len(voices) < len(self.talkers):
+            raise ConfigError(f"{len(self.talkers)} talkers but only {len(voices)} voices: {_names(voices)}")
+        named = [None if talker.name is None else _find(talker.name, voices) for talker in self.talkers]
+        taken = [voice for voice in named if voice is not None]
+        twice = next((voice.name for index, voice in enumerate(taken) if voice in taken[:index]), None)
+        if twice is not None:
+            raise ConfigError(f"voice '{twice}' is wanted for two talkers")
+        free = iter([voice for voice in voices if voice not in taken])
+        talkers = tuple(next(free) if voice is None else voice for voice in named)
+        target = _find(self.target, [*talkers, *free])
+        return Cast(talkers, target, talkers.index(target) if target in talkers else None)
+
+    def _position(self, talker: Talker) -> tuple[float, ...]:
+        azimuth = math.radians(talker.azimuth_deg)
+        x, y, *height = self.centre()
+        if talker.height_m is not None and not height:
+            raise ConfigError("height_m needs a room with three sides")
+        above = [] if not height else [1.6 if talker.height_m is None else talker.height_m]
+        return (x + talker.distance_m * math.cos(azimuth), y + talker.distance_m * math.sin(azimuth), *above)
+
+
+@dataclass(frozen=True, slots=True)
+class Cast:
+    """Whose voices are heard."""
+
+    talkers: tuple[Voice, ...]
+    target: Voice
+    target_index: int | None  # into talkers; None: the target is not in the room
+
+
+def names() -> tuple[str, ...]:
+    """Names of the scenarios that come with the simulator."""
+    return tuple(sorted(path.stem for path in _folder().glob("*.toml")))
+
+
+def load(name: str | Path) -> Scenario:
+    """Load a scenario by the name of one that comes with the simulator, or by its path.
+
+    Raises
+    ------
+    ConfigError
+        When there is none of that name, or the file is wrong (names the first wrong key).
+    """
+    path = Path(name)
+    if path.suffix != ".toml":
+        path = _folder() / f"{name}.toml"
+        if str(name) not in names():
+            raise ConfigError(f"scenario '{name}' is unknown; there are: {', '.join(names())}; or give a .toml file")
+    return validated(Scenario, read_toml(path), str(name))
+
+
+def _folder() -> Path:
+    installed = Path(str(files("ross_sim"))) / "data" / "scenarios"
+    return installed if installed.is_dir() else Path(__file__).parents[1] / "scenarios"
+
+
+def _find(wanted: str | int, voices: Sequence[Voice]) -> Voice:
+    if isinstance(wanted, int):
+        if wanted < len(voices):
+            return voices[wanted]
+        raise ConfigError(f"voice number {wanted} is wanted, counted from 0, but there are {len(voices)}")
+    for voice in voices:
+        if voice.name == wanted:
+            return voice
+    raise ConfigError(f"voice '{wanted}' is unknown; there are: {_names(voices)}")
+
+
+def _names(voices: Sequence[Voice]) -> str:
+    return ", ".join(voice.name for voice in voices) or "none"

@@ -1,0 +1,255 @@
+"""The world in lock-step: the far end turns the array, the room sounds, the microphones hear both."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ross_payload.errors import AudioError, ConfigError
+from ross_payload.interfaces import AudioBlock, AudioFlag, Real, Samples
+from ross_sim.cache import Responses
+from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.far_end import FarEnd
+from ross_sim.motor import MotorNoise
+from ross_sim.render import Ears, Stems, gains
+from ross_sim.scenario import Scenario
+from ross_sim.speech import Voice
+from ross_sim.timeline import Timeline
+
+Counts = NDArray[np.int32]
+
+FULL_SCALE = 2**23  # of a 24-bit converter [counts]
+LEVEL = 0.05  # root mean square of the mixture when everyone talks, re full scale: -26 dB, headroom for speech
+
+
+class World:
+    """A scene and a plant on one clock.
+
+    In each quantum of 10 ms the far end lives first, then the quantum is rendered with the plant's *true* joint angle
+    at both its ends. Sound begins when the microphones are opened: their first sample is time 0 of the scenario.
+
+    Every part (one image per talker, the noise) is rounded to the 24-bit grid on its own, so that the parts add up to
+    the mixture to the last bit unless it clips. Sensor noise is white, independent at each microphone, and drawn
+    quantum by quantum, so that it does not depend on how the audio is read.
+
+    Parameters
+    ----------
+    scenario
+        Who talks where and when.
+    voices
+        One per talker, in their order: the ``talkers`` of ``scenario.cast``.
+    far_end
+        What turns the array.
+    clock
+        Advances the world.
+    seed
+        Of sensor and motor noise.
+    cache
+        Folder of the room cache; None: see ``cache_folder``.
+
+    Raises
+    ------
+    ConfigError
+        When there is not one voice per talker, or at another rate.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        voices: Sequence[Voice],
+        far_end: FarEnd,
+        clock: SimClock,
+        seed: int,
+        *,
+        cache: Path | None = None,
+    ) -> None:
+        self.azimuths = scenario.azimuths()
+        self.clock = clock
+        self.rate = scenario.payload.audio.rate_hz
+        self.source = Microphones(self)
+        self._far_end = far_end
+        self._offset = scenario.payload.offset
+        self._angle = far_end.angle()
+        self._noise_rms, motor_rms = _noise_levels(scenario)
+        sensor, motor = np.random.SeedSequence(seed).spawn(2)
+        self._sensor = np.random.Generator(np.random.PCG64(sensor))
+        self._motor = MotorNoise(motor_rms, self.rate, np.random.Generator(np.random.PCG64(motor)))
+        self._stems = _stems(scenario, voices, cache)
+        self._spacing = scenario.payload.array.spacing_m
+        self._ears: Ears | None = None
+        self._quanta = 0
+        self._images: list[Counts] = []
+        self._noise: list[Counts] = []
+        self._headings: list[float] = []
+        clock.before_calls(self.advance)
+
+    def open(self) -> None:
+        """Begin to sound."""
+        self._ears = Ears(self._stems, self._spacing, self._heading())
+        self._headings.append(self._heading())
+
+    def close(self) -> None:
+        """Fall silent; the plant lives on."""
+        self._ears = None
+
+    def advance(self, now: float) -> None:
+        """Live until ``now`` [s], one quantum later."""
+        begin, angle = self._heading(), self._angle
+        self._far_end.advance(now)
+        self._angle = self._far_end.angle()
+        if self._ears is not None:
+            self._sound(self._ears, begin, angle)
+
+    def images(self) -> Samples:
+        """Every talker alone at microphone 1, noise-free, for all that was rendered so far, (n_talkers, n)."""
+        return _joined([image[0] for image in self._images], len(self.azimuths))
+
+    def noise(self) -> Samples:
+        """All noise, sensor and motor, (2, n)."""
+        return _joined(self._noise, 2)
+
+    def mixture(self) -> Samples:
+        """What the converter puts out at both microphones, (2, n)."""
+        pairs = zip(self._images, self._noise, strict=True)
+        return _joined([_converted(image.sum(axis=1, dtype=np.int32) + noise) for image, noise in pairs], 2)
+
+    def headings(self) -> Real:
+        """The true heading at the ends of every quantum since the opening [rad], mount frame, (n_quanta + 1,)."""
+        return np.asarray(self._headings)
+
+    def _heading(self) -> float:
+        return self._angle + self._offset
+
+    def _sound(self, ears: Ears, begin: float, angle: float) -> None:
+        first = self._quanta * self.rate // round(1 / QUANTUM)
+        self._quanta += 1
+        last = self._quanta * self.rate // round(1 / QUANTUM)
+        images = _counts(ears.hear(first, last, begin, self._heading()))
+        noise = self._noise_rms * self._sensor.standard_normal((2, last - first), dtype=np.float32)
+        noise = noise + self._motor.between(angle, self._angle, last - first)
+        self._images.append(images)
+        self._noise.append(_counts(noise))
+        self._headings.append(self._heading())
+        self.source.put(_samples(_converted(images.sum(axis=1, dtype=np.int32) + self._noise[-1])))
+
+
+class Microphones:
+    """The world's AudioSource: reading advances the clock until enough has been heard; nothing is ever skipped."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._heard: deque[Samples] = deque()
+        self._available = 0
+        self._index = 0
+        self._open = False
+        self._opened_at = math.nan
+
+    @property
+    def rate(self) -> int:
+        """Sampling rate [Hz]."""
+        return self._world.rate
+
+    def put(self, samples: Samples) -> None:
+        """Take a quantum, (2, n)."""
+        self._heard.append(samples)
+        self._available += samples.shape[1]
+
+    def read(self, n: int) -> AudioBlock:
+        """Return the next ``n`` samples.
+
+        Raises
+        ------
+        AudioError
+            When the source is not open.
+        """
+        if not self._open:
+            raise AudioError("the simulated microphones are not open")
+        while self._available < n:
+            self._world.clock.advance()
+        samples = self._take(n)
+        index, self._index = self._index, self._index + n
+        clipped = samples.size and (samples.max() >= 1 - 1 / FULL_SCALE or samples.min() <= -1)
+        flags = AudioFlag.CLIPPED if clipped else AudioFlag.NONE
+        return AudioBlock(samples, index, self._opened_at + index / self.rate, flags=flags)
+
+    def __enter__(self) -> Self:
+        """Open the microphones, once.
+
+        Raises
+        ------
+        AudioError
+            When they were opened before.
+        """
+        if not math.isnan(self._opened_at):
+            raise AudioError("the simulated microphones can be opened only once")
+        self._open, self._opened_at = True, self._world.clock.now()
+        self._world.open()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close them."""
+        self._open = False
+        self._world.close()
+
+    def _take(self, n: int) -> Samples:
+        self._available -= n
+        if self._heard and self._heard[0].shape[1] == n:
+            return self._heard.popleft()
+        parts, wanted = [np.zeros((2, 0), dtype=np.float32)], n
+        while wanted:
+            head = self._heard.popleft()
+            parts.append(head[:, :wanted])
+            if head.shape[1] > wanted:
+                self._heard.appendleft(head[:, wanted:])
+            wanted -= parts[-1].shape[1]
+        return np.concatenate(parts, axis=1)
+
+
+def _stems(scenario: Scenario, voices: Sequence[Voice], cache: Path | None) -> Stems:
+    rate = scenario.payload.audio.rate_hz
+    if len(voices) != len(scenario.talkers):
+        raise ConfigError(f"{len(scenario.talkers)} talkers but {len(voices)} voices")
+    wrong = next((voice for voice in voices if voice.rate != rate), None)
+    if wrong is not None:
+        raise ConfigError(f"voice '{wrong.name}' is at {wrong.rate} Hz, not at the payload's {rate} Hz")
+    responses = Responses(scenario.spec(), cache)
+    levels = [talker.level_db for talker in scenario.talkers]
+    loudness = gains([voice.speech for voice in voices], levels, responses.at(scenario.payload.offset), LEVEL)
+    timelines = [
+        Timeline.of(voice.speech, rate, scenario.start(talker), talker.end_s, talker.pauses)
+        for voice, talker in zip(voices, scenario.talkers, strict=True)
+    ]
+    return Stems(timelines, loudness, responses, rate)
+
+
+def _noise_levels(scenario: Scenario) -> tuple[float, float]:
+    """Root mean square of the sensor noise and, at full strength, of the motor's."""
+    reference = LEVEL
+    if scenario.noise.snr_reference == "talker" and scenario.talkers:
+        reference /= math.sqrt(sum(10 ** (talker.level_db / 10) for talker in scenario.talkers))
+    return reference * 10 ** (-scenario.noise.snr_db / 20), LEVEL * 10 ** (scenario.noise.motor_db / 20)
+
+
+def _counts(samples: Samples) -> Counts:
+    return np.asarray(np.rint(samples * np.float32(FULL_SCALE)), dtype=np.int32)
+
+
+def _converted(counts: Counts) -> Counts:
+    return np.asarray(np.clip(counts, -FULL_SCALE, FULL_SCALE - 1))
+
+
+def _samples(counts: Counts) -> Samples:
+    return np.asarray(counts, dtype=np.float32) / np.float32(FULL_SCALE)
+
+
+def _joined(counts: Sequence[Counts], rows: int) -> Samples:
+    return _samples(np.concatenate([np.zeros((rows, 0), dtype=np.int32), *counts], axis=1))
