@@ -25,38 +25,40 @@ class Table(BaseModel):
 class Array(Table):
     """[array]: the two microphones."""
 
-    spacing_m: Annotated[float, Field(ge=0.005, le=1.0)] = 0.05
-    speed_of_sound_m_s: Annotated[float, Field(ge=250, le=450)] = 343.0
+    spacing_m: Annotated[float, Field(ge=0.005, le=1.0)] = 0.05  # d, between the microphones [m]
+    speed_of_sound_m_s: Annotated[float, Field(ge=250, le=450)] = 343.0  # v_p [m/s]; 331 at 0 deg Celsius, 343 at 20
     offset_deg: Degrees = 0.0  # heading of the axis from microphone 1 to 2 when the joint angle and mount yaw are 0
 
 
 class Audio(Table):
     """[audio]: rates and frames."""
 
-    rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 16000
-    hop_ms: Annotated[int, Field(ge=1, le=20)] = 10
+    rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 16000  # of both microphones [Hz]
+    hop_ms: Annotated[int, Field(ge=1, le=20)] = 10  # one step of the mission: a stop is obeyed within it [ms]
     frame: Annotated[int, Field(ge=128, le=8192)] = 2048  # STFT frame of the separation [samples]
-    overlap: Annotated[float, Field(ge=0.5, le=0.9)] = 0.75
+    overlap: Annotated[float, Field(ge=0.5, le=0.9)] = 0.75  # of neighbouring frames, as a share of the frame
 
 
 class Actuator(Table):
     """[actuator]: what turns the array; options are the back end's own."""
 
-    kind: str = "tb6600"
-    options: dict[str, Any] = Field(default_factory=dict)
+    kind: str = "tb6600"  # back end, see `ross actuators`
+    options: dict[str, Any] = Field(default_factory=dict)  # a table of the back end's own
 
 
 class Guard(Table):
     """[guard]: limits and what to do on a fault."""
 
-    lower_deg: Degrees = -200.0
-    upper_deg: Degrees = 200.0
-    max_speed_deg_s: Positive = 225.0
-    max_acceleration_deg_s2: Positive = 112.5
-    max_move_s: Positive = 30.0
-    watchdog_s: Positive = 0.5
-    on_fault: Literal["hold", "release", "park"] = "hold"
-    park_deg: Degrees = 0.0
+    lower_deg: Degrees = -200.0  # lowest joint angle, never below the hardware's own
+    upper_deg: Degrees = 200.0  # highest joint angle, never above the hardware's own
+    max_speed_deg_s: Positive = 225.0  # no move is faster
+    max_acceleration_deg_s2: Positive = 112.5  # no move accelerates or brakes harder
+    max_move_s: Positive = 30.0  # a move that takes longer is a fault [s]
+    watchdog_s: Positive = 0.5  # feedback that is older than this while moving is a fault [s]
+    on_fault: Literal["hold", "release", "park"] = (
+        "hold"  # hold: stay energised; release: let go; park: go to park_deg, then hold
+    )
+    park_deg: Degrees = 0.0  # where to park
 
     @model_validator(mode="after")
     def _ordered(self) -> Guard:
@@ -76,31 +78,31 @@ class Mount(Table):
 class Explore(Table):
     """[explore]: find K and every azimuth."""
 
-    method: str = "joint"
+    method: str = "joint"  # explorer
     lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listened to before anything turns, for the noise
     unit_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_unit
-    step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0
-    min_rotations: Annotated[int, Field(ge=1, le=24)] = 4
-    max_rotations: Annotated[int, Field(ge=1, le=24)] = 12
+    step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation
+    min_rotations: Annotated[int, Field(ge=1, le=24)] = 4  # at least so many, however certain the explorer is
+    max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # at most so many
 
 
 class Exploit(Table):
     """[exploit]: turn, separate, recognise, keep listening."""
 
-    separator: str = "auto"
+    separator: str = "auto"  # auto, gaussian, auxiva or duet
     check_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_check
     run_s: Annotated[float, Field(ge=1, le=600)] = 10.0  # T_run
     runs: Annotated[int, Field(ge=0)] = 1  # how many T_run before the mission is done; 0: until stopped
     criterion: Annotated[float, Field(allow_inf_nan=False)] = 0.0  # accept a voice above this score
-    max_restarts: Annotated[int, Field(ge=0)] = 2
+    max_restarts: Annotated[int, Field(ge=0)] = 2  # how often to start again when the target's score drops
 
 
 class Telemetry(Table):
     """[telemetry]: who we are on MAVLink and where we speak."""
 
-    urls: tuple[str, ...] = ()
-    system_id: Annotated[int, Field(ge=1, le=255)] = 1
-    component_id: Annotated[int, Field(ge=1, le=255)] = 191
+    urls: tuple[str, ...] = ()  # where to send MAVLink: udpin, udpout, tcp or serial
+    system_id: Annotated[int, Field(ge=1, le=255)] = 1  # of the vehicle that carries the payload
+    component_id: Annotated[int, Field(ge=1, le=255)] = 191  # 191: onboard computer
 
 
 class Config(Table):

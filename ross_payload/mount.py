@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from ross_payload.interfaces import Attitude
+from ross_payload.config import Config
+from ross_payload.interfaces import Attitude, Mount
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,3 +18,9 @@ class FixedMount:
     def attitude(self, time: float) -> Attitude:
         """Return the fixed attitude, flagged unknown (mount frame) when no yaw was given."""
         return Attitude(yaw=self.yaw or 0.0, known=self.yaw is not None)
+
+
+def mount_of(config: Config) -> Mount:
+    """Make the mount that a configuration describes; a compass turns clockwise, we do not."""
+    yaw = config.mount.yaw_deg
+    return FixedMount(None if yaw is None else -math.radians(yaw))
