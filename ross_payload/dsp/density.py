@@ -1,0 +1,60 @@
+"""Density of ITDs in one orientation: weighted histogram, kernel density, prominent peaks."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import find_peaks
+
+from ross_payload.interfaces import Real
+
+MARGIN = 1.5  # the grid ends here, in units of d / v_p: errors of the ITD spill over the possible
+N_BINS = 97
+
+
+def itd_grid(spacing: float, speed_of_sound: float, n_bins: int = N_BINS) -> Real:
+    """Centres of the ITD bins [s], (n_bins,), from -1.5 to 1.5 d / v_p.
+
+    >>> itd_grid(343.0, 343.0, 5).tolist()
+    [-1.5, -0.75, 0.0, 0.75, 1.5]
+    """
+    return np.linspace(-MARGIN, MARGIN, n_bins) * spacing / speed_of_sound
+
+
+def histogram(itd: Real, weight: Real, grid: Real) -> Real:
+    """Weight per ITD bin, (n_bins,), shared linearly between the two nearest bins; what lies outside the grid is lost.
+
+    >>> histogram(np.array([0.25, 1.0, 9.0]), np.array([4.0, 1.0, 1.0]), np.array([0.0, 1.0, 2.0])).tolist()
+    [3.0, 2.0, 0.0]
+    """
+    place = (itd - grid[0]) / (grid[1] - grid[0])
+    inside = (place >= 0) & (place <= len(grid) - 1) & (weight > 0)
+    place, weight = place[inside], weight[inside]
+    left = np.minimum(place.astype(int), len(grid) - 2)
+    share = place - left
+    low = np.bincount(left, weight * (1 - share), len(grid))
+    return np.asarray(low + np.bincount(left + 1, weight * share, len(grid)))
+
+
+def kde(counts: Real, grid: Real, bandwidth: float) -> Real:
+    """Kernel density of a histogram: Gaussian kernel of standard deviation ``bandwidth`` [s], (n_bins,), sums to 1.
+
+    All zero when the histogram is.
+    """
+    smooth = gaussian_filter1d(counts, bandwidth / (grid[1] - grid[0]), mode="constant")
+    total = smooth.sum()
+    return np.asarray(smooth / total if total > 0 else smooth)
+
+
+def prominent_peaks(density: Real, grid: Real, prominence: float = 0.1) -> tuple[float, ...]:
+    """ITDs [s] of the peaks that stand out by at least ``prominence`` times the highest, the highest first.
+
+    >>> prominent_peaks(np.array([0, 1, 0.95, 1.01, 0, 5, 0]), np.arange(7.0), 0.15)
+    (5.0, 3.0)
+    """
+    if not density.max(initial=0.0) > 0:
+        return ()
+    padded = np.pad(density, 1)
+    peaks, _ = find_peaks(padded, prominence=prominence * density.max())
+    order = np.argsort(-padded[peaks], kind="stable")
+    return tuple(float(grid[peak - 1]) for peak in peaks[order])
