@@ -1,0 +1,111 @@
+"""Generate what follows from mavlink/ross.xml: the Python module of the dialect and its reference page.
+
+``python protocols/generate.py [FOLDER]`` writes ``ross_dialect.py`` and ``mavlink.md``, to their places in the
+checkout or, when a folder is given, there.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+from pymavlink.generator import mavgen, mavparse
+
+HERE = Path(__file__).resolve().parent
+XML = HERE / "mavlink" / "ross.xml"
+
+INTRODUCTION = """\
+# MAVLink messages
+
+% Generated from protocols/mavlink/ross.xml by protocols/generate.py: edit those.
+
+The payload is a MAVLink 2 component: `MAV_TYPE_ONBOARD_CONTROLLER`, no autopilot, component
+`MAV_COMP_ID_ONBOARD_COMPUTER` (191, configurable). It sends
+
+- `HEARTBEAT` every second. `custom_mode` is the mission's [state](#ross-state); `system_status` is `BOOT` before the
+  mission speaks, `STANDBY` when it is idle or over, `ACTIVE` while it hears and turns, `CRITICAL` after a fault;
+- `STATUSTEXT` when something happens that an operator wants to know;
+- the messages below. Their dialect is `protocols/mavlink/ross.xml`; it needs no other file.
+
+**Angles** are radians, clockwise seen from above and in (-pi, pi], from north in `ROSS_FRAME_EARTH` and from the zero
+of the mount in `ROSS_FRAME_MOUNT`; joint angles are clockwise too but not wrapped. Inside the payload angles are
+counter-clockwise: `ross_protocols` turns them around and nothing else does.
+
+**To draw the scene**, take the axis from `ROSS_STATUS.heading` and draw it both ways, since two microphones have no
+front; per `ROSS_SOURCE` a wedge of `azimuth` plus and minus `azimuth_sigma`, a second one at `azimuth_mirror` when that
+is a number; the lines to try next from `ROSS_ALIGNMENT`. Drop sources whose `estimate` is not the latest. What is
+repeated keeps the time at which it was found out.
+
+**Numbers that are not known** are sent as the value in the column *invalid*. **Old and new** understand each other:
+fields are only ever added, as extensions at the end; a test holds the checksum (CRC_EXTRA) of every message to a table.
+"""
+
+
+def dialect(folder: Path) -> None:
+    """Write ``ross_dialect.py`` with mavgen: Python, MAVLink 2, units checked against the schema's list."""
+    options = Namespace(
+        output=str(folder / "ross_dialect.py"),
+        language="Python3",
+        wire_protocol="2.0",
+        validate=True,
+        strict_units=True,
+    )
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        done = mavgen.mavgen(options, [str(XML)])
+    if not done:
+        sys.exit(f"{XML.name} is not a valid dialect:\n{said.getvalue()}")
+
+
+def reference(folder: Path) -> None:
+    """Write ``mavlink.md``: every message and every enumeration as a table."""
+    xml = mavparse.MAVXML(str(XML), mavparse.PROTOCOL_2_0)
+    parts = [INTRODUCTION, "## Messages\n", *map(_message, xml.message), "## Enumerations\n", *map(_enum, xml.enum)]
+    (folder / "mavlink.md").write_text("\n".join(parts), encoding="utf-8")
+
+
+def _message(message: Any) -> str:
+    head = (
+        f"### {message.name} ({message.id})\n\n{_line(message.description)}\n\n"
+        f"{message.wire_length} bytes, CRC_EXTRA {message.crc_extra}.\n\n"
+        "| field | type | unit | invalid | meaning |\n|---|---|---|---|---|\n"
+    )
+    return head + "".join(f"| {' | '.join(_field(field))} |\n" for field in message.fields)
+
+
+def _field(field: Any) -> tuple[str, ...]:
+    kind = field.type + (f"[{field.array_length}]" if field.array_length else "")
+    meaning = _line(field.description)
+    if field.enum:
+        meaning += f" [{field.enum}](#{_anchor(field.enum)})"
+    if field.instance:
+        meaning += " *Instance.*"
+    return f"`{field.name}`", kind, field.units.strip("[]"), field.invalid, meaning
+
+
+def _enum(enum: Any) -> str:
+    head = (
+        f"({_anchor(enum.name)})=\n### {enum.name}\n\n{_line(enum.description)}{' Bitmask.' * bool(enum.bitmask)}\n\n"
+    )
+    entries = [entry for entry in enum.entry if not entry.name.endswith("_ENUM_END")]
+    rows = "".join(f"| {entry.value} | `{entry.name}` | {_line(entry.description)} |\n" for entry in entries)
+    return f"{head}| value | name | meaning |\n|---|---|---|\n{rows}"
+
+
+def _line(text: str) -> str:
+    return re.sub(r"\s+", " ", text).strip()
+
+
+def _anchor(name: str) -> str:
+    return name.lower().replace("_", "-")
+
+
+if __name__ == "__main__":
+    given = [Path(argument) for argument in sys.argv[1:]]
+    dialect(*given or [HERE / "ross_protocols"])
+    reference(*given or [HERE.parent / "docs" / "reference"])

@@ -1,0 +1,144 @@
+"""Values to bytes and bytes to values. No port, no clock, no threads.
+
+An `Encoder` speaks for one component; a `Decoder` listens to one link. Bytes that are not MAVLink are skipped and
+counted; a good frame behind them is found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from ross_protocols.dialect import MESSAGES, ross
+from ross_protocols.layouts import LAYOUTS
+from ross_protocols.values import Severity, Text, Value
+
+TEXT_SIZE = 50  # of one STATUSTEXT
+
+_BY_VALUE = {layout.value: layout for layout in LAYOUTS}
+_BY_ID = {layout.message.id: layout for layout in LAYOUTS}
+
+_V1, _V2 = 0xFE, 0xFD
+_OVERHEAD = {_V1: 8, _V2: 12}  # header and checksum [bytes]
+_SIGNED, _SIGNATURE = 1, 13
+
+
+@dataclass(frozen=True, slots=True)
+class Packet:
+    """A message that arrived, from whom, and its value when it is one of ours."""
+
+    system_id: int
+    component_id: int
+    sequence: int
+    name: str
+    message: Any  # pymavlink's object
+    value: Value | None
+
+
+class Encoder:
+    """One component's voice: values to MAVLink 2 frames with consecutive sequence numbers.
+
+    >>> from ross_protocols.values import Health, Heartbeat
+    >>> encoder = Encoder(system_id=1, component_id=191)
+    >>> [frame[4] for frame in (encoder.encode(Heartbeat(Health.ACTIVE, state=6)) for _ in range(3))]
+    [0, 1, 2]
+    """
+
+    def __init__(self, system_id: int, component_id: int) -> None:
+        self._mavlink = ross.MAVLink(None, srcSystem=system_id, srcComponent=component_id)
+
+    def encode(self, value: Value) -> bytes:
+        """Return the frame of a value.
+
+        Raises
+        ------
+        struct.error
+            When a number does not fit into its field.
+        """
+        frame = bytes(_BY_VALUE[type(value)].write(value).pack(self._mavlink))
+        self._mavlink.seq = (self._mavlink.seq + 1) % 256
+        return frame
+
+
+class Decoder:
+    """One link's ear: bytes in any portions to packets; MAVLink 1 and 2, our messages and the common ones.
+
+    ``skipped`` counts bytes that belong to no frame, ``unknown`` frames of messages that nobody here knows.
+    """
+
+    def __init__(self) -> None:
+        self._mavlink = ross.MAVLink(None)
+        self._buffer = bytearray()
+        self.skipped = 0
+        self.unknown = 0
+
+    def feed(self, data: bytes) -> list[Packet]:
+        """Return the packets that ``data`` completes."""
+        self._buffer += data
+        return list(self._packets())
+
+    def _packets(self) -> Iterator[Packet]:
+        while (size := self._next_size()) is not None:
+            frame = self._buffer[:size]
+            try:
+                message = self._decode(frame)
+            except ross.MAVError:  # it only looked like a frame: a true one may begin one byte later
+                self._skip(1)
+                continue
+            del self._buffer[:size]
+            if message is None:
+                self.unknown += 1
+            else:
+                yield _packet(message)
+
+    def _next_size(self) -> int | None:
+        """Skip to a marker; return the size of its frame when all of it is here."""
+        starts = (place for marker in (_V1, _V2) if (place := self._buffer.find(marker)) >= 0)
+        self._skip(min(starts, default=len(self._buffer)))
+        if len(self._buffer) < 3:
+            return None
+        marker, length, flags = self._buffer[:3]
+        size = length + _OVERHEAD[marker] + (_SIGNATURE if marker == _V2 and flags & _SIGNED else 0)
+        return size if len(self._buffer) >= size else None
+
+    def _decode(self, frame: bytearray) -> Any:
+        if frame[0] == _V2 and frame[2] & ~_SIGNED:
+            raise ross.MAVError("flags that change the format")
+        number = frame[5] if frame[0] == _V1 else int.from_bytes(frame[7:10], "little")
+        if number in MESSAGES:
+            return self._mavlink.decode(frame)
+        after = self._buffer[len(frame) : len(frame) + 1]
+        if after and after[0] not in _OVERHEAD:  # its checksum cannot be checked; what follows can
+            raise ross.MAVError("not a frame")
+        return None
+
+    def _skip(self, count: int) -> None:
+        del self._buffer[:count]
+        self.skipped += count
+
+
+def chunks(severity: Severity, text: str, number: int) -> list[Text]:
+    """Split a text into what STATUSTEXT can carry; ``number`` (1 to 65535) ties the chunks together.
+
+    A text whose last chunk is full is followed by an empty one, as MAVLink wants it.
+
+    >>> [(part.id, part.chunk, len(part.text)) for part in chunks(Severity.INFO, "x" * 60, 7)]
+    [(7, 0, 50), (7, 1, 10)]
+    """
+    if len(text) <= TEXT_SIZE:
+        return [Text(severity, text)]
+    parts = [text[start : start + TEXT_SIZE] for start in range(0, len(text) + 1, TEXT_SIZE)]
+    return [Text(severity, part, number, index) for index, part in enumerate(parts)]
+
+
+def _packet(message: Any) -> Packet:
+    layout = _BY_ID.get(message.get_msgId())
+    return Packet(
+        message.get_srcSystem(),
+        message.get_srcComponent(),
+        message.get_seq(),
+        message.get_type(),
+        message,
+        layout.read(message) if layout else None,
+    )
