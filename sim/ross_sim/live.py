@@ -190,3 +190,11 @@ def in_words(event: Event) -> str:  # noqa: PLR0911 - one line for each kind of 
             return reason
         case _:
             return ""
+
+
+def view_of(as_json: bool, expected: float) -> View:
+    """Choose a view: none for machines, a live one on a terminal, lines elsewhere; ``expected`` is in [s]."""
+    console = Console()
+    if as_json:
+        return Silent()
+    return LiveView(console, expected) if console.is_terminal else PlainLines(console)

@@ -1,0 +1,71 @@
+"""From a command line to a scenario with voices, and the voice print of its target."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import VoicePrint
+from ross_payload.voiceprint import VoiceStore, enrol
+from ross_sim.scenario import Scenario, load
+from ross_sim.speech import Voice, load_folder
+from ross_sim.voices import synthetic_voices
+
+
+@dataclass(frozen=True, slots=True)
+class Company:
+    """The voices to cast from, and the one to look for."""
+
+    voices: tuple[Voice, ...]
+    target: str
+    voiceprint: VoicePrint
+
+
+def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
+    """Load a scenario and apply what the command line asks for instead."""
+    loaded = load(scenario)
+    payload = loaded.payload
+    if changes["actuator"] and changes["actuator"] != payload.actuator.kind:
+        payload = _with(payload, actuator=type(payload.actuator)(kind=changes["actuator"]))
+    if changes["separator"]:
+        payload = _with(payload, exploit=_with(payload.exploit, separator=changes["separator"]))
+    if changes["urls"]:
+        payload = _with(payload, telemetry=_with(payload.telemetry, urls=tuple(changes["urls"])))
+    if changes["seed"] is not None:
+        payload = _with(payload, seed=changes["seed"])
+    return _with(loaded, payload=payload)
+
+
+def company_of(scenario: Scenario, speech: Path | None, target: str | None) -> Company:
+    """Load the voices and enrol the target: a talker's name, a voice not in the room, or one enrolled before.
+
+    Raises
+    ------
+    ConfigError
+        When there are too few voices, or nobody knows the target.
+    """
+    rate = scenario.payload.audio.rate_hz
+    voices = load_folder(speech, rate) if speech is not None else synthetic_voices(rate)
+    if target is None:
+        voice = scenario.cast(voices).target
+    else:
+        found = next((voice for voice in voices if voice.name == target), None)
+        if found is None:
+            return Company(voices, target, _enrolled(target, voices))
+        voice = found
+    return Company(voices, voice.name, enrol(voice.enrolment, voice.rate))
+
+
+def _enrolled(target: str, voices: tuple[Voice, ...]) -> VoicePrint:
+    store = VoiceStore.default()
+    if target not in store.names():
+        known = ", ".join(sorted({voice.name for voice in voices} | set(store.names())))
+        raise ConfigError(f"--target {target}: nobody of that name; there are: {known}")
+    return store.load(target)
+
+
+def _with(model: Any, **changes: Any) -> Any:
+    return model.model_copy(update=changes)

@@ -1,0 +1,189 @@
+"""One simulated mission from a scenario to its results: every part is real but the far ends of the wires."""
+
+from __future__ import annotations
+
+import json
+import signal
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from types import FrameType
+from typing import Any
+
+import numpy as np
+from ross_payload.links import Links
+from ross_payload.telemetry.service import Telemetry
+from threadpoolctl import threadpool_limits
+
+from ross_payload import plugins
+from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.angles import wrap
+from ross_payload.audio.files import WavWriter, write_wav
+from ross_payload.clock import SystemClock
+from ross_payload.config import Config
+from ross_payload.events import Event, Separated
+from ross_payload.interfaces import Actuator, Command, Input, Result, Services
+from ross_payload.mission.supervise import mission
+from ross_payload.mount import mount_of
+from ross_payload.service import Runner, settings_of, tools_of
+from ross_sim.casting import Company
+from ross_sim.clock import SimClock
+from ross_sim.far_end import FarEnd
+from ross_sim.live import View
+from ross_sim.outdir import OutDir
+from ross_sim.picture import draw
+from ross_sim.report import Story, Truth, plain, report
+from ross_sim.scenario import Cast, Scenario
+from ross_sim.world import World
+
+POLL = 0.010  # [s] between two polls of drivers and links
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """What is left of a mission."""
+
+    result: Result
+    report: dict[str, Any]
+    timing: dict[str, float]
+    complaints: tuple[str, ...]  # of the simulated hardware
+
+
+@dataclass(slots=True)
+class Collector:
+    """Follows a mission: keeps its events, writes the mixture and the event log as they happen."""
+
+    mixture: WavWriter | None
+    story: Story = field(default_factory=Story)
+
+    def heard(self, heard: Input) -> None:
+        """Write one hop of the mixture."""
+        if self.mixture is not None:
+            self.mixture.write(heard.block.samples)
+
+    def said(self, event: Event, heard: Input) -> None:
+        """Keep the event."""
+        self.story.events.append(event)
+
+
+class Pace:
+    """Holds simulated time back to ``speed`` times real time."""
+
+    def __init__(self, speed: float) -> None:
+        self._speed = speed
+        self._clock = SystemClock()
+        self._start = self._clock.now()
+
+    def heard(self, heard: Input) -> None:
+        """Wait until the hop would have been over."""
+        self._clock.sleep(self._start + heard.block.time / self._speed - self._clock.now())
+
+    def said(self, event: Event, heard: Input) -> None:
+        """Nothing to wait for."""
+
+
+def perform(scenario: Scenario, company: Company, view: View, out: OutDir | None, speed: float | None) -> Finished:
+    """Run one mission in lock-step and write its results."""
+    wall = SystemClock()
+    started = wall.now()
+    config = scenario.payload
+    clock = SimClock()
+    with ExitStack() as stack, threadpool_limits(limits=1):
+        links = stack.enter_context(Links.open(config.telemetry.urls))
+        far_end = far_end_of(config)
+        cast = scenario.cast(company.voices)
+        world = World(scenario, cast.talkers, far_end, clock, config.seed)
+        collector = Collector(_wav(stack, out, config))
+        actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
+        stack.enter_context(world.source)
+        runner = _runner(config, company, world, actuator, clock)
+        telemetry = stack.enter_context(Telemetry(config, clock, links, out and out.staging / "mission.tlog"))
+        runner.observers = [collector, telemetry, view, *([Pace(speed)] if speed else [])]
+        ready = wall.now()
+        with stop_on_signal(runner):
+            result = runner.run()
+        done = wall.now()
+    truth = _truth(world, cast, company.target, config)
+    values = report(collector.story, truth, result, _configuration(scenario, config))
+    if far_end.complaints():
+        values["complaints"] = far_end.complaints()
+    timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": clock.now()}
+    timing["times_real_time"] = clock.now() / max(done - ready, 1e-9)
+    if out is not None:
+        _write(out, collector.story, truth, values, scenario)
+        timing["results_s"] = wall.now() - done
+        out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
+    return Finished(result, values, timing, tuple(far_end.complaints()))
+
+
+def expected(scenario: Scenario) -> float:
+    """About how long the mission will take [s], if the explorer is certain half-way and the second candidate is it."""
+    explore, exploit = scenario.payload.explore, scenario.payload.exploit
+    rotations = (explore.min_rotations + explore.max_rotations) / 2
+    return explore.lead_in_s + rotations * (explore.unit_s + 1.0) + 2 * (exploit.check_s + 2.0) + exploit.run_s
+
+
+def far_end_of(config: Config) -> FarEnd:
+    """Make the simulated device for the actuator that a configuration names."""
+    maker = plugins.load("ross_sim.far_ends", config.actuator.kind)
+    far_end: FarEnd = maker.make(checked_options(config))
+    return far_end
+
+
+def _runner(config: Config, company: Company, world: World, actuator: Actuator, clock: SimClock) -> Runner:
+    clock.every(POLL, lambda: actuator.poll(clock.now()))
+    travel = actuator.capabilities
+    actuator.home()
+    brain = mission(settings_of(config, travel.lower, travel.upper), tools_of(config, company.voiceprint))
+    return Runner(brain, world.source, actuator, mount_of(config), config)
+
+
+def _wav(stack: ExitStack, out: OutDir | None, config: Config) -> WavWriter | None:
+    if out is None:
+        return None
+    return stack.enter_context(WavWriter(out.staging / "mixture.wav", config.audio.rate_hz, channels=2))
+
+
+def _truth(world: World, cast: Cast, target: str, config: Config) -> Truth:
+    yaw = mount_of(config).attitude(0.0).yaw
+    return Truth(
+        names=tuple(voice.name for voice in cast.talkers),
+        azimuths=np.array([wrap(azimuth + yaw) for azimuth in world.azimuths]),
+        images=world.images(),
+        mixture=world.mixture()[0],
+        target=target,
+    )
+
+
+def _configuration(scenario: Scenario, config: Config) -> dict[str, Any]:
+    values: dict[str, Any] = scenario.model_dump(mode="json", exclude={"payload": {"telemetry": {"urls"}}})
+    return values | {"seed": config.seed}
+
+
+def _write(out: OutDir, story: Story, truth: Truth, values: dict[str, Any], scenario: Scenario) -> None:
+    config = scenario.payload
+    rate = config.audio.rate_hz
+    out.write_json("report.json", values)
+    out.write_text("events.jsonl", "".join(json.dumps(plain(event), allow_nan=False) + "\n" for event in story.events))
+    separated: Separated | None = story.last(Separated)
+    if separated is not None:
+        for index, voice in enumerate(separated.voices):
+            name = "target.wav" if index == separated.target else f"group-{index}.wav"
+            write_wav(out.staging / name, voice, rate)
+    unit = config.array.spacing_m / config.array.speed_of_sound_m_s
+    draw(out.staging / "mission.png", story, truth, rate, unit, scenario.title)
+
+
+@contextmanager
+def stop_on_signal(runner: Runner) -> Iterator[None]:
+    """Turn Ctrl-C and SIGTERM into a stop command: the motor decelerates and the files are closed."""
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        runner.command(Command.STOP)
+
+    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

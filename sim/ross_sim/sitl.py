@@ -1,0 +1,59 @@
+"""``ross sitl``: the whole mission in a simulated room."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+EPILOG = """Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand.
+
+URLs are udpin:host:port, udpout:host:port, tcp:host:port or serial:device:baud."""
+
+
+def _speed(context: click.Context, parameter: click.Parameter, value: str) -> float | None:
+    if value == "max":
+        return None
+    try:
+        speed = float(value)
+    except ValueError:
+        speed = 0.0
+    if not 0.01 <= speed <= 1000:
+        raise click.BadParameter(f"'{value}' is neither max nor a number of times real time (0.01 to 1000)")
+    return speed
+
+
+@click.command("sitl", short_help="Run the whole mission in a simulated room.", epilog=EPILOG)
+@click.option(
+    "--scenario", "-s", default="demo", show_default=True, help="Name of a built-in scenario, or a TOML file."
+)
+@click.option("--actuator", "-a", help="Actuator back end, instead of the scenario's.")
+@click.option("--separator", "-p", help="Separator, instead of the scenario's.")
+@click.option("--seed", type=click.IntRange(min=0), help="Seed of everything random.")
+@click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
+@click.option("--target", help="Name of the talker to look for, or of an enrolled voice.")
+@click.option("--telemetry", "urls", multiple=True, help="URL to send MAVLink to; may be given more than once.")
+@click.option("--speed", default="max", show_default=True, callback=_speed, help="max, or times real time.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for report, audio, picture and logs.")
+@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON, and nothing else.")
+def command(scenario: str, out: Path | None, speed: float | None, as_json: bool, **changes: Any) -> int:
+    """Run the whole mission in a simulated room, with the real drivers on simulated wires."""
+    from contextlib import nullcontext
+
+    from ross_sim.casting import company_of, directed
+    from ross_sim.live import view_of
+    from ross_sim.outdir import OutDir
+    from ross_sim.session import expected, perform
+    from ross_sim.summary import show
+
+    chosen = directed(scenario, changes)
+    with OutDir(out) if out is not None else nullcontext() as folder:
+        company = company_of(chosen, changes["speech"], changes["target"])
+        view = view_of(as_json, expected(chosen))
+        try:
+            finished = perform(chosen, company, view, folder, speed)
+        finally:
+            view.close()
+    show(finished, out, as_json)
+    return int(finished.result.outcome)
