@@ -38,7 +38,7 @@ class Observer(Protocol):
         """One hop was heard."""
 
     def said(self, event: Event, heard: Input) -> None:
-        """The mission said something about all that was heard up to this Input."""
+        """The mission said something; this is the first hop after it."""
 
 
 class Runner:
@@ -63,12 +63,12 @@ class Runner:
     def run(self) -> Result:
         """Run the mission to its end and the actuator to rest."""
         output = next(self._mission)
-        heard = None
         try:
             while True:
+                self._move(output)
                 heard = self._listen(output.goal)
+                self._tell(output, heard)
                 output = self._mission.send(heard)
-                self._obey(output, heard)
         except StopIteration as end:
             result: Result = end.value
         except BaseException:
@@ -95,7 +95,7 @@ class Runner:
             observer.heard(heard)
         return heard
 
-    def _obey(self, output: Output, heard: Input) -> None:
+    def _move(self, output: Output) -> None:
         if output.stop:
             self._actuator.stop()
         if output.goal is not None:
@@ -103,6 +103,8 @@ class Runner:
                 self._actuator.command(output.goal)
             except ActuatorError as error:
                 self._fault = str(error)
+
+    def _tell(self, output: Output, heard: Input) -> None:
         for event in output.events:
             for observer in self.observers:
                 observer.said(event, heard)

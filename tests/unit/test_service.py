@@ -1,0 +1,162 @@
+"""The runner between a mission and the things that hear and turn."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ross_payload.actuators.registry import open_actuator
+from ross_payload.config import Config
+from ross_payload.errors import PluginError
+from ross_payload.events import Event, Outcome
+from ross_payload.interfaces import AudioBlock, Command, Output, Result, Services
+from ross_payload.mount import FixedMount, mount_of
+from ross_payload.service import Runner, settings_of, tools_of
+from ross_sim.clock import SimClock
+from ross_sim.session import far_end_of
+
+CONFIG = Config.model_validate({"actuator": {"kind": "ideal"}, "array": {"offset_deg": 10}})
+
+
+class Microphones:
+    """Zeros, read in lock-step with the clock."""
+
+    rate = 16000
+
+    def __init__(self, clock):
+        self.clock = clock
+        self.index = 0
+
+    def read(self, n):
+        time = self.clock.now()
+        self.clock.sleep(n / self.rate)
+        self.index += n
+        return AudioBlock(np.zeros((2, n), np.float32), self.index - n, time)
+
+
+class Recorder:
+    def __init__(self):
+        self.inputs = []
+        self.events = []
+
+    def heard(self, heard):
+        self.inputs.append(heard)
+
+    def said(self, event, heard):
+        self.events.append(event)
+
+
+@pytest.fixture
+def bench():
+    clock = SimClock()
+    far_end = far_end_of(CONFIG)
+    clock.before_calls(far_end.advance)
+    with open_actuator(CONFIG, Services(clock, lambda url: far_end.port)) as actuator:
+        clock.every(0.01, lambda: actuator.poll(clock.now()))
+        actuator.home()
+        clock.sleep(0.05)
+
+        def make(mission, mount=None):
+            runner = Runner(mission, Microphones(clock), actuator, mount or FixedMount(None), CONFIG)
+            recorder = Recorder()
+            runner.observers = [recorder]
+            return runner, recorder, far_end
+
+        yield make
+
+
+def turns_once(goal):
+    heard = yield Output((Event(0.0),))
+    heard = yield Output(goal=goal)
+    while not heard.settled:
+        heard = yield Output()
+    yield Output(stop=True)
+    return Result(Outcome.TARGET_FOUND, "there")
+
+
+def obeys_stop(goal):
+    heard = yield Output(goal=goal)
+    while not heard.commands and not heard.fault:
+        heard = yield Output()
+    yield Output(stop=True)
+    return Result(Outcome.FAULT if heard.fault else Outcome.STOPPED, heard.fault)
+
+
+def test_a_goal_is_reached_and_the_headings_tell_the_way(bench):
+    runner, recorder, far_end = bench(turns_once(0.5))
+    assert runner.run().outcome is Outcome.TARGET_FOUND
+    assert far_end.angle() == pytest.approx(0.5, abs=1e-6)
+    headings = [one.heading_end for one in recorder.inputs]
+    assert headings[0] == pytest.approx(math.radians(10))
+    assert headings[-1] == pytest.approx(0.5 + math.radians(10), abs=1e-6)
+    for before, after in zip(recorder.inputs, recorder.inputs[1:], strict=False):
+        assert before.heading_end == after.heading_start
+    assert len(recorder.events) == 1
+
+
+def test_a_hop_in_which_a_goal_was_given_is_not_settled(bench):
+    runner, recorder, _ = bench(turns_once(0.5))
+    runner.run()
+    assert recorder.inputs[0].settled
+    assert not recorder.inputs[1].settled
+
+
+def test_a_command_reaches_the_mission_with_the_next_hop_and_the_motor_comes_to_rest(bench):
+    runner, recorder, far_end = bench(obeys_stop(3.0))
+
+    class Press(Recorder):
+        def heard(self, heard):
+            super().heard(heard)
+            if len(self.inputs) == 60:
+                runner.command(Command.STOP)
+
+    press = Press()
+    runner.observers.append(press)
+    assert runner.run().outcome is Outcome.STOPPED
+    assert press.inputs[60].commands == (Command.STOP,)
+    speed = (press.inputs[60].joint - press.inputs[59].joint) / 0.01
+    braking = speed**2 / (2 * math.radians(112.5))
+    assert far_end.angle() - press.inputs[60].joint <= braking + speed * 0.1
+    assert recorder.inputs[-1].joint == pytest.approx(far_end.angle(), abs=1e-3)
+
+
+def test_a_goal_outside_the_limits_is_a_fault_and_no_motion(bench):
+    runner, _, far_end = bench(obeys_stop(100.0))
+    result = runner.run()
+    assert result.outcome is Outcome.FAULT
+    assert "not within" in result.reason
+    assert far_end.angle() == 0.0
+
+
+def test_an_exception_stops_the_motor(bench):
+    def breaks():
+        yield Output(goal=2.0)
+        for _ in range(40):
+            yield Output()
+        raise RuntimeError("a defect")
+
+    runner, _, far_end = bench(breaks())
+    with pytest.raises(RuntimeError, match="a defect"):
+        runner.run()
+    assert far_end.angle() < 2.0
+    with pytest.raises(Exception, match="stop"):
+        runner._actuator.command(1.0)
+
+
+def test_a_compass_yaw_turns_the_other_way():
+    config = Config.model_validate({"mount": {"yaw_deg": 30}})
+    assert mount_of(config).attitude(0.0).yaw == pytest.approx(-math.radians(30))
+    assert mount_of(config).attitude(0.0).known
+    assert not mount_of(Config()).attitude(0.0).known
+
+
+def test_settings_are_in_radians_and_seconds():
+    settings = settings_of(CONFIG, -1.0, 1.0)
+    assert settings.rotation == pytest.approx(math.radians(15))
+    assert (settings.unit, settings.lower, settings.upper) == (3.0, -1.0, 1.0)
+
+
+def test_an_unknown_separator_is_named():
+    config = Config.model_validate({"exploit": {"separator": "magic"}})
+    with pytest.raises(PluginError, match="'magic' is unknown; there are: .*gaussian"):
+        tools_of(config, voiceprint=None)
