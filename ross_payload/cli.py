@@ -81,7 +81,7 @@ def enroll(name: str, file: Path | None, forget: bool) -> None:
     from ross_payload.audio.files import read_mono
     from ross_payload.voiceprint import VoiceStore, enrol
 
-    store = VoiceStore()
+    store = VoiceStore.default()
     if forget:
         store.forget(name)
         click.echo(f"forgot {name}")

@@ -158,5 +158,5 @@ def test_settings_are_in_radians_and_seconds():
 
 def test_an_unknown_separator_is_named():
     config = Config.model_validate({"exploit": {"separator": "magic"}})
-    with pytest.raises(PluginError, match="'magic' is unknown; there are: .*gaussian"):
+    with pytest.raises(PluginError, match=r"'magic' is unknown; there are: .*gaussian"):
         tools_of(config, voiceprint=None)

@@ -1,0 +1,107 @@
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import soundfile
+
+from ross_payload import cli
+
+
+def ross(monkeypatch, capsys, *arguments):
+    monkeypatch.setattr(sys, "argv", ["ross", *map(str, arguments)])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    said = capsys.readouterr()
+    return end.value.code, said.out, said.err
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    return lambda *arguments: ross(monkeypatch, capsys, *arguments)
+
+
+def test_help_lists_every_command_and_exit_code(run):
+    code, out, _ = run("--help")
+    assert code == 0
+    for word in ("sitl", "config", "enroll", "actuators", "3 no target"):
+        assert word in out
+
+
+HEAVY = """
+import sys
+sys.argv = ["ross", "--help"]
+from ross_payload.cli import main
+try:
+    main()
+except SystemExit:
+    heavy = {"numpy", "scipy", "pydantic", "matplotlib", "pymavlink", "sounddevice", "rich"}
+    assert not heavy & set(sys.modules), heavy & set(sys.modules)
+"""
+
+
+def test_help_imports_nothing_heavy():
+    done = subprocess.run([sys.executable, "-c", HEAVY], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "sitl" in done.stdout
+
+
+def test_a_good_configuration_is_good(run, tmp_path):
+    path = tmp_path / "a.toml"
+    path.write_text("[actuator]\nkind = 'ideal'\n")
+    assert run("config", "check", path)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[actuator]\nkind = 'hamster'", "'hamster' is unknown; there are: ideal, tb6600"),
+        ("[actuator]\nkind = 'tb6600'\n[actuator.options]\nmicrostep = 16", "unknown key 'microstep'"),
+        ("[explore]\nmethod = 'guess'", "'guess' is unknown; there are: joint"),
+        ("[exploit]\nseparator = 'magic'", "'magic' is unknown"),
+        ("[array]\nspacing_m = -1", "array.spacing_m"),
+    ],
+)
+def test_a_bad_configuration_gets_one_line_and_exit_code_2(run, tmp_path, text, words):
+    path = tmp_path / "a.toml"
+    path.write_text(text)
+    code, out, err = run("config", "check", path)
+    assert code == 2
+    assert words in err
+    assert err.count("\n") == 1
+    assert not out
+
+
+def test_actuators_are_listed_for_people_and_machines(run):
+    assert "tb6600" in run("actuators")[1]
+    rows = json.loads(run("actuators", "--json")[1])
+    assert {"ideal", "tb6600"} <= {row["name"] for row in rows if row["usable"]}
+
+
+def test_an_unknown_command_or_option_is_exit_code_2(run):
+    assert run("sing")[0] == 2
+    assert run("sitl", "--loudly")[0] == 2
+
+
+@pytest.mark.parametrize("arguments", [("sitl", "--speed", "fast"), ("sitl", "--seed", "-1"), ("enroll", "anna")])
+def test_a_bad_value_is_exit_code_2(run, arguments):
+    code, _, err = run(*arguments)
+    assert code == 2
+    assert "Traceback" not in err
+
+
+def test_enrolling_silence_is_refused_and_nothing_is_kept(run, tmp_path):
+    path = tmp_path / "silence.wav"
+    soundfile.write(path, np.zeros(48000), 16000)
+    code, _, err = run("enroll", "anna", path)
+    assert code == 2
+    assert err.count("\n") == 1
+    assert not list((tmp_path / "data").rglob("*anna*"))
+
+
+def test_forgetting_somebody_unknown_says_so(run):
+    code, _, err = run("enroll", "nobody", "--forget")
+    assert code == 2
+    assert "nobody" in err
