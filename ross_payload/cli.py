@@ -128,3 +128,6 @@ def main() -> None:
     except BrokenPipeError:
         code = 1
     sys.exit(code if isinstance(code, int) else 0)
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,28 @@
+"""Shared by all tests: caches and personal data stay out of the user's own folders."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def own_folders(tmp_path_factory):
+    """Rooms and synthetic voices are cached beside pytest's own cache; voice prints go to a temporary folder."""
+    patch = pytest.MonkeyPatch()
+    if "ROSS_CACHE" not in os.environ:
+        patch.setenv("ROSS_CACHE", str(ROOT / ".pytest_cache" / "ross"))
+    patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("data")))
+    yield
+    patch.undo()
+
+
+@pytest.fixture
+def speech():
+    """The folder of recorded talkers, which is not in the repository."""
+    folder = Path(os.environ.get("ROSS_SPEECH", ROOT.parent / "shared" / "speech"))
+    if not folder.is_dir():
+        pytest.skip(f"needs the recordings in ../shared/speech (or ROSS_SPEECH); {folder.name} is missing")
+    return folder

@@ -1,0 +1,328 @@
+"""The whole mission in the simulator, as its user runs it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import soundfile
+
+from ross_payload import cli
+
+SHORT = """
+title = "a short mission"
+[payload.explore]
+lead_in_s = 2.0
+unit_s = 0.5
+min_rotations = 1
+max_rotations = 2
+[payload.exploit]
+check_s = 1.0
+run_s = 1.0
+max_restarts = 0
+[[talkers]]
+azimuth_deg = 40
+[[talkers]]
+azimuth_deg = 155
+[[talkers]]
+azimuth_deg = -80
+"""
+
+
+def ross(*arguments, **options):
+    command = [sys.executable, "-m", "ross_payload.cli", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=250, **options)
+
+
+def sitl(out, *arguments):
+    done = ross("sitl", "--out", out, "--json", *arguments)
+    assert "Traceback" not in done.stderr, done.stderr
+    return done, json.loads((out / "report.json").read_text())
+
+
+@pytest.fixture
+def short(tmp_path):
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT)
+    return path
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory):
+    out = tmp_path_factory.mktemp("demo") / "out"
+    done, report = sitl(out, "--seed", 1)
+    return done, report, out
+
+
+def test_the_demo_finds_everyone_and_the_target(demo):
+    done, report, _ = demo
+    assert done.returncode == 0
+    assert (report["outcome"], report["k"]) == ("target_found", 3)
+    assert all(abs(source["azimuth_error_deg"]) < 5 for source in report["sources"])
+
+
+def test_the_demo_gains_more_than_12_db(demo):
+    _, report, _ = demo
+    target = next(group for group in report["groups"] if group["target"])
+    assert target["talkers"] == [report["target"]]
+    assert target["accepted"]
+    assert target["si_sdri_db"] > 12
+
+
+def test_the_gain_is_in_the_file_that_one_listens_to(demo):
+    _, report, out = demo
+    voice, rate = soundfile.read(out / "target.wav")
+    mixture, _ = soundfile.read(out / "mixture.wav")
+    assert len(voice) == 10 * rate
+    assert mixture.shape[1] == 2
+    assert abs(len(mixture) / rate - report["mission_s"]) < 1
+    assert np.abs(voice).max() > 0.01
+    frames = np.sqrt(np.mean(voice.reshape(-1, rate // 10) ** 2, axis=1))
+    assert (frames > 1e-4).mean() > 0.5  # no gap of silence in place of a voice
+
+
+def test_everything_promised_is_there(demo):
+    done, report, out = demo
+    names = {path.name for path in out.iterdir()}
+    promised = {
+        "report.json",
+        "timing.json",
+        "mixture.wav",
+        "target.wav",
+        "mission.png",
+        "mission.tlog",
+        "events.jsonl",
+    }
+    assert promised <= names
+    assert json.loads(done.stdout)["outcome"] == report["outcome"]
+    lines = (out / "events.jsonl").read_text().splitlines()
+    assert json.loads(lines[-1])["event"] == "Finished"
+    assert str(out) not in (out / "report.json").read_text()
+
+
+def test_a_rerun_gives_the_same_bytes(demo, tmp_path):
+    _, _, first = demo
+    second = tmp_path / "again"
+    sitl(second, "--seed", 1)
+    names = sorted(path.name for path in first.iterdir())
+    assert names == sorted(path.name for path in second.iterdir())
+    for name in set(names) - {"timing.json"}:
+        assert (first / name).read_bytes() == (second / name).read_bytes(), name
+
+
+def test_another_seed_gives_other_noise(demo, tmp_path):
+    _, _, first = demo
+    sitl(tmp_path / "other", "--seed", 2)
+    assert (first / "mixture.wav").read_bytes() != (tmp_path / "other" / "mixture.wav").read_bytes()
+
+
+def test_recorded_talkers_are_told_apart(speech, tmp_path):
+    done, report = sitl(tmp_path / "out", "--speech", speech, "--seed", 3)
+    assert done.returncode == 0
+    assert all(abs(source["azimuth_error_deg"]) < 5 for source in report["sources"])
+
+
+def test_a_target_that_is_not_there_is_not_found(tmp_path):
+    done, report = sitl(tmp_path / "out", "--scenario", "no-target")
+    assert done.returncode == 3
+    assert report["k"] == report["k_true"]
+    assert not report["groups"]
+
+
+def test_a_silent_room_holds_nobody(tmp_path):
+    done, report = sitl(tmp_path / "out", "--scenario", "silence")
+    assert done.returncode == 3
+    assert report["k"] == 0
+    assert report["reason"] == "nobody is talking"
+
+
+def test_one_talker_is_found(tmp_path):
+    done, report = sitl(tmp_path / "out", "--scenario", "one-talker")
+    assert (done.returncode, report["k"]) == (0, 1)
+    assert abs(report["sources"][0]["azimuth_error_deg"]) < 5
+
+
+def test_two_talkers_that_mirror_each_other_are_two(tmp_path):
+    done, report = sitl(tmp_path / "out", "--scenario", "two-talkers-mirrored")
+    assert (done.returncode, report["k"]) == (0, 2)
+    assert report["alignment"]["used"]["isolation_us"] > 50
+
+
+def test_the_ideal_actuator_hears_the_same(demo, tmp_path):
+    _, report, _ = demo
+    _, ideal = sitl(tmp_path / "out", "--seed", 1, "--actuator", "ideal")
+    found = sorted(source["azimuth_deg"] for source in report["sources"])
+    np.testing.assert_allclose(found, sorted(source["azimuth_deg"] for source in ideal["sources"]), atol=0.5)
+
+
+def test_ctrl_c_in_the_middle_of_a_move_decelerates_and_closes_the_files(short, tmp_path):
+    out = tmp_path / "out"
+    command = [
+        sys.executable,
+        "-u",
+        "-m",
+        "ross_payload.cli",
+        "sitl",
+        "--scenario",
+        short,
+        "--speed",
+        "2",
+        "--out",
+        out,
+    ]
+    with subprocess.Popen(
+        list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        for line in process.stdout:
+            if "turn to" in line:
+                break
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        rest, err = process.communicate(timeout=60)
+    assert process.returncode == 130, err + rest
+    assert "Traceback" not in err
+    report = json.loads((out / "report.json").read_text())
+    assert report["outcome"] == "stopped"
+    assert soundfile.info(out / "mixture.wav").duration >= report["mission_s"]
+    assert not [path for path in out.iterdir() if path.name.startswith(".")]
+    last = json.loads((out / "events.jsonl").read_text().splitlines()[-1])
+    assert last["event"] == "Finished"
+
+
+def test_limits_that_exclude_every_alignment_end_cleanly(short, tmp_path):
+    text = short.read_text() + "\n[payload.guard]\nlower_deg = -1.0\nupper_deg = 1.0\n"
+    short.write_text(text)
+    done = ross("sitl", "--scenario", short, "--out", tmp_path / "out")
+    assert done.returncode in (0, 3), done.stderr
+    assert "Traceback" not in done.stderr
+    report = json.loads((tmp_path / "out" / "report.json").read_text())
+    rules = {candidate["rule"] for candidate in (report["alignment"] or {"candidates": []})["candidates"]}
+    assert rules <= {"limited", "stay"}
+
+
+def test_a_full_disk_is_one_line_and_the_earlier_results_stay(short, tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "report.json").write_text("the good old one")
+    limit = "import resource as r; r.setrlimit(r.RLIMIT_FSIZE, (150_000, 150_000))\n"
+    limit += "from ross_payload.cli import main; main()"
+    ross("sitl", "--scenario", short, "--json")  # fill the caches
+    command = [sys.executable, "-c", limit, "sitl", "--scenario", str(short), "--out", str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 1, done.stderr
+    assert "cannot be written" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert (out / "report.json").read_text() == "the good old one"
+
+
+def test_an_out_that_is_a_file_is_refused_before_anything_moves(run, tmp_path):
+    (tmp_path / "out").write_text("mine")
+    code, out, err = run("sitl", "--out", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert (tmp_path / "out").read_text() == "mine"
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["ross", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        said = capsys.readouterr()
+        return end.value.code, said.out, said.err
+
+    return call
+
+
+def voices(folder, *clips):
+    folder.mkdir()
+    for index, clip in enumerate(clips):
+        soundfile.write(folder / f"talker{index}.wav", clip, 16000, subtype="FLOAT")
+    return folder
+
+
+def noise(seed, seconds=12.0):
+    return 0.1 * np.random.default_rng(seed).standard_normal(int(16000 * seconds))
+
+
+BAD_SPEECH = {
+    "missing": lambda folder: folder,
+    "few": lambda folder: voices(folder, noise(1), noise(2)),
+    "silent": lambda folder: voices(folder, noise(1), noise(2), np.zeros(160000)),
+    "empty": lambda folder: voices(folder, noise(1), noise(2), np.zeros(0)),
+    "nan": lambda folder: voices(folder, noise(1), noise(2), np.full(160000, np.nan)),
+}
+
+
+@pytest.mark.parametrize("kind", BAD_SPEECH)
+def test_bad_speech_is_one_line_and_exit_code_2(run, tmp_path, kind):
+    code, out, err = run("sitl", "--speech", BAD_SPEECH[kind](tmp_path / "speech"))
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1, err
+
+
+def test_a_file_that_is_not_audio_is_named(run, tmp_path):
+    folder = voices(tmp_path / "speech", noise(1), noise(2), noise(3))
+    (folder / "talker3.wav").write_text("not audio")
+    code, _, err = run("sitl", "--speech", folder)
+    assert code == 2
+    assert "talker3.wav" in err
+
+
+BAD_SCENARIOS = {
+    "on top of the array": "title = 'x'\n[[talkers]]\nazimuth_deg = 0\ndistance_m = 0.05\n",
+    "outside the room": "title = 'x'\n[[talkers]]\nazimuth_deg = 0\ndistance_m = 50\n",
+    "spacing_m": "title = 'x'\ntalkers = []\n[payload.array]\nspacing_m = 0\n",
+    "unknown key": "title = 'x'\ncolour = 'red'\ntalkers = []\n",
+    "not TOML": "= = =",
+}
+
+
+@pytest.mark.parametrize("words", BAD_SCENARIOS)
+def test_a_bad_scenario_is_one_line_and_exit_code_2(run, tmp_path, words):
+    path = tmp_path / "bad.toml"
+    path.write_text(BAD_SCENARIOS[words])
+    code, out, err = run("sitl", "--scenario", path, "--out", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert words in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_unknown_scenario_lists_what_exists(run):
+    code, _, err = run("sitl", "--scenario", "party")
+    assert code == 2
+    assert "demo" in err
+
+
+def test_an_unknown_target_lists_who_exists(run, short):
+    code, _, err = run("sitl", "--scenario", short, "--target", "zaphod")
+    assert code == 2
+    assert "zaphod" in err
+
+
+def test_telemetry_to_a_port_that_nobody_listens_on_is_a_clean_end(short, tmp_path):
+    done = ross("sitl", "--scenario", short, "--telemetry", "udpout:127.0.0.1:9", "--out", tmp_path / "out")
+    assert done.returncode in (0, 3), done.stderr
+
+
+@pytest.mark.parametrize("url", ["tcp:127.0.0.1:9", "udp:127.0.0.1:14550", "udpout:127.0.0.1:99999", "serial:x"])
+def test_telemetry_that_cannot_work_is_refused_before_anything_moves(run, short, tmp_path, url):
+    code, out, err = run("sitl", "--scenario", short, "--telemetry", url, "--out", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+
+
+def test_clipped_recordings_still_run(tmp_path, short, speech):
+    folder = tmp_path / "speech"
+    folder.mkdir()
+    for name in ("ls3005", "ls3331", "ls2414"):
+        samples, rate = soundfile.read(speech / name / "speech.flac", frames=320000)
+        soundfile.write(folder / f"{name}.wav", np.clip(samples * 20, -1, 1), rate)
+    done = ross("sitl", "--scenario", short, "--speech", folder, "--json", env=os.environ | {"LANG": "C"})
+    assert done.returncode in (0, 3), done.stderr
