@@ -108,11 +108,11 @@ class Trapezoid:
         return self.phases[-1].begin + self.phases[-1].duration if self.phases else 0.0
 
     def at(self, t: float) -> tuple[float, float]:
-        """Position [rad] and velocity [rad/s] at ``t`` [s]; exactly the goal and 0 from ``duration`` on."""
+        """Position [rad] and velocity [rad/s] at ``t`` [s]; as at 0 before, exactly the goal and 0 at the end."""
+        t = max(t, 0.0)
         if t >= self.duration:
             return self.goal, 0.0
-        current = next(phase for phase in reversed(self.phases) if phase.begin <= max(t, 0.0))
-        return current.at(max(t, 0.0))
+        return next(phase for phase in reversed(self.phases) if phase.begin <= t).at(t)
 
 
 def _phases(move: Trapezoid) -> tuple[Phase, ...]:

@@ -1,0 +1,138 @@
+"""Hands a train of edges to a pulse port in short segments, and knows what is out and what is still open."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import replace
+
+import numpy as np
+
+from ross_payload.actuators.motion import Trapezoid
+from ross_payload.actuators.pulses import EDGE, Edges, Line, Segment
+from ross_payload.actuators.steps import Interface, Signs, Train, Wires, after, train
+from ross_payload.errors import LinkError
+from ross_payload.interfaces import Port, Real
+
+AHEAD = 2  # segments handed over and not yet reported
+OVERDUE = 0.020  # how late a report may be before what is known counts as old [s]
+
+
+class Feed:
+    """Segments of at most ``length`` [s], two ahead; the future is open from `committed` on.
+
+    Parameters
+    ----------
+    interface : Interface
+        Timing and polarity of the edges.
+    resolution : float
+        One step [rad].
+    length : float
+        Of a segment [s].
+    """
+
+    def __init__(self, interface: Interface, resolution: float, length: float) -> None:
+        self._interface = interface
+        self._resolution = resolution
+        self._length = length
+        self._port: Port | None = None
+        self._wires = Wires()
+        self._rest = Train(np.empty(0, EDGE), np.empty(0), np.empty(0, np.int64), -math.inf)
+        self._outstanding: deque[float] = deque()  # ends of segments not yet reported [s]
+        self._recent: deque[tuple[Real, Signs]] = deque()  # steps handed over, some not yet due
+        self.committed = -math.inf  # end of the last segment handed over [s]
+
+    @property
+    def is_open(self) -> bool:
+        """Whether there is a port."""
+        return self._port is not None
+
+    @property
+    def pending(self) -> bool:
+        """Whether some of the train has not been handed over."""
+        return self._rest.end > self.committed
+
+    @property
+    def position(self) -> float:
+        """Where the counter is when all that was handed over is out [rad]."""
+        return self._wires.count * self._resolution
+
+    def open(self, port: Port) -> None:
+        """Use a port."""
+        self._port = port
+        self._outstanding.clear()
+
+    def close(self) -> None:
+        """Hand over the whole train and give the port back."""
+        if self._port is not None:
+            self.flush()
+            self._outstanding.clear()
+            self._port.close()
+            self._port = None
+
+    def take_in(self) -> None:
+        """Take in the reports that have arrived."""
+        for report in self._port.receive() if self._port is not None else ():
+            while self._outstanding and self._outstanding[0] <= report.end + 1e-9:
+                self._outstanding.popleft()
+
+    def load(self, plan: Trapezoid, begin: float) -> None:
+        """Replace what has not been handed over by a plan that begins at ``begin`` >= `committed` [s]."""
+        self.committed = begin
+        self._rest = train(plan, begin, self._wires, self._interface, self._resolution)
+
+    def top_up(self) -> None:
+        """Hand over segments until two are ahead."""
+        while self.pending and len(self._outstanding) < AHEAD:
+            self._hand_over()
+
+    def flush(self) -> None:
+        """Hand over all the rest at once."""
+        while self.pending:
+            self._hand_over()
+
+    def switch(self, line: Line, level: bool, begin: float, duration: float) -> None:
+        """Hand over one edge at ``begin`` [s], and let nothing follow for ``duration`` [s]."""
+        self.committed = begin
+        self._send(np.array([(0.0, line, level)], dtype=EDGE), duration)
+
+    def declare_zero(self) -> None:
+        """Call the place where the counter is 0."""
+        self._wires = replace(self._wires, count=0)
+        self._recent.clear()
+
+    def angle(self, now: float) -> float:
+        """The counter at ``now`` [s], in radians: steps handed over whose time has come."""
+        while self._recent and (not len(self._recent[0][0]) or self._recent[0][0][-1] <= now):
+            self._recent.popleft()
+        ahead = sum(int(signs[steps > now].sum()) for steps, signs in self._recent)
+        return (self._wires.count - ahead) * self._resolution
+
+    def known(self, now: float) -> float:
+        """Until when the port's reports vouch for the model [s]: ``now``, or less when a report is overdue."""
+        oldest = self._outstanding[0] if self._outstanding else now
+        return now if oldest + OVERDUE >= now else oldest
+
+    def _hand_over(self) -> None:
+        """Cut the next segment off the train and send it."""
+        rest, start = self._rest, self.committed
+        last = rest.end - start <= self._length
+        n_edges = len(rest.edges) if last else int(np.searchsorted(rest.edges["time"], start + self._length))
+        n_steps = len(rest.steps) if last else int(np.searchsorted(rest.steps, start + self._length))
+        edges, steps, signs = rest.edges[:n_edges], rest.steps[:n_steps], rest.signs[:n_steps]
+        self._wires = after(self._wires, edges, steps, signs, self._interface)
+        self._recent.append((steps, signs))
+        relative = edges.copy()
+        relative["time"] -= start
+        self._send(relative, rest.end - start if last else self._length)
+        end = self.committed if last else rest.end
+        self._rest = Train(rest.edges[n_edges:], rest.steps[n_steps:], rest.signs[n_steps:], end)
+
+    def _send(self, edges: Edges, duration: float) -> None:
+        if self._port is None:
+            raise LinkError("the pulse port is closed")
+        edges.setflags(write=False)
+        segment = Segment(self.committed, duration, edges)
+        self._port.send(segment)
+        self._outstanding.append(segment.end)
+        self.committed = segment.end

@@ -1,0 +1,284 @@
+"""A stepper motor behind a TB6600 module: open loop, every edge computed before it is due.
+
+A goal becomes a trapezoid, the trapezoid a list of edges, and the edges segments of at most 50 ms, two of them ahead
+of time. A stop or a new goal plans again from the end of the last segment handed over, with continuous velocity.
+Feedback is a model: the angle is the steps handed over whose time has come. Nobody measures, so the position is
+unknown after power-up (unless declared), after `release` and after a fault, until `home` declares it.
+
+Only the pump (`poll`) plans; the other methods leave a request in a queue.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, replace
+from enum import Enum
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ross_payload.actuators.feed import Feed
+from ross_payload.actuators.motion import Trapezoid
+from ross_payload.actuators.pulses import Line
+from ross_payload.actuators.steps import Interface
+from ross_payload.config import Positive, Table
+from ross_payload.errors import ActuatorFault, LimitError, NotHomed
+from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Services
+
+
+class Options(Table):
+    """[actuator.options] of ``tb6600``; speed and acceleration default to the paper's."""
+
+    port: str = "pulses:recording"
+    full_steps: Annotated[int, Field(ge=20, le=400)] = 200
+    microsteps: Literal[1, 2, 4, 8, 16, 32] = 16  # as set on the module; tables of makers differ
+    gear_ratio: Positive = 1.0  # turns of the motor per turn of the array
+    max_speed_deg_s: Positive = 225.0
+    max_acceleration_deg_s2: Positive = 112.5
+    invert_direction: bool = False
+    enable_means_off: bool = True  # most modules switch off when ENA is asserted
+    pulse_us: Annotated[float, Field(ge=1, le=1000)] = 10.0
+    direction_setup_us: Annotated[float, Field(ge=1, le=1000)] = 20.0
+    direction_hold_us: Annotated[float, Field(ge=1, le=1000)] = 20.0
+    enable_lead_ms: Annotated[float, Field(ge=0, le=1000)] = 5.0
+    max_pulse_rate_hz: Annotated[float, Field(ge=10, le=200_000)] = 15_000.0
+    segment_ms: Annotated[float, Field(ge=15, le=50)] = 20.0  # two of them are a stop's latency
+    settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # after the last step, for the ringing
+    zero: Literal["declared", "unknown"] = "declared"  # declared: the array stands at its zero when opened
+
+    @model_validator(mode="after")
+    def _pulses_fit(self) -> Options:
+        if self.max_pulse_rate_hz * 2e-6 * self.pulse_us > 1:
+            raise ValueError(f"max_pulse_rate_hz = {self.max_pulse_rate_hz:g} leaves no room for pulse_us twice")
+        return self
+
+    @property
+    def resolution(self) -> float:
+        """One microstep at the array [rad]."""
+        return 2 * math.pi / (self.full_steps * self.microsteps * self.gear_ratio)
+
+    @property
+    def interface(self) -> Interface:
+        """What to keep between edges."""
+        return Interface(
+            width=self.pulse_us * 1e-6,
+            setup=self.direction_setup_us * 1e-6,
+            hold=self.direction_hold_us * 1e-6,
+            period=1 / self.max_pulse_rate_hz,
+            up=not self.invert_direction,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Move:
+    goal: float  # [rad]
+    rate: float  # [rad/s]
+
+
+class _Ask(Enum):
+    """Requests without arguments."""
+
+    HALT = "halt"
+    HOME = "home"
+    RELEASE = "release"
+
+
+@dataclass(frozen=True, slots=True)
+class _Motion:
+    """A plan and when it begins [s]."""
+
+    plan: Trapezoid
+    begin: float
+
+    @property
+    def end(self) -> float:
+        return self.begin + self.plan.duration
+
+    def at(self, time: float) -> tuple[float, float]:
+        return self.plan.at(time - self.begin)
+
+
+class Tb6600:
+    """The driver: sans I/O over a pulse port."""
+
+    def __init__(self, options: Options, services: Services) -> None:
+        self._options = options
+        self._services = services
+        self._step = options.resolution
+        self._feed = Feed(options.interface, self._step, options.segment_ms * 1e-3)
+        self._requests: SimpleQueue[_Move | _Ask] = SimpleQueue()
+        self._motions = deque([_Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), -math.inf)])  # by begin, the last is the plan
+        self._enabled: bool | None = None
+        self._homed = options.zero == "declared"
+        self._declare = False
+        self._fault = ""
+        self._state = ActuatorState(0.0, 0.0, False, self._homed, healthy=True, time=-math.inf)
+        self.capabilities = Capabilities(
+            lower=-math.inf,
+            upper=math.inf,
+            max_speed=min(math.radians(options.max_speed_deg_s), options.max_pulse_rate_hz * self._step),
+            max_acceleration=math.radians(options.max_acceleration_deg_s2),
+            resolution=self._step,
+            continuous=True,
+            feedback=Feedback.MODEL,
+        )
+
+    def command(self, angle: float, rate: float | None = None) -> None:
+        """Go to the microstep nearest to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal."""
+        if not math.isfinite(angle):
+            raise LimitError(f"goal {angle} rad is not finite")
+        if self._fault:
+            raise ActuatorFault(self._fault)
+        if not self._homed:
+            raise NotHomed("the zero is not known: home first")
+        speed = min(rate or math.inf, self.capabilities.max_speed)
+        self._requests.put(_Move(round(angle / self._step) * self._step, speed))
+
+    def state(self) -> ActuatorState:
+        """Return the state at the last poll; not settled while a request waits."""
+        return self._state if self._requests.empty() else replace(self._state, settled=False)
+
+    def stop(self) -> None:
+        """Decelerate from the end of the last segment handed over."""
+        self._requests.put(_Ask.HALT)
+
+    def home(self) -> None:
+        """Decelerate, energise, and declare that here is the zero: there is no switch to look for."""
+        self._homed = False
+        self._requests.put(_Ask.HOME)
+
+    def release(self) -> None:
+        """Switch the module off after the last segment handed over; the position is unknown afterwards."""
+        self._requests.put(_Ask.RELEASE)
+
+    def poll(self, now: float) -> None:
+        """Take in reports, obey requests, hand over segments, publish the state at ``now`` [s]."""
+        if self._feed.is_open:
+            self._feed.take_in()
+            self._look_for_starvation(now)
+            self._obey_requests(now)
+            self._feed.top_up()
+            self._declare_when_still(now)
+        self._publish(now)
+
+    def __enter__(self) -> Self:
+        """Open the wire; a declared zero is held at once, an unknown one stays without torque."""
+        self._feed.open(self._services.open_port(self._options.port))
+        if self._enabled is None:
+            self._switch(self._homed, self._services.clock.now())
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Hand over the whole deceleration at once and close; the torque stays, so that nothing falls."""
+        if self._feed.is_open:
+            self._halt(self._services.clock.now())
+            self._feed.close()
+
+    # ------------------------------------------------------------------------------------------ requests
+
+    def _obey_requests(self, now: float) -> None:
+        try:
+            while True:
+                self._obey(self._requests.get_nowait(), now)
+        except Empty:
+            return
+
+    def _obey(self, request: _Move | _Ask, now: float) -> None:
+        if isinstance(request, _Move):
+            if self._homed and not self._fault:
+                self._go(request, now)
+        elif request is _Ask.RELEASE:
+            self._rest(self._from(now))
+            self._feed.flush()
+            self._switch(False, now)
+            self._homed = self._declare = False
+        else:
+            self._halt(now)
+            self._declare |= request is _Ask.HOME
+
+    def _from(self, now: float) -> float:
+        """From when on the future is still open [s]."""
+        return max(now, self._feed.committed)
+
+    def _go(self, move: _Move, now: float) -> None:
+        if not self._enabled:
+            self._switch(True, now)
+        begin = self._from(now)
+        position, velocity = self._motions[-1].at(begin)
+        self._plan(Trapezoid(position, move.goal, move.rate, self.capabilities.max_acceleration, velocity), begin)
+
+    def _halt(self, now: float) -> None:
+        begin = self._from(now)
+        position, velocity = self._motions[-1].at(begin)
+        if velocity:
+            self._plan(Trapezoid.to_rest(position, velocity, self.capabilities.max_acceleration), begin)
+        elif self._feed.pending:
+            self._rest(begin)
+
+    def _rest(self, begin: float) -> None:
+        """Plan to stay where the counter is."""
+        here = self._feed.position
+        self._plan(Trapezoid(here, here, 1.0, 1.0), begin)
+
+    def _plan(self, plan: Trapezoid, begin: float) -> None:
+        self._motions.append(_Motion(plan, begin))
+        self._feed.load(plan, begin)
+
+    def _switch(self, on: bool, now: float) -> None:
+        """Send the ENABLE edge, followed by its lead time when the torque comes on."""
+        lead = self._options.enable_lead_ms * 1e-3 if on else self._options.interface.hold
+        self._feed.switch(Line.ENABLE, on != self._options.enable_means_off, self._from(now), lead)
+        self._enabled = on
+
+    def _declare_when_still(self, now: float) -> None:
+        if not self._declare or self._feed.pending or now < self._feed.committed:
+            return
+        if not self._enabled:
+            self._switch(True, now)
+            return
+        self._feed.declare_zero()
+        self._motions = deque([_Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), now)])
+        self._declare, self._homed, self._fault = False, True, ""
+
+    # ------------------------------------------------------------------------------------------ the model
+
+    def _look_for_starvation(self, now: float) -> None:
+        """Fault when the edges ran out in the middle of a move: the rotor was stopped dead, who knows where."""
+        rate = self._motions[-1].at(self._feed.committed)[1]
+        if self._feed.pending and rate and now > self._feed.committed:
+            late = (now - self._feed.committed) * 1e3
+            self._fault = f"pulses ran out for {late:.0f} ms at {math.degrees(rate):.1f} deg/s: the position is lost"
+            self._homed = False
+            self._rest(now)
+
+    def _publish(self, now: float) -> None:
+        while len(self._motions) > 1 and self._motions[1].begin <= now:
+            self._motions.popleft()
+        still = not self._feed.pending and now >= self._feed.committed + self._options.settle_ms * 1e-3 - 1e-9
+        self._state = ActuatorState(
+            angle=self._feed.angle(now),
+            rate=self._motions[0].at(now)[1],
+            settled=still and not self._declare and not self._fault,
+            homed=self._homed,
+            healthy=not self._fault,
+            time=self._feed.known(now),
+            fault=self._fault,
+        )
+
+
+class Tb6600Backend:
+    """Stepper motor behind a TB6600 module: step, direction and enable pulses, open loop."""
+
+    Config: type[Any] = Options
+
+    def open(self, config: Options, services: Services) -> Actuator:
+        """Make the driver."""
+        return Tb6600(config, services)
+
+
+backend = Tb6600Backend()
