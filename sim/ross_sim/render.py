@@ -12,7 +12,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.signal import oaconvolve
 
 from ross_payload.interfaces import Samples
-from ross_sim.cache import Responses, microradians
+from ross_sim.responses import Responses, microradians
 from ross_sim.timeline import Timeline
 
 Spectra = NDArray[np.complex64]
@@ -130,4 +130,4 @@ def gains(speech: Sequence[Samples], levels_db: Sequence[float], response: Sampl
         for said, taps in zip(speech, response[0], strict=True)
     ]
     wanted = [10 ** (level / 10) for level in levels_db]
-    return [rms * math.sqrt(want / sum(wanted) / power) for want, power in zip(wanted, powers, strict=True)]
+    return [float(rms) * math.sqrt(want / sum(wanted) / power) for want, power in zip(wanted, powers, strict=True)]

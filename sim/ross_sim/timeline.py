@@ -20,10 +20,12 @@ class Timeline:
     The recording runs on through a pause. Every edit fades linearly in 5 ms inside the talking, so that nothing is
     heard before a start, after an end or in a pause.
 
-    >>> talk = Timeline.of(np.ones(1000, dtype=np.float32), rate=1000, start=2.0, end=4.0)
-    >>> talk.between(1998, 2007).round(1).tolist()
+    >>> talk = Timeline.of(np.ones(1000, dtype=np.float32), rate=1000, start=2.0, end=2.5)
+    >>> talk.between(1998, 2007).astype(float).round(1).tolist()
     [0.0, 0.0, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.0]
-    >>> bool(talk.between(4000, 9000).any())
+    >>> talk.between(2495, 2502).astype(float).round(1).tolist()
+    [1.0, 0.8, 0.6, 0.4, 0.2, 0.0, 0.0]
+    >>> bool(talk.between(2500, 9000).any())
     False
     """
 
@@ -57,7 +59,7 @@ class Timeline:
     def between(self, first: int, last: int) -> Samples:
         """Return the samples from ``first`` to before ``last``, (last - first,)."""
         index = np.arange(first, last)
-        gain = np.clip(np.minimum(index - self.start, self.end - index) / self.fade, 0, 1)
+        gain = (index >= self.start) * np.clip((self.end - index) / self.fade, 0, 1)
         for begin, stop in self.pauses:
             gain *= np.clip(np.maximum(begin - index, index - stop) / self.fade, 0, 1)
         if not gain.any():

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import AudioBlock, AudioFlag, Real, Samples
-from ross_sim.cache import Responses
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.far_end import FarEnd
 from ross_sim.motor import MotorNoise
 from ross_sim.render import Ears, Stems, gains
+from ross_sim.responses import Responses
 from ross_sim.scenario import Scenario
 from ross_sim.speech import Voice
 from ross_sim.timeline import Timeline

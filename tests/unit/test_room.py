@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ross_sim.cache import Responses, cache_folder, cached
-from ross_sim.room import SINC, RoomSpec, impulse_responses, respond
 
 from ross_payload.errors import ConfigError
+from ross_sim.cache import cache_folder, cached
+from ross_sim.responses import Responses
+from ross_sim.room import SINC, RoomSpec, impulse_responses, respond
 
 RATE = 16000
 
@@ -178,7 +179,7 @@ def test_cache_that_cannot_be_written_says_so(tmp_path):
 
 def test_two_processes_may_fill_one_cache(tmp_path):
     program = (
-        "import sys\nfrom pathlib import Path\nfrom ross_sim.cache import Responses\n"
+        "import sys\nfrom pathlib import Path\nfrom ross_sim.responses import Responses\n"
         "from ross_sim.room import RoomSpec\n"
         "room = RoomSpec((10.0, 10.0), 0.4, 16000, (5.0, 5.0), 0.05, ((7.0, 5.0),))\n"
         "[Responses(room, Path(sys.argv[1])).at(0.1 * i) for i in range(20)]"
