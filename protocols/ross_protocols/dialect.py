@@ -1,7 +1,8 @@
 """Our dialect and MAVLink's common one behind one parser.
 
-The generated module ``ross_dialect`` knows our messages only. Here it learns the common ones, by class, so that one
-parser reads both; pymavlink's own modules stay as they are.
+The generated module ``ross_dialect`` knows our messages only. Here it learns the common ones, with their constants and
+enumerations, so that one parser reads both; pymavlink's own modules stay as they are. To let pymavlink's mavutil, a
+client, read our messages: ``mavutil.mavlink = ross_protocols.dialect.ross``.
 """
 
 from __future__ import annotations
@@ -14,6 +15,11 @@ from ross_protocols import ross_dialect as ross
 
 for _id, _message in common.mavlink_map.items():
     ross.mavlink_map.setdefault(_id, _message)
+for _name, _enum in common.enums.items():
+    ross.enums.setdefault(_name, _enum)
+for _name, _thing in vars(common).items():
+    if _name.startswith(("MAV", "MAVLink_")) and not hasattr(ross, _name):
+        setattr(ross, _name, _thing)
 
 MESSAGES: dict[int, Any] = ross.mavlink_map  # by message id, ours and the common ones
 

@@ -1233,8 +1233,8 @@ class MAVLink(object):
         mount_yaw                 : Yaw of the base from north. NaN: not known. [rad] (type:float)
         score                     : How much the running target, or the best voice of the last check, sounds like the enrolled one (log-likelihood ratio). (type:float)
         criterion                 : A voice above this score is accepted. (type:float)
-        rotation                  : Orientations heard in this exploration (r). (type:uint8_t)
-        rotation_max              : Orientations of an exploration at most (R). (type:uint8_t)
+        rotation                  : Rotations made in this exploration (r); 0 at its first orientation. (type:uint8_t)
+        rotation_max              : Rotations of an exploration at most (R). (type:uint8_t)
         k                         : The number of sources believed in (K). UINT8_MAX: no estimate yet. (type:uint8_t)
         target                    : The source that sounds like the target, an index of ROSS_SOURCE. UINT8_MAX: none. (type:uint8_t)
 
@@ -1259,8 +1259,8 @@ class MAVLink(object):
         mount_yaw                 : Yaw of the base from north. NaN: not known. [rad] (type:float)
         score                     : How much the running target, or the best voice of the last check, sounds like the enrolled one (log-likelihood ratio). (type:float)
         criterion                 : A voice above this score is accepted. (type:float)
-        rotation                  : Orientations heard in this exploration (r). (type:uint8_t)
-        rotation_max              : Orientations of an exploration at most (R). (type:uint8_t)
+        rotation                  : Rotations made in this exploration (r); 0 at its first orientation. (type:uint8_t)
+        rotation_max              : Rotations of an exploration at most (R). (type:uint8_t)
         k                         : The number of sources believed in (K). UINT8_MAX: no estimate yet. (type:uint8_t)
         target                    : The source that sounds like the target, an index of ROSS_SOURCE. UINT8_MAX: none. (type:uint8_t)
 

@@ -1,0 +1,159 @@
+"""What the mission says, as telemetry values: pure functions from events to messages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ross_payload.angles import difference, wrap
+from ross_payload.events import AlignmentPlanned, Checked, Estimate, GroupScore, Separated, State
+from ross_protocols.values import Alignment, CandidateState, Health, Phase, Rule, Separation, Source
+
+ONE_AXIS = np.radians(1.0)  # headings within this of each other are one axis
+
+RULES = {"bisector": Rule.BISECTOR, "argmax": Rule.ARGMAX, "stay": Rule.STAY}
+RESTING = (State.IDLE, State.DONE, State.STOPPED)
+
+
+@dataclass(frozen=True, slots=True)
+class Stamp:
+    """When and in which frame something was found out."""
+
+    time_usec: int
+    earth: bool
+
+
+def health(state: State | None) -> Health:
+    """Return the health of a component whose mission is in a state; None: it has not spoken yet."""
+    if state is None:
+        return Health.BOOT
+    if state is State.FAULT:
+        return Health.CRITICAL
+    return Health.STANDBY if state in RESTING else Health.ACTIVE
+
+
+def sources(estimate: Estimate, number: int, stamp: Stamp, axis: float | None, final: bool) -> list[Source]:
+    """Return one value per source.
+
+    ``axis`` [rad] is the only axis heard at so far, or None: a source at azimuth a that is not told from its mirror
+    image may be at 2 axis - a instead.
+    """
+    return [
+        Source(
+            time_usec=stamp.time_usec,
+            estimate=number,
+            source=index,
+            count=estimate.k,
+            azimuth=source.azimuth,
+            sigma=source.sigma,
+            confidence=source.confidence,
+            weight=source.weight,
+            earth=stamp.earth,
+            resolved=source.resolved,
+            mirror=None if source.resolved or axis is None else wrap(2 * axis - source.azimuth),
+            elevation=source.elevation,
+            final=final,
+        )
+        for index, source in enumerate(estimate.sources)
+    ]
+
+
+def common_axis(headings: list[float]) -> float | None:
+    """Return the axis [rad] that all headings [rad] share, modulo pi, or None.
+
+    >>> common_axis([0.5, 0.5 + np.pi])
+    0.5
+    >>> common_axis([0.5, 0.8]) is None
+    True
+    """
+    if not headings:
+        return None
+    apart = np.abs(difference(2 * np.asarray(headings), 2 * headings[0])) / 2
+    return headings[0] if np.all(apart < ONE_AXIS) else None
+
+
+def alignments(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Alignment]:
+    """Return one value per candidate, none of them tried yet."""
+    return [
+        Alignment(
+            time_usec=stamp.time_usec,
+            plan=number,
+            candidate=index,
+            count=len(planned.candidates),
+            source=candidate.source,
+            heading=candidate.heading,
+            joint=candidate.joint,
+            isolation=candidate.isolation,
+            aliased=tuple(sorted(candidate.aliased)),
+            rule=RULES.get(candidate.rule, Rule.UNKNOWN),
+            state=CandidateState.PLANNED,
+            earth=stamp.earth,
+        )
+        for index, candidate in enumerate(planned.candidates)
+    ]
+
+
+def separations(event: Checked | Separated, number: int, stamp: Stamp, criterion: float) -> list[Separation]:
+    """Return one value per separated group."""
+    checked = isinstance(event, Checked)
+    heading = event.candidate.heading if isinstance(event, Checked) else event.heading
+    return [
+        Separation(
+            time_usec=stamp.time_usec,
+            separation=number,
+            group=index,
+            count=len(event.groups),
+            phase=Phase.CHECK if checked else Phase.RUN,
+            members=tuple(sorted(group.members)),
+            method=event.method,
+            earth=stamp.earth,
+            heading=heading,
+            score=group.value,
+            criterion=criterion,
+            accepted=group.accepted,
+            target=index == chosen(event),
+        )
+        for index, group in enumerate(event.groups)
+    ]
+
+
+def chosen(event: Checked | Separated) -> int | None:
+    """Return the index of the group that is taken for the target; None: no group sounds like it."""
+    if isinstance(event, Checked):
+        return event.accepted
+    return event.target if event.groups[event.target].accepted else None
+
+
+def verdict(checked: Checked) -> CandidateState:
+    """Return what a check makes of its candidate: accepted when the target's group holds the isolated source."""
+    if checked.accepted is None or checked.candidate.source not in checked.groups[checked.accepted].members:
+        return CandidateState.REJECTED
+    return CandidateState.ACCEPTED
+
+
+def target_of(group: GroupScore, preferred: int | None) -> int | None:
+    """Return the source that a group recognised as the target stands for; None when it may be one of several.
+
+    >>> target_of(GroupScore((1, 2), 3.0, True), preferred=2), target_of(GroupScore((1, 2), 3.0, True), preferred=0)
+    (2, None)
+    """
+    if preferred in group.members:
+        return preferred
+    return group.members[0] if len(group.members) == 1 else None
+
+
+def leading_score(event: Checked | Separated) -> float | None:
+    """Return the score of the best group of a check, or of the running target."""
+    if isinstance(event, Separated):
+        return event.groups[event.target].value
+    return max((group.value for group in event.groups), default=None)
+
+
+def scored(known: list[Source], groups: tuple[GroupScore, ...], target: int | None) -> list[Source]:
+    """Return the sources with what a separation tells: the scores of those with a group of their own, the target."""
+    scores = {group.members[0]: group.value for group in groups if len(group.members) == 1}
+    return [
+        replace(source, score=scores.get(source.source, source.score), target=source.source == target)
+        for source in known
+    ]

@@ -1,0 +1,86 @@
+"""What an operator reads: few words about what matters, and not too often."""
+
+from __future__ import annotations
+
+from ross_payload.events import (
+    AlignmentPlanned,
+    Checked,
+    Event,
+    Finished,
+    GroupScore,
+    NoiseMeasured,
+    Outcome,
+    ScoreDropped,
+    SourcesEstimated,
+    State,
+    StateChanged,
+)
+from ross_protocols.values import Severity
+
+PREFIX = "RoSS: "
+SEVERITIES = {Outcome.TARGET_FOUND: Severity.NOTICE, Outcome.FAULT: Severity.CRITICAL}
+ALWAYS = Severity.ERROR  # this and worse is never held back
+
+Line = tuple[Severity, str]
+
+
+def line(event: Event) -> Line | None:
+    """Return what to tell an operator about an event; None: nothing."""
+    said: Line | None = None
+    match event:
+        case StateChanged(state=State.LEAD_IN):
+            said = Severity.INFO, "mission started"
+        case NoiseMeasured(level_db=None):
+            said = Severity.WARNING, "no quiet lead-in, the noise is not known"
+        case SourcesEstimated(final=True):
+            found = f"{_count(event.estimate.k, 'source')} found after {_count(event.rotations, 'turn')}"
+            said = Severity.INFO, found
+        case AlignmentPlanned():
+            said = Severity.INFO, f"{_count(len(event.candidates), 'heading')} to try"
+        case Checked(accepted=int(group)):
+            said = Severity.NOTICE, f"target recognised: {_who(event.groups[group])}"
+        case ScoreDropped():
+            said = Severity.WARNING, f"target lost, score {event.value:.1f} below {event.criterion:.1f}"
+        case Finished():
+            said = SEVERITIES.get(event.outcome, Severity.WARNING), f"mission over: {event.reason}"
+    return said
+
+
+def _who(group: GroupScore) -> str:
+    who = " or ".join(str(member) for member in group.members) or "unknown"
+    return f"source {who}, score {group.value:.1f}"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
+class Limiter:
+    """Lets through ``burst`` lines at once and one per ``period`` [s] in the long run; errors always.
+
+    >>> limiter = Limiter(burst=1, period=2.0)
+    >>> [limiter.passes(Severity.INFO, now) for now in (0.0, 1.0, 2.5)]
+    [True, False, True]
+    >>> limiter.held_back
+    1
+    """
+
+    def __init__(self, burst: int, period: float) -> None:
+        self._burst = float(burst)
+        self._period = period
+        self._allowance = float(burst)
+        self._last = 0.0
+        self.held_back = 0
+
+    def passes(self, severity: Severity, now: float) -> bool:
+        """Tell whether a line may go out at ``now`` [s]."""
+        gained = max(now - self._last, 0.0) / self._period
+        self._allowance = min(self._allowance + gained, self._burst)
+        self._last = now
+        if severity <= ALWAYS:
+            return True
+        if self._allowance < 1.0:
+            self.held_back += 1
+            return False
+        self._allowance -= 1.0
+        return True

@@ -1,0 +1,63 @@
+"""Telemetry logs: what pymavlink, MAVProxy, Mission Planner and QGroundControl call a .tlog.
+
+A record is the time as 8 bytes, big endian, in microseconds, and the frame as it went over the wire. The two lowest
+bits of the time stand for the link and are 0.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from ross_payload.errors import ConfigError, LinkError
+
+
+class TlogRecorder:
+    """Writes a .tlog record by record, so that a crash leaves whole records only. A context manager.
+
+    Raises
+    ------
+    ConfigError
+        When the file cannot be made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        try:
+            self._file = path.open("wb", buffering=0)
+        except OSError as error:
+            raise ConfigError(f"{path}: cannot be written: {error.strerror}") from error
+
+    def write(self, time_usec: int, frame: bytes) -> None:
+        """Append one frame at its time [us].
+
+        Raises
+        ------
+        LinkError
+            When the disk takes no more; the file ends with the last whole record.
+        """
+        record = (time_usec & ~3).to_bytes(8, "big") + frame
+        before = self._file.tell()
+        try:
+            written = self._file.write(record)
+            if written != len(record):
+                raise OSError(0, "the disk is full")
+        except OSError as error:
+            os.truncate(self._file.fileno(), before)
+            raise LinkError(f"{self._path}: cannot be written: {error.strerror}") from error
+
+    def close(self) -> None:
+        """Close the file; idempotent."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        """The file is open from the start."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the file."""
+        self.close()
