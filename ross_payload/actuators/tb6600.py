@@ -33,7 +33,7 @@ class Options(Table):
     """[actuator.options] of ``tb6600``; speed and acceleration default to the paper's."""
 
     port: str = "pulses:recording"
-    full_steps: Annotated[int, Field(ge=20, le=400)] = 200
+    full_steps: Annotated[int, Field(ge=20, le=400, multiple_of=4)] = 200
     microsteps: Literal[1, 2, 4, 8, 16, 32] = 16  # as set on the module; tables of makers differ
     gear_ratio: Positive = 1.0  # turns of the motor per turn of the array
     max_speed_deg_s: Positive = 225.0
