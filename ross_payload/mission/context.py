@@ -59,6 +59,14 @@ class Ended(Exception):
         self.reason = reason
 
 
+@dataclass(frozen=True, slots=True)
+class Listening:
+    """What was heard at rest at one heading."""
+
+    heading: float  # [rad]
+    samples: Samples  # (2, n)
+
+
 @dataclass(slots=True)
 class Context:
     """The mission's memory between hops."""
@@ -69,6 +77,7 @@ class Context:
     last: Input | None = None
     lead_in: Samples | None = None  # (2, n), quiet or not
     noise_psd: dict[int, Real | None] = field(default_factory=dict)  # by STFT frame
+    explored: list[Listening] = field(default_factory=list)  # of the latest exploration
     pending: list[Event] = field(default_factory=list)
 
     @property

@@ -8,7 +8,7 @@ import numpy as np
 
 from ross_payload.events import Estimate, NoiseMeasured, OrientationHeard, SourcesEstimated, State
 from ross_payload.interfaces import Observation
-from ross_payload.mission.context import Context, Step, listen, turn
+from ross_payload.mission.context import Context, Listening, Step, listen, turn
 
 
 def lead_in(context: Context) -> Step[None]:
@@ -21,6 +21,7 @@ def explore(context: Context) -> Step[Estimate]:
     """Visit orientations until the explorer is certain or the schedule ends; return its last belief."""
     settings = context.settings
     observations: list[Observation] = []
+    context.explored = []
     estimate = Estimate(())
     for r, joint in enumerate(schedule(context)):
         if r:
@@ -44,6 +45,7 @@ def _orientation(context: Context, r: int) -> Step[Observation]:
     if r == 0:
         _say_noise(context, noise_psd)
     here = context.here
+    context.explored.append(Listening(here.heading_end, samples))
     seen = context.tools.explorer.observe(spectrogram, stft.frequencies, here.heading_end, noise_psd)
     context.say(OrientationHeard(context.time, r, seen.heading, here.joint, seen.grid, seen.density, seen.peaks))
     return seen

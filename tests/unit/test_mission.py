@@ -44,7 +44,7 @@ SETTINGS = Settings(
     min_rotations=2,
     max_rotations=4,
     check=0.5,
-    run=1.0,
+    run=1.5,
     runs=1,
     criterion=0.0,
     max_restarts=1,
@@ -83,20 +83,24 @@ class OneGroupEach:
         return Groups(signals, tuple((k,) for k in range(count)), self.name)
 
 
+RECALLED, CHECKED, RUN = RATE, RATE // 2, 3 * RATE // 2  # samples of what is scored: so a fake can tell them apart
+
+
 @dataclass
 class Likes:
-    """A voice print that accepts the group with one number, and can be told to change its mind."""
+    """A voice print that accepts the group with one number; ``mood`` overrides its score by length of the clip."""
 
     number: int
-    after: dict = field(default_factory=dict)
-    calls: int = 0
+    mood: dict = field(default_factory=dict)
+    heard: list = field(default_factory=list)
 
     def score(self, voice, rate):
         number = round(float(np.abs(voice).max() / 0.1)) - 1
-        self.calls += 1
-        accepted = self.after.get(self.calls, number == self.number)
-        doubt = -0.5 if number == self.number else -1.0
-        return Score(1.0 if accepted else doubt, accepted)
+        self.heard.append(len(voice))
+        mine = self.mood.get(len(voice), 1.0)
+        mine = mine(self.heard.count(len(voice))) if callable(mine) else mine
+        value = mine if number == self.number else -1.0
+        return Score(value, value > 0)
 
 
 @dataclass
@@ -214,28 +218,37 @@ def test_no_target_here_is_an_answer_and_not_a_wrong_pick():
 
 
 def test_a_target_that_pauses_during_the_check_gets_a_second_hearing():
-    one = rig(voiceprint=Likes(1, after=dict.fromkeys(range(1, 10), False)))  # no voice accepted in three checks
+    one = rig(voiceprint=Likes(1, {RECALLED: -0.5, CHECKED: -0.5}))
     assert one.run().outcome is Outcome.TARGET_FOUND
     assert len(one.said(Checked)) == 4
     assert one.said(Checked)[-1].candidate.source == 1
 
 
+def test_a_voice_that_the_exploration_has_recognised_is_visited_first():
+    for number in range(3):
+        one = rig(likes=number)
+        one.run()
+        assert [event.candidate.source for event in one.said(Checked)] == [number]
+
+
+def test_a_voice_recognised_from_another_alignment_is_confirmed_at_its_own():
+    one = rig(voiceprint=Likes(1, {RECALLED: -0.5}))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    visited = [event.candidate.source for event in one.said(Checked)]
+    assert visited[0] != 1
+    assert visited[-1] == 1
+    assert len(visited) == 2
+
+
 def test_a_dropped_score_starts_the_mission_again():
-    probe = rig(likes=1)
-    probe.run()
-    checked = sum(len(event.groups) for event in probe.said(Checked))
-    fickle = Likes(1, after={checked + 2: False})
-    one = rig(voiceprint=fickle)
-    result = one.run()
+    one = rig(voiceprint=Likes(1, {RUN: lambda count: -1.0 if count <= 3 else 1.0}))
+    assert one.run().outcome is Outcome.TARGET_FOUND
     assert len(one.said(ScoreDropped)) == 1
     assert len([event for event in one.said(OrientationHeard) if event.index == 0]) == 2
-    assert result.outcome is Outcome.TARGET_FOUND
 
 
 def test_restarts_are_bounded():
-    always = Likes(1)
-    always.score = lambda voice, rate: Score(1.0, True) if len(voice) < RATE else Score(-1.0, False)
-    result = rig(voiceprint=always).run()
+    result = rig(voiceprint=Likes(1, {RUN: -1.0})).run()
     assert result.outcome is Outcome.NO_TARGET
     assert "dropped 2 times" in result.reason
 

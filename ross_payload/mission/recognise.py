@@ -1,0 +1,93 @@
+"""Separate what was heard at rest, and ask of every group whether it is the target."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ross_payload.dsp.alignment import isolation
+from ross_payload.dsp.steering import tdoa
+from ross_payload.events import Estimate, GroupScore
+from ross_payload.interfaces import Groups, Real, Scene
+from ross_payload.mission.context import Context, Listening
+
+RECALLED = 2  # orientations of the exploration that are heard again for each source
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """One listening period, separated and scored."""
+
+    groups: Groups
+    voices: Real  # (n_groups, n_samples), float32
+    scores: tuple[GroupScore, ...]
+
+    @property
+    def best(self) -> int | None:
+        """Index of the accepted group with the highest score; None when no group sounds like the target."""
+        accepted = [g for g, score in enumerate(self.scores) if score.accepted]
+        return max(accepted, key=lambda g: self.scores[g].value, default=None)
+
+    def value_of(self, source: int) -> float:
+        """Return the score of the group that holds a source, minus infinity when none does."""
+        return max((score.value for score in self.scores if source in score.members), default=-np.inf)
+
+
+def separate(context: Context, estimate: Estimate, heard: Listening) -> tuple[Groups, Real]:
+    """Separate one listening period; return the groups and their voices (n_groups, n_samples)."""
+    settings, stft = context.settings, context.tools.stft
+    azimuths = np.array([source.azimuth for source in estimate.sources])
+    elevations = np.array([source.elevation or 0.0 for source in estimate.sources])
+    spectrogram = stft.analyse(heard.samples)
+    scene = Scene(
+        frequencies=stft.frequencies,
+        spacing=settings.spacing,
+        speed_of_sound=settings.speed_of_sound,
+        n_sources=estimate.k,
+        tau=tdoa(azimuths, heard.heading, settings.spacing, settings.speed_of_sound, elevations),
+        noise_psd=context.psd(stft, spectrogram),
+        directness=estimate.directness,
+        seed=settings.seed,
+    )
+    groups = context.tools.separator.batch(spectrogram, scene)
+    return groups, stft.synthesise(groups.signals, heard.samples.shape[1]).astype(np.float32)
+
+
+def recognise(context: Context, estimate: Estimate, heard: Listening, recalled: dict[int, float]) -> Heard:
+    """Separate and score; for a source that stands alone the score is the mean of this one and the recalled one."""
+    groups, voices = separate(context, estimate, heard)
+    scores = []
+    for members, voice in zip(groups.members, voices, strict=True):
+        value = context.tools.voiceprint.score(voice, context.settings.rate).value
+        if len(members) == 1 and members[0] in recalled:
+            value = (value + recalled[members[0]]) / 2
+        scores.append(GroupScore(members, value, value > context.settings.criterion))
+    return Heard(groups, voices, tuple(scores))
+
+
+def recall(context: Context, estimate: Estimate) -> dict[int, float]:
+    """Score every source by what the exploration has heard of it where it stood apart best: {source: score}."""
+    headings = np.array([heard.heading for heard in context.explored])
+    apart = isolation(
+        [source.azimuth for source in estimate.sources],
+        headings,
+        context.settings.spacing,
+        context.settings.speed_of_sound,
+        [source.elevation or 0.0 for source in estimate.sources],
+    )
+    chosen = {source: np.argsort(-curve, kind="stable")[:RECALLED] for source, curve in enumerate(apart)}
+    separated = {
+        int(index): separate(context, estimate, context.explored[index])
+        for index in sorted({int(i) for best in chosen.values() for i in best})
+    }
+    recalled = {}
+    for source, best in chosen.items():
+        clips = [voice for i in best for voice in _alone(source, *separated[int(i)])]
+        if clips:
+            recalled[source] = context.tools.voiceprint.score(np.concatenate(clips), context.settings.rate).value
+    return recalled
+
+
+def _alone(source: int, groups: Groups, voices: Real) -> list[Real]:
+    return [voice for members, voice in zip(groups.members, voices, strict=True) if members == (source,)]
