@@ -11,8 +11,6 @@ from types import FrameType
 from typing import Any
 
 import numpy as np
-from ross_payload.links import Links
-from ross_payload.telemetry.service import Telemetry
 from threadpoolctl import threadpool_limits
 
 from ross_payload import plugins
@@ -23,9 +21,11 @@ from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.events import Event, Separated
 from ross_payload.interfaces import Actuator, Command, Input, Result, Services
+from ross_payload.links import Links
 from ross_payload.mission.supervise import mission
 from ross_payload.mount import mount_of
 from ross_payload.service import Runner, settings_of, tools_of
+from ross_payload.telemetry.service import Telemetry
 from ross_sim.casting import Company
 from ross_sim.clock import SimClock
 from ross_sim.far_end import FarEnd
@@ -97,7 +97,8 @@ def perform(scenario: Scenario, company: Company, view: View, out: OutDir | None
         actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
         stack.enter_context(world.source)
         runner = _runner(config, company, world, actuator, clock)
-        telemetry = stack.enter_context(Telemetry(config, clock, links, out and out.staging / "mission.tlog"))
+        tlog = out.staging / "mission.tlog" if out is not None else None
+        telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
         runner.observers = [collector, telemetry, view, *([Pace(speed)] if speed else [])]
         ready = wall.now()
         with stop_on_signal(runner):
