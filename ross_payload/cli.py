@@ -1,4 +1,4 @@
-"""The ``ross`` command. Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand."""
+"""The ``ross`` command; a user's mistake gets one clear line and exit code 2."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from ross_payload import __version__, plugins
 from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError
 
 COMMANDS = "ross_payload.commands"
+EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand."
 
 
 class _WithPlugins(click.Group):
@@ -40,7 +41,7 @@ def _broken(name: str, why: str) -> click.Command:
     return click.Command(name, callback=fail, params=[rest], short_help="(cannot be loaded)", context_settings=settings)
 
 
-@click.group(cls=_WithPlugins, epilog=__doc__, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=_WithPlugins, epilog=EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="ross")
 def ross() -> None:
     """Hear several talkers, turn until interferers pose as one, and separate the target voice."""
@@ -69,7 +70,7 @@ def check(file: Path) -> None:
     click.echo(f"{file}: good")
 
 
-@ross.command()
+@ross.command(short_help="Make or delete the voice print of NAME.")
 @click.argument("name")
 @click.argument("file", type=click.Path(path_type=Path), required=False)
 @click.option("--forget", is_flag=True, help="Delete the voice print of NAME instead.")
@@ -93,7 +94,7 @@ def enroll(name: str, file: Path | None, forget: bool) -> None:
     click.echo(f"enrolled {name}; 'ross enroll {name} --forget' deletes the voice print")
 
 
-@ross.command()
+@ross.command(short_help="List the actuator back ends.")
 @click.option("--json", "as_json", is_flag=True, help="For machines.")
 def actuators(as_json: bool) -> None:
     """List the actuator back ends and whether they can be used here."""

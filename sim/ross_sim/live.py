@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Protocol
 
@@ -31,6 +32,7 @@ from ross_payload.interfaces import Input, Real
 BARS = " ▁▂▃▄▅▆▇█"
 LINES = 6  # of the log under the live view
 REFRESH = 8  # [Hz]
+RADIUS = 5  # of the compass [rows]
 
 
 class View(Protocol):
@@ -122,13 +124,17 @@ class LiveView:
         """Draw the latest; called by the library's refresh thread, which only reads."""
         state = Text.assemble((self._state.name.replace("_", " ").lower(), "bold"), f"  {self._detail}")
         facts = f"heading {math.degrees(self._heading) % 360:6.1f} deg   level {self._level:6.1f} dBFS"
-        bar = ProgressBar(total=self._expected, completed=min(self._time, self._expected), width=50)
+        bar = Table.grid()
+        bar.add_row(ProgressBar(total=self._expected, completed=min(self._time, self._expected), width=60))
+        azimuths = [source.azimuth for source in self._sources.estimate.sources] if self._sources else []
+        picture = Table.grid(padding=(0, 4))
+        picture.add_row(Text(compass(self._heading, azimuths)), self._table())
         return Group(
             state,
             Text(f"{facts}   {self._time:6.1f} s of about {self._expected:.0f} s"),
             bar,
-            Text(f"ITD  {self._density}", style="cyan"),
-            self._table(),
+            Text(f"ITD {self._density}", style="cyan"),
+            picture,
             *(Text(line, style="dim") for line in self._log),
         )
 
@@ -145,6 +151,37 @@ class LiveView:
                 "told" if source.resolved else "open",
             )
         return table
+
+
+def compass(heading: float, azimuths: Sequence[float]) -> str:
+    """Draw the array's axis and the sources by number; azimuth 0 to the right, counter-clockwise.
+
+    >>> print(compass(0.0, [math.pi / 2, math.pi]))
+              0
+    <BLANKLINE>
+    <BLANKLINE>
+    <BLANKLINE>
+    <BLANKLINE>
+    1    --------->
+    <BLANKLINE>
+    <BLANKLINE>
+    <BLANKLINE>
+    <BLANKLINE>
+    <BLANKLINE>
+    """
+    rows = [[" "] * (4 * RADIUS + 1) for _ in range(2 * RADIUS + 1)]
+
+    def put(angle: float, distance: float, mark: str) -> None:
+        row, column = RADIUS - distance * math.sin(angle), 2 * (RADIUS + distance * math.cos(angle))
+        rows[round(row)][round(column)] = mark
+
+    stroke = "-/|\\"[round(math.degrees(heading) % 180 / 45) % 4]
+    for step in range(-5, 5):
+        put(heading, step / 2, stroke)
+    put(heading, 2.0, ">^<v"[round(math.degrees(heading) % 360 / 90) % 4])
+    for index, azimuth in enumerate(azimuths):
+        put(azimuth, RADIUS, str(index % 10))
+    return "\n".join("".join(row).rstrip() for row in rows)
 
 
 def sparkline(values: Real, width: int = 60) -> str:
