@@ -135,7 +135,7 @@ def member(kind: type) -> Pair:
 INTEGER = Pair(int, int)
 NUMBER = Pair(float32, float)
 DIRECTION = Pair(clockwise, clockwise)
-TURNED = Pair(lambda angle: float32(-angle), lambda wire: -wire)  # not wrapped
+TURNED = Pair(lambda angle: float32(0.0 - angle), lambda wire: 0.0 - wire)  # not wrapped, and never -0.0
 MICRO = Pair(lambda seconds: float32(seconds * 1e6), lambda wire: wire / 1e6)
 MILLI = Pair(lambda seconds: round(seconds * 1e3), lambda wire: wire / 1e3)
 WRAPPED16 = Pair(lambda number: number % 65536, int)

@@ -393,10 +393,10 @@ ROSS_OUTCOME_FAULT = 1
 enums["ROSS_OUTCOME"][1] = EnumEntry("ROSS_OUTCOME_FAULT", """A fault ended the mission.""")
 ROSS_OUTCOME_NO_TARGET = 3
 enums["ROSS_OUTCOME"][3] = EnumEntry("ROSS_OUTCOME_NO_TARGET", """No voice sounded like the target.""")
-ROSS_OUTCOME_STOPPED = 4
-enums["ROSS_OUTCOME"][4] = EnumEntry("ROSS_OUTCOME_STOPPED", """An operator stopped the mission.""")
-ROSS_OUTCOME_ENUM_END = 5
-enums["ROSS_OUTCOME"][5] = EnumEntry("ROSS_OUTCOME_ENUM_END", """""")
+ROSS_OUTCOME_STOPPED = 130
+enums["ROSS_OUTCOME"][130] = EnumEntry("ROSS_OUTCOME_STOPPED", """An operator stopped the mission.""")
+ROSS_OUTCOME_ENUM_END = 131
+enums["ROSS_OUTCOME"][131] = EnumEntry("ROSS_OUTCOME_ENUM_END", """""")
 
 # ROSS_FRAME
 enums["ROSS_FRAME"] = Enum()

@@ -122,7 +122,7 @@ class Reporter:
         """Send what is due at ``now`` [s]; to be called at least every 100 ms or so."""
         self._settle(snapshot)
         if self._heartbeat.due(now):
-            self._emit(Heartbeat(scene.health(self._state), self._state or State.IDLE))
+            self._beat()
         if self._informing.due(now):
             self._emit(replace(self._information, time_usec=self._time_usec()))
         if self._reporting.due(now):
@@ -159,8 +159,10 @@ class Reporter:
         self._report(snapshot)
 
     def _enter(self, event: StateChanged) -> None:
-        self._state = event.state
+        before, self._state = scene.health(self._state), event.state
         self._know(state=int(event.state))
+        if scene.health(event.state) is not before:
+            self._beat()
 
     def _orient(self, event: OrientationHeard) -> None:
         if event.index == 0:
@@ -226,6 +228,9 @@ class Reporter:
             open_loop=snapshot.open_loop,
         )
         self._emit(status)
+
+    def _beat(self) -> None:
+        self._emit(Heartbeat(scene.health(self._state), int(self._state or State.IDLE)))
 
     def _say(self, severity: Severity, text: str) -> None:
         if self._limiter.passes(severity, self._time_usec() / 1e6):

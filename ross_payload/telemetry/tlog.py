@@ -6,6 +6,7 @@ bits of the time stand for the link and are 0.
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 from types import TracebackType
@@ -39,14 +40,17 @@ class TlogRecorder:
             When the disk takes no more; the file ends with the last whole record.
         """
         record = (time_usec & ~3).to_bytes(8, "big") + frame
-        before = self._file.tell()
         try:
             written = self._file.write(record)
             if written != len(record):
-                raise OSError(0, "the disk is full")
+                self._take_back(written)
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         except OSError as error:
-            os.truncate(self._file.fileno(), before)
             raise LinkError(f"{self._path}: cannot be written: {error.strerror}") from error
+
+    def _take_back(self, written: int) -> None:
+        self._file.seek(-written, os.SEEK_CUR)
+        self._file.truncate()
 
     def close(self) -> None:
         """Close the file; idempotent."""

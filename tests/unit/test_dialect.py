@@ -1,0 +1,126 @@
+"""The dialect: what is generated is current, and what once flew never changes."""
+
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from pymavlink.dialects.v20 import common
+
+from ross_payload import events
+from ross_protocols import values
+from ross_protocols.dialect import MESSAGES, ross
+from ross_protocols.layouts import LAYOUTS, Field
+
+ROOT = Path(__file__).resolve().parents[2]
+XML = ElementTree.parse(ROOT / "protocols" / "mavlink" / "ross.xml").getroot()  # noqa: S314
+OURS = {message.get("name"): message for message in XML.iter("message")}
+OUR_LAYOUTS = [layout for layout in LAYOUTS if layout.message.msgname in OURS]
+
+TUNNEL = 128 - 12  # bytes of a TUNNEL, less a frame's header and checksum
+
+# Once flown, never changed: a new field is an extension, and an extension is not in the checksum.
+CRC_EXTRA = {
+    54000: ("ROSS_INFORMATION", 26),
+    54001: ("ROSS_STATUS", 248),
+    54002: ("ROSS_SOURCE", 6),
+    54003: ("ROSS_ALIGNMENT", 166),
+    54004: ("ROSS_SEPARATION", 253),
+}
+
+
+def entries(enum: str) -> dict[str, int]:
+    found = XML.find(f"enums/enum[@name='{enum}']")
+    assert found is not None, enum
+    return {
+        entry.get("name", "").removeprefix(f"{enum}_"): int(entry.get("value", "")) for entry in found.iter("entry")
+    }
+
+
+def test_what_is_checked_in_is_what_the_xml_generates(tmp_path: Path) -> None:
+    subprocess.run([sys.executable, ROOT / "protocols" / "generate.py", tmp_path], check=True)
+    for made, kept in (
+        ("ross_dialect.py", ROOT / "protocols" / "ross_protocols" / "ross_dialect.py"),
+        ("mavlink.md", ROOT / "docs" / "reference" / "mavlink.md"),
+    ):
+        assert (tmp_path / made).read_text() == kept.read_text(), f"{kept} is stale: make protocols"
+
+
+def test_no_message_that_has_flown_changes() -> None:
+    now = {number: (m.msgname, m.crc_extra) for number, m in MESSAGES.items() if m.msgname.startswith("ROSS_")}
+    assert {number: now.get(number) for number in CRC_EXTRA} == CRC_EXTRA
+    assert now.keys() == CRC_EXTRA.keys(), "a new message: add its checksum to the table"
+
+
+@pytest.mark.parametrize("layout", OUR_LAYOUTS, ids=lambda layout: layout.message.msgname)
+def test_every_message_fits_into_a_tunnel(layout) -> None:
+    assert layout.message.unpacker.size <= TUNNEL
+    assert 54000 <= layout.message.id <= 54019
+
+
+@pytest.mark.parametrize("message", OURS.values(), ids=OURS.keys())
+def test_every_message_begins_with_its_time(message) -> None:
+    first = message.find("field")
+    assert (first.get("name"), first.get("type"), first.get("units")) == ("time_usec", "uint64_t", "us")
+
+
+@pytest.mark.parametrize("layout", LAYOUTS, ids=lambda layout: layout.message.msgname)
+def test_every_field_carries_something(layout) -> None:
+    assert layout.fields.keys() | layout.constant.keys() == set(layout.message.fieldnames)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS, ids=lambda layout: layout.message.msgname)
+def test_every_attribute_is_sent_once(layout) -> None:
+    sent = [
+        attribute
+        for field in layout.fields.values()
+        for attribute in ([field.attribute] if isinstance(field, Field) else field)
+    ]
+    assert sorted(sent) == sorted(layout.value.__dataclass_fields__)
+
+
+@pytest.mark.parametrize("layout", OUR_LAYOUTS, ids=lambda layout: layout.message.msgname)
+def test_bits_on_the_wire_are_those_of_the_dialect(layout) -> None:
+    for name, field in layout.fields.items():
+        if not isinstance(field, Field):
+            enum = OURS[layout.message.msgname].find(f"field[@name='{name}']").get("enum")
+            bits = {attribute.upper().removeprefix("ACTUATOR_"): bit for attribute, bit in field.items()}
+            assert bits == entries(enum)
+
+
+@pytest.mark.parametrize(
+    ("enum", "dialect"),
+    [
+        (events.State, "ROSS_STATE"),
+        (events.Outcome, "ROSS_OUTCOME"),
+        (values.Rule, "ROSS_ALIGNMENT_RULE"),
+        (values.CandidateState, "ROSS_CANDIDATE_STATE"),
+        (values.Phase, "ROSS_SEPARATION_PHASE"),
+    ],
+)
+def test_the_dialect_and_the_payload_number_alike(enum, dialect: str) -> None:
+    assert {entry.name: entry.value for entry in enum} == entries(dialect)
+
+
+@pytest.mark.parametrize(("enum", "prefix"), [(values.Health, "MAV_STATE_"), (values.Severity, "MAV_SEVERITY_")])
+def test_the_payload_numbers_as_mavlink_does(enum, prefix: str) -> None:
+    assert {entry: getattr(common, prefix + entry.name) for entry in enum} == {entry: entry.value for entry in enum}
+
+
+def test_a_number_not_known_is_declared_as_such() -> None:
+    """What is sent as None is what the dialect calls invalid, so that a stranger can tell."""
+    for layout in OUR_LAYOUTS:
+        for name, field in layout.fields.items():
+            declared = OURS[layout.message.msgname].find(f"field[@name='{name}']").get("invalid")
+            if isinstance(field, Field) and declared is not None:
+                sent = field.pair.there(None)
+                assert (declared, str(sent)) in {("NaN", "nan"), ("UINT8_MAX", "255")}
+                assert field.pair.back(sent) is None
+
+
+def test_pymavlink_stays_as_it_is() -> None:
+    assert not CRC_EXTRA.keys() & common.mavlink_map.keys()
+    assert not hasattr(common, "ROSS_STATE_IDLE")
+    assert "ROSS_STATE" not in common.enums
+    assert ross.mavlink_map.keys() >= common.mavlink_map.keys() | CRC_EXTRA.keys()
