@@ -53,6 +53,11 @@ class Feed:
         return self._rest.end > self.committed
 
     @property
+    def all_reported(self) -> bool:
+        """Whether the port has reported every segment."""
+        return not self._outstanding
+
+    @property
     def position(self) -> float:
         """Where the counter is when all that was handed over is out [rad]."""
         return self._wires.count * self._resolution

@@ -50,6 +50,7 @@ class Guard:
         self._parking = False
         self._since = -math.inf  # reports made before this time know nothing of the last request [s]
         self._deadline = math.inf  # [s]
+        self._opened = math.inf  # [s]; a device that has just been opened gets watchdog_s for its first report
 
     @property
     def stopped(self) -> bool:
@@ -65,8 +66,8 @@ class Guard:
             raise ActuatorFault(f"not moving on bad feedback: {state.fault}")
         if not state.homed:
             raise NotHomed("the zero is not known: home first")
-        self._goal = goal
         self._request(lambda: self._actuator.command(goal, rate))
+        self._goal = goal
         if self._stopped:  # another thread stopped between the check and the request
             self._halt()
             self._refuse_when_latched()
@@ -134,6 +135,7 @@ class Guard:
     def __enter__(self) -> Self:
         """Open the actuator; nothing moves."""
         self._actuator.__enter__()
+        self._opened = self._clock.now()
         return self
 
     def __exit__(
@@ -156,7 +158,8 @@ class Guard:
         if not lower - SLACK <= angle <= upper + SLACK or math.isinf(angle):
             found, low, high = (f"{math.degrees(value):.2f}" for value in (angle, lower, upper))
             raise LimitError(f"goal {found} deg is not within {low} to {high} deg")
-        return min(max(angle, lower), upper)
+        half = self.capabilities.resolution / 2  # so that rounding to a step does not pass a limit
+        return min(max(angle, lower + half), upper - half)
 
     def _checked_rate(self, rate: float | None) -> float:
         if rate is None:
@@ -168,8 +171,10 @@ class Guard:
     def _request(self, request: Callable[[], None]) -> None:
         """Send a request so that no report made before it is taken for its answer."""
         self._since = math.inf
-        request()
-        self._since = self._clock.now()
+        try:
+            request()
+        finally:
+            self._since = self._clock.now()
         self._deadline = self._since + self._rules.max_move_s
 
     def _halt(self) -> None:
@@ -195,7 +200,7 @@ class Guard:
             return state.fault or "the actuator reports a fault"
         if now > self._deadline:
             return f"at {math.degrees(state.angle):.2f} deg, not at rest at the goal after {self._rules.max_move_s:g} s"
-        return self._doubt(state, now)
+        return self._doubt(replace(state, time=max(state.time, self._opened)), now)
 
     def _latch(self, fault: str) -> None:
         """Latch the first fault and act on it; trouble while parking ends the parking."""
@@ -218,9 +223,10 @@ class Guard:
             self._fault += f"; and the fault action failed: {error}"
 
     def _park(self) -> None:
-        goal = min(max(math.radians(self._rules.park_deg), self.capabilities.lower), self.capabilities.upper)
-        self._goal, self._parking = goal, True
+        park = math.radians(self._rules.park_deg)
+        goal = self._checked_angle(min(max(park, self.capabilities.lower), self.capabilities.upper))
         self._request(lambda: self._actuator.command(goal, self.capabilities.max_speed))
+        self._goal, self._parking = goal, True
         if self._stopped:
             self._halt()
 

@@ -199,7 +199,8 @@ class Tb6600:
             self._homed = self._declare = False
         else:
             self._halt(now)
-            self._declare |= request is _Ask.HOME
+            if request is _Ask.HOME:
+                self._declare, self._enabled = True, None  # the report of one more ENABLE edge proves the wire
 
     def _from(self, now: float) -> float:
         """From when on the future is still open [s]."""
@@ -240,6 +241,7 @@ class Tb6600:
             return
         if not self._enabled:
             self._switch(True, now)
+        if not self._feed.all_reported:
             return
         self._feed.declare_zero()
         self._motions = deque([_Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), now)])
@@ -249,8 +251,10 @@ class Tb6600:
 
     def _look_for_starvation(self, now: float) -> None:
         """Fault when the edges ran out in the middle of a move: the rotor was stopped dead, who knows where."""
+        if not self._feed.pending or now <= self._feed.committed:
+            return
         rate = self._motions[-1].at(self._feed.committed)[1]
-        if self._feed.pending and rate and now > self._feed.committed:
+        if rate:
             late = (now - self._feed.committed) * 1e3
             self._fault = f"pulses ran out for {late:.0f} ms at {math.degrees(rate):.1f} deg/s: the position is lost"
             self._homed = False

@@ -70,6 +70,7 @@ class Rotor:
         self._longest = min(0.5e-3, 0.1 / motor.natural)
         self._electrical = 0.0
         self._energised = True
+        self._rested = False
         self.angle = 0.0  # of the shaft [rad]
         self.speed = 0.0  # [rad/s]
         self.worst_lag = 0.0  # [rad]
@@ -95,6 +96,11 @@ class Rotor:
         self._integrate(dt, fields.tolist())
         self._electrical = float(electrical[-1])
         self._snap()
+
+    @property
+    def still(self) -> bool:
+        """Whether it stays where it is until the windings change."""
+        return self._rested
 
     def periods_at(self, electrical: float) -> int:
         """Whole periods (four full steps each) from the windings at ``electrical`` [rad] to the shaft; < 0: behind."""
@@ -124,7 +130,7 @@ class Rotor:
         self.angle, self.speed, self.worst_lag = angle, speed, worst
 
     def _at_rest(self, electrical: float, energised: bool) -> bool:
-        return self.speed == 0.0 and electrical == self._electrical and energised == self._energised
+        return self._rested and electrical == self._electrical and energised == self._energised
 
     def _snap(self) -> None:
         """Put a rotor that has come to rest exactly there."""
@@ -132,5 +138,6 @@ class Rotor:
         period = 2 * math.pi / teeth if self._energised else math.pi / (2 * teeth)
         centre = self._electrical if self._energised else 0.0
         rest = centre + round((self.angle - centre) / period) * period
-        if abs(self.angle - rest) < STILL and abs(self.speed) < STILL * self._motor.natural:
+        self._rested = abs(self.angle - rest) < STILL and abs(self.speed) < STILL * self._motor.natural
+        if self._rested:
             self.angle, self.speed = rest, 0.0

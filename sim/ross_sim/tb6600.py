@@ -45,6 +45,10 @@ class Tb6600FarEnd:
     def advance(self, now: float) -> None:
         """Play the edges that are due and let the motor live until ``now`` [s]."""
         self._collect()
+        if not len(self._edges) and self.rotor.still:
+            self._now = now
+            self.port.play(now)
+            return
         due, self._edges = _split(self._edges, now)
         for switch in due[due["line"] == Line.ENABLE]:
             time = float(switch["time"])

@@ -1,0 +1,350 @@
+"""One contract for everything that turns; each back end adds its name to `KINDS`."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from ross_payload import plugins
+from ross_payload.actuators.guard import Guard
+from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.config import Config
+from ross_payload.errors import ActuatorFault, ConfigError, LimitError
+from ross_payload.interfaces import ActuatorState, Port, Services
+from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.far_end import FarEnd
+
+KINDS = ("ideal", "tb6600")
+SPEED, ACCELERATION = math.radians(225), math.radians(112.5)
+LOWER, UPPER = math.radians(-200), math.radians(200)
+SWING = math.radians(0.5)  # by which a rotor may swing about its windings while it moves
+
+
+class CuttableWire:
+    """A wire that stops delivering when it is cut."""
+
+    def __init__(self, port: Port) -> None:
+        self._port = port
+        self.cut = False
+
+    def send(self, frame: Any) -> None:
+        self._port.send(frame)
+
+    def receive(self) -> list[Any]:
+        arrived = self._port.receive()
+        return [] if self.cut else arrived
+
+    def close(self) -> None:
+        self._port.close()
+
+
+@dataclass
+class Rig:
+    """A guarded actuator, its far end and simulated time."""
+
+    clock: SimClock
+    far_end: FarEnd
+    wire: CuttableWire
+    actuator: Guard
+
+    def open(self) -> Rig:
+        self.actuator.__enter__()
+        self.clock.sleep(0.2)
+        return self
+
+    @property
+    def state(self) -> ActuatorState:
+        return self.actuator.state()
+
+    @property
+    def tolerance(self) -> float:
+        """Half a step, and half of one more at a limit."""
+        return self.actuator.capabilities.resolution * 1.01
+
+    def settle(self, within: float) -> float:
+        """Wait until settled; how long it took [s]."""
+        begin = self.clock.now()
+        while not self.state.settled:
+            assert self.clock.now() - begin < within, self.state
+            self.clock.sleep(QUANTUM)
+        return self.clock.now() - begin
+
+
+def rig_of(kind: str, **guard: Any) -> Rig:
+    config = Config.model_validate({"actuator": {"kind": kind}, "guard": guard})
+    clock = SimClock()
+    far_end: FarEnd = plugins.load("ross_sim.far_ends", kind).make(checked_options(config))
+    clock.before_calls(far_end.advance)
+    wire = CuttableWire(far_end.port)
+    actuator = open_actuator(config, Services(clock, lambda url: wire))
+    clock.every(QUANTUM, lambda: actuator.poll(clock.now()))
+    return Rig(clock, far_end, wire, actuator)
+
+
+@pytest.fixture(params=KINDS)
+def kind(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def rig(kind: str) -> Iterator[Rig]:
+    rig = rig_of(kind).open()
+    yield rig
+    rig.actuator.__exit__(None, None, None)
+
+
+@pytest.mark.parametrize("goal_deg", [0.0, 0.5, 15.0, -90.0, 190.0, -200.0, 200.0])
+def test_it_reaches_the_goal_and_settles_there(rig: Rig, goal_deg: float) -> None:
+    goal = math.radians(goal_deg)
+    rig.actuator.command(goal)
+    rig.settle(within=5.0)
+    assert rig.state.angle == pytest.approx(goal, abs=rig.tolerance)
+    assert rig.far_end.angle() == pytest.approx(goal, abs=rig.tolerance)
+    assert rig.state.rate == 0.0
+    assert rig.far_end.complaints() == []
+
+
+def test_at_rest_the_true_angle_is_the_reported_angle(rig: Rig) -> None:
+    rig.actuator.command(math.radians(77.7))
+    rig.settle(within=5.0)
+    rig.clock.sleep(0.3)
+    assert rig.far_end.angle() == pytest.approx(rig.state.angle, abs=1e-6)
+
+
+def test_15_degrees_take_what_the_paper_s_acceleration_allows(rig: Rig) -> None:
+    rig.actuator.command(math.radians(15))
+    began, last = rig.clock.now(), math.nan
+    for _ in range(150):
+        rig.clock.sleep(QUANTUM)
+        last = rig.clock.now() if rig.state.rate != 0.0 else last
+    assert last - began == pytest.approx(2 * math.sqrt(15 / 112.5), abs=2 * QUANTUM)
+
+
+def test_it_is_not_settled_between_the_command_and_the_goal(rig: Rig) -> None:
+    rig.actuator.command(1.0)
+    assert not rig.state.settled
+    while abs(rig.far_end.angle() - 1.0) > 0.02:
+        rig.clock.sleep(QUANTUM)
+        assert not rig.state.settled
+
+
+@pytest.mark.parametrize("second", [2.5, -1.0, 0.5])
+def test_a_goal_replaced_in_flight_is_reached_without_a_jump_in_speed(rig: Rig, second: float) -> None:
+    rig.actuator.command(2.0)
+    rig.clock.sleep(0.8)
+    assert rig.state.rate > 1.0
+    rig.actuator.command(second)
+    before = rig.state.rate
+    for _ in range(700):
+        rig.clock.sleep(QUANTUM)
+        assert abs(rig.state.rate - before) <= ACCELERATION * QUANTUM * 1.001
+        before = rig.state.rate
+    assert rig.state.settled
+    assert rig.far_end.angle() == pytest.approx(second, abs=rig.tolerance)
+
+
+@pytest.mark.parametrize("after", [0.2, 0.5, 0.8, 1.1])
+def test_stop_halts_within_the_braking_distance_and_100_ms_of_travel(rig: Rig, after: float) -> None:
+    rig.actuator.command(UPPER)
+    rig.clock.sleep(after)
+    speed, here = rig.state.rate, rig.far_end.angle()
+    rig.actuator.stop()
+    rig.clock.sleep(4.0)
+    assert rig.state.rate == 0.0
+    allowed = speed**2 / (2 * ACCELERATION) + 0.1 * (speed + ACCELERATION * 0.05) + SWING
+    assert 0.0 <= rig.far_end.angle() - here <= allowed
+    assert rig.far_end.angle() < UPPER - 0.1
+    assert rig.far_end.complaints() == []
+
+
+def test_stop_works_from_another_thread_twice_and_latches(rig: Rig) -> None:
+    rig.actuator.command(1.0)
+    rig.clock.sleep(0.3)
+    for _ in range(2):
+        thread = threading.Thread(target=rig.actuator.stop)
+        thread.start()
+        thread.join()
+    with pytest.raises(ActuatorFault, match="rearm"):
+        rig.actuator.command(0.5)
+    rig.clock.sleep(2.0)
+    assert rig.far_end.angle() < 0.5
+    assert rig.state.healthy
+    rig.actuator.rearm()
+    rig.actuator.command(0.8)
+    rig.settle(within=3.0)
+    assert rig.far_end.angle() == pytest.approx(0.8, abs=rig.tolerance)
+
+
+@pytest.mark.parametrize("goal", [math.nan, math.inf, -math.inf, UPPER + 0.01, LOWER - 0.01])
+def test_a_goal_outside_the_limits_is_refused_and_nothing_moves(rig: Rig, goal: float) -> None:
+    with pytest.raises(LimitError, match="deg is not within -200"):
+        rig.actuator.command(goal)
+    rig.clock.sleep(0.5)
+    assert rig.far_end.angle() == 0.0
+    assert rig.state.settled
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, math.nan, math.inf])
+def test_a_rate_that_is_not_one_is_refused(rig: Rig, rate: float) -> None:
+    with pytest.raises(LimitError, match="rate"):
+        rig.actuator.command(1.0, rate)
+
+
+def test_joint_angles_do_not_wrap(rig: Rig) -> None:
+    rig.actuator.command(math.radians(190))
+    seen = []
+    while not rig.state.settled:
+        rig.clock.sleep(QUANTUM)
+        seen.append(rig.far_end.angle())
+    assert min(seen) > -SWING
+    assert rig.state.angle == pytest.approx(math.radians(190), abs=rig.tolerance)
+
+
+def test_a_slower_rate_is_obeyed_and_a_faster_one_is_capped(rig: Rig) -> None:
+    for rate, cap in ((0.3, 0.3), (99.0, SPEED)):
+        goal = UPPER if rate > 1 else 0.5
+        rig.actuator.command(goal, rate)
+        fastest = 0.0
+        while not rig.state.settled:
+            rig.clock.sleep(QUANTUM)
+            fastest = max(fastest, abs(rig.state.rate))
+        assert fastest <= cap * (1 + 1e-9)
+        assert fastest > min(cap, math.sqrt(ACCELERATION * 0.3)) * 0.99
+
+
+def test_it_reports_how_old_its_feedback_is(rig: Rig) -> None:
+    rig.actuator.command(2.0)
+    for _ in range(100):
+        rig.clock.sleep(QUANTUM)
+        assert LOWER <= rig.state.angle <= UPPER
+        assert rig.clock.now() - rig.state.time <= 0.021
+        assert rig.state.healthy
+
+
+def test_it_is_never_settled_on_stale_feedback_and_the_guard_says_so(rig: Rig) -> None:
+    rig.actuator.command(1.0)
+    rig.clock.sleep(0.4)
+    rig.wire.cut = True
+    for _ in range(300):
+        rig.clock.sleep(QUANTUM)
+        assert not rig.state.settled
+    assert not rig.state.healthy
+    assert rig.state.fault
+    with pytest.raises(ActuatorFault, match="rearm"):
+        rig.actuator.command(0.0)
+    with pytest.raises(ActuatorFault, match="still not well"):
+        rig.actuator.rearm()
+
+
+def test_after_the_wire_is_mended_homing_and_rearming_make_it_move_again(rig: Rig) -> None:
+    rig.actuator.command(1.0)
+    rig.clock.sleep(0.4)
+    rig.wire.cut = True
+    rig.clock.sleep(2.0)
+    rig.wire.cut = False
+    rig.actuator.home()
+    rig.clock.sleep(0.5)
+    rig.actuator.rearm()
+    start, here = rig.state.angle, rig.far_end.angle()
+    rig.actuator.command(start - 0.4)
+    rig.settle(within=3.0)
+    assert rig.far_end.angle() - here == pytest.approx(-0.4, abs=0.01)
+
+
+def test_closing_in_the_middle_of_a_move_decelerates(rig: Rig) -> None:
+    rig.actuator.command(UPPER)
+    rig.clock.sleep(1.0)
+    speed, here = rig.state.rate, rig.far_end.angle()
+    rig.actuator.__exit__(None, None, None)
+    rig.actuator.__exit__(None, None, None)
+    rig.clock.sleep(3.0)
+    assert speed**2 / (2 * ACCELERATION) * 0.9 < rig.far_end.angle() - here < UPPER - here - 0.5
+    assert rig.far_end.complaints() == []
+
+
+def test_it_can_be_opened_again_and_still_knows_where_it_is(rig: Rig) -> None:
+    rig.actuator.command(0.7)
+    rig.settle(within=3.0)
+    rig.actuator.__exit__(None, None, None)
+    rig.clock.sleep(1.0)
+    rig.open()
+    assert rig.state.angle == pytest.approx(0.7, abs=rig.tolerance)
+    rig.actuator.command(-0.2)
+    rig.settle(within=3.0)
+    assert rig.far_end.angle() == pytest.approx(-0.2, abs=rig.tolerance)
+
+
+def test_a_move_that_takes_too_long_is_a_fault(kind: str) -> None:
+    rig = rig_of(kind, max_move_s=0.5).open()
+    rig.actuator.command(1.5)
+    rig.clock.sleep(3.0)
+    assert "after 0.5 s" in rig.state.fault
+    assert not rig.state.settled
+    assert rig.far_end.angle() < 1.4
+
+
+def test_limits_that_exclude_the_travel_cannot_be_opened() -> None:
+    with pytest.raises(ConfigError, match="exclude all"):
+        open_far = {"kind": "ideal", "options": {"lower_deg": -10, "upper_deg": 10}}
+        config = Config.model_validate({"actuator": open_far, "guard": {"lower_deg": 20, "park_deg": 30}})
+        open_actuator(config, Services(SimClock(), lambda url: pytest.fail("opened")))
+
+
+def test_the_guard_s_caps_reach_the_back_end(kind: str) -> None:
+    rig = rig_of(kind, max_speed_deg_s=20, max_acceleration_deg_s2=40).open()
+    assert math.degrees(rig.actuator.capabilities.max_acceleration) == pytest.approx(40)
+    rig.actuator.command(math.radians(60))
+    before = fastest = steepest = 0.0
+    while not rig.state.settled:
+        rig.clock.sleep(QUANTUM)
+        fastest, steepest = max(fastest, rig.state.rate), max(steepest, abs(rig.state.rate - before))
+        before = rig.state.rate
+    assert math.degrees(fastest) == pytest.approx(20, rel=1e-6)
+    assert math.degrees(steepest) <= 40 * QUANTUM * 1.001
+
+
+step = st.tuples(
+    st.floats(-250, 250),  # goal [deg]
+    st.one_of(st.none(), st.floats(1, 400)),  # rate [deg/s]
+    st.integers(0, 90),  # quanta until the next
+    st.sampled_from(["go", "go", "go", "stop"]),
+)
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(steps=st.lists(step, min_size=1, max_size=8))
+def test_no_sequence_of_commands_breaks_a_limit_or_a_cap(kind: str, steps: list[tuple[Any, ...]]) -> None:
+    rig = rig_of(kind).open()
+    for goal, rate, quanta, what in steps:
+        _ask(rig, what, goal, rate)
+        before = rig.state.rate
+        for _ in range(quanta):
+            rig.clock.sleep(QUANTUM)
+            state = rig.state
+            assert LOWER <= state.angle <= UPPER
+            assert LOWER - SWING <= rig.far_end.angle() <= UPPER + SWING
+            assert abs(state.rate) <= SPEED * (1 + 1e-9)
+            assert abs(state.rate - before) <= ACCELERATION * QUANTUM * 1.001
+            before = state.rate
+    rig.actuator.stop()
+    rig.clock.sleep(3.0)
+    assert rig.state.rate == 0.0
+    assert rig.far_end.complaints() == []
+
+
+def _ask(rig: Rig, what: str, goal: float, rate: float | None) -> None:
+    if what == "stop":
+        rig.actuator.stop()
+        rig.actuator.rearm()
+        return
+    try:
+        rig.actuator.command(math.radians(goal), None if rate is None else math.radians(rate))
+    except LimitError:
+        assert not -200 <= goal <= 200
