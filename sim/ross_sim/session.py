@@ -134,7 +134,6 @@ def far_end_of(config: Config) -> FarEnd:
 def _runner(config: Config, company: Company, world: World, actuator: Actuator, clock: SimClock) -> Runner:
     clock.every(POLL, lambda: actuator.poll(clock.now()))
     travel = actuator.capabilities
-    actuator.home()
     brain = mission(settings_of(config, travel.lower, travel.upper), tools_of(config, company.voiceprint))
     return Runner(brain, world.source, actuator, mount_of(config), config)
 
