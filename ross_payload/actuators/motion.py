@@ -121,13 +121,13 @@ def _phases(move: Trapezoid) -> tuple[Phase, ...]:
     begin, position, velocity = 0.0, move.start, move.velocity
     for duration, acceleration in _accelerations(move):
         turn = -velocity / acceleration if acceleration else math.inf
-        for part in (turn, duration - turn) if 0.0 < turn < duration else (duration,):
-            if part <= 0.0:
-                continue
-            phases.append(Phase(begin, part, position, velocity, acceleration))
-            position += (velocity + acceleration * part / 2) * part
-            velocity = 0.0 if part == turn else velocity + acceleration * part
-            begin += part
+        after = velocity + acceleration * duration
+        parts = ((turn, 0.0), (duration - turn, after)) if 0.0 < turn < duration else ((duration, after),)
+        for part, reached in parts:
+            if part > 0.0:
+                phases.append(Phase(begin, part, position, velocity, acceleration))
+                position += (velocity + reached) / 2 * part
+                begin, velocity = begin + part, reached
     return tuple(phases)
 
 
