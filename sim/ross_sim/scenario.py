@@ -11,6 +11,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ross_payload.angles import wrap
 from ross_payload.config import Config, Degrees, Positive, Table, read_toml, validated
 from ross_payload.errors import ConfigError
 from ross_sim.room import RoomSpec
@@ -113,7 +114,7 @@ class Scenario(Table):
 
     def azimuths(self) -> tuple[float, ...]:
         """The true azimuth of every talker in the frame of the mount [rad], in (-pi, pi]."""
-        return tuple(math.remainder(math.radians(talker.azimuth_deg), 2 * math.pi) for talker in self.talkers)
+        return tuple(wrap(math.radians(talker.azimuth_deg)) for talker in self.talkers)
 
     def elevations(self) -> tuple[float, ...]:
         """The true elevation of every talker as seen from the array [rad]; 0 in a plane."""

@@ -3,9 +3,9 @@ import logging
 import numpy as np
 import pytest
 import soundfile
-from ross_sim.speech import load_folder
 
 from ross_payload.errors import ConfigError
+from ross_sim.speech import load_folder
 
 RATE = 16000
 
