@@ -23,7 +23,7 @@ LOW = 500.0  # lowest frequency used [Hz]: below it a phase error is a large ITD
 class Trust:
     """What counts as trustworthy."""
 
-    neighbourhood: tuple[int, int] = (3, 7)  # bins by frames over which the covariance is averaged
+    neighbourhood: tuple[int, int] = (1, 3)  # bins by frames over which the covariance is averaged
     coherence: float = 0.98  # weight 0 below this local coherence
     decay: float = 0.060  # time in which the power of a room's tail is taken to fall to 1/e [s]
     quiet: float = 0.1  # quantile over time that stands for the noise when nobody measured it

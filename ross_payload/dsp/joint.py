@@ -1,8 +1,7 @@
 """All orientations at once: K and every azimuth from the ITD densities at all headings (`joint`).
 
-Histograms of trustworthy ITDs (`itd`) are explained as one mixture over all orientations (`mixture`): sources are
-added where the likelihood gains most, refined by expectation maximisation, and taken away again while the likelihood
-loses less than a ghost would gain by chance.
+Histograms of trustworthy ITDs (`itd`) are explained as one mixture over all orientations (`mixture`) with as many
+sources as pay their price (`order`).
 """
 
 from __future__ import annotations
@@ -13,50 +12,57 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ross_payload.angles import difference, wrap
-from ross_payload.dsp import mixture
+from ross_payload.dsp import mixture, order
 from ross_payload.dsp.density import histogram, itd_grid, kde, prominent_peaks
 from ross_payload.dsp.itd import Trust, band_limits, weighted_itd
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
 
-MAX_SOURCES = 6
-GRID = np.deg2rad(np.arange(-180.0, 180.0, 4.0))  # azimuths tried [rad]
+OVERLAP = 0.75  # of the frames of the spectrogram
+COUNT = 0.5  # effective counts per unit of weight: neighbouring bins are not independent
+BANDWIDTH = 0.04  # of the published density [d / v_p]
+BIAS = np.deg2rad(0.3)  # what reflections add to every azimuth, however long one listens [rad]
+STEEP = 3.0  # of the confidence over the logarithm of worth over price
+ELSEWHERE = np.deg2rad(20.0)  # an azimuth further off than this is another place [rad]
+RESOLVED = 10.0  # log-likelihood by which the place must beat every other place [nat]
 
 
 @dataclass(frozen=True, slots=True)
-class Tuning:
-    """The few numbers that decide how many sources there are."""
+class Stop:
+    """When enough has been heard."""
 
-    count: float = 0.5  # effective counts per unit of weight: neighbouring bins are not independent
-    width: float = 0.1  # kernel of a new source [d / v_p]
-    bandwidth: float = 0.04  # of the published density [d / v_p]
-    base: float = 8.0  # log-likelihood that a source must be worth [nat]
-    share: float = 0.03  # and this much per effective count [nat]
-    apart: float = np.deg2rad(15.0)  # nearer than this two sources are one
+    margin: float = 1.5  # every source is worth this many times its price, every rival this many times less
+    sigma: float = np.deg2rad(2.0)  # largest standard deviation [rad]
+    orientations: int = 5
+    evidence: float = 100.0  # effective counts
 
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """The explorer; see `mixture` for the model."""
+    """The explorer: what it needs to know about the array, and its settings."""
 
     spacing: float
     speed_of_sound: float
-    overlap: float = 0.75
     trust: Trust = field(default_factory=Trust)
-    tuning: Tuning = field(default_factory=Tuning)
+    price: order.Price = field(default_factory=order.Price)
+    enough: Stop = field(default_factory=Stop)
     name: str = "joint"
 
     def observe(self, spectrogram: Complex, frequencies: Real, heading: float, noise_psd: Real | None) -> Observation:
-        """Condense one orientation into a histogram of trustworthy ITDs; see `interfaces.Explorer`."""
+        """Condense one orientation into a histogram of trustworthy ITDs; see `interfaces.Explorer`.
+
+        Frames of about 43 ms that overlap by three quarters serve best.
+        """
+        unit = self.spacing / self.speed_of_sound
         grid = itd_grid(self.spacing, self.speed_of_sound)
         low, high = band_limits(self.spacing, self.speed_of_sound)
         band = (frequencies >= low) & (frequencies <= high)
-        frame_period = (1 - self.overlap) / (frequencies[1] - frequencies[0])
+        frame_period = (1 - OVERLAP) / (frequencies[1] - frequencies[0])
         noise = None if noise_psd is None else noise_psd[band]
         itd, weight = weighted_itd(spectrogram[:, band], frequencies[band], frame_period, noise, self.trust)
         counts = histogram(itd, weight, grid)
-        density = kde(counts, grid, self.tuning.bandwidth * self.spacing / self.speed_of_sound)
+        density = kde(counts, grid, BANDWIDTH * unit)
         return Observation(heading, grid, density, float(counts.sum()), prominent_peaks(density, grid), counts)
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
@@ -64,55 +70,49 @@ class Joint:
         if not observations:
             return Estimate(())
         data = self.data(observations)
-        model = self.fit(data)
-        return Estimate(self._sources(data, model), directness=model.directness if len(model.azimuths) else None)
+        fit = order.search(data, self.price)
+        sources = _sources(data, fit)
+        directness = fit.model.directness if sources else None
+        return Estimate(sources, self._certain(data, fit, sources), directness)
 
     def data(self, observations: Sequence[Observation]) -> mixture.Data:
-        """Histograms of all orientations with ITDs in units of d / v_p."""
-        counts = np.stack([observation.features for observation in observations]) * self.tuning.count
+        """Histograms of all orientations, ITDs in units of d / v_p."""
+        counts = np.stack([observation.features for observation in observations]) * COUNT
         headings = np.array([observation.heading for observation in observations])
         return mixture.Data(observations[0].grid * self.speed_of_sound / self.spacing, headings, counts)
 
-    def fit(self, data: mixture.Data) -> mixture.Mixture:
-        """Add sources, then take away those that explain too little."""
-        model = mixture.Mixture(np.zeros(0), np.zeros(0), np.ones((len(data.headings), 1)))
-        for _ in range(MAX_SOURCES + 2):
-            gain, share = mixture.gains(data, model, GRID, self.tuning.width)
-            best = int(gain.argmax())
-            if gain[best] < self.tuning.base / 2:
-                break
-            added = mixture.add(model, GRID[best], self.tuning.width, np.maximum(share[:, best], 0.01))
-            model = mixture.refine(data, added, 8)
-        return self._prune(data, mixture.refine(data, model, 20))
+    def _certain(self, data: mixture.Data, fit: order.Fit, sources: tuple[SourceEstimate, ...]) -> bool:
+        """The stop rule: no source is doubtful, no rival is near, every place is sharp and unambiguous."""
+        least = fit.worth.min(initial=np.inf)
+        clear = least >= self.enough.margin * fit.price and fit.rival * self.enough.margin <= fit.price
+        sharp = all(source.resolved and source.sigma <= self.enough.sigma for source in sources)
+        heard = len(data.headings) >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
+        return bool(clear and sharp and heard and sources)
 
-    def _prune(self, data: mixture.Data, model: mixture.Mixture) -> mixture.Mixture:
-        worth = self.tuning.base + self.tuning.share * data.counts.sum()
-        while len(model.azimuths):
-            losses, reduced = self.losses(data, model)
-            least = int(losses.argmin())
-            if losses[least] >= worth and len(model.azimuths) <= MAX_SOURCES and not self._close(model):
-                break
-            model = mixture.refine(data, reduced[least], 10)
-        return model
 
-    def _close(self, model: mixture.Mixture) -> bool:
-        apart = np.abs(difference(model.azimuths[:, None], model.azimuths)) + 9 * np.eye(len(model.azimuths))
-        return bool(apart.min() < self.tuning.apart)
+def _sources(data: mixture.Data, fit: order.Fit) -> tuple[SourceEstimate, ...]:
+    """The sources of a fit, the one with the largest share of the evidence first."""
+    model = fit.model
+    shares = np.average(model.weights, axis=0, weights=data.counts.sum(axis=1) + mixture.TINY)
+    sigmas = np.minimum(np.hypot(mixture.sigmas(data, model), BIAS), np.pi)
+    found = [
+        SourceEstimate(
+            azimuth=wrap(float(model.azimuths[k])),
+            sigma=float(sigmas[k]),
+            confidence=float(1 / (1 + (fit.price / fit.worth[k]) ** STEEP)),
+            resolved=_resolved(data, model, k),
+            weight=float(shares[k]),
+        )
+        for k in range(len(model.azimuths))
+    ]
+    return tuple(sorted(found, key=lambda source: -source.weight))
 
-    def losses(self, data: mixture.Data, model: mixture.Mixture) -> tuple[Real, list[mixture.Mixture]]:
-        """Log-likelihood [nat] that each source is worth, and the models without it."""
-        reduced = [mixture.refine(data, mixture.remove(model, k), 5) for k in range(len(model.azimuths))]
-        full = mixture.log_likelihood(data, model)
-        return np.array([full - mixture.log_likelihood(data, other) for other in reduced]), reduced
 
-    def _sources(self, data: mixture.Data, model: mixture.Mixture) -> tuple[SourceEstimate, ...]:
-        sigmas = mixture.sigmas(data, model)
-        weights = np.average(model.weights, axis=0, weights=data.counts.sum(axis=1) + 1e-9)
-        found = [
-            SourceEstimate(wrap(float(azimuth)), float(min(sigma, np.pi)), 1.0, True, float(weight))
-            for azimuth, sigma, weight in zip(model.azimuths, sigmas, weights[:-1], strict=True)
-        ]
-        return tuple(sorted(found, key=lambda source: -source.weight))
+def _resolved(data: mixture.Data, model: mixture.Mixture, source: int) -> bool:
+    """Whether the likelihood prefers this place clearly to every other, the mirror image among them."""
+    gain = order.profile(data, model, source)
+    away = np.abs(difference(order.GRID, model.azimuths[source])) > ELSEWHERE
+    return bool(gain[~away].max() - gain[away].max() >= RESOLVED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +122,7 @@ class Factory:
     name: str = "joint"
 
     def make(self, spacing: float, speed_of_sound: float) -> Joint:
-        """Make an explorer for an array; frames overlap by three quarters.
+        """Make an explorer for an array.
 
         Raises
         ------

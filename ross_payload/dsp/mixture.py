@@ -39,6 +39,11 @@ class Mixture:
     directness: float = 1.0
 
 
+def empty(data: Data) -> Mixture:
+    """The model of no source."""
+    return Mixture(np.zeros(0), np.zeros(0), np.ones((len(data.headings), 1)))
+
+
 def kernels(data: Data, azimuths: Real, widths: Real, directness: float) -> Real:
     """Probability of every ITD bin for every source, (n_headings, k, n_bins); sums to nearly 1 over the bins."""
     centre = directness * np.cos(azimuths[None, :] - data.headings[:, None])
