@@ -15,6 +15,7 @@ position = st.floats(-10, 10)
 speed = st.floats(0.05, 10)
 acceleration = st.floats(0.1, 100)
 velocity = st.floats(-10, 10)
+plans = st.builds(Trapezoid, position, position, speed, acceleration, velocity)
 
 
 def test_a_short_move_takes_two_roots_of_distance_over_acceleration() -> None:
@@ -62,34 +63,29 @@ def test_braking_takes_speed_over_acceleration_and_the_braking_distance(x: float
     assert (move.goal - x) * v >= 0
 
 
-@given(position, position, speed, acceleration, velocity)
-def test_every_plan_ends_at_rest_at_the_goal_and_keeps_its_caps(
-    start: float, goal: float, cap: float, a: float, v0: float
-) -> None:
-    move = Trapezoid(start, goal, cap, a, v0)
+@given(plans)
+def test_every_plan_ends_at_rest_at_the_goal_and_keeps_its_caps(move: Trapezoid) -> None:
+    a, v0 = move.acceleration, move.velocity
     times = np.linspace(0, move.duration, 401)
     positions, velocities = np.array([move.at(t) for t in times]).T
-    assert (positions[0], velocities[0]) == pytest.approx((start, v0), abs=1e-6)
-    assert (positions[-1], velocities[-1]) == (goal, 0.0)
-    assert np.abs(velocities).max() <= max(cap, abs(v0)) * (1 + 1e-9)
+    assert (positions[0], velocities[0]) == pytest.approx((move.start, v0), abs=1e-6)
+    assert (positions[-1], velocities[-1]) == (move.goal, 0.0)
+    assert np.abs(velocities).max() <= max(move.speed, abs(v0)) * (1 + 1e-9)
     dt = times[1] - times[0]
     assert np.abs(np.diff(velocities)).max() <= a * dt * (1 + 1e-6) + 1e-6
     assert np.diff(positions) == pytest.approx((velocities[1:] + velocities[:-1]) / 2 * dt, abs=a * dt**2 + 1e-6)
 
 
-@given(position, position, speed, acceleration, velocity, st.floats(0, 1))
-def test_planning_again_in_flight_to_the_same_goal_changes_nothing(
-    start: float, goal: float, cap: float, a: float, v0: float, when: float
-) -> None:
-    move = Trapezoid(start, goal, cap, a, v0)
+@given(plans, st.floats(0, 1))
+def test_planning_again_in_flight_to_the_same_goal_changes_nothing(move: Trapezoid, when: float) -> None:
     t = when * move.duration
-    again = Trapezoid(move.at(t)[0], goal, cap, a, move.at(t)[1])
+    again = Trapezoid(move.at(t)[0], move.goal, move.speed, move.acceleration, move.at(t)[1])
     assert t + again.duration == pytest.approx(move.duration, rel=1e-4, abs=1e-4)
 
 
-@given(position, position, speed, acceleration, velocity)
-def test_crossing_times_are_where_the_position_is(start: float, goal: float, cap: float, a: float, v0: float) -> None:
-    for phase in Trapezoid(start, goal, cap, a, v0).phases:
+@given(plans)
+def test_crossing_times_are_where_the_position_is(move: Trapezoid) -> None:
+    for phase in move.phases:
         levels = np.linspace(phase.position, phase.at(phase.begin + phase.duration)[0], 7)
         times = phase.crossings(levels)
         assert [phase.at(t)[0] for t in times] == pytest.approx(levels, abs=1e-7)
