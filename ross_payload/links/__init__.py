@@ -34,7 +34,7 @@ class _Link:
 
 
 class Links:
-    """All links of the payload. A context manager.
+    """All links of the payload, for one thread. A context manager.
 
     >>> with Links.open([]) as links:
     ...     links.send(b"to nobody")
