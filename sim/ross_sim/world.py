@@ -26,7 +26,7 @@ from ross_sim.timeline import Timeline
 Counts = NDArray[np.int32]
 
 FULL_SCALE = 2**23  # of a 24-bit converter [counts]
-LEVEL = 0.05  # root mean square of the mixture when everyone talks, re full scale: -26 dB, headroom for speech
+LEVEL = 0.03  # root mean square of the mixture when everyone talks, re full scale: -30 dB, headroom for speech
 
 
 class World:

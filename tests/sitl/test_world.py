@@ -84,6 +84,12 @@ def test_bytes_do_not_depend_on_how_they_are_read(make, hop):
     assert heard[:, :RATE].tobytes() == reference.tobytes()
 
 
+def test_an_empty_cache_and_a_full_one_give_the_same_bytes(make):
+    cold, _ = listen(make(scenario(40, -80), Turntable(0.5, 0.2, 0.6)), 1)
+    warm, _ = listen(make(scenario(40, -80), Turntable(0.5, 0.2, 0.6)), 1)
+    assert cold.tobytes() == warm.tobytes()
+
+
 def test_another_seed_is_another_noise_and_nothing_else(make):
     first, second = make(scenario(40), seed=1), make(scenario(40), seed=2)
     listen(first, 1)

@@ -70,12 +70,13 @@ def curvature(heard):
     return np.abs(np.diff(heard, n=2, axis=-1)).max()
 
 
-def test_turning_does_not_click(tmp_path):
-    spec, speech = room(), (tone(), tone())
+@pytest.mark.parametrize("t60", [0.0, 0.4])
+def test_turning_does_not_click(tmp_path, t60):
+    spec, speech = room(t60), (tone(), tone())
     there = stems(tmp_path, spec, *speech)
-    path = np.concatenate([np.full(60, 0.02), 0.02 + np.linspace(0, 0.5, 40), np.full(30, 0.52)])
-    rest = hear(Ears(there, SPACING, 0.02), np.full(130, 0.02))[..., 2 * RATE // 10 :]
-    turning = hear(Ears(there, SPACING, 0.02), path)[..., 2 * RATE // 10 :]
+    path = np.concatenate([np.full(80, 0.02), 0.02 + np.linspace(0, 0.5, 40), np.full(30, 0.52)])
+    rest = hear(Ears(there, SPACING, 0.02), np.full(150, 0.02))[..., RATE // 2 :]
+    turning = hear(Ears(there, SPACING, 0.02), path)[..., RATE // 2 :]
     assert curvature(turning) < 1.3 * curvature(rest)
 
 
