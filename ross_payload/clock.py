@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 TICK = 0.010  # [s]
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Periodic:
     period: float
     due: float
@@ -19,12 +19,17 @@ class _Periodic:
 
 
 class SystemClock:
-    """Monotonic time with one pump thread that runs periodic calls every 10 ms tick."""
+    """Monotonic time with one pump thread that runs periodic calls every 10 ms tick.
+
+    A call that raises is not called again and does not keep the others from being called; what it raised comes out of
+    `check`, `sleep` and `every`.
+    """
 
     def __init__(self) -> None:
         self._calls: list[_Periodic] = []
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
+        self._failure: Exception | None = None
 
     def now(self) -> float:
         """Return the monotonic time [s]."""
@@ -33,9 +38,22 @@ class SystemClock:
     def sleep(self, duration: float) -> None:
         """Wait for ``duration`` [s]."""
         time.sleep(max(duration, 0.0))
+        self.check()
+
+    def check(self) -> None:
+        """Raise when a periodic call has raised.
+
+        Raises
+        ------
+        RuntimeError
+            From the first exception of a periodic call.
+        """
+        if self._failure is not None:
+            raise RuntimeError(f"a periodic call died: {self._failure!r}") from self._failure
 
     def every(self, period: float, call: Callable[[], None]) -> Callable[[], None]:
         """Call ``call`` every ``period`` [s] on the pump thread until the returned function is called."""
+        self.check()
         periodic = _Periodic(period, self.now() + period, call)
         with self._lock:
             self._calls.append(periodic)
@@ -62,5 +80,15 @@ class SystemClock:
                 now = self.now()
                 if periodic.active and now >= periodic.due:
                     periodic.due = max(periodic.due + periodic.period, now)
-                    periodic.call()
+                    self._run(periodic)
             time.sleep(TICK)
+
+    def _run(self, periodic: _Periodic) -> None:
+        try:
+            periodic.call()
+        except Exception as error:  # a dead pump would leave every motor without its driver
+            periodic.active = False
+            self._failure = self._failure or error
+            with self._lock:
+                if periodic in self._calls:
+                    self._calls.remove(periodic)
