@@ -119,11 +119,14 @@ class Guard:
         self._actuator.release()
 
     def poll(self, now: float) -> None:
-        """Poll the actuator and run the watchdog at ``now`` [s]; a failing wire is a fault, not an exception."""
+        """Poll the actuator and run the watchdog at ``now`` [s]; whatever a driver raises here is a fault."""
         try:
             self._actuator.poll(now)
         except RossError as error:
             self._latch(str(error))
+            return
+        except Exception as error:  # a bug in a driver must not end its polling: it may still be able to decelerate
+            self._latch(f"the driver broke: {error!r}")
             return
         state = self._actuator.state()
         if self._arrived(state):

@@ -27,7 +27,7 @@ class Device:
         self.now = ActuatorState(0.0, 0.0, True, True, True, -math.inf)
         self.goal: float | None = None
         self.asked: list[str] = []
-        self.jammed = self.silent = self.broken_wire = False
+        self.jammed = self.silent = self.broken_wire = self.buggy = False
 
     def command(self, angle: float, rate: float | None = None) -> None:
         self._ask(f"go {angle:.2f} at {rate:.2f}")
@@ -49,6 +49,8 @@ class Device:
     def poll(self, now: float) -> None:
         if self.broken_wire:
             raise LinkError("the wire is broken")
+        if self.buggy:
+            raise ZeroDivisionError
         if not self.silent:
             angle = self.now.angle if self.goal is None or self.jammed else self.goal
             self.now = replace(self.now, angle=angle, settled=not self.jammed, time=now)
@@ -198,6 +200,18 @@ def test_a_broken_wire_is_a_fault_and_does_not_kill_the_pump() -> None:
     on.clock.sleep(0.05)
     assert on.guard.state().fault.startswith("the wire is broken; and the fault action failed")
     assert not on.guard.state().healthy
+
+
+def test_a_bug_in_a_driver_stops_it_and_goes_on_polling() -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.device.buggy = True
+    on.clock.sleep(0.02)
+    assert on.guard.state().fault == "the driver broke: ZeroDivisionError()"
+    assert on.device.asked[-1] == "stop"
+    on.device.buggy = False
+    on.clock.sleep(0.01)
+    assert on.device.now.time == on.clock.now()
 
 
 def test_a_refused_request_leaves_the_last_goal_alone() -> None:
