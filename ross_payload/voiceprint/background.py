@@ -1,11 +1,11 @@
-"""The background model: what voices in general are like, and how much one voice varies.
+"""The background model: what voices in general are like.
 
-A recording becomes a point: the means of its frames under a Gaussian mixture that was trained on many voices (first
-order statistics, shrunk as in Reynolds, Quatieri and Dunn, "Speaker verification using adapted Gaussian mixture
-models", Digital Signal Processing 10 (2000)), and quantiles of its pitch, projected onto the directions in which
-voices differ most compared with how much one voice varies (linear discriminant analysis). Two points are compared by
-the log-likelihood ratio of the two-covariance model (Brümmer and de Villiers, "The speaker partitioning problem",
-Odyssey 2010).
+A Gaussian mixture over the frames of many voices, adapted to one voice by moving its means (maximum a posteriori, as
+in Reynolds, Quatieri and Dunn, "Speaker verification using adapted Gaussian mixture models", Digital Signal
+Processing 10 (2000)); the same for the logarithm of the pitch, where the weights are adapted. How much a recording
+sounds like a voice is the gain in log-likelihood per frame. A cohort of other voices says how much gain a stranger
+may have (Auckenthaler, Carey and Lloyd-Thomas, "Score normalization for text-independent speaker verification
+systems", ibid.). Logistic regression turns both, and the pitch, into a log-likelihood ratio.
 """
 
 from __future__ import annotations
@@ -21,7 +21,18 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint.features import Features
 
-PITCH_QUANTILES = (10.0, 25.0, 50.0, 75.0, 90.0)  # [%]
+COHORT_STEP = 1 / 64  # of the offsets of the cohort, which are kept as bytes [standard deviations]
+RIVALS = 3  # of the cohort, the nearest to the recording, are what the enrolled voice must beat
+PITCH_RELEVANCE = 20.0  # frames of pitch that the background counts for
+HALF_TIME = 1.0  # voiced speech after which half of the evidence is believed [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Adapted:
+    """The background model adapted to one voice."""
+
+    offsets: Real  # of the means, in standard deviations, (n_gaussians, n_features)
+    pitch_weights: Real  # (n_pitches,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +40,14 @@ class Background:
     """Parameters of the background model."""
 
     weights: Real  # of the Gaussians, (n_gaussians,)
-    means: Real  # (n_gaussians, n_cepstra)
-    deviations: Real  # (n_gaussians, n_cepstra)
-    relevance: Real  # frames a Gaussian needs before its mean is believed by half, ()
-    centre: Real  # mean point before projection, (n_gaussians * n_cepstra + n_quantiles,)
-    projection: Real  # (n_gaussians * n_cepstra + n_quantiles, n_dimensions)
-    between: Real  # variance between voices where that within a voice is 1, (n_dimensions,)
-    calibration: Real  # slope and offset from model score to nat, (2,)
+    means: Real  # (n_gaussians, n_features)
+    deviations: Real  # (n_gaussians, n_features)
+    pitch_weights: Real  # (n_pitches,)
+    pitch_means: Real  # of the logarithm of F0 / 1 Hz, (n_pitches,)
+    pitch_deviations: Real  # (n_pitches,)
+    relevance: Real  # frames a Gaussian needs before its mean moves by half, ()
+    cohort: Real  # offsets of other voices in COHORT_STEP, (n_voices, n_gaussians, n_features)
+    calibration: Real  # nat per unit of evidence, and offset, (4,)
 
     @property
     def fingerprint(self) -> str:
@@ -45,32 +57,56 @@ class Background:
             digest.update(np.ascontiguousarray(getattr(self, field.name), dtype="<f4").tobytes())
         return digest.hexdigest()[:16]
 
-    def point(self, features: Features) -> Real:
-        """Return the point (n_dimensions,) of a recording."""
-        return np.asarray((self.statistics(features) - self.centre) @ self.projection)
+    def adapt(self, features: Features) -> Adapted:
+        """Adapt the model to a voice: mean <- (sum_t p_t x_t + r mean) / (sum_t p_t + r)."""
+        exponent = self._exponents(features, np.zeros((1, *self.means.shape)))[:, 0]
+        posterior = np.exp(exponent - np.logaddexp.reduce(exponent, axis=1)[:, None])
+        deviation = np.einsum("tc,td->cd", posterior, features.cepstra) - posterior.sum(axis=0)[:, None] * self.means
+        offsets = deviation / self.deviations / (posterior.sum(axis=0) + self.relevance)[:, None]
+        likelihood = self._pitch_likelihoods(features) * self.pitch_weights
+        count = (likelihood / likelihood.sum(axis=1, keepdims=True)).sum(axis=0) + PITCH_RELEVANCE * self.pitch_weights
+        return Adapted(offsets, count / count.sum())
 
-    def statistics(self, features: Features) -> Real:
-        """Return shrunk, whitened means per Gaussian and pitch quantiles, (n_gaussians * n_cepstra + n_quantiles,)."""
-        deviation = (features.cepstra[:, None] - self.means) / self.deviations
-        exponent = np.log(self.weights) - np.log(self.deviations).sum(axis=1) - (deviation**2).sum(axis=2) / 2
-        posterior = np.exp(exponent - exponent.max(axis=1, keepdims=True))
-        posterior /= posterior.sum(axis=1, keepdims=True)
-        shrunk = np.einsum("tc,tcd->cd", posterior, deviation) / (posterior.sum(axis=0) + self.relevance)[:, None]
-        quantiles = np.percentile(features.pitch, PITCH_QUANTILES)
-        return np.concatenate([(np.sqrt(self.weights)[:, None] * shrunk).ravel(), quantiles])
+    def evidence(self, voice: Adapted, features: Features) -> Real:
+        """Return three gains in log-likelihood per frame that a recording has from a voice, (3,).
 
-    def compare(self, enrolled: Real, heard: Real) -> float:
-        """Return the calibrated log-likelihood ratio [nat] that two points are one voice rather than two.
-
-        With variances b between and 1 within: both points are N(0, b + 1), and of one voice their covariance is b.
+        Over the background, over the nearest of the cohort, and over the background for the pitch.
         """
-        total, shared = self.between + 1, self.between
-        determinant = total**2 - shared**2
-        quadratic = (total * (enrolled**2 + heard**2) - 2 * shared * enrolled * heard) / determinant
-        same = np.log(determinant) + quadratic
-        different = 2 * np.log(total) + (enrolled**2 + heard**2) / total
-        slope, offset = self.calibration
-        return float(slope * np.sum(different - same) / 2 + offset)
+        everyone = np.concatenate([np.zeros((1, *self.means.shape)), voice.offsets[None], self.cohort * COHORT_STEP])
+        exponents = self._exponents(features, everyone)
+        top = exponents.max(axis=2)
+        likelihood = (top + np.log(np.exp(exponents - top[:, :, None]).sum(axis=2))).mean(axis=0)
+        gains = likelihood[1:] - likelihood[0]
+        rivals = np.sort(gains[1:])[-RIVALS:].mean()
+        pitch = self._pitch_likelihoods(features)
+        pitch_gain = np.log(pitch @ voice.pitch_weights / (pitch @ self.pitch_weights)).mean()
+        return np.array([gains[0], gains[0] - rivals, pitch_gain])
+
+    def compare(self, voice: Adapted, features: Features) -> float:
+        """Return the calibrated log-likelihood ratio [nat] that a recording is of a voice; 0 without voiced speech."""
+        believed = reliability(features)
+        if not believed:
+            return 0.0
+        return float(believed * (self.calibration[:3] @ self.evidence(voice, features) + self.calibration[3]))
+
+    def _exponents(self, features: Features, offsets: Real) -> Real:
+        """Return ln w_c N(x_t; mean_vc, deviation_c) but for a constant, float32 (n_frames, n_voices, n_gaussians)."""
+        frames = features.cepstra.astype(np.float32)
+        means = self.means / self.deviations + offsets
+        constant = np.log(self.weights) - np.log(self.deviations).sum(axis=1) - (means**2).sum(axis=2) / 2
+        slopes = np.asarray(means / self.deviations, np.float32).reshape(-1, self.means.shape[1])
+        common = frames**2 @ np.asarray(0.5 / self.deviations.T**2, np.float32)
+        linear = (frames @ slopes.T).reshape(len(frames), *means.shape[:2])
+        return np.asarray(linear + constant.astype(np.float32) - common[:, None])
+
+    def _pitch_likelihoods(self, features: Features) -> Real:
+        deviation = (features.pitch[:, None] - self.pitch_means) / self.pitch_deviations
+        return np.asarray(np.exp(-(deviation**2) / 2) / self.pitch_deviations + np.finfo(float).tiny)
+
+
+def reliability(features: Features) -> float:
+    """Return how much of the evidence is believed: s / (s + 1 s) after s seconds of voiced speech."""
+    return features.seconds / (features.seconds + HALF_TIME)
 
 
 def shipped_background() -> Background:
@@ -92,3 +128,12 @@ def read_background(content: bytes, name: str) -> Background:
             return Background(**{key: arrays[key].astype(np.float64) for key in wanted})
     except Exception as error:  # zipfile, zlib and numpy each have their own way to fail on damaged bytes
         raise ConfigError(f"{name}: not a background model of voices: {error}") from error
+
+
+def encode_background(background: Background) -> bytes:
+    """Encode a background model: numbers as float32, the cohort as bytes."""
+    arrays = {field.name: getattr(background, field.name).astype(np.float32) for field in fields(background)}
+    arrays["cohort"] = np.clip(np.round(background.cohort), -127, 127).astype(np.int8)
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, allow_pickle=False, **arrays)
+    return buffer.getvalue()

@@ -1,4 +1,4 @@
-"""What a voice is measured by: cepstra and pitch of the frames that are voiced.
+"""What a voice is measured by: cepstra of the frames that are loud, pitch of those that are also periodic.
 
 Mel-frequency cepstra as in Davis and Mermelstein, "Comparison of parametric representations for monosyllabic word
 recognition", IEEE Trans. ASSP 28 (1980); pitch by the window-corrected autocorrelation of Boersma, "Accurate
@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import dct, irfft, rfft
 from scipy.signal import resample_poly
 
@@ -23,8 +24,9 @@ FRAME = 512  # [samples], 32 ms
 PITCH_FRAME = 640  # [samples], 40 ms: two and a half periods at 62.5 Hz
 BANDS = 30
 BAND_EDGES = (100.0, 7000.0)  # [Hz]
-CEPSTRA = 20  # c1..c20; c0 is loudness and stays out
-FLOOR = 10**-3.0  # of the mean band power: what lies below is hidden by noise or by a separator anyway
+CEPSTRA = 24  # c1..c24; c0 is loudness and stays out
+DELTA_GAIN = 3.0  # brings the slopes to the size of the cepstra
+FLOOR = 10**-2.0  # of the mean band power: what lies below is hidden by noise or by a separator anyway
 PITCH_RANGE = (60.0, 400.0)  # [Hz]
 PERIODICITY = 0.45  # normalised autocorrelation from which a frame is voiced
 LOUDNESS = 10**-2.5  # of the 95th percentile of the frame power: softer frames are pauses or leakage
@@ -32,10 +34,10 @@ LOUDNESS = 10**-2.5  # of the 95th percentile of the frame power: softer frames 
 
 @dataclass(frozen=True, slots=True)
 class Features:
-    """The voiced frames of a recording."""
+    """What is heard of a voice in a recording."""
 
-    cepstra: Real  # (n_voiced, CEPSTRA)
-    pitch: Real  # natural logarithm of F0 / 1 Hz, (n_voiced,)
+    cepstra: Real  # c1.. and their slopes, of the loud frames, float32 (n_loud, 2 * CEPSTRA)
+    pitch: Real  # natural logarithm of F0 / 1 Hz, of the loud and periodic frames, (n_voiced,)
 
     @property
     def seconds(self) -> float:
@@ -44,7 +46,7 @@ class Features:
 
 
 def analyse(voice: Real, rate: int) -> Features:
-    """Measure the voiced frames of ``voice`` (n_samples,) at ``rate`` [Hz]; silence has none.
+    """Measure a recording (n_samples,) at ``rate`` [Hz]; silence has no frames.
 
     Raises
     ------
@@ -58,12 +60,10 @@ def analyse(voice: Real, rate: int) -> Features:
     125
     """
     samples = at_rate(checked(voice, rate), rate)
-    power = _power(samples)
-    loud = _loudness(samples)
+    loudness = _loudness(samples)
+    loud = loudness > LOUDNESS * np.percentile(loudness, 95)
     periodicity, pitch = _pitch(samples)
-    n = min(len(loud), len(periodicity), len(power))
-    voiced = (loud[:n] > LOUDNESS * np.percentile(loud, 95)) & (periodicity[:n] > PERIODICITY)
-    return Features(_cepstra(power[:n][voiced]), pitch[:n][voiced])
+    return Features(_cepstra(_power(samples), loud), pitch[loud & (periodicity > PERIODICITY)])
 
 
 def checked(voice: Real, rate: int) -> Real:
@@ -98,8 +98,9 @@ def mel_filters() -> Real:
 
 
 def _frames(samples: Real, size: int) -> Real:
-    padded = np.pad(samples, (size // 2, size // 2 + HOP))
-    return np.lib.stride_tricks.sliding_window_view(padded, size)[::HOP]
+    """Cut frames centred on every HOP-th sample, (n_samples // HOP + 1, size)."""
+    padded = np.pad(samples, size // 2)
+    return np.lib.stride_tricks.sliding_window_view(padded, size)[: len(samples) // HOP * HOP + 1 : HOP]
 
 
 def _loudness(samples: Real) -> Real:
@@ -112,13 +113,19 @@ def _power(samples: Real) -> Real:
     return np.asarray(np.abs(spectrum) ** 2 @ mel_filters().T)
 
 
-def _cepstra(power: Real) -> Real:
-    """Return c1..c20 of band powers (n, BANDS), floored relative to their mean so that loudness cancels."""
-    if not len(power):
-        return np.zeros((0, CEPSTRA))
-    level = power.mean()
-    log_power = np.log(power / level + FLOOR)
-    return np.asarray(dct(log_power, type=2, norm="ortho", axis=1)[:, 1 : CEPSTRA + 1])
+def _cepstra(power: Real, loud: NDArray[np.bool_]) -> Real:
+    """Return cepstra and slopes of the loud frames of band powers (n_frames, BANDS).
+
+    The floor is relative to the mean of the loud frames, so that the level of the recording cancels. Slopes are
+    regressions over five frames.
+    """
+    if not loud.any():
+        return np.zeros((0, 2 * CEPSTRA), np.float32)
+    log_power = np.log(power / power[loud].mean() + FLOOR)
+    cepstra = dct(log_power, type=2, norm="ortho", axis=1)[:, 1 : CEPSTRA + 1]
+    around = np.pad(cepstra, ((2, 2), (0, 0)), mode="edge")
+    slope = (2 * (around[4:] - around[:-4]) + around[3:-1] - around[1:-3]) / 10
+    return np.hstack([cepstra, DELTA_GAIN * slope])[loud].astype(np.float32)
 
 
 def _pitch(samples: Real) -> tuple[Real, Real]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real, Score
-from ross_payload.voiceprint.background import Background, shipped_background
+from ross_payload.voiceprint.background import Adapted, Background, shipped_background
 from ross_payload.voiceprint.features import analyse, checked
 
 ENROL_SECONDS = 1.5  # least voiced speech to enrol from [s]
@@ -20,7 +20,7 @@ CLIPPED_SHARE = 5e-4  # of the samples, from which a recording counts as clipped
 class VoicePrintModel:
     """One enrolled voice, an ``interfaces.VoicePrint``."""
 
-    point: Real  # of the enrolled voice, (n_dimensions,)
+    voice: Adapted
     seconds: float  # voiced speech that it was enrolled from [s]
     background: Background = field(repr=False)
     criterion: float = 0.0  # accept above this score [nat]
@@ -38,7 +38,7 @@ class VoicePrintModel:
         features = analyse(voice, rate)
         if features.seconds < SCORE_SECONDS:
             return Score(0.0, accepted=False)
-        value = self.background.compare(self.point, self.background.point(features))
+        value = self.background.compare(self.voice, features)
         return Score(value, accepted=value > self.criterion)
 
 
@@ -65,7 +65,7 @@ def enrol(voice: Real, rate: int, background: Background | None = None) -> Voice
             f"wanted at least {ENROL_SECONDS} s"
         )
     model = background or shipped_background()
-    return VoicePrintModel(model.point(features), features.seconds, model)
+    return VoicePrintModel(model.adapt(features), features.seconds, model)
 
 
 def clipped_share(samples: Real) -> float:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ross_payload.errors import ConfigError
-from ross_payload.voiceprint.background import Background, shipped_background
+from ross_payload.voiceprint.background import Adapted, Background, shipped_background
 from ross_payload.voiceprint.model import VoicePrintModel
 
 FORMAT = "ross-voice-print"
@@ -38,11 +38,12 @@ def save(model: VoicePrintModel, path: Path) -> None:
         "background": model.background.fingerprint,
         "seconds": model.seconds,
         "criterion": model.criterion,
-        "point": [float(value) for value in model.point],
+        "offsets": np.round(model.voice.offsets, 4).tolist(),
+        "pitch_weights": np.round(model.voice.pitch_weights, 6).tolist(),
     }
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        _replace(path, json.dumps(content, indent=1) + "\n")
+        _replace(path, json.dumps(content) + "\n")
     except OSError as error:
         raise ConfigError(f"{path}: the voice print cannot be written: {error.strerror}") from error
 
@@ -152,10 +153,13 @@ def _decoded(content: Any, background: Background, path: Path) -> VoicePrintMode
     if content.get("background") != background.fingerprint:
         raise ConfigError(f"{path}: made with another background model: enrol this voice again")
     try:
-        point = np.array(content["point"], dtype=np.float64)
+        offsets = np.array(content["offsets"], dtype=np.float64)
+        pitch = np.array(content["pitch_weights"], dtype=np.float64)
         seconds, criterion = float(content["seconds"]), float(content["criterion"])
     except (KeyError, TypeError, ValueError) as error:
         raise ConfigError(f"{path}: damaged voice print: {error!r}") from error
-    if point.shape != background.between.shape or not np.isfinite([*point, seconds, criterion]).all():
-        raise ConfigError(f"{path}: damaged voice print: wanted {len(background.between)} finite numbers")
-    return VoicePrintModel(point, seconds, background, criterion)
+    if offsets.shape != background.means.shape or pitch.shape != background.pitch_weights.shape:
+        raise ConfigError(f"{path}: damaged voice print: {offsets.size} + {pitch.size} numbers")
+    if not all(np.isfinite(values).all() for values in (offsets, pitch, seconds, criterion)) or (pitch < 0).any():
+        raise ConfigError(f"{path}: damaged voice print: not finite, or negative weights")
+    return VoicePrintModel(Adapted(offsets, pitch), seconds, background, criterion)
