@@ -204,7 +204,7 @@ def heavy(torque_needed: float, acceleration_deg: float) -> Motor:
 
 @pytest.mark.parametrize("acceleration_deg", [112.5, 6000.0])
 def test_half_the_torque_is_enough_and_one_and_a_half_is_not(acceleration_deg: float) -> None:
-    options = {"max_acceleration_deg_s2": acceleration_deg}
+    options: dict[str, Any] = {"max_acceleration_deg_s2": acceleration_deg}
     fine = Bench(heavy(0.5, acceleration_deg), **options).go(90.0, 20.0)
     assert fine.far.full_steps_lost == 0
     lost = Bench(heavy(1.5, acceleration_deg), **options).go(90.0, 20.0)
