@@ -154,6 +154,19 @@ def test_a_udp_port_that_nobody_listens_on_costs_nothing() -> None:
             assert late.recv(1000) == FRAME
 
 
+def test_the_first_frame_after_somebody_begins_to_listen_arrives() -> None:
+    """The system tells of a refused datagram when the next one is sent, and does not send that one."""
+    port = free_port()
+    with Links.open([f"udpout:127.0.0.1:{port}"]) as links:
+        links.send(b"refused")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as late:
+            late.bind(("127.0.0.1", port))
+            late.settimeout(5.0)
+            links.send(FRAME)
+            assert late.recv(1000) == FRAME
+        assert links.counts()[0][1].refused == 1
+
+
 def test_udpin_answers_everyone_who_has_spoken() -> None:
     port = free_port()
     with Links.open([f"udpin::{port}"]) as links:

@@ -245,3 +245,23 @@ def test_the_chunks_of_a_text_make_up_the_text(text: str) -> None:
 def test_what_is_not_ascii_does_not_stop_a_text() -> None:
     (packet,) = Decoder().feed(encode(Text(Severity.ERROR, "über 90°")))
     assert packet.value == Text(Severity.ERROR, "?ber 90?")
+
+
+def test_a_false_start_hides_no_true_frame() -> None:
+    """Ten bytes that look like the header of a long heartbeat swallow nothing of what follows."""
+    false = struct.pack("<BBBBBBBHB", 0xFD, 64, 0, 0, 0, 1, 1, 0, 0)
+    decoder = Decoder()
+    got = decoder.feed(false + encode(*[STATUS] * 3))
+    assert [packet.sequence for packet in got] == [0, 1, 2]
+    assert decoder.skipped == len(false)
+
+
+def test_a_signed_frame_is_heard_with_its_signature() -> None:
+    sender = common.MAVLink(None, srcSystem=255, srcComponent=190)
+    sender.signing.secret_key = b"k" * 32
+    sender.signing.sign_outgoing = True
+    signed = common.MAVLink_heartbeat_message(6, 8, 0, 7, 4, 3).pack(sender)
+    decoder = Decoder()
+    got = decoder.feed(signed + encode(STATUS))
+    assert [packet.name for packet in got] == ["HEARTBEAT", "ROSS_STATUS"]
+    assert decoder.skipped == 0
