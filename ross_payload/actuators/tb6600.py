@@ -207,8 +207,6 @@ class Tb6600:
         return max(now, self._feed.committed)
 
     def _go(self, move: _Move, now: float) -> None:
-        if not self._enabled:
-            self._switch(True, now)
         begin = self._from(now)
         position, velocity = self._motions[-1].at(begin)
         self._plan(Trapezoid(position, move.goal, move.rate, self.capabilities.max_acceleration, velocity), begin)

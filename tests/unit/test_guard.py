@@ -238,6 +238,22 @@ def test_rearm_forgives_what_is_over() -> None:
     assert on.guard.state().angle == 0.5
 
 
+def test_a_stop_that_falls_between_the_check_and_the_request_wins() -> None:
+    class Stopped(Device):
+        """Somebody stops in the very moment of the command."""
+
+        def command(self, angle: float, rate: float | None = None) -> None:
+            on.guard.stop()
+            super().command(angle, rate)
+
+    on = bench(Stopped())
+    with pytest.raises(ActuatorFault, match="stopped"):
+        on.guard.command(1.0)
+    assert on.device.asked[-1] == "stop"
+    on.clock.sleep(0.1)
+    assert on.device.now.angle == 0.0
+
+
 def test_homing_is_refused_after_a_stop() -> None:
     on = bench()
     on.guard.stop()

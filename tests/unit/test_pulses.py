@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -41,20 +42,42 @@ def test_a_reversal_counts_up_and_then_down() -> None:
     assert signs.tolist() == [1] * up + [-1] * (up + 10)
 
 
-@given(st.integers(-3000, 3000), st.floats(0.1, 4), st.floats(0.5, 100), st.floats(-4, 4), st.sampled_from([-1, 0, 1]))
-def test_edges_keep_their_distances_and_end_at_the_goal(n: int, v: float, a: float, v0: float, before: int) -> None:
-    laid = train(Trapezoid(0.0, n * STEP, v, a, v0), 5.0, Wires(direction=before), INTERFACE, STEP)
+SLOW = Interface(width=10e-6, setup=400e-6, hold=300e-6, period=1 / 15000, up=False)
+interfaces = st.sampled_from([INTERFACE, SLOW])
+
+
+journeys = st.builds(
+    Trapezoid, st.just(0.0), st.integers(-3000, 3000).map(lambda n: n * STEP), st.floats(0.1, 4), st.floats(0.5, 100)
+)
+
+
+@given(interfaces, journeys, st.floats(-4, 4), st.sampled_from([-1, 0, 1]))
+def test_edges_keep_their_distances_and_end_at_the_goal(
+    interface: Interface, plan: Trapezoid, velocity: float, before: int
+) -> None:
+    laid = train(replace(plan, velocity=velocity), 5.0, Wires(direction=before), interface, STEP)
     rises = _times(laid.edges, Line.STEP, True)
     falls = _times(laid.edges, Line.STEP, False)
     turns = laid.edges["time"][laid.edges["line"] == Line.DIRECTION]
-    assert laid.signs.sum() == n
+    assert laid.signs.sum() == round(plan.goal / STEP)
     assert np.all(np.diff(laid.edges["time"]) >= 0)
-    assert falls - rises == pytest.approx(np.full(len(rises), 10e-6), abs=1e-9)
-    assert np.all(np.diff(rises) >= INTERFACE.period - 1e-9)
+    assert falls - rises == pytest.approx(np.full(len(rises), interface.width), abs=1e-9)
+    assert np.all(np.diff(rises) >= interface.period - 1e-9)
     for turn in turns:
+        clear = (rises >= turn + interface.setup - 1e-9) | (rises + interface.width <= turn - interface.hold + 1e-9)
         assert turn >= 5.0 - 1e-9
-        assert np.all((rises >= turn + 20e-6 - 1e-9) | (rises + 10e-6 <= turn - 20e-6 + 1e-9))
-    assert after(Wires(), laid.edges, laid.steps, laid.signs, INTERFACE).count == n
+        assert np.all(clear)
+    assert after(Wires(), laid.edges, laid.steps, laid.signs, interface).count == laid.signs.sum()
+
+
+def test_a_reversal_leaves_room_for_hold_and_set_up() -> None:
+    """The turning point lies 1e-9 steps beyond a half step, so both crossings would be almost at once."""
+    velocity = math.sqrt(2 * 2.0 * STEP * (0.5 + 1e-9))
+    laid = train(Trapezoid(0.0, -STEP, 4.0, 2.0, velocity), 0.0, Wires(direction=1), SLOW, STEP)
+    turn = laid.edges["time"][laid.edges["line"] == Line.DIRECTION]
+    assert laid.signs.tolist() == [1, -1, -1]
+    assert turn - (laid.steps[0] + SLOW.width) >= SLOW.hold - 1e-12
+    assert laid.steps[1] - turn == pytest.approx(SLOW.setup)
 
 
 @given(st.integers(-200, 200), st.integers(-200, 200), st.floats(0, 1))
@@ -69,6 +92,12 @@ def test_a_plan_replaced_in_flight_ends_on_the_new_goal(first: int, second: int,
     assert wires.count + again.signs.sum() == second
     rises = np.concatenate([laid.steps[:m], again.steps])
     assert np.all(np.diff(rises) >= INTERFACE.period - 1e-9)
+
+
+def test_a_step_waits_for_the_set_up_of_a_turn_already_handed_over() -> None:
+    fast = Trapezoid(0.5 * STEP, 10 * STEP, 4.0, 2.0, velocity=1.0)
+    laid = train(fast, 1.0, Wires(direction=1, last_turn=1.0 - 1e-6), INTERFACE, STEP)
+    assert laid.steps[0] == pytest.approx(1.0 + 19e-6)
 
 
 def test_a_pulse_that_is_high_when_the_plan_changes_still_ends() -> None:

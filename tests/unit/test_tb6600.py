@@ -94,6 +94,14 @@ def test_the_wrong_microsteps_turn_by_the_wrong_angle() -> None:
     assert bench.go(45.0).true_deg == pytest.approx(90.0, abs=1e-9)
 
 
+def test_no_edge_comes_before_the_torque_has_had_its_lead() -> None:
+    bench = Bench(enable_lead_ms=700).go(9.0)
+    edges = bench.edges()
+    on = edges["time"][edges["line"] == Line.ENABLE][0]
+    others = edges["time"][edges["line"] != Line.ENABLE]
+    assert 0.7 <= others.min() - on < 0.8
+
+
 def test_an_unknown_zero_needs_homing_and_has_no_torque_until_then() -> None:
     bench = Bench(zero="unknown")
     with pytest.raises(NotHomed):
