@@ -9,7 +9,7 @@ from scipy.signal import find_peaks
 from ross_payload.interfaces import Real
 
 MARGIN = 1.5  # the grid ends here, in units of d / v_p: errors of the ITD spill over the possible
-N_BINS = 97
+N_BINS = 61
 
 
 def itd_grid(spacing: float, speed_of_sound: float, n_bins: int = N_BINS) -> Real:

@@ -1,7 +1,8 @@
 """All orientations at once: K and every azimuth from the ITD densities at all headings (`joint`).
 
 Histograms of trustworthy ITDs (`itd`) are explained as one mixture over all orientations (`mixture`) with as many
-sources as pay their price (`order`).
+sources as pay their price (`order`). Two histograms of every orientation serve two ends: the rich one, in which also
+the quiet talkers speak, tells how many there are; the strict one, of bins that belong to one talker, tells where.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ OVERLAP = 0.75  # of the frames of the spectrogram
 COUNT = 0.5  # effective counts per unit of weight: neighbouring bins are not independent
 BANDWIDTH = 0.04  # of the published density [d / v_p]
 BIAS = np.deg2rad(0.3)  # what reflections add to every azimuth, however long one listens [rad]
+ROUNDS = 10  # of refinement on the strict histograms
 STEEP = 3.0  # of the confidence over the logarithm of worth over price
 ELSEWHERE = np.deg2rad(20.0)  # an azimuth further off than this is another place [rad]
 RESOLVED = 10.0  # log-likelihood by which the place must beat every other place [nat]
@@ -32,9 +34,9 @@ RESOLVED = 10.0  # log-likelihood by which the place must beat every other place
 class Stop:
     """When enough has been heard."""
 
-    margin: float = 1.5  # every source is worth this many times its price, every rival this many times less
+    margin: float = 2.0  # every source is worth this many times its price, every rival this many times less
     sigma: float = np.deg2rad(2.0)  # largest standard deviation [rad]
-    orientations: int = 5
+    orientations: int = 7
     evidence: float = 100.0  # effective counts
 
 
@@ -45,6 +47,7 @@ class Joint:
     spacing: float
     speed_of_sound: float
     trust: Trust = field(default_factory=Trust)
+    strict: Trust = field(default_factory=lambda: Trust(neighbourhood=(3, 3), coherence=0.99))
     price: order.Price = field(default_factory=order.Price)
     enough: Stop = field(default_factory=Stop)
     name: str = "joint"
@@ -60,26 +63,29 @@ class Joint:
         band = (frequencies >= low) & (frequencies <= high)
         frame_period = (1 - OVERLAP) / (frequencies[1] - frequencies[0])
         noise = None if noise_psd is None else noise_psd[band]
-        itd, weight = weighted_itd(spectrogram[:, band], frequencies[band], frame_period, noise, self.trust)
-        counts = histogram(itd, weight, grid)
-        density = kde(counts, grid, BANDWIDTH * unit)
-        return Observation(heading, grid, density, float(counts.sum()), prominent_peaks(density, grid), counts)
+        rich, strict = (
+            histogram(*weighted_itd(spectrogram[:, band], frequencies[band], frame_period, noise, trust), grid)
+            for trust in (self.trust, self.strict)
+        )
+        density = kde(rich, grid, BANDWIDTH * unit)
+        features = np.stack([rich, strict])
+        return Observation(heading, grid, density, float(rich.sum()), prominent_peaks(density, grid), features)
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
         """Estimate K and all azimuths from every orientation heard so far; see `interfaces.Explorer`."""
         if not observations:
             return Estimate(())
-        data = self.data(observations)
-        fit = order.search(data, self.price)
-        sources = _sources(data, fit)
-        directness = fit.model.directness if sources else None
-        return Estimate(sources, self._certain(data, fit, sources), directness)
+        rich, strict = self.data(observations)
+        fit = order.search(rich, self.price)
+        sources = _sources(rich, fit, strict)
+        return Estimate(sources, self._certain(rich, fit, sources), fit.model.directness if sources else None)
 
-    def data(self, observations: Sequence[Observation]) -> mixture.Data:
-        """Histograms of all orientations, ITDs in units of d / v_p."""
-        counts = np.stack([observation.features for observation in observations]) * COUNT
+    def data(self, observations: Sequence[Observation]) -> tuple[mixture.Data, mixture.Data]:
+        """Rich and strict histograms of all orientations, ITDs in units of d / v_p."""
+        grid = observations[0].grid * self.speed_of_sound / self.spacing
         headings = np.array([observation.heading for observation in observations])
-        return mixture.Data(observations[0].grid * self.speed_of_sound / self.spacing, headings, counts)
+        rich, strict = COUNT * np.stack([observation.features for observation in observations], axis=1)
+        return mixture.Data(grid, headings, rich), mixture.Data(grid, headings, strict)
 
     def _certain(self, data: mixture.Data, fit: order.Fit, sources: tuple[SourceEstimate, ...]) -> bool:
         """The stop rule: no source is doubtful, no rival is near, every place is sharp and unambiguous."""
@@ -90,14 +96,14 @@ class Joint:
         return bool(clear and sharp and heard and sources)
 
 
-def _sources(data: mixture.Data, fit: order.Fit) -> tuple[SourceEstimate, ...]:
-    """The sources of a fit, the one with the largest share of the evidence first."""
-    model = fit.model
+def _sources(data: mixture.Data, fit: order.Fit, strict: mixture.Data) -> tuple[SourceEstimate, ...]:
+    """The sources of a fit, placed by the strict histograms, the one with the largest share of the evidence first."""
+    model, placed = fit.model, mixture.refine(strict, fit.model, ROUNDS)
     shares = np.average(model.weights, axis=0, weights=data.counts.sum(axis=1) + mixture.TINY)
-    sigmas = np.minimum(np.hypot(mixture.sigmas(data, model), BIAS), np.pi)
+    sigmas = np.minimum(np.hypot(mixture.sigmas(strict, placed), BIAS), np.pi)
     found = [
         SourceEstimate(
-            azimuth=wrap(float(model.azimuths[k])),
+            azimuth=wrap(float(placed.azimuths[k])),
             sigma=float(sigmas[k]),
             confidence=float(1 / (1 + (fit.price / fit.worth[k]) ** STEEP)),
             resolved=_resolved(data, model, k),

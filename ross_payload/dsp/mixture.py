@@ -95,13 +95,13 @@ def gains(data: Data, model: Mixture, azimuths: Real, width: float, rounds: int 
     All else stays; the share is found by expectation maximisation in every orientation.
     """
     old = densities(data, model)[:, None] + TINY
-    new = kernels(data, azimuths, np.full(len(azimuths), width), model.directness)
-    ratio, total = new / old, data.counts.sum(axis=1)[:, None] + TINY
-    share = np.full(ratio.shape[:2], 0.1)
+    excess = kernels(data, azimuths, np.full(len(azimuths), width), model.directness) / old - 1
+    total = data.counts.sum(axis=1)[:, None] + TINY
+    share = np.full(excess.shape[:2], 0.1)
     for _ in range(rounds):
-        posterior = share[..., None] * ratio / (1 + share[..., None] * (ratio - 1))
-        share = (data.counts[:, None] * posterior).sum(axis=-1) / total
-    gain = (data.counts[:, None] * np.log1p(share[..., None] * (ratio - 1))).sum(axis=(0, 2))
+        quotient = excess / (1 + share[..., None] * excess)
+        share = share * (1 + (1 - share) * np.einsum("rb,rgb->rg", data.counts, quotient) / total)
+    gain = np.einsum("rb,rgb->g", data.counts, np.log1p(share[..., None] * excess))
     return np.asarray(gain), share
 
 

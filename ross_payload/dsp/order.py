@@ -16,8 +16,9 @@ from ross_payload.dsp.mixture import Data, Mixture
 from ross_payload.interfaces import Real
 
 MAX_SOURCES = 6
+HOPEFUL = 0.3  # a gain below this share of the price is not tried: kernels adapt, so gains grow
 SPARE = 2  # sources tried beyond the largest K
-GRID = np.deg2rad(np.arange(-180.0, 180.0, 4.0))  # azimuths tried [rad]
+GRID = np.deg2rad(np.arange(-180.0, 180.0, 5.0))  # azimuths tried [rad]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +85,7 @@ def _grow(data: Data, price: Price) -> tuple[Mixture, float]:
         gain, share = mixture.gains(data, model, GRID, price.width)
         best = int(gain.argmax())
         rival = float(gain[best])
-        if rival < price.base / 2:
+        if rival < HOPEFUL * price.of(data):
             break
         added = mixture.add(model, float(GRID[best]), price.width, np.maximum(share[:, best], 0.01))
         model = mixture.refine(data, added, 8)
