@@ -41,8 +41,9 @@ def _orientation(context: Context, r: int) -> Step[Observation]:
     samples = yield from listen(context, context.settings.unit)
     stft = context.tools.explorer_stft
     spectrogram = stft.analyse(samples)
+    first = stft.frame not in context.noise_psd
     noise_psd = context.psd(stft, spectrogram)
-    if r == 0:
+    if first:
         _say_noise(context, noise_psd)
     here = context.here
     context.explored.append(Listening(here.heading_end, samples))

@@ -25,8 +25,11 @@ class Heard:
 
     @property
     def best(self) -> int | None:
-        """Index of the accepted group with the highest score; None when no group sounds like the target."""
-        accepted = [g for g, score in enumerate(self.scores) if score.accepted]
+        """Index of the accepted group with the highest score; None when no group sounds like the target.
+
+        Sources that pose as one are never the target: its voice among them would be a mixture.
+        """
+        accepted = [g for g, score in enumerate(self.scores) if score.accepted and len(score.members) <= 1]
         return max(accepted, key=lambda g: self.scores[g].value, default=None)
 
     def value_of(self, source: int) -> float:

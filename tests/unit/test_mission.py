@@ -150,9 +150,9 @@ class Rig:
         return [event for event in self.events if isinstance(event, kind)]
 
 
-def rig(likes=1, settings=SETTINGS, explorer=None, voiceprint=None):
+def rig(likes=1, settings=SETTINGS, explorer=None, voiceprint=None, separator=None):
     stft = Stft(RATE, 512, 128)
-    tools = Tools(explorer or ThreeTalkers(), stft, OneGroupEach(), stft, voiceprint or Likes(likes))
+    tools = Tools(explorer or ThreeTalkers(), stft, separator or OneGroupEach(), stft, voiceprint or Likes(likes))
     return Rig(mission(settings, tools))
 
 
@@ -238,6 +238,20 @@ def test_a_voice_recognised_from_another_alignment_is_confirmed_at_its_own():
     assert visited[0] != 1
     assert visited[-1] == 1
     assert len(visited) == 2
+
+
+class PosingAsOne(OneGroupEach):
+    """Sources 0 and 1 always arrive together."""
+
+    def batch(self, spectrogram, scene):
+        signals = np.stack([spectrogram[0], spectrogram[0] * 3])
+        return Groups(signals, ((0, 1), (2,)), self.name)
+
+
+def test_sources_that_pose_as_one_are_never_taken_for_the_target():
+    one = rig(likes=0, separator=PosingAsOne())
+    assert one.run().outcome is Outcome.NO_TARGET
+    assert any(group.accepted for event in one.said(Checked) for group in event.groups)
 
 
 def test_a_dropped_score_starts_the_mission_again():

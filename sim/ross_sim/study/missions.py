@@ -76,7 +76,7 @@ def draw(scenario: Scenario, voices: Sequence[Voice], seed: int, same_layout: bo
     if same_layout:
         azimuths = np.asarray(scenario.azimuths())
     talkers = tuple(
-        talker.model_copy(update={"azimuth_deg": float(np.rad2deg(azimuth)), "voice": None})
+        talker.model_copy(update={"azimuth_deg": float(np.rad2deg(azimuth)), "name": None})
         for talker, azimuth in zip(scenario.talkers, azimuths, strict=True)
     )
     target = chosen[int(rng.integers(len(chosen)))]
