@@ -4,7 +4,7 @@ from ross_payload import __version__
 
 project = "RoSS payload"
 author = "The RoSS payload authors"
-copyright = "2026, the RoSS payload authors"  # noqa: A001 - Sphinx wants this name
+copyright = "2026, the RoSS payload authors"
 release = version = __version__
 extensions = ["myst_parser", "sphinx.ext.mathjax"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]

@@ -10,6 +10,7 @@ from typing import Self
 from ross_payload import __version__
 from ross_payload.angles import wrap
 from ross_payload.config import Config
+from ross_payload.dsp.order import MAX_SOURCES
 from ross_payload.events import Event
 from ross_payload.interfaces import Actuator, Capabilities, Clock, Feedback, Input
 from ross_payload.links import Links
@@ -17,8 +18,6 @@ from ross_payload.telemetry.report import Reporter, Snapshot
 from ross_payload.telemetry.tlog import TlogRecorder
 from ross_protocols.codec import Encoder
 from ross_protocols.values import Information
-
-K_MAX = 6  # sources that the built-in explorer tells apart
 
 
 class Telemetry:
@@ -111,7 +110,7 @@ def information(config: Config, capabilities: Capabilities | None) -> Informatio
         joint_speed=speed,
         unit=config.explore.unit_s,
         rate=config.audio.rate_hz,
-        k_max=K_MAX,
+        k_max=MAX_SOURCES,
         software_version=__version__,
         actuator=config.actuator.kind,
     )

@@ -36,7 +36,10 @@ def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
         payload = _with(payload, telemetry=_with(payload.telemetry, urls=tuple(changes["urls"])))
     if changes["seed"] is not None:
         payload = _with(payload, seed=changes["seed"])
-    return _with(loaded, payload=payload)
+    if changes["target"]:
+        loaded = _with(loaded, target=0)  # whoever the file names is not asked for
+    changed: Scenario = _with(loaded, payload=payload)
+    return changed
 
 
 def company_of(scenario: Scenario, speech: Path | None, target: str | None) -> Company:

@@ -20,7 +20,7 @@ STYLE: dict[Any, Any] = {"font.size": 8, "axes.titlesize": 9, "axes.titleweight"
 RANGE = 60.0  # [dB] shown in spectrograms
 
 
-def draw(path: Path, story: Story, truth: Truth, rate: int, unit: float, title: str) -> None:
+def draw(path: Path, story: Story, truth: Truth, *, rate: int, unit: float, title: str) -> None:
     """Write the picture of a mission as PNG; the same bytes for the same mission.
 
     ``unit`` is d / v_p [s]: the largest TDOA there is.
@@ -60,8 +60,8 @@ def _polar(axes: Any, story: Story, truth: Truth) -> None:
     checked: Checked | None = story.last(Checked)
     if checked is not None:
         heading = checked.candidate.heading
-        axes.plot([heading + np.pi, heading], [0.42, 0.42], color="black", lw=2)
-        axes.plot([heading], [0.42], ">", color="black", ms=5)
+        arrow = {"arrowstyle": "-|>", "lw": 2, "color": "black"}
+        axes.annotate("", (heading, 0.5), (heading + np.pi, 0.5), arrowprops=arrow)
 
 
 def _densities(axes: Any, story: Story, unit: float) -> None:

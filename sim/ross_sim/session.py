@@ -171,7 +171,7 @@ def _write(out: OutDir, story: Story, truth: Truth, values: dict[str, Any], scen
             name = "target.wav" if index == separated.target else f"group-{index}.wav"
             write_wav(out.staging / name, voice, rate)
     unit = config.array.spacing_m / config.array.speed_of_sound_m_s
-    draw(out.staging / "mission.png", story, truth, rate, unit, scenario.title)
+    draw(out.staging / "mission.png", story, truth, rate=rate, unit=unit, title=scenario.title)
 
 
 @contextmanager
