@@ -19,7 +19,7 @@ def main() -> None:
             small = picture.convert("RGB").resize(
                 (picture.width * 4 // 5, picture.height * 4 // 5), Image.Resampling.LANCZOS
             )
-            small.quantize(96).save(STATIC / "mission.png", optimize=True)
+            small.quantize(200, method=Image.Quantize.MAXCOVERAGE).save(STATIC / "mission.png", optimize=True)
 
 
 if __name__ == "__main__":

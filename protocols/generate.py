@@ -28,7 +28,8 @@ The payload is a MAVLink 2 component: `MAV_TYPE_ONBOARD_CONTROLLER`, no autopilo
 `MAV_COMP_ID_ONBOARD_COMPUTER` (191, configurable). It sends
 
 - `HEARTBEAT` every second, and when `system_status` changes. `custom_mode` is the mission's [state](#ross-state);
-  `system_status` is `BOOT` before the mission speaks, `STANDBY` when it is idle or over, `ACTIVE` while it hears and turns, `CRITICAL` after a fault;
+  `system_status` is `BOOT` before the mission speaks, `STANDBY` when it is idle or over, `ACTIVE` while it hears and
+  turns, `CRITICAL` after a fault;
 - `STATUSTEXT` when something happens that an operator wants to know;
 - the messages below. Their dialect is `protocols/mavlink/ross.xml`; it needs no other file.
 
