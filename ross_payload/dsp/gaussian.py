@@ -25,8 +25,8 @@ ROWS = 16  # bins worked on at once: they stay in the cache
 FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
 ACTIVE = 1.15  # bins with less than this many times the noise hold nobody
 DRY, WET = (0.03, 0.5), (0.5, 0.15)  # (diffuse part, anchor) in the open and in reverberation
-ASTRAY = (0.012, 0.022)  # energy that no direction explains, in the open and in reverberation
-CLEAR = 30.0  # it is measured in bins this many times above the noise
+ASTRAY = (0.008, 0.013)  # energy that no direction explains, in the open and in reverberation
+CLEAR, LOUD = 30.0, 4.0  # it is measured in bins this many times above the noise, and above the mean of the frequency
 VOICE = (500.0, 4000.0)  # and between these frequencies [Hz]
 
 
@@ -95,7 +95,8 @@ def directness_of(observed: Real, frequencies: Real, waves: Real, noise_psd: Rea
         Coordinates of a a^H of every group, (n_freqs, n_groups, 4).
     """
     power = observed[:, 0] + observed[:, 1]
-    strong = (power > 2 * CLEAR * noise_psd[:, None]) & band(frequencies, *VOICE)[:, None]
+    least = np.maximum(2 * CLEAR * noise_psd, LOUD * power.mean(axis=1))
+    strong = (power > least[:, None]) & band(frequencies, *VOICE)[:, None]
     if not strong.any():
         return 1.0
     orthogonal = (waves @ adjugate(observed, axis=1)).min(axis=1)[strong] / (2 * power[strong])

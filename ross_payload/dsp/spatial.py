@@ -1,0 +1,74 @@
+"""Spatial covariances learnt from a recording: complex angular-central Gaussian mixture from a geometric start.
+
+Every strong bin is given to the group whose covariance its direction x / |x| fits best; the share of each group in a
+frame is tied over neighbouring frequencies, which keeps the groups apart from bin to bin (Ito, Araki, Nakatani 2016).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ross_payload.dsp.covariance import adjugate, determinant
+from ross_payload.interfaces import Real
+
+BLOCK = 32  # bins whose shares are tied together
+REACH = (None,) * 4 + (4,) * 4 + (2,) * 4 + (1,) * 4  # per iteration: blocks on either side tied too; None: all
+STRONG = 4.0  # bins this many times above the noise count in full
+WEAK = 0.3  # bins below this part of that do not count
+PRIOR_COUNT = 0.3  # bins added to every group's share of a block
+EVERY = 2  # frames: neighbours overlap
+
+
+def learn(observed: Real, start: Real, noise_psd: Real, anchor: float) -> Real:
+    """Covariances of the groups, trace 2, (n_freqs, n_groups, 4).
+
+    E step: gamma_k ~ pi_k det(R_k) / tr(R_k adj(z z^H))^2. M step: R_k ~ sum gamma_k z z^H / (z^H R_k^-1 z), drawn
+    towards the start by ``anchor``.
+
+    Parameters
+    ----------
+    observed
+        Coordinates of x x^H, (n_freqs, 4, n_frames).
+    start
+        Covariances to begin with, trace 2, (n_freqs, n_groups, 4).
+    noise_psd
+        (n_freqs,).
+    anchor
+        Weight of the start in every iteration, in [0, 1].
+    """
+    heard = observed[:, :, ::EVERY]
+    power = heard[:, 0] + heard[:, 1]
+    weight = power / (2 * STRONG * noise_psd[:, None])
+    weight = np.where(weight > WEAK, np.minimum(weight, 1), 0).astype(observed.dtype)
+    unit = heard / np.maximum(power, np.finfo(observed.dtype).tiny)[:, None]
+    blocks = [slice(low, low + BLOCK) for low in range(0, len(start), BLOCK)]
+    weights = np.stack([weight[block].sum(axis=0) for block in blocks])[:, None]
+    shares = np.full((len(blocks), start.shape[1], weight.shape[1]), 1 / start.shape[1], observed.dtype)
+    flipped, learnt = adjugate(unit, axis=1), start.copy()
+    for reach in REACH:
+        sums = np.empty_like(shares)
+        for index, block in enumerate(blocks):
+            moments, sums[index] = _step(unit[block], flipped[block], weight[block], learnt[block], shares[index])
+            learnt[block] = (1 - anchor) * moments + anchor * start[block]
+        shares = (_tied(sums, reach) + PRIOR_COUNT) / (_tied(weights, reach) + PRIOR_COUNT * start.shape[1])
+    return learnt
+
+
+def _step(unit: Real, flipped: Real, weight: Real, matrices: Real, shares: Real) -> tuple[Real, Real]:
+    """One E and M step of a block of bins: covariances (n, n_groups, 4), responsibilities (n_groups, n_frames)."""
+    cross = np.maximum(matrices @ flipped, 1e-5)
+    inverse = determinant(matrices)[..., None] / cross
+    given = shares * inverse / cross
+    given *= (weight / given.sum(axis=1))[:, None]
+    moments = (given * inverse) @ np.swapaxes(unit, 1, 2)
+    trace = moments[..., :1] + moments[..., 1:2]
+    moments = np.where(trace > 1e-9, 2 * moments / np.maximum(trace, 1e-9), matrices)
+    return moments, given.sum(axis=0)
+
+
+def _tied(sums: Real, reach: int | None) -> Real:
+    """Sum of every block and those within ``reach`` of it, (n_blocks, ...)."""
+    if reach is None:
+        return np.broadcast_to(sums.sum(axis=0), sums.shape)
+    low = np.maximum(np.arange(len(sums)) - reach, 0)
+    return np.stack([sums[first : index + reach + 1].sum(axis=0) for index, first in enumerate(low)])

@@ -1,0 +1,1 @@
+"""Measured tables: sweeps over rooms, layouts and talkers."""
