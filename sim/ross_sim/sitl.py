@@ -48,6 +48,8 @@ def command(scenario: str, out: Path | None, speed: float | None, as_json: bool,
     from ross_sim.summary import show
 
     chosen = directed(scenario, changes)
+    if not as_json:
+        click.echo(f"{chosen.title}: preparing the voices and the room")
     with OutDir(out) if out is not None else nullcontext() as folder:
         company = company_of(chosen, changes["speech"], changes["target"])
         view = view_of(as_json, expected(chosen))
