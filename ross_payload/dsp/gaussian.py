@@ -152,8 +152,9 @@ class Gaussian:
             active = (np.abs(unit) ** 2).mean(axis=(0, 2)) > ACTIVE * noise
             delays = np.array([tau[list(group)].mean() for group in members])
             part = replace(scene, frequencies=scene.frequencies[active], tau=delays)
-            found, masks[:, active] = _separated(unit[:, active], part, noise[active])
-            signals[:, active] = found * np.sqrt(power)
+            if active.any():
+                found, masks[:, active] = _separated(unit[:, active], part, noise[active])
+                signals[:, active] = found * np.sqrt(power)
         return Groups(signals, members, self.name, masks=masks)
 
 

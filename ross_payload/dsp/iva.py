@@ -14,6 +14,7 @@ from ross_payload.interfaces import Complex, Groups, Real, Scene
 ITERATIONS = 20
 LOW, HIGH = 100.0, 6000.0  # the contrast hears speech only [Hz]
 LOADING = 1e-4  # of the diagonal, relative to the trace
+PARALLEL = 1e-9  # rows with less of a determinant tell nothing apart
 TINY = 1e-12  # smallest power, relative to the mean
 
 
@@ -86,9 +87,10 @@ def _closed_form(weighted: Real) -> Complex:
     half = 0.5 * (product[:, 0, 0] + product[:, 1, 1]).real
     root = np.sqrt(np.maximum(half**2 - np.linalg.det(product).real, 0))
     rows = [_eigenvector(product, half - root).conj(), _eigenvector(product, half + root).conj()]
-    same = root <= 1e-9 * half
-    rows = [np.where(same[:, None], np.eye(2)[k], row) for k, row in enumerate(rows)]
-    return np.stack(rows, axis=1)
+    demixing = np.stack(rows, axis=1)
+    sizes = np.sqrt((np.abs(demixing) ** 2).sum(axis=-1)).prod(axis=-1)
+    parallel = np.abs(np.linalg.det(demixing)) <= PARALLEL * sizes
+    return np.where(parallel[:, None, None], np.eye(2), demixing)
 
 
 def _matrices(coordinates: Real) -> Complex:
