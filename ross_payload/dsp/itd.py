@@ -15,7 +15,8 @@ from scipy.ndimage import uniform_filter, uniform_filter1d
 
 from ross_payload.interfaces import Complex, Real
 
-TINY = 1e-30  # power that stands for silence
+TINY = 1e-30  # power that stands for silence when there is nothing else
+SILENCE = 1e-10  # and below this share of the loudest
 LOW = 500.0  # lowest frequency used [Hz]: below it a phase error is a large ITD error
 
 
@@ -81,8 +82,10 @@ def weighted_itd(
     product = other * reference.conj()
     cross = _average(product.real, trust) + 1j * _average(product.imag, trust)
     first, second = (_average(np.abs(channel) ** 2, trust) for channel in spectrogram)
-    power = (first + second) / 2 + TINY
-    coherence = np.abs(cross) / np.sqrt(first * second + TINY**2)
+    silence = TINY + SILENCE * max(first.max(), second.max())  # running sums leave rounding errors where nothing is
+    first, second = np.maximum(first, silence), np.maximum(second, silence)
+    power = (first + second) / 2
+    coherence = np.abs(cross) / np.sqrt(first * second)
     noise = quiet_psd(power, trust) if noise_psd is None else noise_psd[:, None]
     energy = np.maximum(1 - trust.floor * noise / power, 0)
     onset = np.maximum(1 - tail(power, np.exp(-frame_period / trust.decay)) / power, 0)

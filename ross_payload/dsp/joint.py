@@ -61,6 +61,8 @@ class Joint:
         grid = itd_grid(self.spacing, self.speed_of_sound)
         low, high = band_limits(self.spacing, self.speed_of_sound)
         band = (frequencies >= low) & (frequencies <= high)
+        if not spectrogram.shape[-1] or not band.any():
+            return Observation(heading, grid, np.zeros_like(grid), 0.0, (), np.zeros((2, len(grid))))
         frame_period = (1 - OVERLAP) / (frequencies[1] - frequencies[0])
         noise = None if noise_psd is None else noise_psd[band]
         rich, strict = (
@@ -89,8 +91,7 @@ class Joint:
 
     def _certain(self, data: mixture.Data, fit: order.Fit, sources: tuple[SourceEstimate, ...]) -> bool:
         """The stop rule: no source is doubtful, no rival is near, every place is sharp and unambiguous."""
-        least = fit.worth.min(initial=np.inf)
-        clear = least >= self.enough.margin * fit.price and fit.rival * self.enough.margin <= fit.price
+        clear = fit.worth.min(initial=np.inf) >= self.enough.margin and fit.rival <= 1 / self.enough.margin
         sharp = all(source.resolved and source.sigma <= self.enough.sigma for source in sources)
         heard = len(data.headings) >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
         return bool(clear and sharp and heard and sources)
@@ -105,7 +106,7 @@ def _sources(data: mixture.Data, fit: order.Fit, strict: mixture.Data) -> tuple[
         SourceEstimate(
             azimuth=wrap(float(placed.azimuths[k])),
             sigma=float(sigmas[k]),
-            confidence=float(1 / (1 + (fit.price / fit.worth[k]) ** STEEP)),
+            confidence=float(1 / (1 + fit.worth[k] ** -STEEP)),
             resolved=_resolved(data, model, k),
             weight=float(shares[k]),
         )

@@ -2,6 +2,7 @@
 
 The worth of a source is the log-likelihood lost without it, once the others have adapted. A ghost lives on the misfit
 of the model, which grows with the evidence, so the price of a source has a constant part and a share of the evidence.
+Bins that two near talkers share have ITDs in between: a source between two near others costs more.
 """
 
 from __future__ import annotations
@@ -29,10 +30,22 @@ class Price:
     share: float = 0.015  # [nat] per count of evidence
     width: float = 0.1  # kernel of a new source [d / v_p]
     apart: float = np.deg2rad(15.0)  # nearer than this [rad] two sources are one
+    near: float = np.deg2rad(35.0)  # between two sources both nearer than this [rad] ...
+    between: float = 2.5  # ... a source costs so many times as much
 
     def of(self, data: Data) -> float:
         """Log-likelihood [nat] that a source must be worth."""
         return float(self.base + self.share * data.counts.sum())
+
+    def factors(self, azimuths: Real) -> Real:
+        """How many times the price each source costs, (k,).
+
+        >>> Price().factors(np.deg2rad([0.0, 25.0, 50.0, 150.0])).tolist()
+        [1.0, 2.5, 1.0, 1.0]
+        """
+        off = difference(azimuths[:, None], azimuths)
+        ahead, behind = (off < 0) & (off > -self.near), (off > 0) & (off < self.near)
+        return np.where(ahead.any(axis=1) & behind.any(axis=1), self.between, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,20 +53,19 @@ class Fit:
     """The mixture of the chosen order, and by how much it was chosen."""
 
     model: Mixture
-    worth: Real  # of every source [nat], (k,)
-    rival: float  # worth of the best source that was turned down [nat]
-    price: float  # [nat]
+    worth: Real  # of every source over its price, (k,)
+    rival: float  # worth over price of the last source that was turned down
 
 
 def search(data: Data, price: Price) -> Fit:
     """Fit mixtures of falling order until every source is worth its price."""
     model, rival = _grow(data, price)
-    cost = price.of(data)
     while True:
         worth, reduced = worths(data, model)
+        worth = worth / (price.of(data) * price.factors(model.azimuths))
         least = _least(model, worth, price)
-        if least is None or (least.paid and worth[least.source] >= cost):
-            return Fit(model, worth, rival, cost)
+        if least is None or (least.paid and worth[least.source] >= 1):
+            return Fit(model, worth, rival)
         rival = float(worth[least.source]) if least.paid else rival
         model = mixture.refine(data, reduced[least.source], 10)
 
@@ -79,13 +91,13 @@ class _Least:
 
 
 def _grow(data: Data, price: Price) -> tuple[Mixture, float]:
-    """Add sources where the likelihood gains most; also the gain that was too small to go on."""
+    """Add sources where the likelihood gains most; also the last gain over the price."""
     model, rival = mixture.empty(data), 0.0
     for _ in range(MAX_SOURCES + SPARE):
         gain, share = mixture.gains(data, model, GRID, price.width)
         best = int(gain.argmax())
-        rival = float(gain[best])
-        if rival < HOPEFUL * price.of(data):
+        rival = float(gain[best]) / price.of(data)
+        if rival < HOPEFUL:
             break
         added = mixture.add(model, float(GRID[best]), price.width, np.maximum(share[:, best], 0.01))
         model = mixture.refine(data, added, 8)

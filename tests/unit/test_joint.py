@@ -1,0 +1,241 @@
+"""The joint explorer: K and every azimuth from all orientations at once.
+
+Scenes are plane waves: every source rules some bins for some frames, as talkers do, and each microphone adds noise of
+its own. Truth is the azimuth that was put in.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import linear_sum_assignment
+
+from ross_payload.angles import difference
+from ross_payload.dsp import mixture, order
+from ross_payload.dsp.joint import Joint, explorer
+from ross_payload.dsp.stft import Stft
+from ross_payload.errors import ConfigError
+from ross_payload.events import Estimate
+from ross_payload.interfaces import Complex, Observation, Real
+
+SPACING, SPEED = 0.05, 343.0
+RATE = 16000
+STFT = Stft(RATE, 512, 128)
+BAND = slice(10, 115)
+STEP = np.deg2rad(15)
+SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / "../shared/speech"))
+
+
+def scene(azimuths: Real, heading: float, rng: np.random.Generator, noise: float = 0.1, n_frames: int = 360) -> Complex:
+    """Spectrogram (2, n_freqs, n_frames): bursts of 10 frames, each bin of each burst is ruled by one source."""
+    frequencies = STFT.frequencies
+    shape = (len(frequencies), n_frames)
+    heard: Complex = noise * rng.standard_normal((2, *shape, 2)).view(np.complex128)[..., 0]
+    if len(azimuths):
+        ruler = np.repeat(rng.integers(len(azimuths), size=(shape[0], n_frames // 10)), 10, axis=1)
+        burst = np.repeat(rng.standard_normal((shape[0], n_frames // 10)) ** 3, 10, axis=1)
+        voice = burst * np.exp(2j * np.pi * rng.random(shape))
+        tau = SPACING / SPEED * np.cos(azimuths - heading)
+        heard = heard + np.stack([voice, voice * np.exp(2j * np.pi * frequencies[:, None] * tau[ruler])])
+    return heard
+
+
+def listen(
+    azimuths: list[float], n_headings: int, seed: int = 0, noise: float = 0.1, start: float = 0.0
+) -> list[Observation]:
+    rng, joint = np.random.default_rng(seed), explorer.make(SPACING, SPEED)
+    headings = start + STEP * np.arange(n_headings)
+    psd = np.full(len(STFT.frequencies), 2 * noise**2)
+    return [
+        joint.observe(scene(np.array(azimuths), heading, rng, noise), STFT.frequencies, heading, psd)
+        for heading in headings
+    ]
+
+
+def believe(observations: list[Observation]) -> Estimate:
+    return explorer.make(SPACING, SPEED).estimate(observations)
+
+
+def errors_deg(estimate: Estimate, azimuths: list[float]) -> Real:
+    found = np.array([source.azimuth for source in estimate.sources])
+    apart = np.abs(difference(np.array(azimuths)[:, None], found))
+    return np.rad2deg(apart[linear_sum_assignment(apart)])
+
+
+LAYOUTS = [
+    [1.0],
+    list(np.deg2rad([20, -100])),
+    list(np.deg2rad([0, 40, 170])),
+    list(np.deg2rad([-150, -60, 30, 100])),
+    list(np.deg2rad([-150, -80, 10, 60, 130])),
+]
+
+
+@pytest.mark.parametrize("azimuths", LAYOUTS, ids=len)
+def test_every_talker_is_counted_and_placed(azimuths: list[float]) -> None:
+    estimate = believe(listen(azimuths, 9))
+    assert estimate.k == len(azimuths)
+    assert errors_deg(estimate, azimuths).max() < 3
+    assert all(source.resolved and source.confidence > 0.5 for source in estimate.sources)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_alone_is_nobody(seed: int) -> None:
+    estimate = believe(listen([], 7, seed, noise=1.0))
+    assert estimate.k == 0
+    assert not estimate.certain
+
+
+def test_silence_is_nobody_and_has_no_evidence() -> None:
+    joint = explorer.make(SPACING, SPEED)
+    silence = np.zeros((2, len(STFT.frequencies), 100), complex)
+    seen = joint.observe(silence, STFT.frequencies, 0.0, None)
+    assert (seen.weight, seen.peaks) == (0.0, ())
+    assert joint.estimate([seen] * 3).k == 0
+
+
+def test_no_frames_and_no_observations_are_nobody() -> None:
+    joint = explorer.make(SPACING, SPEED)
+    seen = joint.observe(np.zeros((2, 257, 0), complex), STFT.frequencies, 0.0, None)
+    assert joint.estimate([seen]) == joint.estimate([]) == Estimate(())
+
+
+def test_one_orientation_cannot_tell_front_from_back() -> None:
+    (source,) = believe(listen([np.deg2rad(60)], 1)).sources
+    assert not source.resolved
+    assert np.cos(source.azimuth) == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_turn_of_45_degrees_tells_front_from_back() -> None:
+    for azimuth in np.deg2rad([60, -60]):
+        (source,) = believe(listen([azimuth], 4)).sources
+        assert source.resolved
+        assert abs(np.rad2deg(difference(source.azimuth, azimuth))) < 3
+
+
+def test_talkers_that_mirror_each_other_are_told_apart_by_turning() -> None:
+    """At heading 0 talkers at +30 and -30 deg have one ITD."""
+    azimuths = list(np.deg2rad([30, -30]))
+    assert believe(listen(azimuths, 1)).k == 1
+    assert errors_deg(believe(listen(azimuths, 9)), azimuths).max() < 3
+
+
+def test_a_pause_at_half_of_the_orientations_does_not_hide_a_talker() -> None:
+    both, one = list(np.deg2rad([0, 100])), list(np.deg2rad([0]))
+    observations = listen(both, 10)
+    observations[1::2] = listen(one, 10)[1::2]
+    estimate = believe(observations)
+    assert estimate.k == 2
+    assert errors_deg(estimate, both).max() < 3
+
+
+def test_everything_turns_with_the_frame() -> None:
+    azimuths, by = list(np.deg2rad([0, 70, -120])), np.deg2rad(35)
+    before = believe(listen(azimuths, 7))
+    after = believe(listen([azimuth + by for azimuth in azimuths], 7, start=by))
+    turned = [source.azimuth + by for source in before.sources]
+    assert errors_deg(after, turned).max() < 0.5
+
+
+def test_loudness_does_not_matter() -> None:
+    joint, rng = explorer.make(SPACING, SPEED), np.random.default_rng(3)
+    spectrogram = scene(np.array([1.0]), 0.0, rng)
+    loud, soft = (joint.observe(gain * spectrogram, STFT.frequencies, 0.0, None) for gain in (100.0, 0.01))
+    np.testing.assert_allclose(loud.features, soft.features, rtol=1e-6, atol=1e-9)
+
+
+def test_an_observation_publishes_a_density_with_a_peak_at_the_talker() -> None:
+    (seen,) = listen([np.deg2rad(60)], 1)
+    assert seen.density.sum() == pytest.approx(1)
+    assert seen.peaks[0] == pytest.approx(0.5 * SPACING / SPEED, abs=0.05 * SPACING / SPEED)
+
+
+def test_the_stop_rule_waits_for_seven_orientations_and_then_trusts_a_clear_scene() -> None:
+    observations = listen(LAYOUTS[2], 7)
+    assert not believe(observations[:6]).certain
+    assert believe(observations).certain
+
+
+def test_the_error_is_about_one_sigma() -> None:
+    scaled = []
+    for seed in range(8):
+        estimate = believe(listen(LAYOUTS[2], 5, seed))
+        for source in estimate.sources:
+            nearest = np.abs(difference(np.array(LAYOUTS[2]), source.azimuth)).min()
+            scaled.append(nearest / source.sigma)
+    assert 0.1 < np.sqrt(np.mean(np.square(scaled))) < 2
+
+
+@pytest.mark.parametrize(("spacing", "speed"), [(0.0, 343.0), (-0.05, 343.0), (0.05, 0.0), (np.nan, 343.0)])
+def test_an_impossible_array_is_refused(spacing: float, speed: float) -> None:
+    with pytest.raises(ConfigError, match="positive"):
+        explorer.make(spacing, speed)
+
+
+# ------------------------------------------------------------------------------------------------- the mixture
+
+
+def toy(scale: float = 1.0) -> tuple[mixture.Data, mixture.Mixture]:
+    headings, grid = STEP * np.arange(5), np.linspace(-1.5, 1.5, 61)
+    model = mixture.Mixture(np.array([0.3, 2.0]), np.array([0.1, 0.1]), np.tile([0.5, 0.4, 0.1], (5, 1)))
+    counts = mixture.densities(mixture.Data(grid, headings, np.zeros((5, 61))), model)
+    return mixture.Data(grid, headings, 200 * scale * counts), model
+
+
+def test_the_mixture_is_a_probability() -> None:
+    data, model = toy()
+    np.testing.assert_allclose(mixture.densities(data, model).sum(axis=1), 1, atol=1e-3)
+
+
+def test_refining_from_nearby_finds_the_true_azimuths() -> None:
+    data, model = toy()
+    start = mixture.Mixture(model.azimuths + np.array([0.1, -0.1]), np.array([0.2, 0.2]), np.full((5, 3), 1 / 3))
+    found = mixture.refine(data, start, 60)
+    np.testing.assert_allclose(found.azimuths, model.azimuths, atol=np.deg2rad(0.5))
+    assert mixture.log_likelihood(data, found) > mixture.log_likelihood(data, start)
+
+
+def test_four_times_the_evidence_halves_sigma() -> None:
+    once, four = toy(1.0), toy(4.0)
+    np.testing.assert_allclose(mixture.sigmas(*once) / mixture.sigmas(*four), 2, rtol=1e-6)
+
+
+def test_no_source_ever_loses_likelihood_and_the_missing_one_gains_most() -> None:
+    data, model = toy()
+    gain, share = mixture.gains(data, mixture.remove(model, 1), order.GRID, 0.1, rounds=200)
+    assert gain.min() > -1e-2
+    assert abs(float(difference(order.GRID[gain.argmax()], 2.0))) < np.deg2rad(6)
+    assert share[:, gain.argmax()].mean() == pytest.approx(0.4, abs=0.1)
+
+
+# -------------------------------------------------------------------------------------------------- recordings
+
+
+def delayed(voice: Real, tau: float) -> Real:
+    """What microphones 1 and 2 hear of a plane wave with TDOA ``tau`` [s], (2, n)."""
+    shift = np.exp(2j * np.pi * np.fft.rfftfreq(len(voice), 1 / RATE) * tau / 2)
+    spectrum = np.fft.rfft(voice)
+    return np.fft.irfft(np.stack([spectrum / shift, spectrum * shift]), len(voice))
+
+
+@pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH}; set ROSS_SPEECH")
+def test_three_real_talkers_are_found_within_2_degrees() -> None:
+    from ross_sim.speech import load_folder
+
+    voices = [voice.speech for voice in load_folder(SPEECH, RATE)[:3]]
+    azimuths, rng, unit = np.deg2rad([10.0, 75.0, -130.0]), np.random.default_rng(0), 3 * RATE
+    joint: Joint = explorer.make(SPACING, SPEED)
+    observations = []
+    for r in range(9):
+        pieces = [voice[r * unit : (r + 1) * unit] / np.sqrt(np.mean(voice**2)) for voice in voices]
+        tau = SPACING / SPEED * np.cos(azimuths - STEP * r)
+        heard = sum(delayed(piece, t) for piece, t in zip(pieces, tau, strict=True)) + 0.2 * rng.standard_normal(
+            (2, unit)
+        )
+        observations.append(joint.observe(STFT.analyse(heard), STFT.frequencies, STEP * r, None))
+    estimate = joint.estimate(observations)
+    assert estimate.k == 3
+    assert errors_deg(estimate, list(azimuths)).max() < 2
