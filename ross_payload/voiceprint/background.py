@@ -3,9 +3,9 @@
 A Gaussian mixture over the frames of many voices, adapted to one voice by moving its means (maximum a posteriori, as
 in Reynolds, Quatieri and Dunn, "Speaker verification using adapted Gaussian mixture models", Digital Signal
 Processing 10 (2000)); the same for the logarithm of the pitch, where the weights are adapted. How much a recording
-sounds like a voice is the gain in log-likelihood per frame. A cohort of other voices says how much gain a stranger
-may have (Auckenthaler, Carey and Lloyd-Thomas, "Score normalization for text-independent speaker verification
-systems", ibid.). Logistic regression turns both, and the pitch, into a log-likelihood ratio.
+sounds like a voice is the gain in log-likelihood per frame over the nearest of a cohort of other voices (as in
+Auckenthaler, Carey and Lloyd-Thomas, "Score normalization for text-independent speaker verification systems", ibid.).
+Logistic regression turns this and the pitch into a log-likelihood ratio.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ from ross_payload.voiceprint.features import Features
 
 COHORT_STEP = 1 / 64  # of the offsets of the cohort, which are kept as bytes [standard deviations]
 RIVALS = 3  # of the cohort, the nearest to the recording, are what the enrolled voice must beat
+ENOUGH = (
+    0.5  # gain by spectrum beyond which more of it says little: two synthetic voices may differ by their pitch alone
+)
 PITCH_RELEVANCE = 20.0  # frames of pitch that the background counts for
 HALF_TIME = 1.0  # voiced speech after which half of the evidence is believed [s]
 
@@ -47,7 +50,7 @@ class Background:
     pitch_deviations: Real  # (n_pitches,)
     relevance: Real  # frames a Gaussian needs before its mean moves by half, ()
     cohort: Real  # offsets of other voices in COHORT_STEP, (n_voices, n_gaussians, n_features)
-    calibration: Real  # nat per unit of evidence, and offset, (4,)
+    calibration: Real  # nat per unit of evidence of the spectrum and of the pitch, and offset, (3,)
 
     @property
     def fingerprint(self) -> str:
@@ -68,26 +71,26 @@ class Background:
         return Adapted(offsets, count / count.sum())
 
     def evidence(self, voice: Adapted, features: Features) -> Real:
-        """Return three gains in log-likelihood per frame that a recording has from a voice, (3,).
+        """Return what speaks for a voice: its gains in log-likelihood per frame by spectrum and by pitch, (2,).
 
-        Over the background, over the nearest of the cohort, and over the background for the pitch.
+        By spectrum over the nearest of the cohort, g, bounded to E tanh(g / E) with E = ENOUGH; by pitch over the
+        background.
         """
-        everyone = np.concatenate([np.zeros((1, *self.means.shape)), voice.offsets[None], self.cohort * COHORT_STEP])
+        everyone = np.concatenate([voice.offsets[None], self.cohort * COHORT_STEP])
         exponents = self._exponents(features, everyone)
         top = exponents.max(axis=2)
         likelihood = (top + np.log(np.exp(exponents - top[:, :, None]).sum(axis=2))).mean(axis=0)
-        gains = likelihood[1:] - likelihood[0]
-        rivals = np.sort(gains[1:])[-RIVALS:].mean()
+        gain = likelihood[0] - np.sort(likelihood[1:])[-RIVALS:].mean()
         pitch = self._pitch_likelihoods(features)
         pitch_gain = np.log(pitch @ voice.pitch_weights / (pitch @ self.pitch_weights)).mean()
-        return np.array([gains[0], gains[0] - rivals, pitch_gain])
+        return np.array([ENOUGH * np.tanh(gain / ENOUGH), pitch_gain])
 
     def compare(self, voice: Adapted, features: Features) -> float:
         """Return the calibrated log-likelihood ratio [nat] that a recording is of a voice; 0 without voiced speech."""
         believed = reliability(features)
         if not believed:
             return 0.0
-        return float(believed * (self.calibration[:3] @ self.evidence(voice, features) + self.calibration[3]))
+        return float(believed * (self.calibration[:2] @ self.evidence(voice, features) + self.calibration[2]))
 
     def _exponents(self, features: Features, offsets: Real) -> Real:
         """Return ln w_c N(x_t; mean_vc, deviation_c) but for a constant, float32 (n_frames, n_voices, n_gaussians)."""

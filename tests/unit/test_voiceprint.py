@@ -1,0 +1,166 @@
+"""The voice print: what it accepts, what it refuses, and what it must not depend on."""
+
+import time
+
+import numpy as np
+import pytest
+
+from ross_payload.errors import AudioError, ConfigError
+from ross_payload.voiceprint import enrol, shipped_background
+from ross_payload.voiceprint.background import encode_background, read_background
+from ross_payload.voiceprint.features import RATE, analyse, mel_filters
+from ross_payload.voiceprint.model import clipped_share
+
+ANN = (210.0, (850, 1650, 2900, 4100))  # pitch and formants [Hz]
+BOB = (105.0, (600, 1150, 2350, 3300))
+
+
+def talk(talker, seconds, seed, rate=RATE):
+    """Vowels of a source-filter talker: pulses with a moving pitch through moving resonances, with pauses."""
+    pitch, formants = talker
+    rng = np.random.default_rng(seed)
+    n = int(seconds * rate)
+    t = np.arange(n) / rate
+    wander = np.interp(t, np.arange(0, seconds + 1, 0.25), rng.uniform(-1, 1, 4 * int(np.ceil(seconds)) + 4))
+    phase = 2 * np.pi * np.cumsum(pitch * 1.12**wander) / rate
+    shift = np.interp(t, np.arange(0, seconds + 1, 0.2), rng.uniform(-1, 1, 5 * int(np.ceil(seconds)) + 5))
+    voice = np.zeros(n)
+    for harmonic in range(1, int(6500 / pitch)):
+        frequency = harmonic * pitch
+        gain = sum(1 / (1 + ((frequency - formant * 1.2**shift) / 120) ** 2) for formant in formants) / harmonic**0.5
+        voice += gain * np.sin(harmonic * phase)
+    pauses = np.sin(2 * np.pi * t / 1.3) > -0.8
+    return 0.1 * voice * pauses / np.sqrt(np.mean(voice**2)) + 1e-5 * rng.standard_normal(n)
+
+
+@pytest.fixture(scope="module")
+def ann():
+    return enrol(talk(ANN, 4, seed=0), RATE)
+
+
+def test_the_enrolled_voice_is_accepted_and_another_is_not(ann):
+    same, other = ann.score(talk(ANN, 3, seed=1), RATE), ann.score(talk(BOB, 3, seed=2), RATE)
+    assert same.accepted
+    assert not other.accepted
+    assert same.value > 0 > other.value
+
+
+def test_the_score_does_not_depend_on_the_level(ann):
+    voice = talk(ANN, 3, seed=1)
+    assert ann.score(0.01 * voice, RATE).value == pytest.approx(ann.score(voice, RATE).value, abs=1e-3)
+
+
+def test_the_score_hardly_depends_on_the_sampling_rate(ann):
+    at_48k = talk(ANN, 3, seed=1, rate=48000)
+    at_16k = at_48k.reshape(-1, 3)[:, 0]  # nothing above 8 kHz but the noise 80 dB below
+    assert ann.score(at_48k, 48000).value == pytest.approx(ann.score(at_16k, RATE).value, abs=0.3)
+
+
+def test_more_speech_of_the_enrolled_voice_is_more_evidence(ann):
+    voice = talk(ANN, 10, seed=3)
+    assert 0 < ann.score(voice[: RATE * 3 // 2], RATE).value < ann.score(voice, RATE).value
+
+
+@pytest.mark.parametrize("seconds", [0.1, 3.0])
+def test_silence_is_undecided_and_not_accepted(ann, seconds):
+    score = ann.score(np.zeros(int(seconds * RATE)), RATE)
+    assert score.value == 0
+    assert not score.accepted
+
+
+def test_noise_is_not_accepted(ann):
+    for seed in range(5):
+        assert not ann.score(np.random.default_rng(seed).standard_normal(3 * RATE), RATE).accepted
+
+
+def test_the_criterion_decides(ann):
+    from dataclasses import replace
+
+    voice = talk(ANN, 3, seed=1)
+    value = ann.score(voice, RATE).value
+    assert not replace(ann, criterion=value + 0.01).score(voice, RATE).accepted
+    assert replace(ann, criterion=value - 0.01).score(voice, RATE).accepted
+
+
+def test_scoring_the_same_recording_twice_gives_the_same_bits(ann):
+    voice = talk(ANN, 3, seed=1)
+    assert ann.score(voice, RATE) == ann.score(voice.copy(), RATE)
+
+
+def test_scoring_costs_less_than_20_ms_of_cpu_per_second(ann):
+    voice = talk(ANN, 10, seed=4)
+    costs = []
+    for _ in range(3):
+        before = time.process_time()
+        ann.score(voice, RATE)
+        costs.append((time.process_time() - before) / 10)
+    assert min(costs) < 0.02
+
+
+def broken(voice, index, value):
+    damaged = voice.copy()
+    damaged[index] = value
+    return damaged
+
+
+@pytest.mark.parametrize(
+    ("samples", "says"),
+    [
+        (np.zeros(0), "empty"),
+        (np.zeros(4 * RATE), "silent"),
+        (talk(ANN, 1, seed=0), "too little speech"),
+        (np.random.default_rng(0).standard_normal(4 * RATE), "too little speech"),
+        (broken(talk(ANN, 4, seed=0), 7, np.nan), "1 samples that are not finite"),
+        (broken(talk(ANN, 4, seed=0), 7, np.inf), "1 samples that are not finite"),
+        (np.clip(talk(ANN, 4, seed=0), -0.1, 0.1), "clipped"),
+        (np.zeros((2, 4 * RATE)), "one channel"),
+    ],
+)
+def test_what_cannot_be_enrolled_is_refused_with_the_reason(samples, says):
+    with pytest.raises(AudioError, match=says):
+        enrol(samples, RATE)
+
+
+def test_a_telephone_rate_is_refused(ann):
+    with pytest.raises(AudioError, match="16000 Hz or more, not at 8000 Hz"):
+        ann.score(talk(ANN, 3, seed=0), 8000)
+
+
+def test_numbers_that_are_not_finite_are_refused_when_scoring(ann):
+    with pytest.raises(AudioError, match="not finite"):
+        ann.score(broken(talk(ANN, 3, seed=0), 0, np.nan), RATE)
+
+
+def test_loud_speech_that_is_not_cut_is_not_called_clipped():
+    voice = talk(ANN, 4, seed=0)
+    assert clipped_share(voice / np.abs(voice).max()) == 0
+
+
+@pytest.mark.parametrize("pitch", [80.0, 125.0, 220.0, 320.0])
+def test_the_pitch_of_a_harmonic_sound_is_found(pitch):
+    t = np.arange(RATE) / RATE
+    tone = sum(np.sin(2 * np.pi * pitch * k * t) / k for k in range(1, 15))
+    found = np.exp(np.median(analyse(tone, RATE).pitch))
+    assert found == pytest.approx(pitch, rel=0.025)  # the lag is a whole number of samples: 1 of 50 at 320 Hz
+
+
+def test_every_frequency_inside_the_bands_is_weighed_once():
+    filters = mel_filters()
+    frequencies = np.arange(filters.shape[1]) * RATE / 512
+    inner = (frequencies > 250) & (frequencies < 6300)  # the outermost triangles have one neighbour
+    np.testing.assert_allclose(filters.sum(axis=0)[inner], 1)
+
+
+def test_the_shipped_background_is_small_and_survives_encoding():
+    from importlib.resources import files
+
+    content = files("ross_payload.voiceprint").joinpath("background.npz").read_bytes()
+    assert len(content) < 200_000
+    background = shipped_background()
+    assert read_background(encode_background(background), "again").fingerprint == background.fingerprint
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not a zip", encode_background(shipped_background())[:5000]])
+def test_a_damaged_background_model_is_refused(content):
+    with pytest.raises(ConfigError, match=r"other\.npz: not a background model"):
+        read_background(content, "other.npz")
