@@ -19,12 +19,12 @@ from ross_payload.dsp.stft import band
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Groups, Real, Scene
 
-UPDATES = 16
+UPDATES = 20
 UNSMOOTHED = 2  # updates before the smoothing begins
 ROWS = 16  # bins worked on at once: they stay in the cache
 FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
 ACTIVE = 1.15  # bins with less than this many times the noise hold nobody
-DRY, WET = (0.03, 0.5), (0.5, 0.15)  # (diffuse part, anchor) in the open and in reverberation
+DRY, WET = (0.03, 0.5), (0.4, 0.3)  # (diffuse part, anchor) in the open and in reverberation
 ASTRAY = (0.008, 0.013)  # energy that no direction explains, in the open and in reverberation
 CLEAR, LOUD = 30.0, 4.0  # it is measured in bins this many times above the noise, and above the mean of the frequency
 VOICE = (500.0, 4000.0)  # and between these frequencies [Hz]
