@@ -1,0 +1,34 @@
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ross_payload.angles import difference
+from ross_payload.dsp.steering import tdoa
+from ross_sim.study.separation import SETTINGS, aligned_heading, layouts, load_voices, measure
+
+SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / "shared" / "speech"))
+FLOORS = {"S1": (15.0, 12.4, 11.5), "S2": (9.8, 8.2, 7.3), "S3": (8.0, 6.8, 6.1)}  # [dB] for K = 3, 4, 5
+
+
+def test_two_interferers_pose_as_one_at_the_aligned_heading() -> None:
+    azimuths = np.array([0.2, 2.5, -1.0])
+    tau = tdoa(azimuths, aligned_heading(azimuths, 1), 0.05, 343.0)
+    np.testing.assert_allclose(tau[0], tau[2])
+
+
+def test_random_layouts_keep_talkers_apart() -> None:
+    for azimuths in layouts(5, 5, np.random.default_rng(0)):
+        gaps = np.abs(difference(azimuths[:, None], azimuths))[~np.eye(5, dtype=bool)]
+        assert gaps.min() >= np.deg2rad(25) - 1e-9
+
+
+@pytest.mark.soak
+@pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH} (set ROSS_SPEECH)")
+@pytest.mark.parametrize("setting", SETTINGS)
+def test_the_local_gaussian_model_reaches_the_floors(setting: str) -> None:
+    voices = load_voices(SPEECH)
+    for n_sources, floor in zip((3, 4, 5), FLOORS[setting], strict=True):
+        known, _ = measure(voices, n_sources, SETTINGS[setting], count=5, seed=0)["gaussian"]
+        assert known >= floor
