@@ -31,21 +31,23 @@ class Price:
     width: float = 0.1  # kernel of a new source [d / v_p]
     apart: float = np.deg2rad(15.0)  # nearer than this [rad] two sources are one
     near: float = np.deg2rad(35.0)  # between two sources both nearer than this [rad] ...
-    between: float = 2.5  # ... a source costs so many times as much
+    between: float = 2.5  # ... a source costs so many times as much,
+    wide: float = 0.15  # and more, by the square, when its kernel is wider than this [d / v_p]: nobody talks there
 
     def of(self, data: Data) -> float:
         """Log-likelihood [nat] that a source must be worth."""
         return float(self.base + self.share * data.counts.sum())
 
-    def factors(self, azimuths: Real) -> Real:
+    def factors(self, azimuths: Real, widths: Real) -> Real:
         """How many times the price each source costs, (k,).
 
-        >>> Price().factors(np.deg2rad([0.0, 25.0, 50.0, 150.0])).tolist()
+        >>> Price().factors(np.deg2rad([0.0, 25.0, 50.0, 150.0]), np.array([0.1, 0.1, 0.1, 0.3])).tolist()
         [1.0, 2.5, 1.0, 1.0]
         """
         off = difference(azimuths[:, None], azimuths)
         ahead, behind = (off < 0) & (off > -self.near), (off > 0) & (off < self.near)
-        return np.where(ahead.any(axis=1) & behind.any(axis=1), self.between, 1.0)
+        dearer = self.between * np.maximum(widths / self.wide, 1) ** 2
+        return np.where(ahead.any(axis=1) & behind.any(axis=1), dearer, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +64,7 @@ def search(data: Data, price: Price) -> Fit:
     model, rival = _grow(data, price)
     while True:
         worth, reduced = worths(data, model)
-        worth = worth / (price.of(data) * price.factors(model.azimuths))
+        worth = worth / (price.of(data) * price.factors(model.azimuths, model.widths))
         least = _least(model, worth, price)
         if least is None or (least.paid and worth[least.source] >= 1):
             return Fit(model, worth, rival)
