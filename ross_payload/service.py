@@ -27,7 +27,7 @@ from ross_payload.interfaces import (
 )
 from ross_payload.mission.context import Settings, Tools
 
-EXPLORER_FRAME = 0.064  # [s], rounded to a power of two in samples
+EXPLORER_FRAME = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
 REST_TIMEOUT = 10.0  # [s] of audio that a decelerating motor may take at the end
 
 
