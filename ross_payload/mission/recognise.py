@@ -12,7 +12,7 @@ from ross_payload.events import Estimate, GroupScore
 from ross_payload.interfaces import Groups, Real, Scene
 from ross_payload.mission.context import Context, Listening
 
-RECALLED = 2  # orientations of the exploration that are heard again for each source
+APART = 0.5  # an orientation tells of a source when it isolates it by this share of the best one
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,10 @@ def recognise(context: Context, estimate: Estimate, heard: Listening, recalled: 
 
 
 def recall(context: Context, estimate: Estimate) -> dict[int, float]:
-    """Score every source by what the exploration has heard of it where it stood apart best: {source: score}."""
+    """Score every source by what the exploration has heard of it: {source: score}.
+
+    Each source's best orientation is separated once, and tells of every source that stands apart well there.
+    """
     headings = np.array([heard.heading for heard in context.explored])
     apart = isolation(
         [source.azimuth for source in estimate.sources],
@@ -79,14 +82,11 @@ def recall(context: Context, estimate: Estimate) -> dict[int, float]:
         context.settings.speed_of_sound,
         [source.elevation or 0.0 for source in estimate.sources],
     )
-    chosen = {source: np.argsort(-curve, kind="stable")[:RECALLED] for source, curve in enumerate(apart)}
-    separated = {
-        int(index): separate(context, estimate, context.explored[index])
-        for index in sorted({int(i) for best in chosen.values() for i in best})
-    }
+    separated = {int(i): separate(context, estimate, context.explored[i]) for i in sorted(set(apart.argmax(axis=1)))}
     recalled = {}
-    for source, best in chosen.items():
-        clips = [voice for i in best for voice in _alone(source, *separated[int(i)])]
+    for source, curve in enumerate(apart):
+        where = [i for i in separated if curve[i] >= APART * curve.max()]
+        clips = [voice for i in where for voice in _alone(source, *separated[i])]
         if clips:
             recalled[source] = context.tools.voiceprint.score(np.concatenate(clips), context.settings.rate).value
     return recalled

@@ -39,7 +39,7 @@ SETTINGS = Settings(
     spacing=0.05,
     speed_of_sound=343.0,
     lead_in=0.1,
-    unit=0.5,
+    unit=0.7,
     rotation=np.deg2rad(15),
     min_rotations=2,
     max_rotations=4,
@@ -83,12 +83,17 @@ class OneGroupEach:
         return Groups(signals, tuple((k,) for k in range(count)), self.name)
 
 
-RECALLED, CHECKED, RUN = RATE, RATE // 2, 3 * RATE // 2  # samples of what is scored: so a fake can tell them apart
+RECALLED, CHECKED, RUN = "recalled", "checked", "run"
+
+
+def occasion(voice):
+    """Tell by its length when a clip was heard: recalled clips are whole multiples of T_unit."""
+    return {RATE // 2: CHECKED, 3 * RATE // 2: RUN}.get(len(voice), RECALLED)
 
 
 @dataclass
 class Likes:
-    """A voice print that accepts the group with one number; ``mood`` overrides its score by length of the clip."""
+    """A voice print that accepts the group with one number; ``mood`` overrides its score on an occasion."""
 
     number: int
     mood: dict = field(default_factory=dict)
@@ -96,9 +101,10 @@ class Likes:
 
     def score(self, voice, rate):
         number = round(float(np.abs(voice).max() / 0.1)) - 1
-        self.heard.append(len(voice))
-        mine = self.mood.get(len(voice), 1.0)
-        mine = mine(self.heard.count(len(voice))) if callable(mine) else mine
+        when = occasion(voice)
+        self.heard.append(when)
+        mine = self.mood.get(when, 1.0)
+        mine = mine(self.heard.count(when)) if callable(mine) else mine
         value = mine if number == self.number else -1.0
         return Score(value, value > 0)
 
@@ -297,7 +303,7 @@ def test_nothing_is_listened_to_while_turning():
     turns = one.said(TurnStarted)
     listens = [event for event in one.said(StateChanged) if event.state is State.EXPLORE_LISTEN]
     for turned, listened in zip(turns[:2], listens[1:3], strict=True):
-        assert listened.time - turned.time >= 4 * HOP / RATE  # three hops of travel and one settled
+        assert listened.time - turned.time > 3.5 * HOP / RATE  # three hops of travel and one settled
 
 
 def test_cancelled_mission_says_finished_last():
