@@ -31,7 +31,7 @@ def clip(person, start, seconds):
     return person.speech[start * RATE : (start + seconds) * RATE].astype(float)
 
 
-@pytest.mark.parametrize("start", [0, 15, 30])
+@pytest.mark.parametrize("start", [0, 30])
 def test_ten_seconds_of_a_talker_score_highest_with_the_own_print(start, people, prints):
     for name, person in people.items():
         values = {other: model.score(clip(person, start, 10), RATE).value for other, model in prints.items()}
