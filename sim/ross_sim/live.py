@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from itertools import pairwise
 from typing import Protocol
 
@@ -227,6 +228,12 @@ def in_words(event: Event) -> str:  # noqa: PLR0911 - one line for each kind of 
             return reason
         case _:
             return ""
+
+
+def waiting(as_json: bool, what: str) -> AbstractContextManager[object]:
+    """Show a person at a terminal that something takes a while."""
+    console = Console()
+    return nullcontext() if as_json or not console.is_terminal else console.status(what)
 
 
 def view_of(as_json: bool, expected: float) -> View:

@@ -42,16 +42,15 @@ def command(scenario: str, out: Path | None, speed: float | None, as_json: bool,
     from contextlib import nullcontext
 
     from ross_sim.casting import company_of, directed
-    from ross_sim.live import view_of
+    from ross_sim.live import view_of, waiting
     from ross_sim.outdir import OutDir
     from ross_sim.session import expected, perform
     from ross_sim.summary import show
 
     chosen = directed(scenario, changes)
-    if not as_json:
-        click.echo(f"{chosen.title}: preparing the voices and the room")
     with OutDir(out) if out is not None else nullcontext() as folder:
-        company = company_of(chosen, changes["speech"], changes["target"])
+        with waiting(as_json, f"{chosen.title}: preparing the voices"):
+            company = company_of(chosen, changes["speech"], changes["target"])
         view = view_of(as_json, expected(chosen))
         try:
             finished = perform(chosen, company, view, folder, speed)
