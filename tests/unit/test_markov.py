@@ -1,0 +1,168 @@
+"""Algorithm 1: peaks, binary hypothesis tests, the Markov chain over rotations, K-means with inertia.
+
+Truth is geometry: a source at azimuth theta is heard at (d / v_p) cos(theta - heading).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from ross_payload import plugins
+from ross_payload.angles import difference
+from ross_payload.dsp import chain, clusters
+from ross_payload.dsp.density import itd_grid
+from ross_payload.dsp.markov import Markov, explorer
+from ross_payload.errors import ConfigError
+from ross_payload.events import Estimate
+from ross_payload.interfaces import Observation, Real
+
+SPACING, SPEED = 0.05, 343.0
+UNIT = SPACING / SPEED
+GRID = itd_grid(SPACING, SPEED, 241)
+WIDTH = 0.03  # of a peak [d / v_p]
+MARKOV: Markov = explorer.make(SPACING, SPEED)
+
+
+def heard(azimuths: Real, heading: float) -> Observation:
+    """An orientation without noise: a peak at the exact ITD of every source; sources of one ITD are one peak."""
+    itds = UNIT * np.unique(np.cos(azimuths - heading).round(9))
+    density = np.exp(-0.5 * ((GRID[:, None] - itds) / (WIDTH * UNIT)) ** 2).sum(axis=1)
+    return Observation(heading, GRID, density / density.sum(), 100.0, tuple(itds.tolist()))
+
+
+def believe(azimuths_deg: list[float], headings_deg: list[float]) -> Estimate:
+    azimuths = np.deg2rad(azimuths_deg)
+    return MARKOV.estimate([heard(azimuths, float(heading)) for heading in np.deg2rad(headings_deg)])
+
+
+def found_deg(estimate: Estimate) -> list[float]:
+    return sorted(float(np.rad2deg(source.azimuth).round(3)) for source in estimate.sources)
+
+
+STEPS = [15.0 * r for r in range(13)]
+PAPER = [170.0, 70.0, -50.0, -120.0, 10.0]
+
+
+@pytest.mark.parametrize("k", [1, 2, 3, 4])
+def test_exact_itds_give_the_exact_azimuths_of_the_paper(k: int) -> None:
+    assert found_deg(believe(PAPER[:k], STEPS)) == pytest.approx(sorted(PAPER[:k]), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    "headings",
+    [
+        [0, 15, 30, 15, 0, -15, -30, -15],
+        [0, -15, -30, -45, -60],
+        [0, 40, 10, 70, 25, 100],
+        [200, 215, 230, 245, 260],
+        [0, 15, 15, 30, 210, 225, 240],
+    ],
+    ids=["back and forth", "clockwise", "uneven", "from the back", "with rests and half a turn"],
+)
+def test_any_schedule_gives_the_exact_azimuths(headings: list[float]) -> None:
+    assert found_deg(believe([100.0, -40.0], headings)) == pytest.approx([-40, 100], abs=0.01)
+
+
+@settings(deadline=None, max_examples=60)
+@given(azimuth=st.floats(-179, 179), rotation=st.floats(10, 80), start=st.floats(-180, 180), back=st.booleans())
+def test_one_source_and_one_rotation_tell_front_from_back(
+    azimuth: float, rotation: float, start: float, back: bool
+) -> None:
+    turned = start + (-rotation if back else rotation)
+    local = [abs(np.sin(np.deg2rad(azimuth - heading))) for heading in (start, turned)]
+    assume(min(local) > 0.3)  # along the axis front and back are one place
+    (source,) = believe([azimuth], [start, turned]).sources
+    assert source.resolved
+    assert abs(np.rad2deg(difference(source.azimuth, np.deg2rad(azimuth)))) < 0.01
+
+
+def test_talkers_that_mirror_each_other_are_one_at_first_and_two_after_turning() -> None:
+    assert believe([30.0, -30.0], [0.0]).k == 1
+    assert found_deg(believe([30.0, -30.0], STEPS)) == pytest.approx([-30, 30], abs=0.01)
+
+
+def test_one_orientation_has_magnitudes_only() -> None:
+    (source,) = believe([-60.0], [0.0]).sources
+    assert not source.resolved
+    assert np.cos(source.azimuth) == pytest.approx(0.5)
+
+
+def test_a_half_turn_cannot_tell_front_from_back() -> None:
+    assert not any(source.resolved for source in believe([60.0], [0.0, 180.0]).sources)
+
+
+def test_nobody_heard_is_nobody() -> None:
+    assert MARKOV.estimate([]) == Estimate(())
+    silent = MARKOV.observe(np.zeros((2, 257, 50), complex), np.linspace(0, 8000, 257), 0.0, None)
+    assert (silent.weight, silent.peaks) == (0.0, ())
+    assert MARKOV.estimate([silent] * 3).k == 0
+
+
+def test_the_stop_rule_waits_until_k_has_not_changed_twice() -> None:
+    assert [believe([100.0, -40.0], STEPS[:n]).certain for n in (1, 2, 3, 4)] == [False, False, False, True]
+
+
+def test_half_a_turn_in_total_is_enough_even_for_nobody_new() -> None:
+    back_and_forth = [0.0, 45.0, 0.0, 45.0, 0.0]
+    assert believe([100.0, -40.0], back_and_forth).certain
+
+
+def test_everything_turns_with_the_frame() -> None:
+    before = found_deg(believe(PAPER[:3], STEPS[:6]))
+    after = believe([azimuth + 35 for azimuth in PAPER[:3]], [heading + 35 for heading in STEPS[:6]])
+    turned = np.sort([np.rad2deg(difference(s.azimuth, np.deg2rad(35))) for s in after.sources])
+    np.testing.assert_allclose(turned, before, atol=0.01)
+
+
+# ---------------------------------------------------------------------------------------------------- one step
+
+
+def test_the_higher_density_at_the_predicted_itd_wins() -> None:
+    """From +-60 deg, a turn of 30 deg: a source in front moves to cos 30, one behind to cos 90."""
+    test, before = chain.Test(gate=0.0), Observation(0.0, GRID, np.ones_like(GRID), 1.0, (0.5 * UNIT,))
+    for itd, azimuth in ((np.cos(np.pi / 6), 60.0), (0.0, -60.0)):
+        density = np.exp(-0.5 * ((GRID / UNIT - itd) / WIDTH) ** 2)
+        after = Observation(np.pi / 6, GRID, density, 1.0, (itd * UNIT,))
+        (vote,) = chain.votes(before, after, 1, UNIT, test)
+        assert np.rad2deg(difference(vote.azimuth, 0.0)) == pytest.approx(azimuth)
+
+
+# ---------------------------------------------------------------------------------------------------- clusters
+
+
+@given(st.lists(st.floats(0, 6), min_size=1, max_size=7), st.integers(1, 4))
+def test_no_partition_of_the_line_has_less_inertia(points: list[float], k: int) -> None:
+    line = np.sort(points)
+    inertia, _ = clusters.best_cuts(line, np.ones(len(line)), k)
+    k = min(k, len(line))
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        label = rng.integers(k, size=len(line))
+        other = sum(((line[label == j] - line[label == j].mean()) ** 2).sum() for j in set(label.tolist()))
+        assert inertia[k - 1] <= other + 1e-9
+
+
+@given(st.integers(1, 6), st.floats(-10, 10))
+def test_clusters_far_apart_are_counted_wherever_the_circle_is_cut(k: int, turn: float) -> None:
+    rng = np.random.default_rng(k)
+    centres = turn + 2 * np.pi * np.arange(k) / k
+    points = (centres[:, None] + 0.02 * rng.uniform(-1, 1, (k, 5))).ravel()
+    found = clusters.k_means(points, np.ones(len(points)), 0.03, 12)
+    assert len(found) == k
+    assert all(np.abs(difference(centres, cluster.mean)).min() < 0.02 for cluster in found)
+
+
+# ------------------------------------------------------------------------------------------------------- seams
+
+
+@pytest.mark.parametrize(("spacing", "speed"), [(0.0, 343.0), (0.05, -1.0), (np.nan, 343.0)])
+def test_an_impossible_array_is_refused(spacing: float, speed: float) -> None:
+    with pytest.raises(ConfigError, match="positive"):
+        explorer.make(spacing, speed)
+
+
+def test_it_is_a_plug_in() -> None:
+    assert plugins.load("ross_payload.explorers", "markov").make(SPACING, SPEED).name == "markov"
