@@ -44,7 +44,7 @@ def demix(observed: Real, use: Real, start: Complex, iterations: int = ITERATION
     heard, flat = observed.reshape(-1, n_frames), observed.reshape(n_freqs * 4, n_frames)
     demixing = projected_back(start)
     for _ in range(iterations):
-        probe = _coordinates(demixing).astype(observed.dtype) * weight[:, None, None]
+        probe = coordinates(demixing).astype(observed.dtype) * weight[:, None, None]
         variance = np.maximum(np.swapaxes(probe, 0, 1).reshape(2, -1) @ heard, TINY)
         weighted = (flat @ (1 / variance).T / n_frames).reshape(n_freqs, 4, 2)
         demixing = projected_back(_closed_form(weighted.astype(np.float64)))
@@ -71,7 +71,7 @@ def start_from(frequencies: Real, tau: Real | None) -> Complex:
     return np.linalg.inv(mixing)
 
 
-def _coordinates(rows: Complex) -> Real:
+def coordinates(rows: Complex) -> Real:
     """Coordinates m of each row u with |u x|^2 = m . (coordinates of x x^H), (n_freqs, 2, 4)."""
     first, second = rows[..., 0], rows[..., 1]
     cross = ROOT2 * first.conj() * second
@@ -82,7 +82,7 @@ def _closed_form(weighted: Real) -> Complex:
     """Rows w_k^H from V_k (n_freqs, 4, 2): eigenvectors of V_2^-1 V_1, the smaller eigenvalue first."""
     trace = weighted[:, 0] + weighted[:, 1]
     weighted[:, :2] += LOADING * trace[:, None] + np.finfo(float).tiny
-    one, two = _matrices(weighted[..., 0]), _matrices(adjugate(weighted[..., 1]))
+    one, two = matrices(weighted[..., 0]), matrices(adjugate(weighted[..., 1]))
     product = two @ one / determinant(weighted[..., 1])[:, None, None]
     half = 0.5 * (product[:, 0, 0] + product[:, 1, 1]).real
     root = np.sqrt(np.maximum(half**2 - np.linalg.det(product).real, 0))
@@ -93,9 +93,14 @@ def _closed_form(weighted: Real) -> Complex:
     return np.where(parallel[:, None, None], np.eye(2), demixing)
 
 
-def _matrices(coordinates: Real) -> Complex:
-    cross = (coordinates[:, 2] + 1j * coordinates[:, 3]) / ROOT2
-    rows = [[coordinates[:, 0] + 0j, cross], [cross.conj(), coordinates[:, 1] + 0j]]
+def matrices(hermitian: Real) -> Complex:
+    """Write matrices given by their four coordinates (n, 4) in full, (n, 2, 2).
+
+    >>> matrices(np.array([[1.0, 2.0, 0.0, 2**0.5]])).round(6).tolist()
+    [[[(1+0j), 1j], [-1j, (2+0j)]]]
+    """
+    cross = (hermitian[:, 2] + 1j * hermitian[:, 3]) / ROOT2
+    rows = [[hermitian[:, 0] + 0j, cross], [cross.conj(), hermitian[:, 1] + 0j]]
     return np.moveaxis(np.array(rows), -1, 0)
 
 
@@ -114,7 +119,7 @@ class Auxiva:
 
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
         """Separate a recording (2, n_freqs, n_frames) into two groups, with a Wiener gain against the noise."""
-        members, tau = _two_sides(scene)
+        members, tau = two_sides(scene)
         power = float((np.abs(spectrogram) ** 2).mean()) if spectrogram.size else 0.0
         if not scene.n_sources or not power > 0:
             return Groups(np.zeros((len(members), *spectrogram.shape[1:]), spectrogram.dtype), members, self.name)
@@ -136,7 +141,7 @@ def _gain(output: Complex, noise_psd: Real) -> Real:
     return np.asarray(np.maximum(1 - noise_psd[:, None] / power, 0))
 
 
-def _two_sides(scene: Scene) -> tuple[tuple[tuple[int, ...], ...], Real | None]:
+def two_sides(scene: Scene) -> tuple[tuple[tuple[int, ...], ...], Real | None]:
     """Members of both outputs and the TDOAs to begin with: the tau axis is cut at its widest gap."""
     if scene.tau is None or scene.n_sources == 0:
         return tuple(() for _ in range(min(scene.n_sources, 2))), None

@@ -1,0 +1,75 @@
+"""Natural-gradient IVA for two microphones, as the paper's reference uses it (Kim, Attias, Lee and Lee 2007)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ross_payload.dsp.covariance import outer
+from ross_payload.dsp.iva import LOADING, TINY, coordinates, matrices, projected_back, two_sides
+from ross_payload.dsp.outputs import images_of, outputs_of
+from ross_payload.interfaces import Complex, Groups, Real, Scene
+
+ITERATIONS = 200
+STEP = 0.1
+
+
+def demix(observed: Real, iterations: int = ITERATIONS, step: float = STEP) -> Complex:
+    """Demixing rows that make two outputs independent, scaled to microphone 1 (projected back).
+
+    W <- W + step (I - E[phi(y) y^H]) W with the score of the spherical Laplace distribution, phi(y_k)(f, t) =
+    y_k(f, t) / sqrt(sum_f |y_k(f, t)|^2), on whitened observations; Kim et al., "Blind source separation exploiting
+    higher-order frequency dependencies", IEEE TASLP 15(1), 2007. Row k of the expectation is w_k^H V_k W^H with
+    V_k = mean_t x x^H / r_k(t), so that no output is ever formed.
+
+    Parameters
+    ----------
+    observed
+        Coordinates of x x^H, (n_freqs, 4, n_frames).
+
+    Returns
+    -------
+    ndarray
+        W, (n_freqs, 2, 2): output k is W[:, k] @ x, both outputs add up to microphone 1.
+    """
+    n_freqs, _, n_frames = observed.shape
+    heard, flat = observed.reshape(-1, n_frames), observed.reshape(n_freqs * 4, n_frames)
+    demixing = whitening(observed)
+    for _ in range(iterations):
+        probe = coordinates(demixing).astype(observed.dtype)
+        power = np.maximum(np.swapaxes(probe, 0, 1).reshape(2, -1) @ heard, TINY)
+        weighted = (flat @ (1 / np.sqrt(power)).T / n_frames).reshape(n_freqs, 4, 2).astype(np.float64)
+        adjoint = np.swapaxes(demixing.conj(), 1, 2)
+        moments = [demixing[:, k : k + 1] @ matrices(weighted[..., k]) @ adjoint for k in (0, 1)]
+        demixing = demixing + step * (np.eye(2) - np.concatenate(moments, axis=1)) @ demixing
+    return projected_back(demixing)
+
+
+def whitening(observed: Real) -> Complex:
+    """Matrix C^(-1/2) of every bin, C = mean_t x x^H, slightly loaded, (n_freqs, 2, 2)."""
+    mean = observed.mean(axis=-1, dtype=np.float64)
+    mean[:, :2] += LOADING * mean[:, :2].mean() + LOADING * mean[:, :2].sum(axis=1, keepdims=True)
+    values, vectors = np.linalg.eigh(matrices(mean))
+    return np.asarray((vectors / np.sqrt(values)[:, None]) @ np.swapaxes(vectors.conj(), 1, 2))
+
+
+class NaturalIva:
+    """The separator: two outputs, found blindly; known TDOAs only say whom each output holds."""
+
+    name = "iva"
+
+    def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
+        """Separate a recording (2, n_freqs, n_frames) into two groups."""
+        members, tau = two_sides(scene)
+        power = float((np.abs(spectrogram) ** 2).mean()) if spectrogram.size else 0.0
+        if not members or not power > 0:
+            return Groups(np.zeros((len(members), *spectrogram.shape[1:]), spectrogram.dtype), members, self.name)
+        unit = spectrogram / np.float32(np.sqrt(power))
+        rows = demix(outer(unit).astype(np.float32))
+        order = tuple(range(len(members)))
+        if tau is not None:
+            order = outputs_of(images_of(rows), scene.frequencies, tau)[: len(members)]
+        signals = np.stack([rows[:, k, :1] * spectrogram[0] + rows[:, k, 1:] * spectrogram[1] for k in order])
+        return Groups(signals.astype(spectrogram.dtype), members, self.name)
+
+
+separator = NaturalIva()
