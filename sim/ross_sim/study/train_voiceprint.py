@@ -3,7 +3,8 @@
 ``python -m ross_sim.study.train_voiceprint --speech DIR [--leave-out NAME ...] [--seed 0] OUT``
 
 DIR holds one folder of recordings per talker. Every talker is also played slower and faster, which makes further
-voices; synthetic voices of random recipes are added, none of which the simulator casts.
+voices; synthetic voices of random recipes are added, none of which the simulator casts. One thread computes, whatever
+the machine offers: several would add in another order each time, and the mixture would settle elsewhere.
 """
 
 from __future__ import annotations
@@ -11,13 +12,16 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
 from sklearn.linear_model import LogisticRegression
 from sklearn.mixture import GaussianMixture
+from threadpoolctl import threadpool_limits
 
+from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint.background import COHORT_STEP, Background, encode_background, read_background, reliability
 from ross_payload.voiceprint.features import CEPSTRA, Features, analyse
@@ -36,6 +40,7 @@ LANGUAGES = ("en", "en-US", "en-GB-x-rp", "en-GB-scotland", "en-GB-x-gbclan", "e
 N_GAUSSIANS, N_PITCHES, N_FRAMES = 64, 12, 30_000
 RELEVANCE = 8.0
 ENROLMENT = 4.2  # [s]
+N_MIXTURES = 36  # to calibrate with: each of 7 talkers in about 15
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,9 +68,16 @@ def recipes(n: int, rng: np.random.Generator) -> Iterator[Recipe]:
 def synthetic(recipe: Recipe, index: int) -> Real:
     """Speak about a minute with a recipe, (n,), from the cache when it was spoken before."""
     text = speech_text(index)
-    key = fingerprint(recipe=recipe.variant(), said=text, speed=recipe.speed, language=recipe.language, use="train")
+    key = fingerprint(recipe=asdict(recipe), said=text, rate=RATE, engine=_engine(), use="train")
     path = cache_folder(None) / "voices" / f"{recipe.name}-{key}.npz"
     return cached(path, lambda: {"speech": levelled(*speak(recipe, text), RATE)})["speech"].astype(float)
+
+
+def _engine() -> str:
+    try:
+        return version("espeakng-loader")
+    except PackageNotFoundError as error:
+        raise ConfigError("training needs synthetic voices: install the package espeakng-loader") from error
 
 
 def talkers(speech: dict[str, Real], speeds: Sequence[float], n: int, rng: np.random.Generator) -> Iterator[Talker]:
@@ -140,23 +152,24 @@ def train(speech: dict[str, Real], seed: int, n_clips: int = 24) -> Background:
     return with_cohort(background, [*(person for person in real if person.speed in COHORT_SPEEDS), *made[::4]])
 
 
+def trained(folder: Path, leave_out: Sequence[str], seed: int) -> Background:
+    """Train on the talkers of a folder but those left out, and calibrate with mixtures of the same talkers."""
+    known = [voice for voice in load_folder(folder, RATE) if voice.name not in leave_out]
+    background = train({voice.name: voice.speech.astype(float) for voice in known}, seed)
+    heard = [voice for voice in load_folder(folder, MIXTURE_RATE) if voice.name not in leave_out]
+    return calibrated(background, heard, N_MIXTURES, seed)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Train and write the model."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, required=True, help="folder of talkers")
     parser.add_argument("--leave-out", nargs="*", default=list(OUTSIDE), help="talkers not to train on")
-    parser.add_argument("--draws", type=int, default=12, help="mixtures to calibrate with")
-    parser.add_argument("--mixture", type=Path, help="keep the mixture and cohort of this model, calibrate again")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("out", type=Path, help="where the model goes (.npz)")
     asked = parser.parse_args(arguments)
-    if asked.mixture:
-        background = read_background(asked.mixture.read_bytes(), asked.mixture.name)
-    else:
-        known = [voice for voice in load_folder(asked.speech, RATE) if voice.name not in asked.leave_out]
-        background = train({voice.name: voice.speech.astype(float) for voice in known}, asked.seed)
-    heard = [voice for voice in load_folder(asked.speech, MIXTURE_RATE) if voice.name not in asked.leave_out]
-    content = encode_background(calibrated(background, heard, asked.draws, asked.seed))
+    with threadpool_limits(1):
+        content = encode_background(trained(asked.speech, asked.leave_out, asked.seed))
     asked.out.write_bytes(content)
     values = read_background(content, asked.out.name).calibration.round(3)
     sys.stdout.write(f"{asked.out.name}: {len(content) / 1000:.0f} kB, calibration {values}\n")
