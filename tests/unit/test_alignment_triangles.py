@@ -1,0 +1,74 @@
+"""The paper's acute-triangle rule for more than three sources (Sec. III-B): when it holds, and when it does not.
+
+The array is in the middle of a circle; sources are points on it. The rule reads: where the triangle of the target and
+its nearest neighbour on either side is acute, no heading isolates the target better than the bisector of the two.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from ross_payload.angles import wrap_axis
+from ross_payload.dsp.alignment import isolation, plan
+from ross_payload.events import SourceEstimate
+from ross_payload.interfaces import Real
+
+SPACING, SPEED = 343.0, 343.0  # d / v_p = 1 s
+HEADINGS = np.pi * np.arange(720) / 720
+
+
+def acute(a: float, b: float, c: float) -> bool:
+    """A triangle in a circle is acute when its corners do not fit on half of the circle."""
+    corners = np.sort(np.mod([a, b, c], 2 * np.pi))
+    return bool(np.diff(corners, append=corners[0] + 2 * np.pi).max() < np.pi)
+
+
+def neighbours(azimuths: Real) -> tuple[float, float]:
+    """Nearest source on either side of the first one."""
+    ahead = np.mod(azimuths[1:] - azimuths[0], 2 * np.pi)
+    return float(azimuths[0] + ahead.min()), float(azimuths[0] + ahead.max())
+
+
+def isolations(azimuths: Real) -> tuple[float, float]:
+    """Isolation of the first source at the bisector of its neighbours, and the best at any heading."""
+    headings = np.append(HEADINGS, np.mean(neighbours(azimuths)))
+    curve = isolation(azimuths, headings, SPACING, SPEED)[0]
+    return float(curve[-1]), float(curve[:-1].max())
+
+
+layouts = st.lists(st.integers(-179, 180), min_size=3, max_size=6, unique=True).map(np.deg2rad)
+
+
+@settings(deadline=None, max_examples=200)
+@given(layouts)
+def test_where_the_triangle_with_both_neighbours_is_acute_no_heading_beats_their_bisector(azimuths: Real) -> None:
+    assume(acute(float(azimuths[0]), *neighbours(azimuths)))
+    bisector, best = isolations(azimuths)
+    assert bisector >= best - 1e-9
+
+
+@settings(deadline=None, max_examples=50)
+@given(layouts)
+def test_the_plan_for_such_a_target_is_the_bisector(azimuths: Real) -> None:
+    assume(acute(float(azimuths[0]), *neighbours(azimuths)))
+    assume(isolations(azimuths)[0] > 0.05)  # a target that no heading isolates has no candidate
+    sources = [SourceEstimate(float(azimuth), 0.01, 1.0, True) for azimuth in azimuths]
+    planned = plan(sources, heading=0, joint=0, lower=-4, upper=4, spacing=SPACING, speed_of_sound=SPEED)
+    (chosen,) = [candidate for candidate in planned.candidates if candidate.source == 0]
+    assert abs(wrap_axis(chosen.heading - float(np.mean(neighbours(azimuths))))) < 1e-6
+
+
+def test_one_acute_triangle_of_other_sources_is_not_enough() -> None:
+    """Target 0, neighbours 20 and -20 deg: that triangle is obtuse, the one of 0, 130 and -120 deg is acute.
+
+    Broadside to 65 deg tells the target from 20 deg by cos 65 - cos 45 = 0.28; at the bisector, heading 0, it is
+    1 - cos 20 = 0.06.
+    """
+    azimuths = np.deg2rad([0.0, 20.0, -20.0, 130.0, -120.0])
+    assert acute(azimuths[0], azimuths[3], azimuths[4])
+    assert not acute(float(azimuths[0]), *neighbours(azimuths))
+    bisector, best = isolations(azimuths)
+    assert bisector < 0.07
+    assert best > 2 * bisector
