@@ -36,7 +36,7 @@ class Audio(Table):
     rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 16000  # of both microphones [Hz]
     hop_ms: Annotated[int, Field(ge=1, le=20)] = 10  # one step of the mission: a stop is obeyed within it [ms]
     frame: Annotated[int, Field(ge=128, le=8192)] = 2048  # STFT frame of the separation [samples]
-    overlap: Annotated[float, Field(ge=0.5, le=0.9)] = 0.75  # of neighbouring frames, as a share of the frame
+    overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of neighbouring frames, as a share of the frame
 
 
 class Actuator(Table):
@@ -78,7 +78,9 @@ class Mount(Table):
 class Explore(Table):
     """[explore]: find K and every azimuth."""
 
-    method: str = "joint"  # explorer
+    method: str = "joint"  # explorer: joint, markov, or markov-plain (histograms without weights, as in the paper)
+    frame: Annotated[int, Field(ge=128, le=8192)] | None = None  # STFT frame [samples]; absent: about 43 ms
+    overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of these frames, as a share of the frame
     lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listened to before anything turns, for the noise
     unit_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_unit
     step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation

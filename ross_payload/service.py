@@ -158,10 +158,10 @@ def tools_of(config: Config, voiceprint: VoicePrint) -> Tools:
         array.spacing_m, array.speed_of_sound_m_s
     )
     separator: Separator = plugins.load("ross_payload.separators", config.exploit.separator)
-    frame = 2 ** round(math.log2(EXPLORER_FRAME * audio.rate_hz))
+    frame = config.explore.frame or 2 ** round(math.log2(EXPLORER_FRAME * audio.rate_hz))
     return Tools(
         explorer=explorer,
-        explorer_stft=Stft(audio.rate_hz, frame, frame // 4),
+        explorer_stft=Stft(audio.rate_hz, frame, round(frame * (1 - config.explore.overlap))),
         separator=separator,
         stft=Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap))),
         voiceprint=voiceprint,

@@ -23,12 +23,12 @@ class Stft:
     frame
         Length of a frame [samples], even.
     hop
-        Distance between frames [samples], at most half a frame.
+        Distance between frames [samples], less than a frame: every sample then lies where some window is not 0.
 
     Raises
     ------
     ConfigError
-        When the frame is odd or the hop is not in 1 .. frame / 2.
+        When the frame is odd or the hop is not in 1 .. frame - 1.
 
     Examples
     --------
@@ -47,8 +47,8 @@ class Stft:
         """Check the sizes."""
         if self.rate <= 0 or self.frame < 2 or self.frame % 2:
             raise ConfigError(f"STFT: rate {self.rate} must be positive and frame {self.frame} even")
-        if not 1 <= self.hop <= self.frame // 2:
-            raise ConfigError(f"STFT: hop {self.hop} must lie in 1 .. {self.frame // 2}")
+        if not 1 <= self.hop < self.frame:
+            raise ConfigError(f"STFT: hop {self.hop} must lie in 1 .. {self.frame - 1}")
 
     @property
     def frequencies(self) -> Real:

@@ -5,7 +5,7 @@ from ross_payload.dsp.stft import Stft, aliasing_limit, band
 from ross_payload.errors import ConfigError
 
 
-@pytest.mark.parametrize(("frame", "hop"), [(512, 128), (512, 256), (512, 200), (2048, 512)])
+@pytest.mark.parametrize(("frame", "hop"), [(512, 128), (512, 256), (512, 200), (2048, 512), (512, 384), (1024, 768)])
 @pytest.mark.parametrize("n", [1, 100, 5000])
 def test_synthesis_gives_back_every_sample_edges_included(frame: int, hop: int, n: int) -> None:
     samples = np.random.default_rng(0).standard_normal((2, n))
@@ -39,7 +39,7 @@ def test_another_number_of_frames_is_refused() -> None:
         stft.synthesise(stft.analyse(np.zeros(1000)), 5000)
 
 
-@pytest.mark.parametrize(("frame", "hop"), [(511, 128), (512, 0), (512, 257), (0, 1)])
+@pytest.mark.parametrize(("frame", "hop"), [(511, 128), (512, 0), (512, 512), (0, 1)])
 def test_sizes_without_an_inverse_are_refused(frame: int, hop: int) -> None:
     with pytest.raises(ConfigError):
         Stft(16000, frame, hop)
