@@ -9,7 +9,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Groups, Real, Scene
 
 LOADING = 1e-3  # of the diagonal, relative to the mean of the diagonal
-NOISE_GAIN = 10.0  # most that a null may amplify white noise
+NOISE_GAIN = 3.0  # most that a null may amplify white noise
 
 
 def covariance_of(spectrogram: Complex) -> Complex:
@@ -52,7 +52,7 @@ def lcmv_weights(covariances: Complex, constraints: Complex) -> Complex:
     """Weights with gain 1 towards the first direction and 0 towards the second one, (n_freqs, 2).
 
     w = R^-1 C (C^H R^-1 C)^-1 [1, 0]^T (Frost 1972); two microphones have no freedom left, and w = C^-H [1, 0]^T.
-    Where both directions look so alike that |w|^2, the gain of white noise, would exceed 10, the null is given up and
+    Where both directions look so alike that |w|^2, the gain of white noise, would exceed 3, the null is given up and
     the weights are those of `mvdr_weights` (the white noise constraint of Cox et al. 1987).
 
     Parameters

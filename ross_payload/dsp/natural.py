@@ -10,7 +10,7 @@ from ross_payload.dsp.outputs import images_of, outputs_of
 from ross_payload.interfaces import Complex, Groups, Real, Scene
 
 ITERATIONS = 200
-STEP = 0.1
+STEP = 0.3
 
 
 def demix(observed: Real, iterations: int = ITERATIONS, step: float = STEP) -> Complex:

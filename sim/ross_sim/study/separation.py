@@ -2,13 +2,14 @@
 
 K talkers of equal power at microphone 1 stand 2.5 m from the array in the centre of a room of 10 x 10 m; white noise
 is 15 dB below the mixture. Every talker is the target once, with the array at its own alignment and with every azimuth
-known; its reference is itself alone at microphone 1. The table gives the mean SI-SDRi.
+known; its reference is itself alone at microphone 1. The table gives the mean SI-SDRi. Columns are separators
+(`--separators duet mvdr ilrma`) or oracles, which are given every source and the noise (`irm mwf tvmwf`).
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,15 +24,17 @@ from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.steering import tdoa
 from ross_payload.dsp.stft import Stft
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, RossError
 from ross_payload.interfaces import Scene, Separator
 from ross_sim.room import impulse_responses
 from ross_sim.speech import load_folder
+from ross_sim.study.oracles import ORACLES, Oracle
 
 SETTINGS = {"S1": 0.0, "S2": 0.45, "S3": 0.7}  # the paper's nominal T60 [s]
 PAPER_DEG = (170.0, 70.0, -50.0, -120.0, 10.0)  # the layout of the prototypes
 VOICES = ("ls3005", "ls3331", "ls2414", "ls3080", "ls533")
 SEPARATORS = ("duet", "auxiva", "gaussian")
+NOISE_BLIND = frozenset({"mvdr", "lcmv", "iva", "ilrma", "fastmnmf2"})  # never look at the noise PSD
 APART = np.deg2rad(25.0)
 ROOM, CENTRE, DISTANCE = (10.0, 10.0), (5.0, 5.0), 2.5  # [m]
 SPACING, SPEED_OF_SOUND = 0.05, 343.0
@@ -46,9 +49,14 @@ class Recording:
 
     mixture: Real  # (2, n)
     lead_in: Real  # noise alone, (2, m)
-    reference: Real  # the target alone at microphone 1, (n,)
+    images: Real  # every talker alone at both microphones, (n_sources, 2, n)
     tau: Real  # [s], (n_sources,)
     target: int
+
+    @property
+    def reference(self) -> Real:
+        """The target alone at microphone 1, (n,)."""
+        return np.asarray(self.images[self.target, 0])
 
 
 def layouts(n_sources: int, count: int, rng: np.random.Generator) -> list[Real]:
@@ -90,7 +98,7 @@ def record(
     mixture = clean + sigma * rng.standard_normal(clean.shape)
     lead_in = sigma * rng.standard_normal((2, round(LEAD_IN * RATE)))
     tau = tdoa(azimuths, heading, SPACING, SPEED_OF_SOUND)
-    return Recording(mixture.astype(np.float32), lead_in.astype(np.float32), images[target, 0], tau, target)
+    return Recording(mixture.astype(np.float32), lead_in.astype(np.float32), images, tau, target)
 
 
 def scene_of(recording: Recording, stft: Stft, known_noise: bool) -> Scene:
@@ -106,6 +114,28 @@ def improvement(separator: Separator, recording: Recording, known_noise: bool = 
     index = next(i for i, members in enumerate(groups.members) if recording.target in members)
     voice = stft.synthesise(groups.signals[index], recording.mixture.shape[1])
     return si_sdri(voice, recording.mixture[0], recording.reference)
+
+
+def bound(oracle: Oracle, recording: Recording) -> float:
+    """SI-SDRi [dB] of the target by someone who knows every talker and the noise."""
+    noise = recording.mixture - recording.images.sum(axis=0)
+    voice = oracle(recording.images, noise, Stft(RATE, FRAME, HOP))[recording.target]
+    return si_sdri(voice, recording.mixture[0], recording.reference)
+
+
+def column(name: str) -> Callable[[Recording], list[float]]:
+    """What a column measures: SI-SDRi [dB] with the noise PSD known and unknown, or once where it does not matter.
+
+    Raises
+    ------
+    PluginError
+        When the name is neither an oracle nor a separator, or an extra is missing.
+    """
+    if name in ORACLES:
+        return lambda recording: [bound(ORACLES[name], recording)]
+    separator: Separator = plugins.load("ross_payload.separators", name)
+    knowledge = (True,) if name in NOISE_BLIND else (True, False)
+    return lambda recording: [improvement(separator, recording, known) for known in knowledge]
 
 
 def load_voices(folder: Path) -> list[Real]:
@@ -133,47 +163,66 @@ def recordings(voices: Sequence[Real], n_sources: int, t60: float, count: int, s
             yield record(voices[:n_sources], azimuths, target, heading, t60, rng=rng)
 
 
-def measure(voices: Sequence[Real], n_sources: int, t60: float, count: int, seed: int) -> dict[str, list[float]]:
-    """Mean SI-SDRi [dB] per separator, with the noise PSD known and unknown."""
-    separators: dict[str, Separator] = {name: plugins.load("ross_payload.separators", name) for name in SEPARATORS}
-    scores: dict[str, list[list[float]]] = {name: [] for name in SEPARATORS}
+def measure(
+    voices: Sequence[Real], n_sources: int, t60: float, count: int, seed: int, *, names: Sequence[str] = SEPARATORS
+) -> dict[str, list[float]]:
+    """Mean SI-SDRi [dB] per column: with the noise PSD known and unknown, or once where it does not matter."""
+    columns = {name: column(name) for name in names}
+    scores: dict[str, list[list[float]]] = {name: [] for name in columns}
     for recording in recordings(voices, n_sources, t60, count, seed):
-        for name, separator in separators.items():
-            scores[name].append([improvement(separator, recording, known) for known in (True, False)])
+        for name, score in columns.items():
+            scores[name].append(score(recording))
     return {name: np.mean(rows, axis=0).tolist() for name, rows in scores.items()}
 
 
 def row(setting: str, n_sources: int, scores: Mapping[str, Sequence[float]]) -> str:
     """One line of the table.
 
-    >>> row("S1", 3, {"duet": [12.34, 11.0]})
-    'S1 K3   12.3/11.0 '
+    >>> row("S1", 3, {"duet": [12.34, 11.0], "irm": [15.0]})
+    'S1 K3   12.3/11.0          15.0'
     """
-    return f"{setting} K{n_sources} " + " ".join(f"{known:6.1f}/{unknown:<5.1f}" for known, unknown in scores.values())
+    cells = [
+        f"{known[0]:6.1f}/{known[1]:<5.1f}" if len(known) > 1 else f"{known[0]:12.1f}" for known in scores.values()
+    ]
+    return f"{setting} K{n_sources} " + " ".join(cells)
 
 
 @click.command()
+@click.argument("more", nargs=-1, metavar="")
+@click.option("--separators", "first", metavar="NAME...", help="Columns, instead of duet auxiva gaussian.")
 @click.option("--speech", type=click.Path(path_type=Path), default=Path("../shared/speech"), show_default=True)
 @click.option("--layouts", "count", type=click.IntRange(min=0), default=5, show_default=True, help="Random layouts.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--quick", is_flag=True, help="The paper's layout and K = 3 alone.")
 @click.option("--json", "out", type=click.Path(path_type=Path), help="Write the table here too.")
-def main(speech: Path, count: int, seed: int, quick: bool, out: Path | None) -> None:
+def main(
+    *, more: tuple[str, ...], first: str | None, speech: Path, count: int, seed: int, quick: bool, out: Path | None
+) -> None:
     """Print the mean SI-SDRi [dB] with the noise PSD known from a lead-in / unknown, true azimuths, aligned."""
-    table: dict[str, dict[str, list[float]]] = {}
-    with threadpool_limits(1):
-        try:
-            voices = load_voices(speech)
-        except ConfigError as error:
-            raise click.ClickException(str(error)) from error
-        click.echo("SI-SDRi [dB], noise PSD from lead-in / unknown\n      " + " ".join(f"{s:>12}" for s in SEPARATORS))
-        for setting, t60 in SETTINGS.items():
-            for n_sources in (3,) if quick else (3, 4, 5):
-                scores = measure(voices, n_sources, t60, 0 if quick else count, seed)
-                table[f"{setting} K{n_sources}"] = scores
-                click.echo(row(setting, n_sources, scores))
+    if more and first is None:
+        raise click.UsageError(f"columns are named after --separators, found {' '.join(more)}")
+    names = SEPARATORS if first is None else tuple(dict.fromkeys((first, *more)))
+    try:
+        with threadpool_limits(1):
+            table = _printed(load_voices(speech), names, 0 if quick else count, (3,) if quick else (3, 4, 5), seed)
+    except RossError as error:
+        raise click.ClickException(str(error)) from error
     if out:
         out.write_text(json.dumps({"seed": seed, "layouts": count, "si_sdri_db": table}, indent=2) + "\n")
+
+
+def _printed(
+    voices: Sequence[Real], names: Sequence[str], count: int, sizes: Sequence[int], seed: int
+) -> dict[str, dict[str, list[float]]]:
+    """Measure and print the table line by line."""
+    click.echo("SI-SDRi [dB], noise PSD from lead-in / unknown\n      " + " ".join(f"{name:>12}" for name in names))
+    table: dict[str, dict[str, list[float]]] = {}
+    for setting, t60 in SETTINGS.items():
+        for n_sources in sizes:
+            scores = measure(voices, n_sources, t60, count, seed, names=names)
+            table[f"{setting} K{n_sources}"] = scores
+            click.echo(row(setting, n_sources, scores))
+    return table
 
 
 if __name__ == "__main__":
