@@ -11,6 +11,7 @@ from ross_payload.interfaces import Complex, Groups, Real, Scene
 
 ITERATIONS = 200
 STEP = 0.3
+SILENT = 1e-6  # of the diagonal, relative to its mean over all bins
 
 
 def demix(observed: Real, iterations: int = ITERATIONS, step: float = STEP) -> Complex:
@@ -19,7 +20,8 @@ def demix(observed: Real, iterations: int = ITERATIONS, step: float = STEP) -> C
     W <- W + step (I - E[phi(y) y^H]) W with the score of the spherical Laplace distribution, phi(y_k)(f, t) =
     y_k(f, t) / sqrt(sum_f |y_k(f, t)|^2), on whitened observations; Kim et al., "Blind source separation exploiting
     higher-order frequency dependencies", IEEE TASLP 15(1), 2007. Row k of the expectation is w_k^H V_k W^H with
-    V_k = mean_t x x^H / r_k(t), so that no output is ever formed.
+    V_k = mean_t x x^H / r_k(t), so that no output is ever formed. No update is larger than ``step`` times W, which a
+    fixed step does not ensure: it diverges when one output is quiet while the other one is loud.
 
     Parameters
     ----------
@@ -38,18 +40,27 @@ def demix(observed: Real, iterations: int = ITERATIONS, step: float = STEP) -> C
         probe = coordinates(demixing).astype(observed.dtype)
         power = np.maximum(np.swapaxes(probe, 0, 1).reshape(2, -1) @ heard, TINY)
         weighted = (flat @ (1 / np.sqrt(power)).T / n_frames).reshape(n_freqs, 4, 2).astype(np.float64)
+        _load(weighted)
         adjoint = np.swapaxes(demixing.conj(), 1, 2)
         moments = [demixing[:, k : k + 1] @ matrices(weighted[..., k]) @ adjoint for k in (0, 1)]
-        demixing = demixing + step * (np.eye(2) - np.concatenate(moments, axis=1)) @ demixing
+        gradient = np.eye(2) - np.concatenate(moments, axis=1)
+        size = np.linalg.norm(gradient, axis=(1, 2), keepdims=True)
+        demixing = demixing + step / np.maximum(size, 1) * gradient @ demixing
     return projected_back(demixing)
 
 
 def whitening(observed: Real) -> Complex:
     """Matrix C^(-1/2) of every bin, C = mean_t x x^H, slightly loaded, (n_freqs, 2, 2)."""
     mean = observed.mean(axis=-1, dtype=np.float64)
-    mean[:, :2] += LOADING * mean[:, :2].mean() + LOADING * mean[:, :2].sum(axis=1, keepdims=True)
+    _load(mean)
     values, vectors = np.linalg.eigh(matrices(mean))
     return np.asarray((vectors / np.sqrt(values)[:, None]) @ np.swapaxes(vectors.conj(), 1, 2))
+
+
+def _load(covariances: Real) -> None:
+    """Add to the diagonal, in place, what keeps bins regular in which one wave or nothing at all is heard."""
+    diagonal = covariances[:, :2]
+    diagonal += LOADING * diagonal.sum(axis=1, keepdims=True) + SILENT * diagonal.mean(axis=(0, 1))
 
 
 class NaturalIva:

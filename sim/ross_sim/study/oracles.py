@@ -17,11 +17,11 @@ from ross_payload.interfaces import Complex, Real
 
 Oracle = Callable[[Real, Real, Stft], Real]
 FLOOR = 1e-10  # of every PSD, relative to the mean power of the mixture
-LOADING = 1e-3  # white part of every covariance
+LOADING = 1e-4  # white part of every covariance
 
 
 def ratio_masks(parts: Complex) -> Real:
-    """Ideal ratio masks |S_k| / sum |S_j|, (n, n_freqs, n_frames), in [0, 1]; they add up to 1 where there is sound.
+    """Ideal ratio masks |S_k|^2 / sum_j |S_j|^2, (n, n_freqs, n_frames), in [0, 1]; they add up to 1 in sound.
 
     Parameters
     ----------
@@ -31,15 +31,15 @@ def ratio_masks(parts: Complex) -> Real:
     Examples
     --------
     >>> ratio_masks(np.array([[[3.0, 0.0]], [[1j, 0.0]]])).tolist()
-    [[[0.75, 0.0]], [[0.25, 0.0]]]
+    [[[0.9, 0.0]], [[0.1, 0.0]]]
     """
-    sizes = np.abs(parts)
-    total = sizes.sum(axis=0)
-    return np.asarray(np.divide(sizes, total, out=np.zeros_like(sizes), where=total > 0))
+    powers = np.abs(parts) ** 2
+    total = powers.sum(axis=0)
+    return np.asarray(np.divide(powers, total, out=np.zeros_like(powers), where=total > 0))
 
 
 def ideal_ratio_mask(images: Real, noise: Real, stft: Stft) -> Real:
-    """Microphone 1 through the ideal ratio mask of every source (Narayanan and Wang 2013, on amplitudes)."""
+    """Microphone 1 through the ideal ratio mask of every source (Narayanan and Wang 2013)."""
     parts = stft.analyse(np.concatenate([images[:, 0], noise[None, 0]]))
     return stft.synthesise(ratio_masks(parts)[:-1] * parts.sum(axis=0), images.shape[-1])
 
