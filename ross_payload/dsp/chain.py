@@ -15,7 +15,7 @@ from ross_payload.interfaces import Observation, Real
 
 BLIND = np.sin(np.deg2rad(4.0))  # sine of a rotation that moves the two hypotheses apart too little to test
 OUTSIDE = 1.2  # an ITD beyond this [d / v_p] belongs to no source
-TINY = 1e-12
+TINY = 1e-9  # the weight of an undecided test before the power is taken
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,13 +28,11 @@ class Vote:
 
 
 @dataclass(frozen=True, slots=True)
-class Test:
-    """How the hypotheses are tested."""
+class Trial:
+    """How the hypotheses are tested; power 0 and one way is the paper's test."""
 
-    __test__ = False  # not a test of pytest
-
-    gate: float = 0.1  # a predicted ITD is heard when a peak is at most so far off [d / v_p]; 0: prediction alone
-    weighted: bool = True  # votes count by how clearly the test decides and how well the ITD tells the angle
+    power: float = 0.7  # of the clearness of a test as the weight of its vote; 0: all votes count alike
+    both_ways: bool = True  # the peaks of the later orientation are tested against the earlier one too
 
 
 def local_aoas(itds: Sequence[float], unit: float) -> Real:
@@ -47,40 +45,34 @@ def local_aoas(itds: Sequence[float], unit: float) -> Real:
     return np.asarray(np.arccos(np.clip(cosines, -1, 1)))
 
 
-def votes(before: Observation, after: Observation, rotation: int, unit: float, test: Test) -> list[Vote]:
-    """Global azimuths from the peaks of two successive orientations, Eqs. (ITD-est), (MLE_rth), (total_rot).
+def votes(before: Observation, after: Observation, rotation: int, unit: float, trial: Trial) -> list[Vote]:
+    """Global azimuths from two successive orientations, Eqs. (ITD-est), (MLE_rth), (total_rot)."""
+    found = decided(before, after, rotation, unit, trial.power)
+    return found + (decided(after, before, rotation, unit, trial.power) if trial.both_ways else [])
 
-    Every peak of the first is predicted at the second under both hypotheses; the hypothesis at whose ITD the second
-    density is higher wins, and the peak heard there says where exactly. A rotation by a multiple of pi tells nothing.
+
+def decided(here: Observation, there: Observation, rotation: int, unit: float, power: float) -> list[Vote]:
+    """Global azimuths from the peaks of one orientation, front told from back by the density of another.
+
+    Every peak is predicted there under both hypotheses; the one at whose ITD the density is higher wins. A rotation by
+    a multiple of pi tells nothing. With ``p`` and ``q`` the two densities and theta the local AoA the weight is
+    ``(|p - q| / (p + q) |sin theta|) ** power``: how clear the test is, and how well an ITD tells an angle.
     """
-    turned = after.heading - before.heading
-    magnitudes = local_aoas(before.peaks, unit)
+    turned = there.heading - here.heading
+    magnitudes = local_aoas(here.peaks, unit)
     if abs(np.sin(turned)) < BLIND or not len(magnitudes):
         return []
-    hypotheses = np.stack([magnitudes, -magnitudes]) - turned  # local AoAs after the rotation
-    predicted = unit * np.cos(hypotheses)
-    density = np.interp(predicted, after.grid, after.density, left=0.0, right=0.0)
-    winner = density.argmax(axis=0)
-    sources = np.arange(len(magnitudes))
-    clear = np.abs(density[0] - density[1]) / (density.sum(axis=0) + TINY)
-    found = []
-    for source, local, heard in zip(sources, hypotheses[winner, sources], predicted[winner, sources], strict=True):
-        exact = _measured(float(local), float(heard), after.peaks, unit, test.gate)
-        if exact is not None and clear[source] > 0:
-            weight = float(clear[source] * np.abs(np.sin(exact))) if test.weighted else 1.0
-            found.append(Vote(exact + after.heading, max(weight, TINY), rotation))
-    return found
-
-
-def _measured(local: float, predicted: float, peaks: Sequence[float], unit: float, gate: float) -> float | None:
-    """Local AoA [rad] of the peak heard at the predicted ITD, on the predicted side; None when none is heard there."""
-    if not gate:
-        return local
-    near = [peak for peak in peaks if abs(peak - predicted) <= gate * unit]
-    if not near:
-        return None
-    peak = min(near, key=lambda peak: abs(peak - predicted))
-    return float(np.copysign(local_aoas([peak], unit)[0], np.sin(local)))
+    hypotheses = np.stack([magnitudes, -magnitudes])
+    predicted = unit * np.cos(hypotheses - turned)
+    density = np.interp(predicted, there.grid, there.density, left=0.0, right=0.0)
+    local = np.where(density[0] >= density[1], magnitudes, -magnitudes)
+    total = density.sum(axis=0)
+    clear = np.abs(density[0] - density[1]) / np.maximum(total, np.finfo(float).tiny)
+    weights = np.maximum(clear * np.sin(magnitudes), TINY) ** power
+    return [
+        Vote(float(azimuth), float(weight), rotation)
+        for azimuth, weight in zip((local + here.heading)[total > 0], weights[total > 0], strict=True)
+    ]
 
 
 def refined(density: Real, grid: Real, peak: float) -> float:

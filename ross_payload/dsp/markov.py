@@ -23,6 +23,7 @@ from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
 
 OVERLAP = 0.75  # of the frames of the spectrogram
+TRUSTS = (Trust(), Trust(neighbourhood=(3, 3), coherence=0.99))
 N_BINS = 241
 UNCHANGED = 2  # times that K must stay the same
 HALF_TURN = np.pi - 1e-6  # total rotation at which Algorithm 1 ends [rad]
@@ -35,12 +36,12 @@ STEEP = 3.0  # of the confidence over the logarithm of votes over those wanted
 class Rule:
     """The numbers that the paper leaves open."""
 
-    bandwidth: float = 0.05  # of the KDE [d / v_p]
-    prominence: float = 0.05  # of a peak, as a share of the highest
-    test: chain.Test = field(default_factory=chain.Test)
-    spread: float = np.deg2rad(10.0)  # one more cluster must save the inertia of one mean vote so far off [rad]
-    share: float = 0.1  # of the rotations, in mean votes, that a source must hold
-    most: int = 12  # clusters tried
+    bandwidth: float = 0.045  # of the KDE [d / v_p]
+    prominence: float = 0.01  # of a peak, as a share of the highest
+    trial: chain.Trial = field(default_factory=chain.Trial)
+    spread: float = np.deg2rad(16.0)  # one more cluster must save the inertia of one mean vote so far off [rad]
+    share: float = 0.2  # of the votes that one source could have, in mean votes, that a source must hold
+    most: int = 16  # clusters tried
     evidence: float = 5.0  # an orientation with less weight heard nobody
 
 
@@ -50,7 +51,7 @@ class Markov:
 
     spacing: float
     speed_of_sound: float
-    trusts: tuple[Trust, ...] = (Trust(), Trust(neighbourhood=(3, 3), coherence=0.99))  # (): every bin counts one
+    trusts: tuple[Trust, ...] = TRUSTS  # a histogram each; none: one in which every bin counts one, as in the paper
     rule: Rule = field(default_factory=Rule)
     name: str = "markov"
 
@@ -80,7 +81,7 @@ class Markov:
         """Run the chain over all orientations, in the order in which they were heard; see `interfaces.Explorer`."""
         pairs = enumerate(pairwise(observations), start=1)
         found = [
-            vote for r, (before, after) in pairs for vote in chain.votes(before, after, r, self.unit, self.rule.test)
+            vote for r, (before, after) in pairs for vote in chain.votes(before, after, r, self.unit, self.rule.trial)
         ]
         if not found:
             return Estimate(self._unresolved(observations[-1]) if observations else ())
@@ -99,9 +100,9 @@ class Markov:
         """Clusters that are sources, each with its votes over those that it must hold."""
         weights = np.array([vote.weight for vote in votes])
         weights = weights / weights.mean()
-        rotations = max(vote.rotation for vote in votes)
+        possible = max(vote.rotation for vote in votes) * (2 if self.rule.trial.both_ways else 1)
         found = k_means(np.array([vote.azimuth for vote in votes]), weights, self.rule.spread**2, self.rule.most)
-        held = [cluster.weight / (self.rule.share * rotations) for cluster in found]
+        held = [cluster.weight / (self.rule.share * possible) for cluster in found]
         return [(cluster, share) for cluster, share in zip(found, held, strict=True) if share >= 1]
 
     def _sources(self, votes: Sequence[chain.Vote]) -> tuple[SourceEstimate, ...]:
@@ -147,9 +148,11 @@ def _sigma(cluster: Cluster) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Factory:
-    """Makes explorers; the object behind the entry point ``markov``."""
+    """Makes explorers; the objects behind the entry points ``markov`` and ``markov-plain``."""
 
-    name: str = "markov"
+    name: str
+    trusts: tuple[Trust, ...]
+    rule: Rule
 
     def make(self, spacing: float, speed_of_sound: float) -> Markov:
         """Make an explorer for an array.
@@ -162,7 +165,18 @@ class Factory:
         for what, value in (("spacing", spacing), ("speed of sound", speed_of_sound)):
             if not 0 < value < np.inf:
                 raise ConfigError(f"{what} = {value:g}: a positive number is wanted")
-        return Markov(spacing, speed_of_sound)
+        return Markov(spacing, speed_of_sound, self.trusts, self.rule, self.name)
 
 
-explorer = Factory()
+explorer = Factory("markov", TRUSTS, Rule())
+plain = Factory(
+    "markov-plain",
+    (),
+    Rule(
+        bandwidth=0.05,
+        prominence=0.005,
+        spread=np.deg2rad(10.0),
+        share=0.34,
+        trial=chain.Trial(power=0.0, both_ways=False),
+    ),
+)

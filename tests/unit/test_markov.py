@@ -122,11 +122,11 @@ def test_everything_turns_with_the_frame() -> None:
 
 def test_the_higher_density_at_the_predicted_itd_wins() -> None:
     """From +-60 deg, a turn of 30 deg: a source in front moves to cos 30, one behind to cos 90."""
-    test, before = chain.Test(gate=0.0), Observation(0.0, GRID, np.ones_like(GRID), 1.0, (0.5 * UNIT,))
+    before = Observation(0.0, GRID, np.ones_like(GRID), 1.0, (0.5 * UNIT,))
     for itd, azimuth in ((np.cos(np.pi / 6), 60.0), (0.0, -60.0)):
         density = np.exp(-0.5 * ((GRID / UNIT - itd) / WIDTH) ** 2)
         after = Observation(np.pi / 6, GRID, density, 1.0, (itd * UNIT,))
-        (vote,) = chain.votes(before, after, 1, UNIT, test)
+        (vote,) = chain.decided(before, after, 1, UNIT, power=0.0)
         assert np.rad2deg(difference(vote.azimuth, 0.0)) == pytest.approx(azimuth)
 
 
@@ -164,5 +164,6 @@ def test_an_impossible_array_is_refused(spacing: float, speed: float) -> None:
         explorer.make(spacing, speed)
 
 
-def test_it_is_a_plug_in() -> None:
-    assert plugins.load("ross_payload.explorers", "markov").make(SPACING, SPEED).name == "markov"
+@pytest.mark.parametrize("name", ["markov", "markov-plain"])
+def test_it_is_a_plug_in(name: str) -> None:
+    assert plugins.load("ross_payload.explorers", name).make(SPACING, SPEED).name == name

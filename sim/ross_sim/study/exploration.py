@@ -24,11 +24,11 @@ from scipy.optimize import linear_sum_assignment
 from scipy.signal import oaconvolve
 from threadpoolctl import threadpool_limits
 
+from ross_payload import plugins
 from ross_payload.angles import difference
-from ross_payload.dsp.joint import explorer
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate
-from ross_payload.interfaces import Real, Samples
+from ross_payload.interfaces import Explorer, Real, Samples
 from ross_sim.room import impulse_responses
 from ross_sim.speech import load_folder
 
@@ -48,12 +48,13 @@ WORKERS = 2
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """One layout of talkers in one room."""
+    """One layout of talkers in one room, and who looks for them."""
 
     setting: str
     k: int
     layout: int
     seed: int
+    explorer: str = "joint"
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,11 +120,12 @@ def explore(task: Task, voices: Sequence[Samples], rotations: Sequence[int]) -> 
     chosen = [voices[i] for i in rng.permutation(len(voices))[: task.k]]
     headings = STEP * np.arange(max(rotations) + 1)
     heard = render(chosen, azimuths, SETTINGS[task.setting], headings, rng).astype(np.float32)
-    stft, joint = Stft(RATE, FRAME, FRAME // 4), explorer.make(SPACING, SPEED_OF_SOUND)
+    stft = Stft(RATE, FRAME, FRAME // 4)
+    explorer: Explorer = plugins.load("ross_payload.explorers", task.explorer).make(SPACING, SPEED_OF_SOUND)
     observations, rows, stopped, began = [], [], False, time.process_time()
     for r, heading in enumerate(headings):
-        observations.append(joint.observe(stft.analyse(heard[r]), stft.frequencies, float(heading), None))
-        estimate = joint.estimate(observations)
+        observations.append(explorer.observe(stft.analyse(heard[r]), stft.frequencies, float(heading), None))
+        estimate = explorer.estimate(observations)
         cost = (time.process_time() - began) / (UNIT * (r + 1))
         row = partial(_row, task, azimuths, r, estimate, cost)
         if not stopped and (estimate.certain or r == max(rotations)):
@@ -179,6 +181,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, default=Path("../shared/speech"), help="folder of recordings")
+    parser.add_argument("--explorer", choices=("joint", "markov", "markov-plain"), default="joint")
     parser.add_argument("--layouts", type=int, default=14, help="per K and room")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--rotations", type=int, nargs="+", default=[2, 4, 8, 12])
@@ -189,7 +192,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     voices = {voice.name: voice.speech for voice in load_folder(asked.speech, RATE)}
     chosen = [voices[name] for name in TALKERS if name in voices] or list(voices.values())
     counts = [k for k in COUNTS if k <= len(chosen)]
-    tasks = [Task(setting, k, n, asked.seed) for setting, k, n in product(SETTINGS, counts, range(count))]
+    tasks = [
+        Task(setting, k, n, asked.seed, asked.explorer) for setting, k, n in product(SETTINGS, counts, range(count))
+    ]
     rows = sweep(tasks, chosen, rotations)
     sys.stdout.write(table(rows) + "\n")
     if asked.json:
