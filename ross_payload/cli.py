@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import click
 
 from ross_payload import __version__, plugins
-from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError
+from ross_payload.errors import ActuatorError, ConfigError, OutputError, PluginError, RossError
 
 COMMANDS = "ross_payload.commands"
 EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand."
@@ -57,8 +58,10 @@ def config() -> None:
 def check(file: Path) -> None:
     """Check a payload's TOML FILE: keys, values, and the options of the actuator it names."""
     from ross_payload.actuators.registry import check_options
-    from ross_payload.config import load
+    from ross_payload.config import load, read_toml
 
+    if "talkers" in read_toml(file):
+        raise ConfigError(f"{file}: this is a scenario of the simulator: ross sitl --scenario {file}")
     loaded = load(file)
     check_options(loaded)
     for group, name in (
@@ -112,10 +115,11 @@ def actuators(as_json: bool) -> None:
 
 def main() -> None:
     """Run the command line; a user's mistake gets one line and exit code 2."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # the same clean end as Ctrl-C, also while setting up
     try:
         code = ross.main(standalone_mode=False)
     except click.ClickException as error:
-        error.show()
+        click.echo(f"ross: {error.format_message()}", err=True)
         code = error.exit_code
     except (click.Abort, KeyboardInterrupt):
         click.echo("ross: interrupted", err=True)

@@ -33,9 +33,9 @@ class Array(Table):
 class Audio(Table):
     """[audio]: rates and frames."""
 
-    rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 16000  # of both microphones [Hz]
+    rate_hz: Annotated[int, Field(ge=16000, le=48000)] = 16000  # of both microphones [Hz]
     hop_ms: Annotated[int, Field(ge=1, le=20)] = 10  # one step of the mission: a stop is obeyed within it [ms]
-    frame: Annotated[int, Field(ge=128, le=8192)] = 2048  # STFT frame of the separation [samples]
+    frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] = 2048  # STFT frame of the separation [samples]
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of neighbouring frames, as a share of the frame
 
 
@@ -86,6 +86,12 @@ class Explore(Table):
     step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation
     min_rotations: Annotated[int, Field(ge=1, le=24)] = 4  # at least so many, however certain the explorer is
     max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # at most so many
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Explore:
+        if self.min_rotations > self.max_rotations:
+            raise ValueError(f"min_rotations = {self.min_rotations} is above max_rotations = {self.max_rotations}")
+        return self
 
 
 class Exploit(Table):

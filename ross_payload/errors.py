@@ -8,12 +8,10 @@
     ├── AudioError           no audio, or audio that cannot be used: exit code 2
     ├── ActuatorError        the thing that turns: exit code 1
     │   ├── ActuatorFault    it reports a fault, or the guard does
-    │   ├── ActuatorTimeout  it did not arrive in time
     │   ├── LimitError       a goal outside the limits
     │   └── NotHomed         an absolute move before the position is known
     ├── LinkError            a port that cannot be opened: exit code 2
-    ├── OutputError          results cannot be written any more: exit code 1
-    └── NotLive              a separator that only works on whole recordings
+    └── OutputError          results cannot be written any more: exit code 1
 """
 
 
@@ -41,10 +39,6 @@ class ActuatorFault(ActuatorError):
     """The actuator or its guard reports a fault."""
 
 
-class ActuatorTimeout(ActuatorError):
-    """The actuator did not arrive in time."""
-
-
 class LimitError(ActuatorError):
     """A goal outside the limits."""
 
@@ -59,7 +53,3 @@ class LinkError(RossError):
 
 class OutputError(RossError):
     """Results cannot be written any more: the disk is full or gone."""
-
-
-class NotLive(RossError):
-    """A separator that only works on whole recordings."""

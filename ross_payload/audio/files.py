@@ -49,7 +49,7 @@ class WavWriter:
                 self._part, "w", samplerate=rate, channels=channels, subtype="PCM_24", format="WAV"
             )
         except (OSError, soundfile.LibsndfileError) as error:
-            raise OutputError(f"{path}: cannot be written: {error}") from error
+            raise OutputError(f"{path.name}: cannot be written: is the disk full? ({error})") from error
 
     def write(self, samples: Real) -> None:
         """Append samples (n_channels, n).
@@ -62,7 +62,7 @@ class WavWriter:
         try:
             self._file.write(np.clip(samples, -1.0, 1.0 - 2.0**-23).T)
         except (OSError, soundfile.LibsndfileError) as error:
-            raise OutputError(f"{self._path}: cannot be written: {error}") from error
+            raise OutputError(f"{self._path.name}: cannot be written: is the disk full? ({error})") from error
 
     def close(self) -> None:
         """Finish the file and put it in place; idempotent."""
@@ -71,7 +71,7 @@ class WavWriter:
         try:
             self._file.close()
         except (OSError, soundfile.LibsndfileError) as error:
-            raise OutputError(f"{self._path}: cannot be written: {error}") from error
+            raise OutputError(f"{self._path.name}: cannot be written: is the disk full? ({error})") from error
         os.replace(self._part, self._path)  # noqa: PTH105 - the atomic rename
 
     def __enter__(self) -> Self:

@@ -23,13 +23,14 @@ def explore(context: Context) -> Step[Estimate]:
     observations: list[Observation] = []
     context.explored = []
     estimate = Estimate(())
-    for r, joint in enumerate(schedule(context)):
+    joints = list(schedule(context))
+    for r, joint in enumerate(joints):
         if r:
             context.enter(State.EXPLORE_TURN, f"rotation {r} of {settings.max_rotations}")
             yield from turn(context, joint, f"rotation {r}")
         observations.append((yield from _orientation(context, r)))
         estimate = context.tools.explorer.estimate(observations)
-        final = r == settings.max_rotations or (r >= settings.min_rotations and estimate.certain)
+        final = r == len(joints) - 1 or (r >= settings.min_rotations and estimate.certain)
         context.say(SourcesEstimated(context.time, estimate, r, final))
         if final:
             break

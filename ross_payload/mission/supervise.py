@@ -31,14 +31,16 @@ def mission(settings: Settings, tools: Tools) -> Mission:
 def _attempts(context: Context) -> Step[Result]:
     yield from hop(context)
     yield from lead_in(context)
-    for attempt in range(context.settings.max_restarts + 1):
+    for _ in range(context.settings.max_restarts + 1):
         estimate = yield from explore(context)
         if not estimate.sources:
             return Result(Outcome.NO_TARGET, "nobody is talking")
-        source = yield from search(context, estimate, align(context, estimate))
+        candidates = align(context, estimate)
+        if not candidates:
+            return Result(Outcome.NO_TARGET, f"no heading within the limits sets any of {estimate.k} voices apart")
+        source = yield from search(context, estimate, candidates)
         if source is None:
             return Result(Outcome.NO_TARGET, f"none of {estimate.k} voices is the target's")
         if (yield from run(context, estimate, source)):
             return Result(Outcome.TARGET_FOUND, f"source {source} is the target")
-        del attempt
     return Result(Outcome.NO_TARGET, f"the target's score dropped {context.settings.max_restarts + 1} times")

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from ross_payload.errors import ConfigError, LinkError
+from ross_payload.errors import ConfigError, OutputError
 
 
 class TlogRecorder:
@@ -36,7 +36,7 @@ class TlogRecorder:
 
         Raises
         ------
-        LinkError
+        OutputError
             When the disk takes no more; the file ends with the last whole record.
         """
         record = (time_usec & ~3).to_bytes(8, "big") + frame
@@ -46,7 +46,7 @@ class TlogRecorder:
                 self._take_back(written)
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         except OSError as error:
-            raise LinkError(f"{self._path}: cannot be written: {error.strerror}") from error
+            raise OutputError(f"{self._path.name}: cannot be written: {error.strerror}") from error
 
     def _take_back(self, written: int) -> None:
         self._file.seek(-written, os.SEEK_CUR)

@@ -45,6 +45,8 @@ def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
 def company_of(scenario: Scenario, speech: Path | None, target: str | None) -> Company:
     """Load the voices and enrol the target: a talker's name, a voice not in the room, or one enrolled before.
 
+    A target that is asked for by name is the first to be given a part.
+
     Raises
     ------
     ConfigError
@@ -59,6 +61,7 @@ def company_of(scenario: Scenario, speech: Path | None, target: str | None) -> C
         if found is None:
             return Company(voices, target, _enrolled(target, voices))
         voice = found
+        voices = (voice, *(other for other in voices if other is not voice))
     return Company(voices, voice.name, enrol(voice.enrolment, voice.rate))
 
 

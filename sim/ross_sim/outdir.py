@@ -4,22 +4,26 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 from ross_payload.errors import ConfigError, OutputError
 
-OURS = ("report.json", "timing.json", "events.jsonl", "mixture.wav", "target.wav", "group-*.wav", "mission.png",
-        "mission.tlog")  # fmt: skip
+OURS = re.compile(
+    r"report\.json|timing\.json|events\.jsonl|mixture\.wav|target\.wav|group-\d+\.wav|mission\.(png|tlog)"
+)
 
 
 class OutDir:
     """Collects results in a hidden folder beside its place and moves them there when closed.
 
-    Results of an earlier mission under our names are replaced, files of anybody else are left alone.
+    What has the name of a result is taken for an earlier mission's and replaced; other files are left alone.
 
     Raises
     ------
@@ -43,8 +47,14 @@ class OutDir:
         OutputError
             When the disk is full or gone.
         """
+        with self.writing(name) as path:
+            path.write_text(text, encoding="utf-8")
+
+    @contextmanager
+    def writing(self, name: str) -> Iterator[Path]:
+        """Give the place of a file; what goes wrong with the disk meanwhile becomes an OutputError."""
         try:
-            (self.staging / name).write_text(text, encoding="utf-8")
+            yield self.staging / name
         except OSError as error:
             raise OutputError(f"{self.path / name}: cannot be written: {error.strerror}") from error
 
@@ -56,7 +66,7 @@ class OutDir:
         """Put the results in place when they are complete; otherwise leave the earlier ones as they were."""
         try:
             if complete:
-                for stale in (old for pattern in OURS for old in self.path.glob(pattern)):
+                for stale in [old for old in self.path.iterdir() if OURS.fullmatch(old.name)]:
                     stale.unlink()
                 for file in sorted(self.staging.iterdir()):
                     os.replace(file, self.path / file.name)  # noqa: PTH105 - the atomic rename

@@ -21,6 +21,7 @@ LEAD_IN = 2.0  # at least so long does nobody talk, unless the file says so [s]
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Decibels = Annotated[float, Field(ge=-100, le=100)]
 Place = tuple[Finite, Finite] | tuple[Finite, Finite, Finite]
 
 
@@ -28,7 +29,7 @@ class Room(Table):
     """[room]: a shoebox and the array in it; its axes are those of the mount."""
 
     size_m: Place = (10.0, 10.0)  # two numbers: a plane, as in the paper
-    t60_s: Seconds = 0.0  # nominal; 0: no walls
+    t60_s: Annotated[float, Field(ge=0, le=5)] = 0.0  # nominal; 0: no walls
     array_m: Place | None = None  # absent: the middle, 1.2 m high
 
 
@@ -39,7 +40,7 @@ class Talker(Table):
     azimuth_deg: Degrees  # counter-clockwise, in the frame of the mount
     distance_m: Positive = 2.5  # from the centre of the array, along the floor
     height_m: Positive | None = None  # above the floor; three dimensions only; absent: 1.6 m
-    level_db: Finite = 0.0  # at microphone 1, relative to the others
+    level_db: Decibels = 0.0  # at microphone 1, relative to the others
     start_s: Seconds | None = None  # absent: when the lead-in of the payload ends, but 2 s at least
     end_s: Positive | None = None  # absent: never
     pauses: tuple[tuple[Seconds, Seconds], ...] = ()  # [[from, to], ...]
@@ -62,9 +63,9 @@ class Noise(Table):
     angle 0; "talker" is the same for one talker of level 0 dB.
     """
 
-    snr_db: Finite = 15.0
+    snr_db: Decibels = 15.0
     snr_reference: Literal["mixture", "talker"] = "mixture"
-    motor_db: Finite = -20.0  # while turning, relative to the mixture
+    motor_db: Decibels = -20.0  # while turning, relative to the mixture
 
 
 class Scenario(Table):

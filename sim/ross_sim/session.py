@@ -126,8 +126,8 @@ def expected(scenario: Scenario) -> float:
 
 def far_end_of(config: Config) -> FarEnd:
     """Make the simulated device for the actuator that a configuration names."""
-    maker = plugins.load("ross_sim.far_ends", config.actuator.kind)
-    far_end: FarEnd = maker.make(checked_options(config))
+    options = checked_options(config)
+    far_end: FarEnd = plugins.load("ross_sim.far_ends", config.actuator.kind).make(options)
     return far_end
 
 
@@ -171,7 +171,8 @@ def _write(out: OutDir, story: Story, truth: Truth, values: dict[str, Any], scen
             name = "target.wav" if index == separated.target else f"group-{index}.wav"
             write_wav(out.staging / name, voice, rate)
     unit = config.array.spacing_m / config.array.speed_of_sound_m_s
-    draw(out.staging / "mission.png", story, truth, rate=rate, unit=unit, title=scenario.title)
+    with out.writing("mission.png") as path:
+        draw(path, story, truth, rate=rate, unit=unit, title=scenario.title)
 
 
 @contextmanager

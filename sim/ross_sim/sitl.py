@@ -24,6 +24,12 @@ def _speed(context: click.Context, parameter: click.Parameter, value: str) -> fl
     return speed
 
 
+def _folder(context: click.Context, parameter: click.Parameter, value: str | None) -> Path | None:
+    if value == "":
+        raise click.BadParameter("wanted the name of a folder, found nothing")
+    return None if value is None else Path(value)
+
+
 @click.command("sitl", short_help="Run the whole mission in a simulated room.", epilog=EPILOG)
 @click.option(
     "--scenario", "-s", default="demo", show_default=True, help="Name of a built-in scenario, or a TOML file."
@@ -35,7 +41,7 @@ def _speed(context: click.Context, parameter: click.Parameter, value: str) -> fl
 @click.option("--target", help="Name of the talker to look for, or of an enrolled voice.")
 @click.option("--telemetry", "urls", multiple=True, help="URL to send MAVLink to; may be given more than once.")
 @click.option("--speed", default="max", show_default=True, callback=_speed, help="max, or times real time.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for report, audio, picture and logs.")
+@click.option("--out", callback=_folder, help="Folder for report, audio, picture and logs.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON, and nothing else.")
 def command(scenario: str, out: Path | None, speed: float | None, as_json: bool, **changes: Any) -> int:
     """Run the whole mission in a simulated room, with the real drivers on simulated wires."""

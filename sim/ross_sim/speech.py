@@ -52,7 +52,10 @@ def load_folder(folder: Path, rate: int) -> tuple[Voice, ...]:
         raise ConfigError(f"{folder}: no such folder of recordings")
     entries = sorted(entry for entry in folder.iterdir() if not entry.name.startswith("."))
     talkers = {entry.name: _recordings(entry) for entry in entries if entry.is_dir()}
-    talkers |= {entry.stem: [entry] for entry in entries if _is_recording(entry)}
+    for entry in filter(_is_recording, entries):
+        if talkers.get(entry.stem):
+            raise ConfigError(f"{folder}: two talkers are named '{entry.stem}': {entry.name} is the second")
+        talkers[entry.stem] = [entry]
     voices = tuple(_voice(name, talkers[name], rate) for name in sorted(talkers) if talkers[name])
     if not voices:
         raise ConfigError(f"{folder}: no recordings; wanted one sub-folder or one file ({_suffixes()}) per talker")

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from ross_sim.session import Finished
@@ -35,16 +36,19 @@ def show(finished: Finished, out: Path | None, as_json: bool) -> None:
         f"\n{values['outcome'].replace('_', ' ')}: {values['reason']}. {values['mission_s'] or 0:.1f} s of mission in "
         f"{timing['mission_s']:.1f} s, {timing['times_real_time']:.0f} times real time.",
         highlight=False,
+        soft_wrap=True,
     )
     if out is not None:
-        console.print(f"Results: {out}/ (listen: mixture.wav, target.wav; look: mission.png)", highlight=False)
+        console.print(
+            f"Results: {out}/ (listen: mixture.wav, target.wav; look: mission.png)", highlight=False, soft_wrap=True
+        )
 
 
 def _sources(values: dict[str, Any]) -> Table:
     title = f"K = {values['k']} found, {values['k_true']} true, after {values['rotations']} rotations"
     table = Table(title=title, title_justify="left")
     for column in ("source", "talker", "true [deg]", "found [deg]", "error [deg]", "sigma [deg]", "confidence"):
-        table.add_column(column, justify="left" if column == "talker" else "right")
+        table.add_column(escape(column), justify="left" if column == "talker" else "right")
     for index, row in enumerate(values["sources"]):
         table.add_row(
             str(index),
@@ -66,14 +70,14 @@ def _missed(console: Console, values: dict[str, Any]) -> None:
 def _aligned(console: Console, used: dict[str, Any]) -> None:
     posing = " and ".join(str(index) for index in used["aliased"])
     text = f"aligned at heading {used['heading_deg']:.1f} deg for source {used['source']} ({used['rule']})"
-    console.print(text + (f": sources {posing} pose as one" if posing else ""), highlight=False)
+    console.print(text + (f": sources {posing} pose as one" if posing else ""), highlight=False, soft_wrap=True)
 
 
 def _groups(values: dict[str, Any]) -> Table:
     first = values["groups"][0]
     table = Table(title=f"separated by {first['separator']}", title_justify="left", caption=first["why"] or None)
     for column in ("group", "talkers", "voice score", "SI-SDR before [dB]", "after [dB]", "gain [dB]"):
-        table.add_column(column, justify="left" if column == "talkers" else "right")
+        table.add_column(escape(column), justify="left" if column == "talkers" else "right")
     for index, row in enumerate(values["groups"]):
         after, gain = row["si_sdr_db"], row["si_sdri_db"]
         before = None if after is None or gain is None else after - gain
@@ -87,7 +91,7 @@ def _groups(values: dict[str, Any]) -> Table:
 
 
 def _target(name: str | None, target: str) -> str:
-    return "-" if name is None else f"{name} (target)" if name == target else name
+    return "-" if name is None else escape(f"{name} (target)" if name == target else name)
 
 
 def _number(value: float | None, digits: int) -> str:

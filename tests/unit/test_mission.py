@@ -214,6 +214,20 @@ def test_nobody_talking_is_an_answer():
     assert result.outcome is Outcome.NO_TARGET
 
 
+def test_limits_under_which_nobody_stands_apart_are_told_as_the_reason():
+    narrow = replace(SETTINGS, lower=-0.01, upper=0.01)
+    one = rig(settings=narrow, explorer=ThreeTalkers(azimuths=(30, -30)))
+    result = one.run()
+    assert result.outcome is Outcome.NO_TARGET
+    assert not one.said(Checked)
+
+
+def test_the_last_estimate_is_final_where_the_travel_ends_the_exploration():
+    one = rig(explorer=ThreeTalkers(certain=False), settings=replace(SETTINGS, lower=-0.3, upper=0.3))
+    one.run()
+    assert [event.final for event in one.said(SourcesEstimated)] == [False, False, True]
+
+
 def test_no_target_here_is_an_answer_and_not_a_wrong_pick():
     one = rig(likes=7)
     result = one.run()

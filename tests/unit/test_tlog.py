@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ross_payload.errors import ConfigError, LinkError
+from ross_payload.errors import ConfigError, OutputError
 from ross_payload.telemetry.tlog import TlogRecorder
 from ross_protocols.codec import Encoder
 from ross_protocols.values import Health, Heartbeat
@@ -46,9 +46,9 @@ def test_a_full_disk_leaves_whole_records(tmp_path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (2 * size + 5, before[1]))
         log.write(0, FRAME)
         log.write(4, FRAME)
-        with pytest.raises(LinkError, match=r"a\.tlog: cannot be written: "):
+        with pytest.raises(OutputError, match=r"a\.tlog: cannot be written: "):
             log.write(8, FRAME)
-        with pytest.raises(LinkError):
+        with pytest.raises(OutputError):
             log.write(12, FRAME)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
@@ -61,6 +61,6 @@ def test_a_device_that_is_full_is_one_clear_line() -> None:
     full = Path("/dev/full")
     if not full.exists():
         pytest.skip("this system has no /dev/full")
-    with TlogRecorder(full) as log, pytest.raises(LinkError) as error:
+    with TlogRecorder(full) as log, pytest.raises(OutputError) as error:
         log.write(0, FRAME)
     assert getattr(error.value.__cause__, "errno", None) == errno.ENOSPC
