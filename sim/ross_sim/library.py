@@ -17,6 +17,7 @@ from ross_payload.interfaces import Complex, Groups, Real, Scene
 
 ILRMA_ITERATIONS = 40
 MNMF_ITERATIONS = 50
+BREAKDOWN = (FloatingPointError, np.linalg.LinAlgError)  # a handful of frames fit any model
 DITHER = 1e-8  # white noise added to the mixture, relative to its power: no bin is singular
 AXES = (2, 1, 0)  # ours (microphone, frequency, frame) is the library's (frame, frequency, microphone), and back
 
@@ -32,8 +33,11 @@ class Ilrma:
         unit, scale = prepared(spectrogram, scene.seed)
         if not members or not scale > 0:
             return _nothing(spectrogram, members, self.name)
-        with library(scene.seed):
-            found, rows = library_ilrma(unit, n_iter=ILRMA_ITERATIONS, proj_back=True, return_filters=True)
+        try:
+            with library(scene.seed):
+                found, rows = library_ilrma(unit, n_iter=ILRMA_ITERATIONS, proj_back=True, return_filters=True)
+        except BREAKDOWN as error:
+            return _mixture(spectrogram, members, self.name, str(error))
         order = _order(images_of(rows), scene, tau, len(members))
         signals = scale * found.transpose(AXES)[list(order)]
         return Groups(signals.astype(spectrogram.dtype), members, self.name)
@@ -50,8 +54,12 @@ class FastMnmf2:
         unit, scale = prepared(spectrogram, scene.seed)
         if not members or not scale > 0:
             return _nothing(spectrogram, members, self.name)
-        with library(scene.seed):
-            images = library_fastmnmf2(unit, n_src=max(2, len(members)), n_iter=MNMF_ITERATIONS, mic_index="all")
+        n_src = max(2, len(members))
+        try:
+            with library(scene.seed):
+                images = library_fastmnmf2(unit, n_src=n_src, n_iter=MNMF_ITERATIONS, mic_index="all")
+        except BREAKDOWN as error:
+            return _mixture(spectrogram, members, self.name, str(error))
         cross = (images[1] * images[0].conj()).sum(axis=0)
         order = _order(cross, scene, tau, len(members))
         signals = scale * images[0].transpose(AXES)[list(order)]
@@ -71,11 +79,17 @@ def prepared(spectrogram: Complex, seed: int) -> tuple[Complex, float]:
 
 @contextmanager
 def library(seed: int) -> Iterator[None]:
-    """One numeric thread, and numpy's global generator seeded for the library, which has no other; then as before."""
+    """One numeric thread, and numpy's global generator seeded for the library, which has no other; then as before.
+
+    Raises
+    ------
+    FloatingPointError
+        Instead of the infinities and NaNs that the library would go on with.
+    """
     state = np.random.get_state()  # noqa: NPY002
     np.random.seed(seed)  # noqa: NPY002
     try:
-        with threadpool_limits(1):
+        with threadpool_limits(1), np.errstate(divide="raise", invalid="raise", over="raise"):
             yield
     finally:
         np.random.set_state(state)  # noqa: NPY002
@@ -96,6 +110,12 @@ def _order(cross: Complex, scene: Scene, tau: Real | None, count: int) -> tuple[
 
 def _nothing(spectrogram: Complex, members: tuple[tuple[int, ...], ...], name: str) -> Groups:
     return Groups(np.zeros((len(members), *spectrogram.shape[1:]), spectrogram.dtype), members, name)
+
+
+def _mixture(spectrogram: Complex, members: tuple[tuple[int, ...], ...], name: str, reason: str) -> Groups:
+    """Every group is the whole mixture: nothing was separated, and `Groups.why` says so."""
+    signals = np.repeat(spectrogram[:1], len(members), axis=0)
+    return Groups(signals, members, name, f"not separated: the model broke down ({reason})")
 
 
 ilrma = Ilrma()

@@ -97,6 +97,14 @@ def test_silence_no_frames_and_a_dead_microphone_give_finite_signals(
         assert np.isfinite(groups.signals).all()
 
 
+@BOTH
+def test_one_frame_is_too_little_and_the_groups_say_so(separator: Separator) -> None:
+    mixture = _mixture(frames=1)[1]
+    groups = separator.batch(mixture, _scene(TAU))
+    assert "not separated" in groups.why
+    np.testing.assert_array_equal(groups.signals, mixture[[0, 0]])
+
+
 @pytest.mark.parametrize("name", ["ilrma", "fastmnmf2"])
 def test_a_missing_extra_is_named(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(__import__("sys").modules, "ross_sim.library")

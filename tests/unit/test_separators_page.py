@@ -1,0 +1,39 @@
+import re
+from pathlib import Path
+from types import ModuleType
+
+from ross_payload.dsp import choice
+from ross_payload.plugins import available
+from ross_sim.study.oracles import ORACLES
+
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "separators.md"
+
+
+def _rows(heading: str) -> dict[str, list[str]]:
+    """Cells of the first table below a heading, by the name in the first one."""
+    text = PAGE.read_text(encoding="utf-8").split(heading, 1)[1]
+    table = re.search(r"(?:^\|.*\n)+", text, re.MULTILINE)
+    assert table
+    lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in table[0].splitlines()[2:]]
+    return {cells[0].strip("`"): cells for cells in lines}
+
+
+def test_the_page_lists_every_separator_that_is_built_in() -> None:
+    ours = {name for name, point in available("ross_payload.separators").items() if point.value.startswith("ross_")}
+    assert set(_rows("# Separators")) == ours
+
+
+def test_the_page_says_which_ones_auto_takes() -> None:
+    taken = {m.separator.name for m in vars(choice).values() if isinstance(m, ModuleType) and hasattr(m, "separator")}
+    rows = _rows("# Separators")
+    assert {name for name in rows if rows[name][-1] not in ("never", "")} == taken
+
+
+def test_the_page_says_which_ones_need_the_extra() -> None:
+    points = available("ross_payload.separators")
+    for name, cells in _rows("# Separators").items():
+        assert points[name].value.startswith("ross_sim") == ("extra `sim`" in cells[3])
+
+
+def test_the_page_lists_every_oracle() -> None:
+    assert set(_rows("## Upper bounds")) == set(ORACLES)
