@@ -174,9 +174,9 @@ plain = Factory(
     (),
     Rule(
         bandwidth=0.05,
-        prominence=0.005,
-        spread=np.deg2rad(10.0),
-        share=0.34,
+        prominence=0.04,
         trial=chain.Trial(power=0.0, both_ways=False),
+        spread=np.deg2rad(24.0),
+        share=0.15,
     ),
 )

@@ -14,10 +14,11 @@ from ross_payload import plugins
 from ross_payload.angles import difference
 from ross_payload.dsp import chain, clusters
 from ross_payload.dsp.density import itd_grid
-from ross_payload.dsp.markov import Markov, explorer
+from ross_payload.dsp.markov import Markov, explorer, plain
+from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate
-from ross_payload.interfaces import Observation, Real
+from ross_payload.interfaces import Observation, Real, Score
 
 SPACING, SPEED = 0.05, 343.0
 UNIT = SPACING / SPEED
@@ -167,3 +168,46 @@ def test_an_impossible_array_is_refused(spacing: float, speed: float) -> None:
 @pytest.mark.parametrize("name", ["markov", "markov-plain"])
 def test_it_is_a_plug_in(name: str) -> None:
     assert plugins.load("ross_payload.explorers", name).make(SPACING, SPEED).name == name
+
+
+@pytest.mark.parametrize(("setting", "t60"), [(1, 0.0), (2, 0.45), (3, 0.7)])
+def test_the_paper_preset_has_the_papers_numbers(setting: int, t60: float) -> None:
+    from ross_payload.service import tools_of
+    from ross_sim.scenario import load
+
+    scenario = load(f"paper-setting-{setting}")
+    config = scenario.payload
+    explorer_stft = tools_of(config, Deaf()).explorer_stft
+    assert (scenario.room.t60_s, scenario.noise.snr_db, config.audio.rate_hz) == (t60, 15, 24000)
+    assert (explorer_stft.frame, explorer_stft.hop) == (1024, 768)  # neighbours share 25 %
+    assert config.explore.step_deg * config.explore.max_rotations == 180
+    assert (config.guard.max_speed_deg_s, config.guard.max_acceleration_deg_s2) == (225, 112.5)
+
+
+@pytest.mark.parametrize("frame", [512, 1024])
+@pytest.mark.parametrize("rate", [16000, 24000])
+def test_frames_of_the_paper_tell_the_itd_of_a_plane_wave(frame: int, rate: int) -> None:
+    """White noise from 60 deg, 3 s, half of d / v_p: delayed in the frequency domain."""
+    stft = Stft(rate, frame, frame * 3 // 4)
+    spectrum = np.fft.rfft(np.random.default_rng(0).standard_normal(3 * rate))
+    delay = np.exp(2j * np.pi * np.fft.rfftfreq(3 * rate, 1 / rate) * UNIT / 2)
+    samples = np.fft.irfft(np.stack([spectrum, spectrum * delay]), 3 * rate)
+    seen = plain.make(SPACING, SPEED).observe(stft.analyse(samples), stft.frequencies, 0.0, None)
+    assert seen.peaks[0] == pytest.approx(UNIT / 2, abs=0.02 * UNIT)
+    assert seen.density.sum() == pytest.approx(1)
+
+
+def test_loudness_does_not_matter() -> None:
+    rng, frequencies = np.random.default_rng(1), np.linspace(0, 8000, 257)
+    voice = rng.standard_normal((257, 200)) ** 3 * np.exp(2j * np.pi * rng.random((257, 200)))
+    heard_at = np.stack([voice, voice * np.exp(2j * np.pi * frequencies[:, None] * UNIT / 2)])
+    loud, soft = (MARKOV.observe(gain * heard_at, frequencies, 0.0, None) for gain in (100.0, 0.01))
+    assert loud.peaks
+    np.testing.assert_allclose(loud.peaks, soft.peaks, rtol=1e-6)
+
+
+class Deaf:
+    """A voice print that knows nobody."""
+
+    def score(self, voice: Real, rate: int) -> Score:
+        return Score(0.0, accepted=False)
