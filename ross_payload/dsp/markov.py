@@ -42,7 +42,7 @@ class Rule:
     spread: float = np.deg2rad(16.0)  # one more cluster must save the inertia of one mean vote so far off [rad]
     share: float = 0.2  # of the votes that one source could have, in mean votes, that a source must hold
     most: int = 16  # clusters tried
-    evidence: float = 5.0  # an orientation with less weight heard nobody
+    evidence: float = 0.001  # mean weight of a bin; an orientation with less heard nobody
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +70,9 @@ class Markov:
         noise = None if noise_psd is None else noise_psd[band]
         counts = self._histograms(spectrogram[:, band], frequencies[band], noise, grid)
         weight = float(counts[0].sum())
-        if weight < self.rule.evidence:
+        if weight < self.rule.evidence * band.sum() * spectrogram.shape[-1]:
             return Observation(heading, grid, np.zeros_like(grid), weight)
-        even = np.sum([count / max(count.sum(), self.rule.evidence) for count in counts], axis=0)
+        even = np.sum([count / max(count.sum(), 1.0) for count in counts], axis=0)
         density = kde(even, grid, self.rule.bandwidth * self.unit)
         peaks = prominent_peaks(density, grid, self.rule.prominence)
         return Observation(heading, grid, density, weight, tuple(chain.refined(density, grid, peak) for peak in peaks))

@@ -5,6 +5,9 @@ Truth is geometry: a source at azimuth theta is heard at (d / v_p) cos(theta - h
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -24,6 +27,7 @@ SPACING, SPEED = 0.05, 343.0
 UNIT = SPACING / SPEED
 GRID = itd_grid(SPACING, SPEED, 241)
 WIDTH = 0.03  # of a peak [d / v_p]
+SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / "../shared/speech"))
 MARKOV: Markov = explorer.make(SPACING, SPEED)
 
 
@@ -100,6 +104,17 @@ def test_nobody_heard_is_nobody() -> None:
     silent = MARKOV.observe(np.zeros((2, 257, 50), complex), np.linspace(0, 8000, 257), 0.0, None)
     assert (silent.weight, silent.peaks) == (0.0, ())
     assert MARKOV.estimate([silent] * 3).k == 0
+
+
+@pytest.mark.parametrize("noise_psd", [None, np.full(257, 256.0)], ids=["unknown noise", "measured noise"])
+def test_noise_alone_is_nobody(noise_psd: Real | None) -> None:
+    """White noise of variance 1 has the PSD sum of the squared window, 256."""
+    stft, rng = Stft(16000, 512, 128), np.random.default_rng(0)
+    observations = [
+        MARKOV.observe(stft.analyse(rng.standard_normal((2, 48000))), stft.frequencies, heading, noise_psd)
+        for heading in np.deg2rad(STEPS[:5])
+    ]
+    assert MARKOV.estimate(observations) == Estimate(())
 
 
 def test_the_stop_rule_waits_until_k_has_not_changed_twice() -> None:
@@ -204,6 +219,20 @@ def test_loudness_does_not_matter() -> None:
     loud, soft = (MARKOV.observe(gain * heard_at, frequencies, 0.0, None) for gain in (100.0, 0.01))
     assert loud.peaks
     np.testing.assert_allclose(loud.peaks, soft.peaks, rtol=1e-6)
+
+
+@pytest.mark.soak
+@pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH}; set ROSS_SPEECH")
+def test_real_talkers_in_the_papers_rooms_are_counted_and_placed() -> None:
+    """K unknown, 2 to 5; 12 rotations, T_unit 3 s; K right and all within 10 deg in .79 / .34 / .34 of the scenes."""
+    from ross_sim.speech import load_folder
+    from ross_sim.study.exploration import COUNTS, RATE, SETTINGS, TALKERS, Task, sweep
+
+    voices = {voice.name: voice.speech for voice in load_folder(SPEECH, RATE)}
+    tasks = [Task(setting, k, n, 2, "markov") for setting in SETTINGS for k in COUNTS for n in range(14)]
+    rows = [row for row in sweep(tasks, [voices[name] for name in TALKERS], [12]) if not row.stopped]
+    shares = [np.mean([row.right for row in rows if row.setting == setting]) for setting in SETTINGS]
+    assert np.all(np.array(shares) >= [0.79, 0.34, 0.34]), shares
 
 
 class Deaf:
