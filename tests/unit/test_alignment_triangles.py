@@ -69,7 +69,7 @@ def test_the_plan_for_such_a_target_is_the_bisector(azimuths: Real) -> None:
 def test_one_acute_triangle_of_other_sources_is_not_enough() -> None:
     """Target 0, neighbours 20 and -20 deg: that triangle is obtuse, the one of 0, 130 and -120 deg is acute.
 
-    Heading 90 deg tells the target from its neighbours by sin 20 = 0.34; their bisector, heading 0, by 1 - cos 20 = 0.06.
+    Heading 90 deg tells the target from its neighbours by sin 20 = 0.34; their bisector, heading 0, by 0.06 only.
     """
     azimuths = np.deg2rad([0.0, 20.0, -20.0, 130.0, -120.0])
     assert acute(azimuths[0], azimuths[3], azimuths[4])
