@@ -78,7 +78,7 @@ class Mount(Table):
 class Explore(Table):
     """[explore]: find K and every azimuth."""
 
-    method: str = "joint"  # explorer: joint, markov, or markov-plain (histograms without weights, as in the paper)
+    method: str = "joint"  # explorer: `joint` or `markov`: joint, markov, or markov-plain (histograms without weights, as in the paper)
     frame: Annotated[int, Field(ge=128, le=8192)] | None = None  # STFT frame [samples]; absent: about 43 ms
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of these frames, as a share of the frame
     lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listened to before anything turns, for the noise
@@ -97,7 +97,7 @@ class Explore(Table):
 class Exploit(Table):
     """[exploit]: turn, separate, recognise, keep listening."""
 
-    separator: str = "auto"  # auto, gaussian, auxiva or duet
+    separator: str = "auto"  # `auto`, or one of the separators
     check_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_check
     run_s: Annotated[float, Field(ge=1, le=600)] = 10.0  # T_run
     runs: Annotated[int, Field(ge=0)] = 1  # how many T_run before the mission is done; 0: until stopped
