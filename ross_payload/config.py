@@ -78,7 +78,7 @@ class Mount(Table):
 class Explore(Table):
     """[explore]: find K and every azimuth."""
 
-    method: str = "joint"  # explorer: `joint` or `markov`: joint, markov, or markov-plain (histograms without weights, as in the paper)
+    method: str = "joint"  # explorer: `joint`, `markov`, or `markov-plain`, the paper's own histograms
     frame: Annotated[int, Field(ge=128, le=8192)] | None = None  # STFT frame [samples]; absent: about 43 ms
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of these frames, as a share of the frame
     lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listened to before anything turns, for the noise
