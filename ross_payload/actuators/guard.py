@@ -79,6 +79,8 @@ class Guard:
         if not (fault or state.healthy):
             fault = "the actuator reports a fault"
         settled = state.settled and not fault and state.time > self._since
+        if not fault and settled == state.settled:
+            return state
         return replace(state, settled=settled, healthy=not fault, fault=fault)
 
     def stop(self) -> None:
@@ -102,6 +104,9 @@ class Guard:
 
     def home(self) -> None:
         """Begin to find (or declare) the zero; also what clears a lost position after a fault.
+
+        The limits are joint angles: with a zero that is declared they move along to wherever the array stands, so
+        whoever declares it answers for what is in the way.
 
         Raises
         ------

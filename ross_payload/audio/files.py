@@ -35,14 +35,18 @@ def read_mono(path: Path) -> tuple[Real, int]:
     return samples.mean(axis=1), int(rate)
 
 
+BUFFER = 16000  # samples that wait to be written together: a hop at a time would cost more than the hearing
+
+
 class WavWriter:
-    """Writes PCM_24 WAV block by block to ``path + '.part'`` and renames it when closed, also after an exception.
+    """Writes PCM_24 WAV to ``path + '.part'`` and renames it when closed, also after an exception.
 
     PCM_24 because float WAV files carry a time stamp and would differ from run to run.
     """
 
     def __init__(self, path: Path, rate: int, channels: int) -> None:
         self._path = path
+        self._waiting: list[Real] = []
         self._part = path.with_name(path.name + ".part")
         try:
             self._file = soundfile.SoundFile(
@@ -59,8 +63,16 @@ class WavWriter:
         OutputError
             When the disk is full or gone.
         """
+        self._waiting.append(samples)
+        if sum(block.shape[1] for block in self._waiting) >= BUFFER:
+            self._flush()
+
+    def _flush(self) -> None:
+        waiting, self._waiting = self._waiting, []
+        if not waiting:
+            return
         try:
-            self._file.write(np.clip(samples, -1.0, 1.0 - 2.0**-23).T)
+            self._file.write(np.clip(np.concatenate(waiting, axis=1), -1.0, 1.0 - 2.0**-23).T)
         except (OSError, soundfile.LibsndfileError) as error:
             raise OutputError(f"{self._path.name}: cannot be written: is the disk full? ({error})") from error
 
@@ -69,10 +81,16 @@ class WavWriter:
         if self._file.closed:
             return
         try:
+            self._flush()
+        finally:
+            self._finish()
+        os.replace(self._part, self._path)  # noqa: PTH105 - the atomic rename
+
+    def _finish(self) -> None:
+        try:
             self._file.close()
         except (OSError, soundfile.LibsndfileError) as error:
             raise OutputError(f"{self._path.name}: cannot be written: is the disk full? ({error})") from error
-        os.replace(self._part, self._path)  # noqa: PTH105 - the atomic rename
 
     def __enter__(self) -> Self:
         return self

@@ -1,9 +1,12 @@
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 import soundfile
 
 from ross_payload.audio.files import WavWriter, read_mono, write_wav
-from ross_payload.errors import AudioError
+from ross_payload.errors import AudioError, OutputError
 
 
 def test_written_samples_come_back_on_the_24_bit_grid(tmp_path):
@@ -66,3 +69,21 @@ def test_bad_files_are_refused_in_one_line(tmp_path, make, words):
         read_mono(path)
     assert "\n" not in str(caught.value)
     assert "bad.wav" in str(caught.value)
+
+
+def test_a_disk_that_fills_up_leaves_the_good_old_file(tmp_path):
+    path = tmp_path / "a.wav"
+    path.write_bytes(b"the good old one")
+    writer = WavWriter(path, 16000, 1)
+    with Path("/dev/full").open("wb") as full:
+        os.dup2(full.fileno(), int(next(iter(descriptors(tmp_path / "a.wav.part")))))
+    writer.write(np.zeros((1, 20)))
+    with pytest.raises(OutputError, match=r"a\.wav: cannot be written"):
+        writer.close()
+    assert path.read_bytes() == b"the good old one"
+
+
+def descriptors(path):
+    for entry in Path("/proc/self/fd").iterdir():
+        if entry.is_symlink() and entry.readlink() == path:
+            yield entry.name
