@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ross_payload.dsp.steering import ALIAS, groups_of, steering_vectors
-from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Complex, Groups, Real, Scene
+from ross_payload.dsp.steering import directions_of, steering_vectors
+from ross_payload.interfaces import Complex, Groups, Scene
 
 LOADING = 1e-3  # of the diagonal, relative to the mean of the diagonal
 NOISE_GAIN = 3.0  # most that a null may amplify white noise
@@ -114,11 +113,7 @@ class Lcmv:
 
 def _directions(scene: Scene, name: str) -> tuple[tuple[tuple[int, ...], ...], Complex]:
     """Members of every group and its steering vector, (n_freqs, 2, n_groups)."""
-    if scene.tau is None:
-        raise ConfigError(f"{name} needs the TDOA of every source, found none")
-    tau = np.asarray(scene.tau, float)
-    members = groups_of(tau, ALIAS * scene.spacing / scene.speed_of_sound)
-    delays: Real = np.array([tau[list(group)].mean() for group in members])
+    members, delays = directions_of(scene, name)
     return members, steering_vectors(scene.frequencies, delays)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ross_payload.dsp.noise import guessed_psd
 from ross_payload.dsp.smooth import average
-from ross_payload.dsp.steering import ALIAS, groups_of, steering_vectors
+from ross_payload.dsp.steering import ALIAS, directions_of, steering_vectors
 from ross_payload.dsp.stft import aliasing_limit, band
 from ross_payload.interfaces import Complex, Groups, Real, Scene
 
@@ -63,9 +63,7 @@ class Duet:
             tau = blind_delays(spectrogram, scene)
             members: tuple[tuple[int, ...], ...] = tuple(() for _ in tau)
         else:
-            known = np.asarray(scene.tau, float)
-            members = groups_of(known, ALIAS * scene.spacing / scene.speed_of_sound)
-            tau = np.array([known[list(group)].mean() for group in members])
+            members, tau = directions_of(scene, self.name)
         if not len(tau):
             return Groups(np.zeros((0, *spectrogram.shape[1:]), spectrogram.dtype), members, self.name)
         masks = masks_of(spectrogram, scene.frequencies, tau)

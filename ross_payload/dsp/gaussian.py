@@ -14,9 +14,8 @@ from ross_payload.dsp.covariance import ROOT2, adjugate, diffuse, direct, outer
 from ross_payload.dsp.noise import guessed_psd
 from ross_payload.dsp.smooth import averaged_rows
 from ross_payload.dsp.spatial import learn
-from ross_payload.dsp.steering import ALIAS, groups_of
+from ross_payload.dsp.steering import directions_of
 from ross_payload.dsp.stft import band
-from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Groups, Real, Scene
 
 UPDATES = 20
@@ -138,10 +137,7 @@ class Gaussian:
         ConfigError
             When the TDOAs are not known.
         """
-        if scene.tau is None:
-            raise ConfigError("the local Gaussian model needs the TDOA of every source, found none")
-        tau = np.asarray(scene.tau, float)
-        members = groups_of(tau, ALIAS * scene.spacing / scene.speed_of_sound)
+        members, delays = directions_of(scene, "the local Gaussian model")
         shape = (len(members), *spectrogram.shape[1:])
         signals, masks = np.zeros(shape, spectrogram.dtype), np.zeros(shape, np.float32)
         power = float((np.abs(spectrogram) ** 2).mean()) if spectrogram.size else 0.0
@@ -150,7 +146,6 @@ class Gaussian:
             noise = guessed_psd(unit) if scene.noise_psd is None else scene.noise_psd / power
             noise = np.maximum(noise, FLOOR).astype(np.float32)
             active = (np.abs(unit) ** 2).mean(axis=(0, 2)) > ACTIVE * noise
-            delays = np.array([tau[list(group)].mean() for group in members])
             part = replace(scene, frequencies=scene.frequencies[active], tau=delays)
             if active.any():
                 found, masks[:, active] = _separated(unit[:, active], part, noise[active])

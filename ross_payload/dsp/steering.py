@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ross_payload.interfaces import Complex, Real
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Complex, Real, Scene
 
 ALIAS = 0.1  # TDOAs closer than this part of d / v_p are one source to the array
 
@@ -59,3 +60,18 @@ def groups_of(tau: ArrayLike, tolerance: float) -> tuple[tuple[int, ...], ...]:
     order = np.argsort(values, kind="stable")
     cuts = np.flatnonzero(np.diff(values[order]) > tolerance) + 1
     return tuple(sorted(tuple(sorted(int(i) for i in part)) for part in np.split(order, cuts)))
+
+
+def directions_of(scene: Scene, who: str) -> tuple[tuple[tuple[int, ...], ...], Real]:
+    """Members of every group of sources that pose as one, and the mean TDOA [s] of each, (n_groups,).
+
+    Raises
+    ------
+    ConfigError
+        When the scene has no TDOAs; ``who`` needs them.
+    """
+    if scene.tau is None:
+        raise ConfigError(f"{who} needs the TDOA of every source, found none")
+    tau = np.asarray(scene.tau, float)
+    members = groups_of(tau, ALIAS * scene.spacing / scene.speed_of_sound)
+    return members, np.array([tau[list(group)].mean() for group in members])

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload.dsp.iva import two_sides
 from ross_payload.dsp.outputs import images_of, outputs_of
-from ross_payload.dsp.steering import ALIAS, groups_of
+from ross_payload.dsp.steering import directions_of
 from ross_payload.interfaces import Complex, Groups, Real, Scene
 
 ILRMA_ITERATIONS = 40
@@ -99,9 +99,7 @@ def _groups(scene: Scene) -> tuple[tuple[tuple[int, ...], ...], Real | None]:
     """Members of every group and its TDOA [s]; () and None when directions are unknown."""
     if scene.tau is None:
         return ((),) * scene.n_sources, None
-    tau = np.asarray(scene.tau, float)
-    members = groups_of(tau, ALIAS * scene.spacing / scene.speed_of_sound)
-    return members, np.array([tau[list(group)].mean() for group in members])
+    return directions_of(scene, "a separator")
 
 
 def _order(cross: Complex, scene: Scene, tau: Real | None, count: int) -> tuple[int, ...]:
