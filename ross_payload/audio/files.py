@@ -47,6 +47,7 @@ class WavWriter:
     def __init__(self, path: Path, rate: int, channels: int) -> None:
         self._path = path
         self._waiting: list[Real] = []
+        self._pending = 0  # samples waiting
         self._part = path.with_name(path.name + ".part")
         try:
             self._file = soundfile.SoundFile(
@@ -64,11 +65,12 @@ class WavWriter:
             When the disk is full or gone.
         """
         self._waiting.append(samples)
-        if sum(block.shape[1] for block in self._waiting) >= BUFFER:
+        self._pending += samples.shape[1]
+        if self._pending >= BUFFER:
             self._flush()
 
     def _flush(self) -> None:
-        waiting, self._waiting = self._waiting, []
+        waiting, self._waiting, self._pending = self._waiting, [], 0
         if not waiting:
             return
         try:

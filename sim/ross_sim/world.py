@@ -244,7 +244,7 @@ def _counts(samples: Samples) -> Counts:
 
 
 def _converted(counts: Counts) -> Counts:
-    return np.asarray(np.clip(counts, -FULL_SCALE, FULL_SCALE - 1))
+    return np.asarray(np.minimum(np.maximum(counts, -FULL_SCALE), FULL_SCALE - 1))
 
 
 def _samples(counts: Counts) -> Samples:
