@@ -14,10 +14,12 @@ from ross_payload.dsp.order import MAX_SOURCES
 from ross_payload.events import Event
 from ross_payload.interfaces import Actuator, Capabilities, Clock, Feedback, Input
 from ross_payload.links import Links
-from ross_payload.telemetry.report import Reporter, Snapshot
+from ross_payload.telemetry.report import Every, Reporter, Snapshot
 from ross_payload.telemetry.tlog import TlogRecorder
 from ross_protocols.codec import Encoder
 from ross_protocols.values import Information
+
+LOOK_PERIOD = 0.050  # [s] between two looks at what is due and at what has arrived
 
 
 class Telemetry:
@@ -36,6 +38,7 @@ class Telemetry:
         self._links = links
         self._actuator = actuator
         self._rate = config.audio.rate_hz
+        self._looking = Every(LOOK_PERIOD)
         self._open_loop = actuator is not None and actuator.capabilities.feedback is Feedback.MODEL
         self._reporter = Reporter(
             Encoder(config.telemetry.system_id, config.telemetry.component_id),
@@ -49,8 +52,10 @@ class Telemetry:
 
     def heard(self, heard: Input) -> None:
         """Send what is due; listen to the links."""
-        self._links.poll()
-        self._reporter.tick(self._clock.now(), self._snapshot(heard))
+        now = self._clock.now()
+        if self._looking.due(now):
+            self._links.poll()
+            self._reporter.tick(now, self._snapshot(heard))
 
     def said(self, event: Event, heard: Input) -> None:
         """Tell what the mission has just said."""
