@@ -20,7 +20,7 @@ from ross_payload.interfaces import Complex, Groups, Real, Scene
 
 UPDATES = 20
 UNSMOOTHED = 2  # updates before the smoothing begins
-ROWS = 16  # bins worked on at once: they stay in the cache
+AT_ONCE = 10000  # time-frequency bins worked on together: they stay in the cache
 FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
 ACTIVE = 1.15  # bins with less than this many times the noise hold nobody
 DRY, WET = (0.03, 0.5), (0.4, 0.3)  # (diffuse part, anchor) in the open and in reverberation
@@ -58,12 +58,13 @@ def source_psds(observed: Real, covariances: Real, noise_psd: Real) -> Real:
     psds[:, :n_groups] = 0.5 * (observed[:, :1] + observed[:, 1:2]) / n_groups + FLOOR
     psds[:, n_groups:] = noise_psd[:, None, None]
     other = psds.copy()
+    height = max(AT_ONCE // max(psds.shape[2], 1), 1)
     for update in range(UPDATES):
-        for low in range(0, len(psds), ROWS):
-            rows = slice(low, low + ROWS)
+        for low in range(0, len(psds), height):
+            rows = slice(low, low + height)
             sources = _updated(psds[rows], cross[rows], gram[rows])
             if update >= UNSMOOTHED:
-                sources *= averaged_rows(psds[:, :n_groups], low, low + ROWS)
+                sources *= averaged_rows(psds[:, :n_groups], low, low + height)
                 np.sqrt(sources, out=sources)
             np.maximum(sources, FLOOR, out=other[rows, :n_groups])
         psds, other = other, psds
