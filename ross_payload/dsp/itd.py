@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter, uniform_filter1d
 
+from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
 
 TINY = 1e-30  # power that stands for silence when there is nothing else
@@ -43,6 +44,13 @@ def itd_per_bin(spectrogram: Complex, frequencies: Real) -> Real:
     """
     reference, other = spectrogram
     return _itd(other * reference.conj(), frequencies)
+
+
+def check_array(spacing: float, speed_of_sound: float) -> None:
+    """Raise a ConfigError unless d [m] and v_p [m/s] are positive and finite."""
+    for what, value in (("spacing", spacing), ("speed of sound", speed_of_sound)):
+        if not 0 < value < np.inf:
+            raise ConfigError(f"{what} = {value:g}: a positive number is wanted")
 
 
 def band_limits(spacing: float, speed_of_sound: float, low: float = LOW) -> tuple[float, float]:
@@ -86,7 +94,7 @@ def weighted_itd(
     first, second = np.maximum(first, silence), np.maximum(second, silence)
     power = (first + second) / 2
     coherence = np.abs(cross) / np.sqrt(first * second)
-    noise = quiet_psd(power, trust) if noise_psd is None else noise_psd[:, None]
+    noise = lowest_psd(power, trust) if noise_psd is None else noise_psd[:, None]
     energy = np.maximum(1 - trust.floor * noise / power, 0)
     onset = np.maximum(1 - tail(power, np.exp(-frame_period / trust.decay)) / power, 0)
     weight = energy * onset * (coherence > trust.coherence) * (frequencies / frequencies.max())[:, None]
@@ -106,7 +114,7 @@ def tail(power: Real, decay: float) -> Real:
     return left
 
 
-def quiet_psd(power: Real, trust: Trust) -> Real:
+def lowest_psd(power: Real, trust: Trust) -> Real:
     """Noise PSD from the quietest frames, smoothed over frequency, (n_freqs, 1)."""
     quiet = np.quantile(power, trust.quiet, axis=1, keepdims=True)
     return np.asarray(1.2 * uniform_filter1d(quiet, 15, axis=0))

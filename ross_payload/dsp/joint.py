@@ -15,8 +15,7 @@ import numpy as np
 from ross_payload.angles import difference, wrap
 from ross_payload.dsp import mixture, order
 from ross_payload.dsp.density import histogram, itd_grid, kde, prominent_peaks
-from ross_payload.dsp.itd import Trust, band_limits, weighted_itd
-from ross_payload.errors import ConfigError
+from ross_payload.dsp.itd import Trust, band_limits, check_array, weighted_itd
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
 
@@ -136,9 +135,7 @@ class Factory:
         ConfigError
             When a number is not positive and finite.
         """
-        for what, value in (("spacing", spacing), ("speed of sound", speed_of_sound)):
-            if not 0 < value < np.inf:
-                raise ConfigError(f"{what} = {value:g}: a positive number is wanted")
+        check_array(spacing, speed_of_sound)
         return Joint(spacing, speed_of_sound)
 
 

@@ -17,8 +17,7 @@ from ross_payload.angles import wrap
 from ross_payload.dsp import chain
 from ross_payload.dsp.clusters import Cluster, k_means
 from ross_payload.dsp.density import histogram, itd_grid, kde, prominent_peaks
-from ross_payload.dsp.itd import Trust, band_limits, itd_per_bin, weighted_itd
-from ross_payload.errors import ConfigError
+from ross_payload.dsp.itd import Trust, band_limits, check_array, itd_per_bin, weighted_itd
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
 
@@ -162,9 +161,7 @@ class Factory:
         ConfigError
             When a number is not positive and finite.
         """
-        for what, value in (("spacing", spacing), ("speed of sound", speed_of_sound)):
-            if not 0 < value < np.inf:
-                raise ConfigError(f"{what} = {value:g}: a positive number is wanted")
+        check_array(spacing, speed_of_sound)
         return Markov(spacing, speed_of_sound, self.trusts, self.rule, self.name)
 
 
