@@ -61,12 +61,13 @@ class ThreeTalkers:
     name: str = "fixed"
     azimuths: tuple[float, ...] = (170, 70, -50)
     certain: bool = True
+    patience: int = 3  # orientations before it believes anything
 
     def observe(self, spectrogram, frequencies, heading, noise_psd):
         return Observation(heading, np.zeros(1), np.ones(1), 1.0)
 
     def estimate(self, observations):
-        if len(observations) < 3:
+        if len(observations) < self.patience:
             return Estimate(())
         sources = tuple(SourceEstimate(float(np.deg2rad(a)), 0.01, 0.9, True) for a in self.azimuths)
         return Estimate(sources, certain=self.certain)
@@ -215,10 +216,11 @@ def test_nobody_talking_is_an_answer():
 
 
 def test_limits_under_which_nobody_stands_apart_are_told_as_the_reason():
-    narrow = replace(SETTINGS, lower=-0.01, upper=0.01)
-    one = rig(settings=narrow, explorer=ThreeTalkers(azimuths=(30, -30)))
+    narrow = replace(SETTINGS, lower=-0.005, upper=0.005)
+    one = rig(settings=narrow, explorer=ThreeTalkers(azimuths=(30, -30), patience=1))
     result = one.run()
     assert result.outcome is Outcome.NO_TARGET
+    assert "no heading within the limits" in result.reason
     assert not one.said(Checked)
 
 
