@@ -6,7 +6,8 @@ import pytest
 
 from ross_payload.angles import difference
 from ross_payload.dsp.steering import tdoa
-from ross_sim.study.separation import SETTINGS, aligned_heading, layouts, load_voices, measure
+from ross_sim.study.rooms import PLANES, SETTINGS
+from ross_sim.study.separation import aligned_heading, layouts, load_voices, measure
 
 SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / "shared" / "speech"))
 FLOORS = {"S1": (15.0, 12.4, 11.5), "S2": (9.8, 8.2, 7.3), "S3": (8.0, 6.8, 6.1)}  # [dB] for K = 3, 4, 5
@@ -26,7 +27,7 @@ def test_random_layouts_keep_talkers_apart() -> None:
 
 @pytest.mark.soak
 @pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH} (set ROSS_SPEECH)")
-@pytest.mark.parametrize("setting", SETTINGS)
+@pytest.mark.parametrize("setting", PLANES)
 def test_the_local_gaussian_model_reaches_the_floors(setting: str) -> None:
     voices = load_voices(SPEECH)
     for n_sources, floor in zip((3, 4, 5), FLOORS[setting], strict=True):

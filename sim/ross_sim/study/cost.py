@@ -23,6 +23,7 @@ from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.stft import Stft, band
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
+from ross_sim.study.rooms import SETTINGS
 from ross_sim.study.separation import (
     FRAME,
     HOP,
@@ -82,7 +83,7 @@ def main(speech: Path, repeats: int, seed: int) -> None:
             raise click.ClickException(str(error)) from error
         rng, stft = np.random.default_rng(seed), Stft(RATE, FRAME, HOP)
         azimuths = layouts(3, 0, rng)[0]
-        recording = record(voices, azimuths, 0, aligned_heading(azimuths, 0), 0.0, rng=rng)
+        recording = record(voices, azimuths, 0, aligned_heading(azimuths, 0), SETTINGS["S1"], rng=rng)
         spectrogram = stft.analyse(recording.mixture)
         scene = scene_of(recording, stft, known_noise=True)
         calls: dict[str, Callable[[], object]] = {

@@ -1,9 +1,9 @@
 """How well the explorer counts and places talkers: `python -m ross_sim.study.exploration --speech DIR`.
 
-K talkers of equal power at microphone 1, at least 25 deg apart and 2.5 m from the array, speak from random places of
-their recordings in the middle of a room of 10 x 10 m; white noise is 15 dB below the mixture. The array listens 3 s at
-every orientation and turns 15 deg in between; nobody tells K. A row gives, over all K: how often K is right, how often
-K is right and all azimuths are within 10 deg, how many talkers are found within 10 deg, and the mean error of those.
+K talkers of equal power at microphone 1, at least 25 deg apart, speak from random places of their recordings around the
+array in the middle of a room (`rooms`); white noise is 15 dB below the mixture. The array listens 3 s at every
+orientation and turns 15 deg in between; nobody tells K. A row gives, over all K: how often K is right, how often K is
+right and all azimuths are within 10 deg, how many talkers are found within 10 deg, and the mean error of those.
 """
 
 from __future__ import annotations
@@ -29,15 +29,12 @@ from ross_payload.angles import difference
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Explorer, Real, Samples
-from ross_sim.room import impulse_responses
 from ross_sim.speech import load_folder
+from ross_sim.study.rooms import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting
 
-SETTINGS = {"S1": 0.0, "S2": 0.45, "S3": 0.7}  # the paper's nominal T60 [s]
 TALKERS = ("ls3005", "ls3331", "ls2414", "ls3080", "ls533")
 COUNTS = (2, 3, 4, 5)  # K
 APART = np.deg2rad(25.0)
-ROOM, CENTRE, DISTANCE = (10.0, 10.0), (5.0, 5.0), 2.5  # [m]
-SPACING, SPEED_OF_SOUND = 0.05, 343.0
 SNR_DB = 15.0  # mixture over noise, at microphone 1
 RATE, FRAME = 24000, 1024
 UNIT, STEP = 3.0, np.deg2rad(15.0)  # [s], [rad]
@@ -86,11 +83,13 @@ def layout_of(k: int, rng: np.random.Generator) -> Real:
             return azimuths
 
 
-def render(voices: Sequence[Samples], azimuths: Real, t60: float, headings: Real, rng: np.random.Generator) -> Real:
+def render(
+    voices: Sequence[Samples], azimuths: Real, setting: Setting, headings: Real, rng: np.random.Generator
+) -> Real:
     """What both microphones hear at every heading, (n_headings, 2, n_samples)."""
     unit, before = round(UNIT * RATE), round(BEFORE * RATE)
-    places = np.array(CENTRE) + DISTANCE * np.column_stack([np.cos(azimuths), np.sin(azimuths)])
-    responses = impulse_responses(ROOM, t60, RATE, CENTRE, SPACING, places, headings, SPEED_OF_SOUND)
+    places = setting.places(azimuths, np.random.default_rng(np.abs(azimuths * 1e6).astype(int)))
+    responses = setting.responses(places, headings.tolist(), RATE)
     heard = np.zeros((len(headings), 2, unit))
     for source, voice in enumerate(voices):
         speech = np.resize(np.roll(voice, -int(rng.integers(len(voice)))), unit * len(headings) + before)
@@ -147,10 +146,11 @@ def table(rows: Sequence[Row]) -> str:
     """One line per number of rotations and setting, those of the stop rule last."""
     lines = ["rotations  room   K right   all right   recall   error [deg]   error/sigma (rms)   all right by K"]
     fixed = [row for row in rows if not row.stopped]
-    for count, setting in product(sorted({row.rotations for row in fixed}, reverse=True), SETTINGS):
+    settings = list(dict.fromkeys(row.setting for row in rows))
+    for count, setting in product(sorted({row.rotations for row in fixed}, reverse=True), settings):
         chosen = [row for row in fixed if row.rotations == count and row.setting == setting]
         lines.append(f"{count:9d}  {setting:4s}  {_summary(chosen)}")
-    for setting in SETTINGS:
+    for setting in settings:
         chosen = [row for row in rows if row.stopped and row.setting == setting]
         lines.append(f"stop {np.mean([row.rotations for row in chosen]):4.1f}  {setting:4s}  {_summary(chosen)}")
     last = max(row.rotations for row in fixed)
@@ -181,6 +181,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, default=Path("../shared/speech"), help="folder of recordings")
+    parser.add_argument("--rooms", nargs="+", choices=tuple(SETTINGS), default=list(PLANES))
     parser.add_argument("--explorer", choices=("joint", "markov", "markov-plain"), default="joint")
     parser.add_argument("--layouts", type=int, default=14, help="per K and room")
     parser.add_argument("--seed", type=int, default=1)
@@ -193,7 +194,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = [voices[name] for name in TALKERS if name in voices] or list(voices.values())
     counts = [k for k in COUNTS if k <= len(chosen)]
     tasks = [
-        Task(setting, k, n, asked.seed, asked.explorer) for setting, k, n in product(SETTINGS, counts, range(count))
+        Task(setting, k, n, asked.seed, asked.explorer) for setting, k, n in product(asked.rooms, counts, range(count))
     ]
     rows = sweep(tasks, chosen, rotations)
     sys.stdout.write(table(rows) + "\n")

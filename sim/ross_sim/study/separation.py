@@ -1,8 +1,8 @@
 """How well each separator does in the paper's rooms: `python -m ross_sim.study.separation`.
 
-K talkers of equal power at microphone 1 stand 2.5 m from the array in the centre of a room of 10 x 10 m; white noise
-is 15 dB below the mixture. Every talker is the target once, with the array at its own alignment and with every azimuth
-known; its reference is itself alone at microphone 1. The table gives the mean SI-SDRi. Columns are separators
+K talkers of equal power at microphone 1 stand around the array in the middle of a room (`rooms`); white noise is 15 dB
+below the mixture. Every talker is the target once, with the array at its own alignment and with every azimuth known;
+its reference is itself alone at microphone 1. The table gives the mean SI-SDRi. Columns are separators
 (`--separators duet mvdr ilrma`) or oracles, which are given every source and the noise (`irm mwf tvmwf`).
 """
 
@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import click
@@ -26,18 +27,15 @@ from ross_payload.dsp.steering import tdoa
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError, RossError
 from ross_payload.interfaces import Scene, Separator
-from ross_sim.room import impulse_responses
 from ross_sim.speech import load_folder
 from ross_sim.study.oracles import ORACLES, Oracle
+from ross_sim.study.rooms import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting
 
-SETTINGS = {"S1": 0.0, "S2": 0.45, "S3": 0.7}  # the paper's nominal T60 [s]
 PAPER_DEG = (170.0, 70.0, -50.0, -120.0, 10.0)  # the layout of the prototypes
 VOICES = ("ls3005", "ls3331", "ls2414", "ls3080", "ls533")
 SEPARATORS = ("duet", "auxiva", "gaussian")
 NOISE_BLIND = frozenset({"mvdr", "lcmv", "iva", "ilrma", "fastmnmf2"})  # never look at the noise PSD
 APART = np.deg2rad(25.0)
-ROOM, CENTRE, DISTANCE = (10.0, 10.0), (5.0, 5.0), 2.5  # [m]
-SPACING, SPEED_OF_SOUND = 0.05, 343.0
 SNR_DB = 15.0  # mixture over noise, at microphone 1
 RATE, FRAME, HOP = 24000, 2048, 512
 LEAD_IN, RUN = 2.0, 10.0  # [s]
@@ -85,11 +83,15 @@ def aligned_heading(azimuths: Real, target: int) -> float:
 
 
 def record(
-    voices: Sequence[Real], azimuths: Real, target: int, heading: float, t60: float, *, rng: np.random.Generator
+    voices: Sequence[Real], azimuths: Real, target: int, heading: float, setting: Setting, *, rng: np.random.Generator
 ) -> Recording:
-    """Simulate one recording of ``voices`` (n,) each at ``azimuths`` [rad] with the array at ``heading`` [rad]."""
-    places = np.array(CENTRE) + DISTANCE * np.stack([np.cos(azimuths), np.sin(azimuths)], axis=1)
-    responses = impulse_responses(ROOM, t60, RATE, CENTRE, SPACING, places, [heading], SPEED_OF_SOUND)[0]
+    """Simulate one recording of ``voices`` (n,) each at ``azimuths`` [rad] with the array at ``heading`` [rad].
+
+    Where exactly the talkers of a true room stand depends on the azimuths alone, so that every target and heading of a
+    layout has the same room.
+    """
+    places = setting.places(azimuths, np.random.default_rng(np.abs(azimuths * 1e6).astype(int)))
+    responses = setting.responses(places, [heading], RATE)[0]
     n = len(voices[0])
     images = np.stack([fftconvolve(voice[None], responses[:, k], axes=1)[:, :n] for k, voice in enumerate(voices)])
     images /= np.sqrt((images[:, :1] ** 2).mean(axis=2, keepdims=True))
@@ -138,8 +140,8 @@ def column(name: str) -> Callable[[Recording], list[float]]:
     return lambda recording: [improvement(separator, recording, known) for known in knowledge]
 
 
-def load_voices(folder: Path) -> list[Real]:
-    """The first 10 s of the five talkers.
+def load_voices(folder: Path, names: Sequence[str] = VOICES) -> list[Real]:
+    """The first 10 s of the talkers of these names; no names: of every talker in the folder.
 
     Raises
     ------
@@ -148,28 +150,44 @@ def load_voices(folder: Path) -> list[Real]:
     """
     voices = {voice.name: voice.speech for voice in load_folder(folder, RATE)}
     n = round(RUN * RATE)
-    for name in VOICES:
+    for name in names or voices:
         if name not in voices or voices[name].size < n:
             raise ConfigError(f"{folder}: wanted {RUN:g} s of the talker {name}")
-    return [voices[name][:n] for name in VOICES]
+    return [voices[name][:n] for name in names or voices]
 
 
-def recordings(voices: Sequence[Real], n_sources: int, t60: float, count: int, seed: int) -> Iterator[Recording]:
-    """Every talker of every layout as the target, at its alignment; noise and layouts do not depend on T60."""
+def recordings(
+    voices: Sequence[Real], n_sources: int, setting: Setting, count: int, seed: int, *, aligned: bool = True
+) -> Iterator[Recording]:
+    """Every talker of every layout as the target; noise, layouts and casts do not depend on the room.
+
+    With more than five voices every layout draws its own cast. The heading is the target's alignment, or random.
+    """
     for index, azimuths in enumerate(layouts(n_sources, count, np.random.default_rng(seed))):
+        cast = list(voices)
+        if len(voices) > len(VOICES):
+            cast = [voices[i] for i in np.random.default_rng([seed, index]).permutation(len(voices))]
         for target in range(n_sources):
-            heading = aligned_heading(azimuths, target)
             rng = np.random.default_rng([seed, index, target])
-            yield record(voices[:n_sources], azimuths, target, heading, t60, rng=rng)
+            anywhere = np.random.default_rng([seed, index, target, 1]).uniform(0, np.pi)
+            heading = aligned_heading(azimuths, target) if aligned else float(anywhere)
+            yield record(cast[:n_sources], azimuths, target, heading, setting, rng=rng)
 
 
 def measure(
-    voices: Sequence[Real], n_sources: int, t60: float, count: int, seed: int, *, names: Sequence[str] = SEPARATORS
+    voices: Sequence[Real],
+    n_sources: int,
+    setting: Setting,
+    count: int,
+    seed: int,
+    *,
+    names: Sequence[str] = SEPARATORS,
+    aligned: bool = True,
 ) -> dict[str, list[float]]:
     """Mean SI-SDRi [dB] per column: with the noise PSD known and unknown, or once where it does not matter."""
     columns = {name: column(name) for name in names}
     scores: dict[str, list[list[float]]] = {name: [] for name in columns}
-    for recording in recordings(voices, n_sources, t60, count, seed):
+    for recording in recordings(voices, n_sources, setting, count, seed, aligned=aligned):
         for name, score in columns.items():
             scores[name].append(score(recording))
     return {name: np.mean(rows, axis=0).tolist() for name, rows in scores.items()}
@@ -179,50 +197,60 @@ def row(setting: str, n_sources: int, scores: Mapping[str, Sequence[float]]) -> 
     """One line of the table.
 
     >>> row("S1", 3, {"duet": [12.34, 11.0], "irm": [15.0]})
-    'S1 K3   12.3/11.0          15.0'
+    'S1    K3   12.3/11.0          15.0'
     """
     cells = [
         f"{known[0]:6.1f}/{known[1]:<5.1f}" if len(known) > 1 else f"{known[0]:12.1f}" for known in scores.values()
     ]
-    return f"{setting} K{n_sources} " + " ".join(cells)
+    return f"{setting:5} K{n_sources} " + " ".join(cells)
 
 
 @click.command()
 @click.argument("more", nargs=-1, metavar="")
 @click.option("--separators", "first", metavar="NAME...", help="Columns, instead of duet auxiva gaussian.")
+@click.option("--rooms", default=",".join(PLANES), show_default=True, help=f"Of {','.join(SETTINGS)}.")
+@click.option("--talkers", type=click.Choice(["five", "all"]), default="five", show_default=True)
+@click.option("--aligned/--anywhere", default=True, help="The target's alignment, or a random heading.")
 @click.option("--speech", type=click.Path(path_type=Path), default=Path("../shared/speech"), show_default=True)
 @click.option("--layouts", "count", type=click.IntRange(min=0), default=5, show_default=True, help="Random layouts.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--quick", is_flag=True, help="The paper's layout and K = 3 alone.")
 @click.option("--json", "out", type=click.Path(path_type=Path), help="Write the table here too.")
 def main(
-    *, more: tuple[str, ...], first: str | None, speech: Path, count: int, seed: int, quick: bool, out: Path | None
+    *,
+    more: tuple[str, ...],
+    first: str | None,
+    rooms: str,
+    talkers: str,
+    aligned: bool,
+    speech: Path,
+    count: int,
+    seed: int,
+    quick: bool,
+    out: Path | None,
 ) -> None:
-    """Print the mean SI-SDRi [dB] with the noise PSD known from a lead-in / unknown, true azimuths, aligned."""
+    """Print the mean SI-SDRi [dB] with the noise PSD known from a lead-in / unknown, true azimuths."""
     if more and first is None:
         raise click.UsageError(f"columns are named after --separators, found {' '.join(more)}")
+    unknown = [name for name in rooms.split(",") if name not in SETTINGS]
+    if unknown:
+        raise click.UsageError(f"room '{unknown[0]}' is unknown; there are: {', '.join(SETTINGS)}")
     names = SEPARATORS if first is None else tuple(dict.fromkeys((first, *more)))
+    table: dict[str, dict[str, list[float]]] = {}
+    click.echo("SI-SDRi [dB], noise PSD from lead-in / unknown\n         " + " ".join(f"{name:>12}" for name in names))
     try:
-        with threadpool_limits(1):
-            table = _printed(load_voices(speech), names, 0 if quick else count, (3,) if quick else (3, 4, 5), seed)
+        voices = load_voices(speech, () if talkers == "all" else VOICES)
+        for name, n_sources in product(rooms.split(","), (3,) if quick else (3, 4, 5)):
+            with threadpool_limits(1):
+                scores = measure(
+                    voices, n_sources, SETTINGS[name], 0 if quick else count, seed, names=names, aligned=aligned
+                )
+            table[f"{name} K{n_sources}"] = scores
+            click.echo(row(name, n_sources, scores))
     except RossError as error:
         raise click.ClickException(str(error)) from error
     if out:
         out.write_text(json.dumps({"seed": seed, "layouts": count, "si_sdri_db": table}, indent=2) + "\n")
-
-
-def _printed(
-    voices: Sequence[Real], names: Sequence[str], count: int, sizes: Sequence[int], seed: int
-) -> dict[str, dict[str, list[float]]]:
-    """Measure and print the table line by line."""
-    click.echo("SI-SDRi [dB], noise PSD from lead-in / unknown\n      " + " ".join(f"{name:>12}" for name in names))
-    table: dict[str, dict[str, list[float]]] = {}
-    for setting, t60 in SETTINGS.items():
-        for n_sources in sizes:
-            scores = measure(voices, n_sources, t60, count, seed, names=names)
-            table[f"{setting} K{n_sources}"] = scores
-            click.echo(row(setting, n_sources, scores))
-    return table
 
 
 if __name__ == "__main__":

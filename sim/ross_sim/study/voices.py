@@ -21,6 +21,7 @@ from ross_payload.interfaces import Real
 from ross_payload.voiceprint import Background, enrol, shipped_background
 from ross_payload.voiceprint.background import read_background
 from ross_sim.speech import Voice, load_folder
+from ross_sim.study.rooms import SETTINGS
 from ross_sim.study.separation import FRAME, HOP, RATE, aligned_heading, layouts, record, scene_of
 from ross_sim.voices import synthetic_voices
 
@@ -105,7 +106,7 @@ def _row(part: Sequence[Trial]) -> str:
 
 def separated_voice(voices: Sequence[Real], azimuths: Real, target: int, rng: np.random.Generator) -> Real:
     """Separate one of three talkers (n,) each at ``azimuths`` [rad] at its own alignment, (n,)."""
-    recording = record(voices, azimuths, target, aligned_heading(azimuths, target), 0.0, rng=rng)
+    recording = record(voices, azimuths, target, aligned_heading(azimuths, target), SETTINGS["S1"], rng=rng)
     stft = Stft(RATE, FRAME, HOP)
     groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=True))
     index = next(i for i, members in enumerate(groups.members) if target in members)
