@@ -84,12 +84,19 @@ def layout_of(k: int, rng: np.random.Generator) -> Real:
 
 
 def render(
-    voices: Sequence[Samples], azimuths: Real, setting: Setting, headings: Real, rng: np.random.Generator
+    voices: Sequence[Samples],
+    azimuths: Real,
+    setting: Setting,
+    headings: Real,
+    rng: np.random.Generator,
+    *,
+    seconds: float = UNIT,
+    rate: int = RATE,
 ) -> Real:
-    """What both microphones hear at every heading, (n_headings, 2, n_samples)."""
-    unit, before = round(UNIT * RATE), round(BEFORE * RATE)
+    """What both microphones hear for some seconds at every heading, (n_headings, 2, n_samples)."""
+    unit, before = round(seconds * rate), round(BEFORE * rate)
     places = setting.places(azimuths, np.random.default_rng(np.abs(azimuths * 1e6).astype(int)))
-    responses = setting.responses(places, headings.tolist(), RATE)
+    responses = setting.responses(places, headings.tolist(), rate)
     heard = np.zeros((len(headings), 2, unit))
     for source, voice in enumerate(voices):
         speech = np.resize(np.roll(voice, -int(rng.integers(len(voice)))), unit * len(headings) + before)

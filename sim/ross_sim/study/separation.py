@@ -83,7 +83,14 @@ def aligned_heading(azimuths: Real, target: int) -> float:
 
 
 def record(
-    voices: Sequence[Real], azimuths: Real, target: int, heading: float, setting: Setting, *, rng: np.random.Generator
+    voices: Sequence[Real],
+    azimuths: Real,
+    target: int,
+    heading: float,
+    setting: Setting,
+    *,
+    rng: np.random.Generator,
+    rate: int = RATE,
 ) -> Recording:
     """Simulate one recording of ``voices`` (n,) each at ``azimuths`` [rad] with the array at ``heading`` [rad].
 
@@ -91,14 +98,14 @@ def record(
     layout has the same room.
     """
     places = setting.places(azimuths, np.random.default_rng(np.abs(azimuths * 1e6).astype(int)))
-    responses = setting.responses(places, [heading], RATE)[0]
+    responses = setting.responses(places, [heading], rate)[0]
     n = len(voices[0])
     images = np.stack([fftconvolve(voice[None], responses[:, k], axes=1)[:, :n] for k, voice in enumerate(voices)])
     images /= np.sqrt((images[:, :1] ** 2).mean(axis=2, keepdims=True))
     clean = images.sum(axis=0)
     sigma = np.sqrt((clean[0] ** 2).mean() * 10 ** (-SNR_DB / 10))
     mixture = clean + sigma * rng.standard_normal(clean.shape)
-    lead_in = sigma * rng.standard_normal((2, round(LEAD_IN * RATE)))
+    lead_in = sigma * rng.standard_normal((2, round(LEAD_IN * rate)))
     tau = tdoa(azimuths, heading, SPACING, SPEED_OF_SOUND)
     return Recording(mixture.astype(np.float32), lead_in.astype(np.float32), images, tau, target)
 
