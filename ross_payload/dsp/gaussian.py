@@ -156,6 +156,23 @@ class Gaussian:
 
 def _separated(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, Real]:
     """Signals and Wiener masks, both (n_groups, n_freqs, n_frames), of one group per TDOA."""
+    _, covariances, psds = fitted(unit, scene, noise_psd)
+    masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
+    return wiener(unit, psds, covariances), masks
+
+
+def fitted(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Real, Real, Real]:
+    """Coordinates of x x^H, of every covariance, and the PSDs: the arguments and the result of `source_psds`.
+
+    Parameters
+    ----------
+    unit
+        Mixture of mean power 1, (2, n_freqs, n_frames).
+    scene
+        Its ``tau`` are those of the groups [s], (n_groups,).
+    noise_psd
+        (n_freqs,).
+    """
     observed = outer(unit).astype(np.float32)
     waves = direct(scene.frequencies, np.asarray(scene.tau)).astype(np.float32)
     direct_part = scene.directness
@@ -166,9 +183,7 @@ def _separated(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, R
     covariances = learn(observed, (1 - share) * waves + share * field, noise_psd, anchor)
     white = np.broadcast_to(np.array([1, 1, 0, 0], np.float32), field.shape)
     covariances = np.concatenate([covariances, white], axis=1)
-    psds = source_psds(observed, covariances, noise_psd)
-    masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
-    return wiener(unit, psds, covariances), masks
+    return observed, covariances, source_psds(observed, covariances, noise_psd)
 
 
 separator = Gaussian()
