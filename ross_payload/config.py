@@ -79,13 +79,14 @@ class Explore(Table):
     """[explore]: find K and every azimuth."""
 
     method: str = "joint"  # explorer: `joint`, `markov`, or `markov-plain`, the paper's own histograms
-    frame: Annotated[int, Field(ge=128, le=8192)] | None = None  # STFT frame [samples]; absent: about 43 ms
+    frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] | None = None  # STFT frame [samples]; absent: about 43 ms
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of these frames, as a share of the frame
     lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listened to before anything turns, for the noise
     unit_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_unit
     step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation
     min_rotations: Annotated[int, Field(ge=1, le=24)] = 4  # at least so many, however certain the explorer is
     max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # at most so many
+    pipelined: bool = False  # go to promising alignments before the exploration ends
 
     @model_validator(mode="after")
     def _ordered(self) -> Explore:

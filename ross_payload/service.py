@@ -140,6 +140,7 @@ def settings_of(config: Config, lower: float, upper: float) -> Settings:
         rotation=math.radians(explore.step_deg),
         min_rotations=explore.min_rotations,
         max_rotations=explore.max_rotations,
+        pipelined=explore.pipelined,
         check=exploit.check_s,
         run=exploit.run_s,
         runs=exploit.runs,

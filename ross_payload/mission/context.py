@@ -10,8 +10,19 @@ import numpy as np
 
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.stft import Stft
-from ross_payload.events import Event, Outcome, State, StateChanged, TurnStarted
-from ross_payload.interfaces import Command, Complex, Explorer, Input, Output, Real, Samples, Separator, VoicePrint
+from ross_payload.events import Estimate, Event, NoiseMeasured, Outcome, State, StateChanged, TurnStarted
+from ross_payload.interfaces import (
+    Command,
+    Complex,
+    Explorer,
+    Input,
+    Observation,
+    Output,
+    Real,
+    Samples,
+    Separator,
+    VoicePrint,
+)
 
 T = TypeVar("T")
 Step = Generator[Output, Input, T]
@@ -29,6 +40,7 @@ class Settings:
     rotation: float  # one step of the exploration [rad]
     min_rotations: int
     max_rotations: int
+    pipelined: bool  # go to promising alignments before the exploration ends
     check: float  # T_check [s]
     run: float  # T_run [s]
     runs: int  # how many T_run until done, 0: until stopped
@@ -78,6 +90,8 @@ class Context:
     lead_in: Samples | None = None  # (2, n), quiet or not
     noise_psd: dict[int, Real | None] = field(default_factory=dict)  # by STFT frame
     explored: list[Listening] = field(default_factory=list)  # of the latest exploration
+    observations: list[Observation] = field(default_factory=list)  # what they tell the explorer
+    beliefs: list[Estimate] = field(default_factory=list)  # one after each of them
     pending: list[Event] = field(default_factory=list)
 
     @property
@@ -106,8 +120,16 @@ class Context:
             found = None
             if self.lead_in is not None and self.lead_in.shape[1] >= stft.frame:
                 found = quiet_psd(stft.analyse(self.lead_in), later)
+            if not self.noise_psd:
+                self._say_noise(quiet=found is not None)
             self.noise_psd[stft.frame] = found
         return self.noise_psd[stft.frame]
+
+    def _say_noise(self, *, quiet: bool) -> None:
+        level = None
+        if quiet and self.lead_in is not None:
+            level = float(10 * np.log10(np.mean(self.lead_in[0].astype(np.float64) ** 2) + 1e-20))
+        self.say(NoiseMeasured(self.time, level, self.settings.lead_in))
 
 
 def hop(context: Context, goal: float | None = None) -> Step[Input]:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
+from ross_payload.angles import wrap_axis
+from ross_payload.events import Estimate, State
+from ross_payload.mission.context import Context, Step, listen, turn
+from ross_payload.mission.orient import certain, orientation, say_belief
+from ross_payload.mission.pipeline import Visits, promising, visit
 
-from ross_payload.events import Estimate, NoiseMeasured, OrientationHeard, SourcesEstimated, State
-from ross_payload.interfaces import Observation
-from ross_payload.mission.context import Context, Listening, Step, listen, turn
+SAME = 0.5  # of a step: an alignment so near to an orientation of the schedule takes its place
 
 
 def lead_in(context: Context) -> Step[None]:
@@ -17,48 +19,41 @@ def lead_in(context: Context) -> Step[None]:
     context.lead_in = yield from listen(context, context.settings.lead_in)
 
 
-def explore(context: Context) -> Step[Estimate]:
-    """Visit orientations until the explorer is certain or the schedule ends; return its last belief."""
-    settings = context.settings
-    observations: list[Observation] = []
-    context.explored = []
-    estimate = Estimate(())
-    joints = list(schedule(context))
-    for r, joint in enumerate(joints):
-        if r:
-            context.enter(State.EXPLORE_TURN, f"rotation {r} of {settings.max_rotations}")
-            yield from turn(context, joint, f"rotation {r}")
-        observations.append((yield from _orientation(context, r)))
-        estimate = context.tools.explorer.estimate(observations)
-        final = r == len(joints) - 1 or (r >= settings.min_rotations and estimate.certain)
-        context.say(SourcesEstimated(context.time, estimate, r, final))
-        if final:
-            break
-    return estimate
+def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
+    """Visit orientations until the explorer is certain or the schedule ends; return its last belief.
+
+    In a pipelined mission a promising alignment takes the place of the next orientation. When the target is recognised
+    there the exploration ends at once, and its source is returned as well.
+    """
+    context.explored, context.observations, context.beliefs = [], [], []
+    todo, visits = list(schedule(context)), Visits()
+    while todo and not (context.beliefs and certain(context)):
+        promise = promising(context, visits) if context.settings.pipelined else None
+        if promise is None:
+            joint = min(todo, key=lambda joint: round(abs(joint - context.here.joint), 9))
+            todo.remove(joint)
+            yield from _step(context, joint, last=not todo)
+            continue
+        todo = [joint for joint in todo if not _same(context, joint, promise.candidate.joint)]
+        source = yield from visit(context, promise, visits, last=not todo)
+        if source is not None:
+            return context.beliefs[-1], source
+    return context.beliefs[-1], None
 
 
-def _orientation(context: Context, r: int) -> Step[Observation]:
+def _step(context: Context, joint: float, *, last: bool) -> Step[None]:
+    r = len(context.explored)
+    if r:
+        context.enter(State.EXPLORE_TURN, f"rotation {r} of {context.settings.max_rotations}")
+        yield from turn(context, joint, f"rotation {r}")
     context.enter(State.EXPLORE_LISTEN, f"orientation {r}")
-    samples = yield from listen(context, context.settings.unit)
-    stft = context.tools.explorer_stft
-    spectrogram = stft.analyse(samples)
-    first = stft.frame not in context.noise_psd
-    noise_psd = context.psd(stft, spectrogram)
-    if first:
-        _say_noise(context, noise_psd)
-    here = context.here
-    context.explored.append(Listening(here.heading_end, samples))
-    seen = context.tools.explorer.observe(spectrogram, stft.frequencies, here.heading_end, noise_psd)
-    context.say(OrientationHeard(context.time, r, seen.heading, here.joint, seen.grid, seen.density, seen.peaks))
-    return seen
+    yield from orientation(context, context.settings.unit)
+    say_belief(context, final=last or certain(context))
 
 
-def _say_noise(context: Context, noise_psd: np.ndarray | None) -> None:
-    seconds = context.settings.lead_in
-    level = None
-    if noise_psd is not None and context.lead_in is not None:
-        level = float(10 * np.log10(np.mean(context.lead_in[0].astype(np.float64) ** 2) + 1e-20))
-    context.say(NoiseMeasured(context.time, level, seconds))
+def _same(context: Context, joint: float, other: float) -> bool:
+    """Whether two joint angles give nearly one axis; half a turn tells nothing new."""
+    return abs(wrap_axis(joint - other)) < SAME * context.settings.rotation
 
 
 def schedule(context: Context) -> Iterator[float]:

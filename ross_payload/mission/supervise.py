@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from ross_payload.events import Finished, Outcome, State
 from ross_payload.interfaces import Mission, Output, Result
+from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, Settings, Step, Tools, hop
-from ross_payload.mission.exploit import align, run, search
+from ross_payload.mission.exploit import run, search
 from ross_payload.mission.explore import explore, lead_in
 
 
@@ -32,13 +33,14 @@ def _attempts(context: Context) -> Step[Result]:
     yield from hop(context)
     yield from lead_in(context)
     for _ in range(context.settings.max_restarts + 1):
-        estimate = yield from explore(context)
+        estimate, source = yield from explore(context)
         if not estimate.sources:
             return Result(Outcome.NO_TARGET, "nobody is talking")
-        candidates = align(context, estimate)
-        if not candidates:
-            return Result(Outcome.NO_TARGET, f"no heading within the limits sets any of {estimate.k} voices apart")
-        source = yield from search(context, estimate, candidates)
+        if source is None:
+            candidates = align(context, estimate)
+            if not candidates:
+                return Result(Outcome.NO_TARGET, f"no heading within the limits sets any of {estimate.k} voices apart")
+            source = yield from search(context, estimate, candidates)
         if source is None:
             return Result(Outcome.NO_TARGET, f"none of {estimate.k} voices is the target's")
         if (yield from run(context, estimate, source)):

@@ -109,6 +109,7 @@ def report(story: Story, truth: Truth, result: Result, configuration: dict[str, 
         "k_true": len(truth.names),
         "k": len(sources),
         "rotations": estimated.rotations if estimated else 0,
+        "heard_from_s": _heard_from(story, configuration["payload"]["audio"]["rate_hz"]),
         "mission_s": _round(story.last(Finished).time if story.last(Finished) else None, 3),
         "sources": _sources(sources, truth),
         "missed": _missed(sources, truth),
@@ -118,6 +119,11 @@ def report(story: Story, truth: Truth, result: Result, configuration: dict[str, 
         "versions": {name: version(name) for name in PACKAGES} | {"python": platform.python_version()},
         "configuration": configuration,
     }
+
+
+def _heard_from(story: Story, rate: int) -> float | None:
+    separated: Separated | None = story.last(Separated)
+    return None if separated is None else _round(separated.start / rate, 3)
 
 
 def _sources(sources: Sequence[SourceEstimate], truth: Truth) -> list[dict[str, Any]]:

@@ -43,6 +43,7 @@ SETTINGS = Settings(
     rotation=np.deg2rad(15),
     min_rotations=2,
     max_rotations=4,
+    pipelined=False,
     check=0.5,
     run=1.5,
     runs=1,

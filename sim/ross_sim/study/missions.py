@@ -1,6 +1,6 @@
 """Whole missions with random talkers: how many find everyone, recognise the target and gain enough, and why not.
 
-``python -m ross_sim.study.missions --speech DIR [--draws 20] [--seed S] [--scenario demo] [--layouts random]``
+``python -m ross_sim.study.missions --speech DIR [--draws 20] [--seed S] [--scenario demo] [--set TABLE.KEY=VALUE]``
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import argparse
 import json
 import math
 import sys
+import tomllib
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -16,6 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.angles import difference
+from ross_payload.config import validated
+from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint import enrol
 from ross_sim.casting import Company
@@ -42,6 +45,7 @@ class Draw:
     k: int
     worst_error_deg: float | None
     si_sdri_db: float | None
+    heard_from_s: float | None  # mission time from which on the target is heard clean
     right: bool  # the group taken for the target holds the target
     times_real_time: float
 
@@ -99,8 +103,47 @@ def _judged(finished: Finished, company: Company, azimuths: Real, seed: int) -> 
         k=values["k"],
         worst_error_deg=max(errors, default=None),
         si_sdri_db=group["si_sdri_db"] if group else None,
+        heard_from_s=values["heard_from_s"],
         right=bool(group and group["talkers"] == [company.target]),
         times_real_time=round(finished.timing["times_real_time"], 1),
+    )
+
+
+def changed(scenario: Scenario, settings: Sequence[str], talkers: int | None) -> Scenario:
+    """Change keys of the payload, each "table.key=value" in TOML, and the number of talkers.
+
+    Raises
+    ------
+    ConfigError
+        When a key or a value is wrong.
+    """
+    values = scenario.model_dump()
+    for setting in settings:
+        key, _, value = setting.partition("=")
+        table, _, name = key.partition(".")
+        if table not in values["payload"] or not name:
+            raise ConfigError(f"--set {setting}: wanted TABLE.KEY=VALUE of the payload")
+        try:
+            asked = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError as error:
+            raise ConfigError(f"--set {setting}: the value is not TOML: {error}") from error
+        values["payload"][table] = (values["payload"][table] or {}) | {name: asked}
+    if talkers is not None:
+        values["talkers"] = [{"azimuth_deg": 360.0 * k / talkers} for k in range(talkers)]
+    return validated(Scenario, values, "--set")
+
+
+def summary(rows: Sequence[Draw]) -> str:
+    """Count the draws that succeed; means of those whose target was heard."""
+    heard = [row for row in rows if row.si_sdri_db is not None and row.heard_from_s is not None]
+    found = sum(row.k == len(row.talkers) for row in rows)
+    right = sum(row.right for row in rows)
+    good = sum(not row.reason for row in rows)
+    gain = np.mean([row.si_sdri_db or 0.0 for row in heard]) if heard else math.nan
+    since = np.mean([row.heard_from_s or 0.0 for row in heard]) if heard else math.nan
+    return (
+        f"{good} of {len(rows)} succeed; K right {found}, target right {right}; "
+        f"mean SI-SDRi {gain:.1f} dB, heard from {since:.1f} s on"
     )
 
 
@@ -112,20 +155,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--draws", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1000, help="of the first draw; the next have the next seeds")
     parser.add_argument("--same-layout", action="store_true", help="keep the scenario's azimuths")
+    parser.add_argument("--talkers", type=int, help="as many as this, at random azimuths, instead of the scenario's")
+    parser.add_argument(
+        "--set", action="append", default=[], help="change a key of the payload: explore.pipelined=true"
+    )
     parser.add_argument("--json", type=Path, help="also write the rows there")
     asked = parser.parse_args(arguments)
-    scenario = load(asked.scenario)
+    scenario = changed(load(asked.scenario), asked.set, asked.talkers)
     rate = scenario.payload.audio.rate_hz
     voices = load_folder(asked.speech, rate) if asked.speech else synthetic_voices(rate)
     rows = []
     for seed in range(asked.seed, asked.seed + asked.draws):
         rows.append(draw(scenario, voices, seed, asked.same_layout))
         _print(rows[-1])
-    good = [row for row in rows if not row.reason]
-    gains = [row.si_sdri_db for row in rows if row.si_sdri_db is not None]
-    sys.stdout.write(
-        f"{len(good)} of {len(rows)} succeed; mean SI-SDRi {np.mean(gains) if gains else math.nan:.1f} dB\n"
-    )
+    sys.stdout.write(summary(rows) + "\n")
     if asked.json:
         asked.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
     return 0
@@ -137,6 +180,7 @@ def _print(row: Draw) -> None:
     gain = "-" if row.si_sdri_db is None else f"{row.si_sdri_db:.1f}"
     sys.stdout.write(
         f"{row.seed} {who} target {row.target}: K {row.k}, worst {error} deg, {gain} dB, "
+        f"from {'-' if row.heard_from_s is None else f'{row.heard_from_s:.1f}'} s, "
         f"{row.times_real_time:.0f} x{'  FAILS: ' + row.reason if row.reason else ''}\n"
     )
     sys.stdout.flush()

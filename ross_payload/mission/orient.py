@@ -1,0 +1,38 @@
+"""One orientation: listen at rest, tell the explorer, and hear what it believes now."""
+
+from __future__ import annotations
+
+from ross_payload.events import Estimate, OrientationHeard, SourcesEstimated
+from ross_payload.mission.context import Context, Listening, Step, listen
+
+
+def orientation(context: Context, seconds: float) -> Step[Estimate]:
+    """Listen for ``seconds`` at rest; return what the explorer believes after this orientation."""
+    samples = yield from listen(context, seconds)
+    here = context.here
+    heard = Listening(here.heading_end, samples)
+    context.explored.append(heard)
+    estimate = believe(context, heard)
+    r, seen = len(context.observations) - 1, context.observations[-1]
+    context.say(OrientationHeard(context.time, r, seen.heading, here.joint, seen.grid, seen.density, seen.peaks))
+    return estimate
+
+
+def believe(context: Context, heard: Listening) -> Estimate:
+    """Tell the explorer what was heard at one heading; return what it believes now."""
+    explorer, stft = context.tools.explorer, context.tools.explorer_stft
+    spectrogram = stft.analyse(heard.samples)
+    noise_psd = context.psd(stft, spectrogram)
+    context.observations.append(explorer.observe(spectrogram, stft.frequencies, heard.heading, noise_psd))
+    context.beliefs.append(explorer.estimate(context.observations))
+    return context.beliefs[-1]
+
+
+def say_belief(context: Context, *, final: bool) -> None:
+    """Say what the explorer believes after the orientations heard so far."""
+    context.say(SourcesEstimated(context.time, context.beliefs[-1], len(context.explored) - 1, final))
+
+
+def certain(context: Context) -> bool:
+    """Whether enough has been heard: the explorer says so, not before the least number of rotations."""
+    return len(context.explored) > context.settings.min_rotations and context.beliefs[-1].certain

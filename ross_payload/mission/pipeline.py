@@ -1,0 +1,138 @@
+"""Pipelined: go to a promising alignment before the exploration ends; the turn is one more orientation.
+
+What is heard there serves twice: for the explorer as an orientation, for separator and voice print as a T_check. Only a
+belief that survives the visit is run with. While it runs the explorer goes on hearing, and what was wrong is mended.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ross_payload.angles import difference
+from ross_payload.events import AlignmentCandidate, Checked, Estimate, State
+from ross_payload.mission.align import align, in_order, isolation_here, planned
+from ross_payload.mission.context import Context, Listening, Step, turn
+from ross_payload.mission.orient import believe, certain, orientation, say_belief
+from ross_payload.mission.recognise import Heard, recall, recognise
+
+STEADY = 2  # beliefs in a row with the same K and nearly the same azimuths
+NEARLY = np.deg2rad(5.0)  # azimuths of one source in two beliefs [rad]
+SHARP = np.deg2rad(3.0)  # largest standard deviation of any source [rad]
+TRUSTED = 0.8  # least confidence of any source
+CLEAR = 0.2  # least isolation at the alignment [d / v_p]
+STILL = 0.7  # of the isolation at the best heading: the present one will do
+SELF = np.deg2rad(10.0)  # a source is the one of an earlier belief when it is so near [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class Promise:
+    """An alignment worth a visit, and what the exploration has heard of every source: {source: score}."""
+
+    candidate: AlignmentCandidate
+    recalled: dict[int, float]
+
+
+@dataclass(slots=True)
+class Visits:
+    """The alignments visited by one exploration."""
+
+    count: int = 0
+    rejected: list[float] = field(default_factory=list)  # azimuths [rad] of sources that are not the target
+
+
+def promising(context: Context, visits: Visits) -> Promise | None:
+    """Return the alignment worth a visit instead of the next orientation, or None.
+
+    The belief must be steady; the alignment must set its source apart clearly, and the source must not have been
+    rejected before. Sources that the exploration has recognised come first, then the least travel.
+    """
+    if not steady(context.beliefs) or visits.count >= context.settings.max_rotations:
+        return None
+    estimate = context.beliefs[-1]
+    clear = CLEAR * context.settings.spacing / context.settings.speed_of_sound
+    rejected = set(matched(visits.rejected, estimate).values())
+    candidates = [c for c in planned(context, estimate).candidates if c.isolation >= clear and c.source not in rejected]
+    if not candidates:
+        return None
+    recalled = recall(context, estimate)
+    return Promise(in_order(candidates, recalled, context.settings.criterion)[0], recalled)
+
+
+def steady(beliefs: Sequence[Estimate]) -> bool:
+    """Whether the latest beliefs agree on K and every azimuth, and the last one is sharp about every source."""
+    latest = beliefs[-STEADY:]
+    if len(latest) < STEADY or not latest[-1].sources:
+        return False
+    sharp = all(s.resolved and s.sigma <= SHARP and s.confidence >= TRUSTED for s in latest[-1].sources)
+    return sharp and all(agree(latest[-1], other) for other in latest)
+
+
+def agree(one: Estimate, other: Estimate) -> bool:
+    """Whether two beliefs hold the same sources at nearly the same azimuths, in any order."""
+    return one.k == other.k == len(set(matched([s.azimuth for s in one.sources], other, NEARLY).values()))
+
+
+def matched(azimuths: Sequence[float], estimate: Estimate, near: float = SELF) -> dict[int, int]:
+    """Find the source nearest to every azimuth [rad], {index of the azimuth: source}; none where nobody is near."""
+    if not estimate.sources:
+        return {}
+    apart = np.abs(difference(np.array(azimuths)[:, None], [source.azimuth for source in estimate.sources]))
+    return {i: int(row.argmin()) for i, row in enumerate(apart) if row.min() <= near}
+
+
+def visit(context: Context, promise: Promise, visits: Visits, *, last: bool) -> Step[int | None]:
+    """Turn to an alignment and listen; return the target's source when it is recognised and the belief survives."""
+    before, candidate = context.beliefs[-1], promise.candidate
+    align(context, before)
+    context.enter(State.ALIGN_TURN, f"source {candidate.source}, {candidate.rule}")
+    yield from turn(context, candidate.joint, f"alignment for source {candidate.source}")
+    context.enter(State.CHECK, f"source {candidate.source}")
+    after = yield from orientation(context, max(context.settings.unit, context.settings.check))
+    visits.count += 1
+    own = matched([source.azimuth for source in before.sources], after)
+    if candidate.source not in own:
+        say_belief(context, final=last or certain(context))
+        return None
+    found = recognise(
+        context, after, context.explored[-1], {own[i]: v for i, v in promise.recalled.items() if i in own}
+    )
+    target = None if found.best is None else found.scores[found.best].members[0]
+    if target != own[candidate.source]:
+        visits.rejected.append(before.sources[candidate.source].azimuth)
+    survives = target is not None and after.k == before.k and good_here(context, after, target)
+    say_belief(context, final=survives or last or certain(context))
+    align(context, after)
+    _say_checked(context, after, own[candidate.source], candidate.rule, found)
+    return target if survives else None
+
+
+def good_here(context: Context, estimate: Estimate, source: int) -> bool:
+    """Whether the present heading isolates a source nearly as well as its own alignment."""
+    own = alignment_of(context, estimate, source)
+    return own is None or isolation_here(context, estimate, source) >= STILL * own.isolation
+
+
+def alignment_of(context: Context, estimate: Estimate, source: int) -> AlignmentCandidate | None:
+    """Return the alignment for one source, or None when no heading within the limits sets it apart."""
+    candidates = planned(context, estimate).candidates
+    return next((candidate for candidate in candidates if candidate.source == source), None)
+
+
+def mend(context: Context, estimate: Estimate, source: int, heard: Listening) -> tuple[Estimate, int]:
+    """Tell the explorer what a run has heard; return what it believes now and which source is the target."""
+    mended = believe(context, heard)
+    own = matched([estimate.sources[source].azimuth], mended)
+    if not own:
+        return estimate, source
+    say_belief(context, final=True)
+    return mended, own[0]
+
+
+def _say_checked(context: Context, estimate: Estimate, source: int, rule: str, found: Heard) -> None:
+    here, groups = context.here, found.groups
+    apart = isolation_here(context, estimate, source)
+    reached = AlignmentCandidate(source, here.heading_end, here.joint, apart, rule)
+    context.say(Checked(context.time, reached, found.scores, found.best, groups.method, groups.why))
