@@ -1,0 +1,141 @@
+"""What an evaluation leaves: plain values, a table, and a folder of separated voices."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from ross_payload.audio.files import write_wav
+from ross_payload.config import Config
+from ross_payload.errors import ConfigError, OutputError
+from ross_payload.evaluation.scoring import Evaluation, level_of
+from ross_payload.evaluation.takes import Pair
+
+VOICE = re.compile(r"group-\d+\.wav")
+PACKAGES = ("ross-payload", "numpy", "scipy")
+
+
+def report(pair: Pair, found: Evaluation, config: Config, azimuths_deg: Sequence[float]) -> dict[str, Any]:
+    """Everything worth keeping, as plain values: no paths, the same on every rerun."""
+    rate = pair.mixture.rate
+    return {
+        "rate_hz": rate,
+        "scored_s": round(pair.target.size / rate, 3),
+        "scored_from_s": round(pair.span.start / rate, 3),
+        "lag_s": round(pair.lag.samples / rate, 6),
+        "correlation": round(pair.lag.correlation, 3),
+        "mixture_dbfs": _rounded(level_of(pair.mixture.samples[0, pair.span]), 2),
+        "target_dbfs": _rounded(level_of(pair.target), 2),
+        "directions": "given" if found.given else "heard in A",
+        "azimuths_deg": list(azimuths_deg),
+        "tdoas_us": [round(tau * 1e6, 2) for tau in found.tau],
+        "separator": found.method,
+        "why": found.why,
+        "noise": "measured at the start of A" if found.noise_known else "unknown",
+        "si_sdr_in_db": _rounded(found.before, 2),
+        "groups": [_group(index, found) for index in range(len(found.groups))],
+        "notes": list(pair.notes),
+        "configuration": config.model_dump(mode="json", include={"array", "audio", "seed"}),
+        "versions": {name: version(name) for name in PACKAGES},
+    }
+
+
+def _group(index: int, found: Evaluation) -> dict[str, Any]:
+    group = found.groups[index]
+    gain = None if group.si_sdr is None else group.si_sdr - found.before
+    return {
+        "sources": list(group.members),
+        "si_sdr_db": _rounded(group.si_sdr, 2),
+        "si_sdri_db": _rounded(gain, 2),
+        "dbfs": _rounded(group.level, 2),
+        "best": index == found.best,
+    }
+
+
+def show(values: dict[str, Any]) -> None:
+    """Print the table, and in words what was done to the files."""
+    console = Console()
+    console.print(_table(values))
+    lag = f"{abs(values['lag_s']):.4f} s {'later' if values['lag_s'] > 0 else 'earlier'} in A than in B"
+    heard = (
+        f"the target is heard {lag if values['lag_s'] else 'at the same time in A and B'}, "
+        f"correlation {values['correlation']:.2f}; A {_text(values['mixture_dbfs'])} dBFS, "
+        f"B {_text(values['target_dbfs'])} dBFS; directions {values['directions']}, noise {values['noise']}"
+    )
+    for line in (heard, *values["notes"]):
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def _table(values: dict[str, Any]) -> Table:
+    table = Table(title=f"separated by {values['separator']}", title_justify="left", caption=values["why"] or None)
+    for column in ("group", "sources", "TDOA [us]", "level [dBFS]", "SI-SDR in [dB]", "out [dB]", "gain [dB]"):
+        table.add_column(escape(column), justify="right")
+    for index, row in enumerate(values["groups"]):
+        cells = [_text(row["dbfs"]), _text(values["si_sdr_in_db"]), _text(row["si_sdr_db"]), _text(row["si_sdri_db"])]
+        table.add_row(str(index), _who(row, values), _where(row, values), *cells, style="bold" if row["best"] else None)
+    return table
+
+
+def _who(row: dict[str, Any], values: dict[str, Any]) -> str:
+    azimuths = values["azimuths_deg"]
+    return " + ".join(f"{azimuths[m]:.0f} deg" if azimuths else str(m) for m in row["sources"]) or "-"
+
+
+def _where(row: dict[str, Any], values: dict[str, Any]) -> str:
+    return " ".join(f"{values['tdoas_us'][m]:.0f}" for m in row["sources"]) or "-"
+
+
+def prepare(folder: Path) -> None:
+    """Make the folder for the results.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be made or written, before anything is separated.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"--out {folder}: cannot be written: {error.strerror}") from error
+    if not os.access(folder, os.W_OK):
+        raise ConfigError(f"--out {folder}: cannot be written: permission denied")
+
+
+def write(folder: Path, values: dict[str, Any], found: Evaluation, rate: int) -> None:
+    """Write ``group-N.wav`` (24-bit PCM) and ``report.json``; voices of an earlier evaluation are removed.
+
+    Raises
+    ------
+    OutputError
+        When the disk is full or gone.
+    """
+    for index, group in enumerate(found.groups):
+        write_wav(folder / f"group-{index}.wav", group.voice, rate)
+    mine = {f"group-{index}.wav" for index in range(len(found.groups))}
+    part = folder / "report.json.part"
+    try:
+        for path in folder.iterdir():
+            if VOICE.fullmatch(path.name) and path.name not in mine:
+                path.unlink()
+        part.write_text(json.dumps(values, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        part.replace(folder / "report.json")
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written: {error.strerror}") from error
+
+
+def _rounded(value: float | None, digits: int) -> float | None:
+    return None if value is None or not math.isfinite(value) else round(value, digits)
+
+
+def _text(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1f}"

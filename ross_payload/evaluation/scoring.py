@@ -1,0 +1,144 @@
+"""Separate a take with interference and score every group against the target alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ross_payload import plugins
+from ross_payload.config import Config
+from ross_payload.dsp import markov
+from ross_payload.dsp.chain import refined
+from ross_payload.dsp.density import prominent_peaks
+from ross_payload.dsp.metrics import si_sdr
+from ross_payload.dsp.noise import quiet_psd
+from ross_payload.dsp.stft import Stft
+from ross_payload.errors import AudioError
+from ross_payload.evaluation.takes import Pair
+from ross_payload.interfaces import Real, Scene, Separator
+from ross_payload.service import EXPLORER_FRAME
+
+FRAME = 0.1  # of the separation, rounded to a power of two in samples [s]
+PROMINENCE, FAINT = 0.03, 0.003  # of a peak that is a group, over the highest; when their number is not given, or is
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Group:
+    """One separated group."""
+
+    members: tuple[int, ...]  # indices into the TDOAs; () when unknown
+    voice: Real  # at microphone 1, over the whole mixture, (n,)
+    si_sdr: float | None  # [dB] against the target alone; None: the group is silent
+    level: float | None  # RMS [dB re full scale]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evaluation:
+    """What separating one pair of takes gives."""
+
+    before: float  # SI-SDR of the mixture [dB]
+    groups: tuple[Group, ...]
+    tau: tuple[float, ...]  # of every source [s]
+    given: bool  # whether they were given, or are those that stand out in the mixture
+    method: str
+    why: str
+    noise_known: bool  # from a quiet start
+
+    @property
+    def best(self) -> int | None:
+        """The group nearest to the target."""
+        heard = [i for i, group in enumerate(self.groups) if group.si_sdr is not None]
+        return max(heard, key=lambda i: self.groups[i].si_sdr or 0.0, default=None)
+
+
+def at_rate(config: Config, rate: int) -> Config:
+    """A configuration for recordings at another rate [Hz]: frames of about 0.1 s.
+
+    >>> [at_rate(Config(), rate).audio.frame for rate in (16000, 24000, 48000)]
+    [2048, 2048, 4096]
+    """
+    frame = 2 ** round(math.log2(FRAME * rate))
+    return config.model_copy(update={"audio": config.audio.model_copy(update={"rate_hz": rate, "frame": frame})})
+
+
+def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None) -> Evaluation:
+    """Separate the mixture of a pair, score every group where both takes overlap.
+
+    Parameters
+    ----------
+    pair
+        Both takes at the rate of the configuration.
+    config
+        Array, STFT and separator.
+    tau
+        TDOA of every source [s], (n_sources,); None: the prominent peaks of the mixture's ITD density.
+    n_sources
+        Take so many of the highest peaks; None: all of them.
+
+    Raises
+    ------
+    AudioError
+        When no direction stands out in the mixture.
+    PluginError, ConfigError
+        When the separator cannot be used.
+    """
+    separator: Separator = plugins.load("ross_payload.separators", config.exploit.separator)
+    given = tau is not None
+    if tau is None:
+        tau = heard_delays(pair, config, n_sources)
+    if not tau.size:
+        raise AudioError("A: no direction stands out: noise alone, or too short")
+    audio, n = config.audio, pair.mixture.samples.shape[1]
+    stft = Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap)))
+    scene = Scene(
+        stft.frequencies, config.array.spacing_m, config.array.speed_of_sound_m_s, tau.size, tau, seed=config.seed
+    )
+    spectrogram = stft.analyse(pair.mixture.samples)
+    scene = replace(scene, noise_psd=noise_of(pair, config, stft))
+    groups = separator.batch(spectrogram, scene)
+    voices = stft.synthesise(groups.signals, n)
+    found = tuple(_scored(m, voice, pair) for m, voice in zip(groups.members, voices, strict=True))
+    before = si_sdr(pair.mixture.samples[0, pair.span], pair.target)
+    known = scene.noise_psd is not None
+    return Evaluation(before, found, tuple(tau.tolist()), given, groups.method, groups.why, known)
+
+
+def heard_delays(pair: Pair, config: Config, n_sources: int | None) -> Real:
+    """TDOAs [s] of the peaks of the mixture's ITD density, the highest first: one per group of sources, (n_groups,)."""
+    array = config.array
+    frame = 2 ** round(math.log2(EXPLORER_FRAME * config.audio.rate_hz))
+    stft = Stft(config.audio.rate_hz, frame, frame // 4)
+    noise_psd = noise_of(pair, config, stft)
+    explorer = markov.explorer.make(array.spacing_m, array.speed_of_sound_m_s)
+    seen = explorer.observe(stft.analyse(pair.mixture.samples), stft.frequencies, 0.0, noise_psd)
+    prominence = PROMINENCE if n_sources is None else FAINT
+    peaks = prominent_peaks(seen.density, seen.grid, prominence)[:n_sources]
+    longest = array.spacing_m / array.speed_of_sound_m_s
+    return np.clip([refined(seen.density, seen.grid, peak) for peak in peaks], -longest, longest)
+
+
+def noise_of(pair: Pair, config: Config, stft: Stft) -> Real | None:
+    """Noise PSD per bin, (n_freqs,), when nobody talks at the start of the mixture, else None."""
+    start = round(config.explore.lead_in_s * stft.rate)
+    samples = pair.mixture.samples
+    if not stft.frame <= start < samples.shape[1]:
+        return None
+    return quiet_psd(stft.analyse(samples[:, :start]), stft.analyse(samples[:, start:]))
+
+
+def level_of(samples: Real) -> float | None:
+    """RMS [dB re full scale]; None for silence.
+
+    >>> level_of(np.array([0.1, -0.1]))
+    -20.0
+    """
+    power = float(np.mean(np.square(samples, dtype=np.float64)))
+    return 10 * math.log10(power) if power > 0 else None
+
+
+def _scored(members: tuple[int, ...], voice: Real, pair: Pair) -> Group:
+    heard = voice[pair.span]
+    score = si_sdr(heard, pair.target) if np.ptp(heard) > 0 else None
+    return Group(members, voice, score, level_of(heard))

@@ -1,0 +1,189 @@
+"""Two takes of one scene: with interference, and the target alone; read, checked and brought to one time axis."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import scipy.fft
+import soundfile
+from scipy.signal import resample_poly
+
+from ross_payload.errors import AudioError
+from ross_payload.interfaces import Real
+
+SHORTEST = 1.0  # of a take, and of what two takes have in common [s]
+LOWEST_RATE = 8000  # [Hz]
+SILENCE = 1e-5  # root mean square, -100 dB re full scale
+ABSENT = 0.1  # correlation of two takes below which they have no talker in common; another voice reaches 0.05
+WHOLE = 0.1  # a delay this near to a whole number of samples is one
+REACH = 16  # samples of the correlation on either side that tell its fractional peak
+FINE = 0.01  # resolution of that peak [samples]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Take:
+    """A recording of both microphones."""
+
+    samples: Real  # (2, n)
+    rate: int  # [Hz]
+
+    @property
+    def seconds(self) -> float:
+        """How long it is [s]."""
+        return float(self.samples.shape[1] / self.rate)
+
+
+@dataclass(frozen=True, slots=True)
+class Lag:
+    """How much later one take begins than the other."""
+
+    samples: float
+    correlation: float  # of the two where they overlap, in [-1, 1]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pair:
+    """Both takes at one rate, and where they overlap."""
+
+    mixture: Take  # from its own start to its end
+    target: Real  # the target alone at microphone 1 during ``span``, (n,)
+    span: slice  # of the mixture's samples
+    lag: Lag  # of the target's take behind the mixture's; negative: it began later
+    notes: tuple[str, ...]  # what was done to the files, in words
+
+
+def read_take(path: Path) -> Take:
+    """Read a recording of two microphones.
+
+    Raises
+    ------
+    AudioError
+        When the file is missing or not audio, has not two channels, holds samples that are not finite, is too short,
+        or one of its microphones is silent.
+    """
+    if not path.is_file():
+        raise AudioError(f"{path}: no such file")
+    try:
+        samples, rate = soundfile.read(path, dtype="float64", always_2d=True)
+    except (soundfile.LibsndfileError, RuntimeError) as error:
+        raise AudioError(f"{path}: not audio that libsndfile can read") from error
+    _check(path, samples.T, int(rate))
+    return Take(samples.T.copy(), int(rate))
+
+
+def _check(path: Path, samples: Real, rate: int) -> None:
+    if len(samples) != 2:
+        raise AudioError(f"{path}: {len(samples)} channel{'s' * (len(samples) != 1)}, wanted 2: both microphones")
+    if rate < LOWEST_RATE:
+        raise AudioError(f"{path}: {rate} Hz, wanted at least {LOWEST_RATE} Hz")
+    if samples.shape[1] < SHORTEST * rate:
+        raise AudioError(f"{path}: {samples.shape[1] / rate:.2f} s, wanted at least {SHORTEST:g} s")
+    if not np.isfinite(samples).all():
+        raise AudioError(f"{path}: holds samples that are not finite numbers")
+    for index, channel in enumerate(samples, start=1):
+        if math.sqrt(float(np.mean(channel**2))) < SILENCE:
+            raise AudioError(f"{path}: microphone {index} is silent")
+
+
+def resampled(take: Take, rate: int) -> Take:
+    """Return a take at another rate [Hz].
+
+    >>> resampled(Take(np.ones((2, 320)), 32000), 16000).samples.shape
+    (2, 160)
+    """
+    if take.rate == rate:
+        return take
+    common = math.gcd(take.rate, rate)
+    return Take(resample_poly(take.samples, rate // common, take.rate // common, axis=1), rate)
+
+
+def paired(mixture: Take, target: Take, rate: int) -> Pair:
+    """Bring the take with interference and the target's own to one rate [Hz] and one time axis.
+
+    Raises
+    ------
+    AudioError
+        When less than a second of them overlaps, or the target is not heard in the mixture.
+    """
+    notes = tuple(
+        f"{name}: resampled from {take.rate} to {rate} Hz"
+        for name, take in (("A", mixture), ("B", target))
+        if take.rate != rate
+    )
+    mixture, target = resampled(mixture, rate), resampled(target, rate)
+    found = lag_of(mixture.samples[0], target.samples[0])
+    reference, span = placed(target.samples[0], found, mixture.samples.shape[1])
+    if reference.size < SHORTEST * rate:
+        raise AudioError(f"A and B have {reference.size / rate:.2f} s in common, wanted at least {SHORTEST:g} s")
+    lag = Lag(found, _correlation(mixture.samples[0, span], reference))
+    if lag.correlation < ABSENT:
+        raise AudioError(
+            f"B is not heard in A: correlation {lag.correlation:.2f}, wanted at least {ABSENT:g}; "
+            "both need the same recording from the same place"
+        )
+    return Pair(mixture, reference, span, lag, notes + _cut(mixture, target, reference.size / rate))
+
+
+def _cut(mixture: Take, target: Take, common: float) -> tuple[str, ...]:
+    takes = (("A", mixture), ("B", target))
+    return tuple(
+        f"{name}: scored over {common:.2f} s of {take.seconds:.2f} s, which both takes have"
+        for name, take in takes
+        if take.seconds - common > 1.5 / take.rate
+    )
+
+
+def lag_of(mixture: Real, target: Real) -> float:
+    """Delay [samples] of a target (m,) inside a mixture (n,): the peak of the cross-correlation, between samples too.
+
+    The correlation is band-limited, so its values between samples are a windowed sinc sum of those around the peak.
+
+    Examples
+    --------
+    >>> click = np.zeros(100)
+    >>> click[40] = 1.0
+    >>> lag_of(np.roll(click, 7), click)
+    7.0
+    """
+    n = scipy.fft.next_fast_len(mixture.size + target.size - 1, real=True)
+    spectrum = scipy.fft.rfft(mixture - mixture.mean(), n) * scipy.fft.rfft(target - target.mean(), n).conj()
+    correlation = scipy.fft.irfft(spectrum, n)
+    top = int(correlation.argmax())
+    around = np.arange(-REACH, REACH + 1)
+    offsets = np.arange(-1.0, 1.0 + FINE / 2, FINE)
+    apart = offsets[:, None] - around
+    weights = np.sinc(apart) * np.cos(np.pi / 2 * np.clip(apart / (REACH + 1), -1, 1)) ** 2
+    lag = (top if top < mixture.size else top - n) + float(
+        offsets[(weights @ correlation[(top + around) % n]).argmax()]
+    )
+    return float(round(lag)) if abs(lag - round(lag)) < WHOLE else round(lag, 2)
+
+
+def placed(target: Real, lag: float, n: int) -> tuple[Real, slice]:
+    """Put a target (m,) at a lag [samples] on the time axis of a mixture of n samples; return what overlaps, and where.
+
+    >>> placed(np.array([1.0, 2.0, 3.0]), 2.0, 4)
+    (array([1., 2.]), slice(2, 4, None))
+    >>> placed(np.array([1.0, 2.0, 3.0]), -1.0, 4)
+    (array([2., 3.]), slice(0, 2, None))
+    """
+    whole = round(lag)
+    moved = target if lag == whole else _delayed(target, lag - whole)
+    start, end = max(whole, 0), min(whole + target.size, n)
+    return moved[start - whole : max(end, start) - whole], slice(start, max(end, start))
+
+
+def _delayed(signal: Real, delay: float) -> Real:
+    """Delay a signal by a fraction of a sample, by its spectrum."""
+    n = scipy.fft.next_fast_len(signal.size + 2 * REACH, real=True)
+    turn = np.exp(-2j * np.pi * scipy.fft.rfftfreq(n) * delay)
+    return np.asarray(scipy.fft.irfft(scipy.fft.rfft(signal, n) * turn, n)[: signal.size])
+
+
+def _correlation(one: Real, other: Real) -> float:
+    a, b = one - one.mean(), other - other.mean()
+    size = float(np.sqrt((a @ a) * (b @ b)))
+    return float(a @ b) / size if size > 0 else 0.0

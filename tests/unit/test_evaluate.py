@@ -1,0 +1,230 @@
+"""`ross evaluate`: the score of two takes is the score against the truth, and every mistake is one line."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+import soundfile
+
+from ross_payload import cli
+from ross_payload.audio.files import write_wav
+from ross_payload.dsp.gaussian import separator
+from ross_payload.dsp.metrics import si_sdri
+from ross_payload.dsp.stft import Stft
+from ross_payload.evaluation.takes import lag_of, placed
+from ross_sim.study.rooms import SETTINGS
+from ross_sim.study.separation import FRAME, HOP, RATE, aligned_heading, record, scene_of
+
+AZIMUTHS_DEG, TARGET = (170.0, 70.0, -50.0), 1
+QUIET = 0.05  # full scale per unit of the simulation
+
+
+def talker(seed, seconds=8.0):
+    """Noise in syllables: what matters of speech here is that it comes and goes, in time and in frequency."""
+    rng = np.random.default_rng(seed)
+    n = round(seconds * RATE)
+    spectrum = np.zeros((FRAME // 2 + 1, Stft(RATE, FRAME, HOP).frames_of(n)), complex)
+    on = rng.random((30, spectrum.shape[1] // 8 + 1)) < 0.25
+    gate = np.repeat(np.repeat(on, 8, axis=1)[:, : spectrum.shape[1]], 17, axis=0)
+    noise = rng.standard_normal((*gate.shape, 2)) @ [1, 1j]
+    spectrum[4 : 4 + len(gate)] = gate * noise
+    return Stft(RATE, FRAME, HOP).synthesise(spectrum, n)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    azimuths = np.deg2rad(AZIMUTHS_DEG)
+    heading = aligned_heading(azimuths, TARGET)
+    voices = [talker(seed) for seed in range(3)]
+    return record(voices, azimuths, TARGET, heading, SETTINGS["S1"], rng=np.random.default_rng(9)), heading
+
+
+@pytest.fixture(scope="module")
+def takes(scene, tmp_path_factory):
+    recording, _ = scene
+    folder = tmp_path_factory.mktemp("takes")
+    write_wav(folder / "a.wav", QUIET * recording.mixture, RATE)
+    write_wav(folder / "b.wav", QUIET * recording.images[TARGET], RATE)
+    return folder
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["ross", "evaluate", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        said = capsys.readouterr()
+        return end.value.code, said.out, said.err
+
+    return call
+
+
+@pytest.fixture
+def scored(run):
+    def call(*arguments):
+        code, out, err = run(*arguments, "--json")
+        assert code == 0, err
+        return json.loads(out)
+
+    return call
+
+
+def known(heading):
+    return [word for azimuth in AZIMUTHS_DEG for word in ("--azimuth", azimuth)] + ["--heading", np.rad2deg(heading)]
+
+
+def truth(recording, start=0):
+    """SI-SDRi of the target's group from a sample on, from the simulator's own signals."""
+    stft = Stft(RATE, FRAME, HOP)
+    groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=False))
+    voice = stft.synthesise(groups.signals[groups.members.index((TARGET,))], recording.mixture.shape[1])
+    return si_sdri(voice[start:], recording.mixture[0, start:], recording.reference[start:])
+
+
+def best(values):
+    return next(group for group in values["groups"] if group["best"])
+
+
+def test_the_score_is_that_of_the_ground_truth(scene, takes, scored):
+    recording, heading = scene
+    values = scored(takes / "a.wav", takes / "b.wav", *known(heading))
+    assert best(values)["sources"] == [TARGET]
+    assert best(values)["si_sdri_db"] == pytest.approx(truth(recording), abs=0.1)
+    assert best(values)["si_sdri_db"] > 5
+    assert values["lag_s"] == 0
+
+
+@pytest.mark.parametrize("delay", [0.37, 0.37 + 0.4 / RATE, -0.37])
+def test_another_start_and_level_of_the_second_take_change_nothing(scene, takes, scored, tmp_path, delay):
+    recording, heading = scene
+    alone, n = recording.images[TARGET], recording.images.shape[-1]
+    size = 2 * n
+    turn = np.exp(-2j * np.pi * np.fft.rfftfreq(size) * delay * RATE)
+    late = np.fft.irfft(np.fft.rfft(alone, size) * turn, size)[:, : n + max(round(delay * RATE), 0)]
+    write_wav(tmp_path / "late.wav", 0.6 * QUIET * late, RATE)
+    values = scored(takes / "a.wav", tmp_path / "late.wav", *known(heading))
+    assert values["lag_s"] == pytest.approx(-delay, abs=0.2 / RATE)
+    assert best(values)["si_sdri_db"] == pytest.approx(truth(recording, max(round(-delay * RATE), 0)), abs=0.1)
+
+
+def test_the_target_may_have_been_recorded_at_another_rate(scene, takes, scored, tmp_path):
+    recording, heading = scene
+    size = recording.images.shape[-1]
+    twice = 2 * np.fft.irfft(np.fft.rfft(recording.images[TARGET]), 2 * size)
+    write_wav(tmp_path / "b48.wav", QUIET * twice, 2 * RATE)
+    values = scored(takes / "a.wav", tmp_path / "b48.wav", *known(heading))
+    assert best(values)["si_sdri_db"] == pytest.approx(truth(recording), abs=0.2)
+    assert any("48000" in note for note in values["notes"])
+
+
+def test_without_directions_those_that_stand_out_are_taken(scene, takes, scored):
+    recording, _ = scene
+    values = scored(takes / "a.wav", takes / "b.wav")
+    assert sorted(values["tdoas_us"]) == pytest.approx(sorted({round(t, 12) for t in 1e6 * recording.tau}), abs=15)
+    assert best(values)["si_sdri_db"] == pytest.approx(truth(recording), abs=1.5)
+
+
+def test_delays_and_azimuths_say_the_same(scene, takes, scored):
+    recording, heading = scene
+    by_delay = [word for tau in recording.tau for word in ("--tdoa-us", 1e6 * tau)]
+    one, other = (scored(takes / "a.wav", takes / "b.wav", *how) for how in (by_delay, known(heading)))
+    assert one["groups"] == other["groups"]
+
+
+def test_a_shorter_take_is_scored_where_both_are_heard_and_said_so(takes, scored, tmp_path):
+    samples, rate = soundfile.read(takes / "b.wav", always_2d=True)
+    soundfile.write(tmp_path / "short.wav", samples[: 5 * rate], rate, subtype="PCM_24")
+    values = scored(takes / "a.wav", tmp_path / "short.wav")
+    assert values["scored_s"] == 5.0
+    assert any(note.startswith("A: scored over 5.00 s of 8.00 s") for note in values["notes"])
+
+
+def test_out_holds_every_voice_and_the_report_and_none_of_an_earlier_run(takes, scored, run, tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "group-7.wav").write_text("of an earlier evaluation")
+    (out / "notes.txt").write_text("mine")
+    values = scored(takes / "a.wav", takes / "b.wav", "--sources", 2, "--out", out)
+    assert sorted(path.name for path in out.iterdir()) == ["group-0.wav", "group-1.wav", "notes.txt", "report.json"]
+    assert json.loads((out / "report.json").read_text()) == values
+    assert str(tmp_path) not in (out / "report.json").read_text()
+    info = soundfile.info(out / "group-0.wav")
+    assert (info.subtype, info.samplerate, info.frames) == ("PCM_24", RATE, 8 * RATE)
+
+
+def test_the_table_names_the_gain(takes, run):
+    code, out, _ = run(takes / "a.wav", takes / "b.wav", "--separator", "duet")
+    assert code == 0
+    assert "separated by duet" in out
+
+
+def wav(folder, samples, rate=16000):
+    path = folder / "odd.wav"
+    soundfile.write(path, samples, rate, subtype="FLOAT")
+    return path
+
+
+def stereo(seed, seconds=3.0):
+    return 0.1 * np.random.default_rng(seed).standard_normal((round(16000 * seconds), 2))
+
+
+def not_audio(folder):
+    (folder / "odd.wav").write_text("not audio")
+    return folder / "odd.wav"
+
+
+BAD = {
+    "1 channel, wanted 2": lambda folder: wav(folder, stereo(1)[:, 0]),
+    "3 channels, wanted 2": lambda folder: wav(folder, np.column_stack([stereo(1), stereo(2)[:, 0]])),
+    "silent": lambda folder: wav(folder, np.zeros((48000, 2))),
+    "microphone 2 is silent": lambda folder: wav(folder, stereo(1) * [1, 0]),
+    "not finite": lambda folder: wav(folder, np.where(np.arange(48000)[:, None] == 5, np.nan, stereo(1))),
+    "no such file": lambda folder: folder / "odd.wav",
+    "wanted at least 1 s": lambda folder: wav(folder, stereo(1, 0.5)),
+    "0.00 s, wanted": lambda folder: wav(folder, stereo(1, 0)),
+    "wanted at least 8000 Hz": lambda folder: wav(folder, stereo(1), 4000),
+    "not audio": not_audio,
+    "not heard in A": lambda folder: wav(folder, stereo(99)),
+}
+
+
+@pytest.mark.parametrize("words", BAD)
+def test_a_bad_recording_is_one_line_and_exit_code_2(takes, run, tmp_path, words):
+    code, out, err = run(takes / "a.wav", BAD[words](tmp_path), "--out", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert words in err
+    assert err.count("\n") == 1
+    assert not list((tmp_path / "out").glob("*"))
+
+
+WRONG = {
+    "not several": ["--azimuth", 10, "--sources", 2],
+    "says nothing without": ["--heading", 10],
+    "at most 146 us": ["--tdoa-us", 400],
+    "finite": ["--azimuth", "nan"],
+    "is unknown": ["--separator", "magic"],
+    "cannot be read": ["--config", "nowhere.toml"],
+}
+
+
+@pytest.mark.parametrize("words", WRONG)
+def test_a_wrong_option_is_one_line_and_exit_code_2(takes, run, words):
+    code, out, err = run(takes / "a.wav", takes / "b.wav", *WRONG[words])
+    assert (code, out) == (2, "")
+    assert words in err
+    assert err.count("\n") == 1
+
+
+def test_the_lag_is_found_between_samples():
+    rng = np.random.default_rng(3)
+    n, lag = 40000, 1234.3
+    spectrum = np.fft.rfft(rng.standard_normal(n))
+    spectrum[n // 3 :] = 0
+    late = np.fft.irfft(spectrum * np.exp(-2j * np.pi * np.fft.rfftfreq(n) * lag))
+    target = np.fft.irfft(spectrum)
+    assert lag_of(late + 2 * rng.standard_normal(n) * target.std(), target) == pytest.approx(lag, abs=0.1)
+    moved, span = placed(target, lag, n)
+    inner = slice(100, -100)
+    assert np.abs(moved - late[span])[inner].max() < 0.01 * target.std()
