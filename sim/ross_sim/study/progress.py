@@ -1,0 +1,83 @@
+"""How far a study is: a bar with the time left on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+EVERY = 60.0  # between plain lines [s]
+
+
+class View(Protocol):
+    """Shows how far a study is."""
+
+    def done(self, name: str) -> None:
+        """One more task is done."""
+
+    def close(self) -> None:
+        """Give the screen back."""
+
+
+class Bar:
+    """A bar that is redrawn in place."""
+
+    def __init__(self, console: Console, total: int, before: int) -> None:
+        parts = (BarColumn(), MofNCompleteColumn(), TextColumn("tasks"), TimeElapsedColumn(), TextColumn("left"))
+        left = TimeRemainingColumn()
+        self._progress = Progress(*parts, left, TextColumn("{task.description}"), console=console)
+        self._task = self._progress.add_task("", total=total - before)
+        self._progress.start()
+
+    def done(self, name: str) -> None:
+        """Move on."""
+        self._progress.update(self._task, advance=1, description=name)
+
+    def close(self) -> None:
+        """Leave the last bar on the screen."""
+        self._progress.stop()
+
+
+class Lines:
+    """A line now and then."""
+
+    def __init__(self, console: Console, total: int, before: int, now: Callable[[], float]) -> None:
+        self._console, self._total, self._done, self._before, self._now = console, total, before, before, now
+        self._began = self._said = now()
+        if before:
+            self._say(f"{before} of {total} tasks were done before")
+
+    def done(self, name: str) -> None:
+        """Say something when nothing has been said for a while, and at the end."""
+        self._done += 1
+        spent = self._now() - self._began
+        if self._now() - self._said >= EVERY or self._done == self._total:
+            self._said = self._now()
+            left = spent / (self._done - self._before) * (self._total - self._done)
+            self._say(f"{self._done} of {self._total} tasks, {in_words(spent)}, {in_words(left)} left")
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+    def _say(self, text: str) -> None:
+        self._console.print(text, highlight=False, soft_wrap=True)
+
+
+def in_words(seconds: float) -> str:
+    """A duration for people.
+
+    >>> in_words(75.4), in_words(7300.0)
+    ('1 min 15 s', '2 h 02 min')
+    """
+    minutes, rest = divmod(round(seconds), 60)
+    if minutes >= 60:
+        return f"{minutes // 60} h {minutes % 60:02d} min"
+    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
+
+
+def view_of(total: int, before: int, now: Callable[[], float]) -> View:
+    """Choose a view for where the output goes."""
+    console = Console()
+    return Bar(console, total, before) if console.is_terminal else Lines(console, total, before, now)
