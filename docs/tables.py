@@ -3,6 +3,7 @@
 import sys
 import tokenize
 from pathlib import Path
+from typing import get_args
 
 from ross_payload import config
 
@@ -25,14 +26,15 @@ def tables() -> str:
     """Every table of the configuration as Markdown."""
     about, parts = comments(), []
     for name, field in config.Config.model_fields.items():
-        model = field.annotation
+        model = next((part for part in get_args(field.annotation) if part is not type(None)), field.annotation)
         if not isinstance(model, type) or not issubclass(model, config.Table):
             continue
         about_model = (model.__doc__ or "").split(": ", 1)[-1]
         parts.append(f"## `[{name}]`\n\n{about_model[0].upper() + about_model[1:]}\n")
         parts.append("| key | default | means |\n| --- | --- | --- |")
         for key, value in model.model_fields.items():
-            default = value.get_default(call_default_factory=True)
+            default = None if value.is_required() else value.get_default(call_default_factory=True)
+            default = str(default).lower() if isinstance(default, bool) else default
             shown = "" if default in (None, {}, ()) else f"`{default}`"
             parts.append(f"| `{key}` | {shown} | {about.get((model.__name__, key), '')} |")
         parts.append("")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -13,7 +14,10 @@ from ross_payload.errors import ConfigError
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Degrees = Annotated[float, Field(allow_inf_nan=False)]
+Elevation = Annotated[float, Field(ge=-90, le=90)]
 Model = TypeVar("Model", bound=BaseModel)
+
+APART_DEG = 1.0  # sources told from outside that are nearer than this are one
 
 
 class Table(BaseModel):
@@ -79,7 +83,9 @@ class Explore(Table):
     """[explore]: find K and every azimuth."""
 
     method: str = "joint"  # explorer: `joint`, `markov`, or `markov-plain`, the paper's own histograms
-    frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] | None = None  # STFT frame [samples]; absent: about 43 ms
+    frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] | None = (
+        None  # STFT frame [samples]; absent: about 43 ms
+    )
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of these frames, as a share of the frame
     lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listened to before anything turns, for the noise
     unit_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_unit
@@ -92,6 +98,28 @@ class Explore(Table):
     def _ordered(self) -> Explore:
         if self.min_rotations > self.max_rotations:
             raise ValueError(f"min_rotations = {self.min_rotations} is above max_rotations = {self.max_rotations}")
+        return self
+
+
+class Informed(Table):
+    """[informed]: where the sources are, told from outside; the mission begins without exploring."""
+
+    azimuths_deg: Annotated[tuple[Degrees, ...], Field(min_length=1, max_length=6)]  # in the frame of the mount, as in a scenario
+    elevations_deg: tuple[Elevation, ...] | None = None  # one for each azimuth; absent: level with the array
+    sigma_deg: Annotated[float, Field(gt=0, le=45)] = 2.0  # one standard deviation of every azimuth
+    target: Annotated[int, Field(ge=0)] | None = None  # which of them is visited first, counted from 0
+
+    @model_validator(mode="after")
+    def _possible(self) -> Informed:
+        count, heights = len(self.azimuths_deg), self.elevations_deg or (0.0,) * len(self.azimuths_deg)
+        if len(heights) != count:
+            raise ValueError(f"{len(heights)} elevations_deg for {count} azimuths_deg")
+        if self.target is not None and self.target >= count:
+            raise ValueError(f"target = {self.target}, counted from 0, but there are {count} azimuths_deg")
+        for i, j in combinations(range(count), 2):
+            apart = abs((self.azimuths_deg[i] - self.azimuths_deg[j] + 180) % 360 - 180)
+            if apart < APART_DEG and abs(heights[i] - heights[j]) < APART_DEG:
+                raise ValueError(f"azimuths_deg {i} and {j} are {apart:g} deg apart, wanted {APART_DEG:g} at least")
         return self
 
 
@@ -123,6 +151,7 @@ class Config(Table):
     guard: Guard = Guard()
     mount: Mount = Mount()
     explore: Explore = Explore()
+    informed: Informed | None = None
     exploit: Exploit = Exploit()
     telemetry: Telemetry = Telemetry()
     seed: Annotated[int, Field(ge=0)] = 0

@@ -109,6 +109,7 @@ class SourcesEstimated(Event):
     estimate: Estimate
     rotations: int
     final: bool
+    informed: bool = False  # told from outside, nothing was explored
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,8 +120,9 @@ class AlignmentCandidate:
     heading: float  # [rad]
     joint: float  # [rad]
     isolation: float  # min_k |tau_i - tau_k| at this heading [s]
-    rule: str  # "bisector", "argmax" or "stay"
+    rule: str  # "gain", "stay" or "limited"; of the paper's rules "bisector" or "argmax"
     aliased: tuple[int, ...] = ()  # interferers that pose as one
+    gain_db: float | None = None  # predicted SI-SDRi [dB]
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,6 +182,13 @@ class ScoreDropped(Event):
 
     value: float
     criterion: float
+
+
+@dataclass(frozen=True, slots=True)
+class Doubted(Event):
+    """What was told from outside does not hold: the mission explores."""
+
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,13 +7,15 @@ from queue import Empty, SimpleQueue
 from typing import Protocol
 
 from ross_payload import plugins
+from ross_payload.angles import wrap
 from ross_payload.config import Config
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ActuatorError
-from ross_payload.events import Event
+from ross_payload.events import Estimate, Event, SourceEstimate
 from ross_payload.interfaces import (
     Actuator,
     ActuatorState,
+    Attitude,
     AudioSource,
     Command,
     Explorer,
@@ -150,6 +152,29 @@ def settings_of(config: Config, lower: float, upper: float) -> Settings:
         upper=upper,
         seed=config.seed,
     )
+
+
+def informed_of(config: Config, attitude: Attitude) -> Estimate | None:
+    """Convert what is told from outside to the frame of the headings; None when the mission has to explore.
+
+    In the file azimuths are counter-clockwise from the zero of the mount; ``attitude`` says where that points.
+    """
+    told = config.informed
+    if told is None:
+        return None
+    heights = (None,) * len(told.azimuths_deg) if told.elevations_deg is None else told.elevations_deg
+    sources = (
+        SourceEstimate(
+            azimuth=wrap(math.radians(azimuth) + attitude.yaw),
+            sigma=math.radians(told.sigma_deg),
+            confidence=1.0,
+            resolved=True,
+            weight=1 / len(heights),
+            elevation=None if height is None else math.radians(height),
+        )
+        for azimuth, height in zip(told.azimuths_deg, heights, strict=True)
+    )
+    return Estimate(tuple(sources), certain=True)
 
 
 def tools_of(config: Config, voiceprint: VoicePrint) -> Tools:

@@ -122,8 +122,12 @@ def alignment_of(context: Context, estimate: Estimate, source: int) -> Alignment
 
 
 def mend(context: Context, estimate: Estimate, source: int, heard: Listening) -> tuple[Estimate, int]:
-    """Tell the explorer what a run has heard; return what it believes now and which source is the target."""
-    mended = believe(context, heard)
+    """Tell the explorer what a run has heard; return what it believes now and which source is the target.
+
+    One T_unit is told: an orientation that weighs more than the others brings ghosts.
+    """
+    unit = round(context.settings.unit * context.settings.rate)
+    mended = believe(context, Listening(heard.heading, heard.samples[:, :unit]))
     own = matched([estimate.sources[source].azimuth], mended)
     if not own:
         return estimate, source

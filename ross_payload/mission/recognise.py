@@ -72,8 +72,11 @@ def recognise(context: Context, estimate: Estimate, heard: Listening, recalled: 
 def recall(context: Context, estimate: Estimate) -> dict[int, float]:
     """Score every source by what the exploration has heard of it: {source: score}.
 
-    Each source's best orientation is separated once, and tells of every source that stands apart well there.
+    Each source's best orientation is separated once, and tells of every source that stands apart well there. Nothing
+    is recalled where nothing was explored.
     """
+    if not context.explored:
+        return {}
     headings = np.array([heard.heading for heard in context.explored])
     apart = isolation(
         [source.azimuth for source in estimate.sources],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ross_payload.events import Finished, Outcome, State
+from ross_payload.events import Doubted, Estimate, Finished, Outcome, SourcesEstimated, State
 from ross_payload.interfaces import Mission, Output, Result
 from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, Settings, Step, Tools, hop
@@ -10,15 +10,25 @@ from ross_payload.mission.exploit import run, search
 from ross_payload.mission.explore import explore, lead_in
 
 
-def mission(settings: Settings, tools: Tools) -> Mission:
+def mission(settings: Settings, tools: Tools, informed: Estimate | None = None, target: int | None = None) -> Mission:
     """Find the target, turn so that its interferers pose as one, and keep listening.
 
     Prime it with ``next``; then send one Input for every Output. It returns a Result, and its last Output carries the
     Finished event and asks for a stop of the motion.
+
+    Parameters
+    ----------
+    settings, tools
+        The numbers, and what to hear and decide with.
+    informed
+        Where the sources are, told from outside: nothing is explored, unless the target is not recognised among them
+        or its score drops. None: explore.
+    target
+        Which of these sources is visited first.
     """
     context = Context(settings, tools)
     try:
-        result = yield from _attempts(context)
+        result = yield from _attempts(context, informed, target)
     except Ended as ended:
         context.enter(State.FAULT if ended.outcome is Outcome.FAULT else State.STOPPED, ended.reason)
         result = Result(ended.outcome, ended.reason)
@@ -29,20 +39,41 @@ def mission(settings: Settings, tools: Tools) -> Mission:
     return result
 
 
-def _attempts(context: Context) -> Step[Result]:
+def _attempts(context: Context, informed: Estimate | None, target: int | None) -> Step[Result]:
     yield from hop(context)
     yield from lead_in(context)
-    for _ in range(context.settings.max_restarts + 1):
-        estimate, source = yield from explore(context)
-        if not estimate.sources:
-            return Result(Outcome.NO_TARGET, "nobody is talking")
+    dropped = 0
+    for left in reversed(range(context.settings.max_restarts + 1)):
+        estimate, source = yield from _where(context, informed)
+        why = ""
         if source is None:
-            candidates = align(context, estimate)
-            if not candidates:
-                return Result(Outcome.NO_TARGET, f"no heading within the limits sets any of {estimate.k} voices apart")
-            source = yield from search(context, estimate, candidates)
-        if source is None:
-            return Result(Outcome.NO_TARGET, f"none of {estimate.k} voices is the target's")
-        if (yield from run(context, estimate, source)):
-            return Result(Outcome.TARGET_FOUND, f"source {source} is the target")
-    return Result(Outcome.NO_TARGET, f"the target's score dropped {context.settings.max_restarts + 1} times")
+            source, why = yield from _who(context, estimate, target)
+        if source is None and (informed is None or not left):
+            return Result(Outcome.NO_TARGET, why)
+        if source is not None:
+            if (yield from run(context, estimate, source)):
+                return Result(Outcome.TARGET_FOUND, f"source {source} is the target")
+            dropped, why = dropped + 1, "the target's score dropped"
+        if informed is not None and left:
+            context.say(Doubted(context.time, why))
+        informed = target = None
+    return Result(Outcome.NO_TARGET, f"the target's score dropped {dropped} times")
+
+
+def _where(context: Context, informed: Estimate | None) -> Step[tuple[Estimate, int | None]]:
+    """Say what is told from outside, or explore; return it and, when the exploration has found it, the target."""
+    if informed is None:
+        return (yield from explore(context))
+    context.say(SourcesEstimated(context.time, informed, rotations=0, final=True, informed=True))
+    return informed, None
+
+
+def _who(context: Context, estimate: Estimate, target: int | None) -> Step[tuple[int | None, str]]:
+    """Turn to the candidates; return the target's source, or None and why."""
+    if not estimate.sources:
+        return None, "nobody is talking"
+    candidates = align(context, estimate)
+    if not candidates:
+        return None, f"no heading within the limits sets any of {estimate.k} voices apart"
+    source = yield from search(context, estimate, candidates, target)
+    return source, f"none of {estimate.k} voices is the target's"

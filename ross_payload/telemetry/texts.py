@@ -5,6 +5,7 @@ from __future__ import annotations
 from ross_payload.events import (
     AlignmentPlanned,
     Checked,
+    Doubted,
     Event,
     Finished,
     GroupScore,
@@ -32,6 +33,8 @@ def line(event: Event) -> Line | None:
             said = Severity.INFO, "mission started"
         case NoiseMeasured(level_db=None):
             said = Severity.WARNING, "no quiet lead-in, the noise is not known"
+        case SourcesEstimated(informed=True):
+            said = Severity.INFO, f"{_count(event.estimate.k, 'source')} told from outside"
         case SourcesEstimated(final=True):
             found = f"{_count(event.estimate.k, 'source')} found after {_count(event.rotations, 'turn')}"
             said = Severity.INFO, found
@@ -41,6 +44,8 @@ def line(event: Event) -> Line | None:
             said = Severity.NOTICE, f"target recognised: {_who(event.groups[group])}"
         case ScoreDropped():
             said = Severity.WARNING, f"target lost, score {event.value:.1f} below {event.criterion:.1f}"
+        case Doubted():
+            said = Severity.WARNING, f"exploring after all: {event.reason}"
         case Finished():
             said = SEVERITIES.get(event.outcome, Severity.WARNING), f"mission over: {event.reason}"
     return said

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ross_payload.config import Informed, validated
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import VoicePrint
 from ross_payload.voiceprint import VoiceStore, enrol
@@ -34,12 +36,29 @@ def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
         payload = _with(payload, exploit=_with(payload.exploit, separator=changes["separator"]))
     if changes["urls"]:
         payload = _with(payload, telemetry=_with(payload.telemetry, urls=tuple(changes["urls"])))
+    if changes["informed"]:
+        payload = _with(payload, informed=told(loaded))
     if changes["seed"] is not None:
         payload = _with(payload, seed=changes["seed"])
     if changes["target"]:
         loaded = _with(loaded, target=0)  # whoever the file names is not asked for
     changed: Scenario = _with(loaded, payload=payload)
     return changed
+
+
+def told(scenario: Scenario) -> Informed:
+    """What somebody who sees every talker would tell the mission.
+
+    Raises
+    ------
+    ConfigError
+        When there is nobody to tell of, or more than can be told.
+    """
+    if not scenario.talkers:
+        raise ConfigError("--informed: wanted talkers to tell of, but nobody talks in this scenario")
+    azimuths = [math.degrees(azimuth) for azimuth in scenario.azimuths()]
+    elevations = [math.degrees(elevation) for elevation in scenario.elevations()]
+    return validated(Informed, {"azimuths_deg": azimuths, "elevations_deg": elevations}, "--informed")
 
 
 def company_of(scenario: Scenario, speech: Path | None, target: str | None) -> Company:

@@ -17,6 +17,7 @@ from rich.text import Text
 from ross_payload.events import (
     AlignmentPlanned,
     Checked,
+    Doubted,
     Event,
     Finished,
     NoiseMeasured,
@@ -206,8 +207,10 @@ def in_words(event: Event) -> str:  # noqa: PLR0911 - one line for each kind of 
             return "there was no quiet lead-in: the noise is guessed"
         case NoiseMeasured(level_db=level, seconds=seconds):
             return f"quiet lead-in of {seconds:g} s: noise at {level:.1f} dBFS"
-        case SourcesEstimated(estimate=estimate, rotations=rotations, final=final):
+        case SourcesEstimated(estimate=estimate, rotations=rotations, final=final, informed=informed):
             where = ", ".join(f"{math.degrees(source.azimuth):.1f}" for source in estimate.sources)
+            if informed:
+                return f"told from outside: K = {estimate.k} at {where} deg"
             return f"rotation {rotations}: K = {estimate.k}{' at ' + where + ' deg' if where else ''}" + (
                 "; enough heard" if final else ""
             )
@@ -224,6 +227,8 @@ def in_words(event: Event) -> str:  # noqa: PLR0911 - one line for each kind of 
             return f"separated by {method}, score {groups[target].value:+.1f}" + (f": {why}" if why else "")
         case ScoreDropped(value=value, criterion=criterion):
             return f"the score dropped to {value:+.1f}, below {criterion:+.1f}: start again"
+        case Doubted(reason=reason):
+            return f"what was told from outside does not hold: {reason}; explore"
         case Finished(reason=reason):
             return reason
         case _:

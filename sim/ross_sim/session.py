@@ -24,7 +24,7 @@ from ross_payload.interfaces import Actuator, Command, Input, Result, Services
 from ross_payload.links import Links
 from ross_payload.mission.supervise import mission
 from ross_payload.mount import mount_of
-from ross_payload.service import Runner, settings_of, tools_of
+from ross_payload.service import Runner, informed_of, settings_of, tools_of
 from ross_payload.telemetry.service import Telemetry
 from ross_sim.casting import Company
 from ross_sim.clock import SimClock
@@ -120,7 +120,7 @@ def perform(scenario: Scenario, company: Company, view: View, out: OutDir | None
 def expected(scenario: Scenario) -> float:
     """About how long the mission will take [s], if the explorer is certain half-way and the second candidate is it."""
     explore, exploit = scenario.payload.explore, scenario.payload.exploit
-    rotations = (explore.min_rotations + explore.max_rotations) / 2
+    rotations = 0.0 if scenario.payload.informed else (explore.min_rotations + explore.max_rotations) / 2
     return explore.lead_in_s + rotations * (explore.unit_s + 1.0) + 2 * (exploit.check_s + 2.0) + exploit.run_s
 
 
@@ -134,8 +134,11 @@ def far_end_of(config: Config) -> FarEnd:
 def _runner(config: Config, company: Company, world: World, actuator: Actuator, clock: SimClock) -> Runner:
     clock.every(POLL, lambda: actuator.poll(clock.now()))
     travel = actuator.capabilities
-    brain = mission(settings_of(config, travel.lower, travel.upper), tools_of(config, company.voiceprint))
-    return Runner(brain, world.source, actuator, mount_of(config), config)
+    settings, tools = settings_of(config, travel.lower, travel.upper), tools_of(config, company.voiceprint)
+    mount = mount_of(config)
+    informed = informed_of(config, mount.attitude(0.0))
+    brain = mission(settings, tools, informed, config.informed.target if config.informed else None)
+    return Runner(brain, world.source, actuator, mount, config)
 
 
 def _wav(stack: ExitStack, out: OutDir | None, config: Config) -> WavWriter | None:

@@ -45,7 +45,8 @@ def show(finished: Finished, out: Path | None, as_json: bool) -> None:
 
 
 def _sources(values: dict[str, Any]) -> Table:
-    title = f"K = {values['k']} found, {values['k_true']} true, after {values['rotations']} rotations"
+    how = "told from outside" if values["informed"] else f"found after {values['rotations']} rotations"
+    title = f"K = {values['k']} {how}, {values['k_true']} true"
     table = Table(title=title, title_justify="left")
     for column in ("source", "talker", "true [deg]", "found [deg]", "error [deg]", "sigma [deg]", "confidence"):
         table.add_column(escape(column), justify="left" if column == "talker" else "right")
