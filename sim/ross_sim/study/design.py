@@ -159,8 +159,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "explorers": ("joint", "markov"), "rotations": (2, 4, 8, 12, STOP),
     },
     "full": {
-        "settings": tuple(SETTINGS), "layouts": 10, "starts": 2, "separators": EVERY, "explorers": ("joint", "markov"),
-        "unit_s": (1.0, 3.0), "rotations": (4, 12, STOP),
+        "settings": tuple(SETTINGS), "layouts": 10, "separators": EVERY,
     },
 }  # fmt: skip
 

@@ -49,11 +49,16 @@ def manifest(study: Study, voices: dict[str, str]) -> dict[str, Any]:
 def code_hash() -> str:
     """Fingerprint of the code that the numbers depend on."""
     digest = hashlib.sha256()
+    for path in sources():
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def sources() -> Iterator[Path]:
+    """The files that the numbers depend on."""
     for package, patterns in HEARD.items():
         root = Path(str(package.__file__)).parent
-        for path in sorted(path for pattern in patterns for path in root.glob(pattern)):
-            digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()[:16]
+        yield from sorted(path for pattern in patterns for path in root.glob(pattern))
 
 
 def _version(name: str) -> str | None:

@@ -1,0 +1,188 @@
+"""A task of a study is a pure function, and its numbers are those of the theory."""
+
+import os
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import soundfile
+
+from ross_payload import plugins
+from ross_payload.errors import ConfigError
+from ross_payload.events import Estimate, SourceEstimate
+from ross_sim.study.case import Failure, attempt, owners_of, perform
+from ross_sim.study.cast import Source, check_voices, heard_as, stage, voices_of
+from ross_sim.study.design import PRESETS, Task, chosen, mixed, tasks
+from ross_sim.study.rows import ALIGNED, ESTIMATED, UNALIGNED
+from ross_sim.voices import synthetic_voice
+
+TINY = {
+    "settings": ("S1",), "k": (2,), "layouts": 0, "separators": ("gaussian", "tvmwf"), "rotations": (2, 4, "stop"),
+    "unit_s": (1.0,), "run_s": 2.0, "rate_hz": 16000,
+}  # fmt: skip
+EXPLORED = Task("S1", 2, 0, start=0, explorer="joint", unit=1.0)
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("voices")
+    for index in (0, 1, 3):
+        voice = synthetic_voice(index, 16000)
+        soundfile.write(folder / f"{voice.name}.wav", voice.speech[: 20 * 16000], 16000)
+    return Source(folder, (), 16000)
+
+
+def study(**changes):
+    return chosen("quick", TINY | changes, False)
+
+
+def test_a_task_gives_the_same_rows_every_time(source):
+    first, second = (perform(EXPLORED, study(), source) for _ in range(2))
+    assert first.separations == second.separations
+    assert first.explorations == second.explorations
+    assert perform(EXPLORED, study(seed=1), source).explorations != first.explorations
+
+
+def test_two_voices_in_the_open_are_found_and_separated(source):
+    result = perform(EXPLORED, study(), source)
+    last = result.explorations[-1]
+    assert last.k_estimated == 2
+    assert last.right
+    assert max(last.errors_deg) < 3
+    for row in result.separations:
+        assert row.all_found
+        assert not row.missed
+        assert row.si_sdri_db > 10  # two talkers at 15 dB: 14 to 18 dB of noise and interference can go
+        assert row.si_sdri_db == pytest.approx(row.si_sdr_out_db - row.si_sdr_in_db, abs=1e-5)
+
+
+def test_every_target_schedule_and_separator_has_a_row(source):
+    result = perform(EXPLORED, study(), source)
+    found = {(row.target, row.schedule, row.separator) for row in result.separations}
+    assert found == {(target, schedule, "gaussian") for target in (0, 1) for schedule in ("2", "4", "stop")}
+    assert len(result.separations) == len(found)
+    assert {row.how for row in result.separations} == {ESTIMATED}
+    assert [row.rotations for row in result.explorations] == list(range(13))
+
+
+def test_known_azimuths_give_a_row_per_separator_and_the_oracle_is_better(source):
+    rows = perform(Task("S1", 2, 0, target=1), study(), source).separations
+    gains = {row.separator: row.si_sdri_db for row in rows}
+    assert {(row.how, row.target) for row in rows} == {(ALIGNED, 1)}
+    assert gains["tvmwf"] > gains["gaussian"] > 10
+    everywhere = perform(Task("S1", 2, 0, start=0), study(), source).separations
+    assert {(row.how, row.target, row.start_heading_deg) for row in everywhere} == {(UNALIGNED, n, 0.0) for n in (0, 1)}
+
+
+def test_unknown_noise_is_asked_of_those_alone_who_look_at_it(source):
+    asked = study(separators=("duet", "mvdr", "irm"), noise=("known", "unknown"))
+    rows = perform(Task("S1", 2, 0, target=0), asked, source).separations
+    found = [(row.separator, row.noise) for row in rows]
+    assert found == [("duet", "known"), ("duet", "unknown"), ("mvdr", "known"), ("irm", "known")]
+
+
+def test_a_talker_is_found_within_ten_degrees_only():
+    def at(degrees):
+        return SourceEstimate(np.deg2rad(degrees), 0.01, 1.0, True)
+
+    azimuths = np.deg2rad([10.0, -175.0, 90.0])
+    assert owners_of(azimuths, Estimate((at(176), at(0.5), at(105)))) == [1, 0, None]
+    assert owners_of(azimuths, Estimate(())) == [None, None, None]
+
+
+class Deaf:
+    name = "deaf"
+
+    def make(self, spacing, speed_of_sound):
+        return self
+
+    def observe(self, spectrogram, frequencies, heading, noise_psd):
+        return None
+
+    def estimate(self, observations):
+        return Estimate(())
+
+
+def test_a_missed_target_counts_as_no_gain(source, monkeypatch):
+    load = plugins.load
+    monkeypatch.setattr(plugins, "load", lambda group, name: Deaf() if name == "deaf" else load(group, name))
+    rows = perform(replace(EXPLORED, explorer="deaf"), study(), source).separations
+    assert {(row.si_sdri_db, row.missed, row.all_found, row.k_estimated) for row in rows} == {(0.0, True, False, 0)}
+    assert len(rows) == 2 * 3
+
+
+def test_what_goes_wrong_in_one_task_is_told_and_not_raised(source):
+    found = attempt(replace(EXPLORED, setting="S9"), study(), source)
+    assert isinstance(found, Failure)
+    assert "S9" in found.reason
+
+
+def test_what_is_explored_with_is_not_what_is_separated(source):
+    here = stage(study(), source, EXPLORED)
+    for clip, speech, name in zip(here.clips, here.speech, here.names, strict=True):
+        (whole,) = (voice.speech for voice in voices_of(source) if voice.name == name)
+        np.testing.assert_array_equal(np.concatenate([clip, speech]), whole)
+        assert clip.size == 2 * 16000
+
+
+def test_every_room_has_the_same_layouts_and_talkers(source):
+    dry, wet = (stage(study(), source, Task(setting, 3, 2)) for setting in ("S1", "S3"))
+    np.testing.assert_array_equal(dry.azimuths, wet.azimuths)
+    assert dry.names == wet.names
+
+
+def test_too_few_or_too_short_voices_are_refused(source):
+    voices = voices_of(source)
+    with pytest.raises(ConfigError, match="3 talkers found, K = 4 wanted"):
+        check_voices(voices, study(k=(2, 4)))
+    with pytest.raises(ConfigError, match="at least 65 s wanted"):
+        check_voices(voices, study(run_s=60.0))
+    with pytest.raises(ConfigError, match="talker 'zoe' is unknown; there are"):
+        voices_of(replace(source, talkers=("zoe",)))
+
+
+def test_the_same_voices_are_recognised_elsewhere(source, tmp_path):
+    for path in source.folder.iterdir():
+        os.link(path, tmp_path / path.name)
+    assert heard_as(voices_of(replace(source, folder=tmp_path))) == heard_as(voices_of(source))
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_is_complete_and_its_tasks_have_their_own_names(name):
+    made = tasks(chosen(name, {}, False))
+    assert len({task.id for task in made}) == len(made)
+    assert set(mixed(made)) == set(made)
+    assert pickle.loads(pickle.dumps(made[-1])) == made[-1]  # noqa: S301
+    small = tasks(chosen(name, {}, True))
+    assert 0 < len(small) < len(made) or name == "quick"
+
+
+def test_counts_of_tasks_are_products_of_the_axes():
+    asked = study(
+        settings=("S1", "S2"), k=(2, 3), layouts=4, starts=3, explorers=("joint", "markov"), unit_s=(1.0, 3.0)
+    )
+    scenes, starts = 2 * 5, 3
+    assert len(tasks(asked)) == scenes * ((2 + 3) + 2 * starts * (1 + 2 * 2))
+    assert len(tasks(study(explorers=()))) == 2 + 3
+    assert len(tasks(study(separators=()))) == 3
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"settings": ("S1", "S9")}, "S9"),
+        ({"separators": ("fancy",)}, "fancy"),
+        ({"explorers": ("fancy",)}, "fancy"),
+        ({"separators": (), "explorers": ()}, "neither"),
+        ({"k": (6,)}, "five talkers"),
+        ({"paper_layout": False, "layouts": 0}, "at least one layout"),
+        ({"k": (3, 3)}, "twice"),
+        ({"rotations": ("sometimes",)}, "sometimes"),
+        ({"colour": "red"}, "colour"),
+    ],
+)
+def test_a_study_that_makes_no_sense_is_refused_in_one_line(changes, words):
+    with pytest.raises(ConfigError, match=words) as error:
+        study(**changes)
+    assert "\n" not in str(error.value)

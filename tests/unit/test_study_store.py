@@ -1,0 +1,143 @@
+"""The journal of a study loses nothing but what was cut short, and never mixes two studies."""
+
+import json
+import math
+
+import pytest
+from rich.console import Console
+
+from ross_payload.errors import ConfigError, OutputError
+from ross_sim.study import engine, store
+from ross_sim.study.progress import Lines
+from ross_sim.study.rows import Exploration, Result, Separation, Timing, columns, decode, encode
+from ross_sim.study.store import Store, as_csv
+
+WANTED = {"study": {"seed": 1, "settings": ["S1", "S2"]}, "code": "abc"}
+ROW = Separation("a", "S1", 3, 0, 1, "0.1", "aligned", 2, "anna", 10.5, si_sdri_db=3.25, all_found=True)
+FOUND = Exploration(
+    "a", "S1", 2, 0, 1, "0.1", 0, 0.0, "joint", 3.0, 4, 60.0, ("anna", "ben"), (10.0, -20.0), (11.0,), (1.0,),
+    (1.0, 180.0), 1, False, False, None,
+)  # fmt: skip
+
+
+def result(name):
+    return Result(name, (ROW,), (FOUND,), (Timing(name, "S1", 3, "duet", 10.0, 0.5),))
+
+
+def test_results_come_back_as_they_were():
+    assert decode(json.loads(json.dumps(encode(result("a"))))) == result("a")
+
+
+def test_a_torn_line_is_dropped_and_the_next_result_follows_the_last_whole_one(tmp_path):
+    with Store(tmp_path, WANTED) as first:
+        first.add(result("a"))
+        first.add(result("b"))
+    journal = tmp_path / "journal.jsonl"
+    whole = journal.read_bytes()
+    for cut in (len(whole) - 1, len(whole) - 40, whole.index(b"\n") + 2):
+        journal.write_bytes(whole[:cut])
+        with Store(tmp_path, WANTED) as second:
+            assert list(second.results) == ["a"]
+            second.add(result("c"))
+        with Store(tmp_path, WANTED) as third:
+            assert third.results == {"a": result("a"), "c": result("c")}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"study": {"seed": 2, "settings": ["S1", "S2"]}}, "seed is 1, not 2"),
+        ({"study": {"seed": 1, "settings": ["S1"]}}, "settings is S1, S2, not S1"),
+        ({"code": "def"}, "code is abc, not def"),
+    ],
+)
+def test_another_study_is_refused_in_one_line_and_nothing_is_touched(tmp_path, change, words):
+    with Store(tmp_path, WANTED) as first:
+        first.add(result("a"))
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(ConfigError, match=words), Store(tmp_path, WANTED | change):
+        pass
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_folder_in_which_nothing_was_measured_can_be_taken(tmp_path):
+    with Store(tmp_path, WANTED):
+        pass
+    with Store(tmp_path, WANTED | {"code": "def"}) as second:
+        assert second.results == {}
+
+
+def test_two_runs_do_not_write_into_one_folder(tmp_path):
+    with Store(tmp_path, WANTED), pytest.raises(ConfigError, match="writing there"), Store(tmp_path, WANTED):
+        pass
+
+
+def test_a_journal_of_somebody_else_is_refused(tmp_path):
+    (tmp_path / "journal.jsonl").write_text('{"mine": 1}\n')
+    with pytest.raises(ConfigError, match="not ours"), Store(tmp_path, WANTED):
+        pass
+    assert (tmp_path / "journal.jsonl").read_text() == '{"mine": 1}\n'
+
+
+def test_a_file_is_the_old_one_or_the_new_one(tmp_path):
+    with Store(tmp_path, WANTED) as here:
+        here.write("tables.md", b"old")
+        with pytest.raises(OutputError), here.writing("tables.md") as path:
+            path.write_bytes(b"ne")
+            raise OSError(28, "No space left on device")
+    assert (tmp_path / "tables.md").read_bytes() == b"old"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["journal.jsonl", "study.json", "tables.md"]
+
+
+def test_csv_has_a_column_per_field_and_lists_in_one_cell():
+    head, line = as_csv([FOUND], Exploration).decode().splitlines()
+    cells = dict(zip(head.split(","), line.split(","), strict=True))
+    assert tuple(cells) == columns(Exploration)
+    assert cells["talkers"] == "anna ben"
+    assert cells["errors_deg"] == "1.0 180.0"
+    assert cells["directness"] == ""
+    assert cells["all_found"] == "false"
+
+
+def test_parquet_keeps_types_lists_and_what_is_not_known(tmp_path):
+    pq = pytest.importorskip("pyarrow.parquet", reason="needs the extra study")
+    from ross_sim.study import parquet
+
+    for kind, row in ((Separation, ROW), (Exploration, FOUND)):
+        parquet.write(tmp_path / "rows.parquet", [row, row], kind)
+        (first, _) = pq.read_table(tmp_path / "rows.parquet").to_pylist()
+        assert {name: tuple(value) if isinstance(value, list) else value for name, value in first.items()} == {
+            name: getattr(row, name) for name in columns(kind)
+        }
+
+
+def test_the_code_is_recognised_by_its_content():
+    assert store.code_hash() == store.code_hash()
+    assert len(list(store.sources())) > 20
+
+
+@pytest.mark.parametrize("run", [engine.serial, engine.processes(2)])
+def test_an_engine_does_every_task_once(run):
+    assert sorted(run(math.sqrt, [4.0, 9.0, 16.0])) == [2.0, 3.0, 4.0]
+
+
+def test_an_engine_that_is_closed_leaves_nobody_behind():
+    import multiprocessing
+
+    running = engine.processes(2)(math.factorial, [3, 2, 4])
+    assert next(running) in {6, 2, 24}
+    running.close()
+    for child in multiprocessing.active_children():
+        child.join(10)
+    assert not multiprocessing.active_children()
+
+
+def test_lines_tell_the_time_that_is_left(capsys):
+    times = iter([0.0, 0.0, 30.0, 30.0, 90.0, 90.0, 90.0, 120.0, 120.0, 120.0])
+    view = Lines(Console(), 5, 2, lambda: next(times))
+    for name in "abc":
+        view.done(name)
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == "2 of 5 tasks were done before"
+    assert said[-1].startswith("5 of 5 tasks")
+    assert any("left" in line for line in said)
