@@ -59,17 +59,15 @@ def check(file: Path) -> None:
     """Check a payload's TOML FILE: keys, values, and the options of the actuator it names."""
     from ross_payload.actuators.registry import check_options
     from ross_payload.config import load, read_toml
+    from ross_payload.service import explorer_of
 
     if "talkers" in read_toml(file):
         raise ConfigError(f"{file}: this is a scenario of the simulator: ross sitl --scenario {file}")
     loaded = load(file)
     check_options(loaded)
-    for group, name in (
-        ("ross_payload.explorers", loaded.explore.method),
-        ("ross_payload.separators", loaded.exploit.separator),
-    ):
-        if name not in plugins.available(group):
-            plugins.load(group, name)
+    explorer_of(loaded)
+    if loaded.exploit.separator not in plugins.available("ross_payload.separators"):
+        plugins.load("ross_payload.separators", loaded.exploit.separator)
     click.echo(f"{file}: good")
 
 

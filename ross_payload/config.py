@@ -14,6 +14,7 @@ from ross_payload.errors import ConfigError
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Degrees = Annotated[float, Field(allow_inf_nan=False)]
+Azimuths = Annotated[tuple[Degrees, ...], Field(min_length=1, max_length=6)]
 Elevation = Annotated[float, Field(ge=-90, le=90)]
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -83,6 +84,7 @@ class Explore(Table):
     """[explore]: find K and every azimuth."""
 
     method: str = "joint"  # explorer: `joint`, `markov`, or `markov-plain`, the paper's own histograms
+    options: dict[str, Any] = Field(default_factory=dict)  # a table of the explorer's own
     frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] | None = (
         None  # STFT frame [samples]; absent: about 43 ms
     )
@@ -104,7 +106,7 @@ class Explore(Table):
 class Informed(Table):
     """[informed]: where the sources are, told from outside; the mission begins without exploring."""
 
-    azimuths_deg: Annotated[tuple[Degrees, ...], Field(min_length=1, max_length=6)]  # in the frame of the mount, as in a scenario
+    azimuths_deg: Azimuths  # frame of the mount, as in a scenario
     elevations_deg: tuple[Elevation, ...] | None = None  # one for each azimuth; absent: level with the array
     sigma_deg: Annotated[float, Field(gt=0, le=45)] = 2.0  # one standard deviation of every azimuth
     target: Annotated[int, Field(ge=0)] | None = None  # which of them is visited first, counted from 0

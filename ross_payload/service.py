@@ -8,7 +8,7 @@ from typing import Protocol
 
 from ross_payload import plugins
 from ross_payload.angles import wrap
-from ross_payload.config import Config
+from ross_payload.config import Config, Table, validated
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ActuatorError
 from ross_payload.events import Estimate, Event, SourceEstimate
@@ -177,16 +177,30 @@ def informed_of(config: Config, attitude: Attitude) -> Estimate | None:
     return Estimate(tuple(sources), certain=True)
 
 
+def explorer_of(config: Config) -> Explorer:
+    """Make the explorer that a configuration names, with its own options.
+
+    Raises
+    ------
+    ConfigError
+        When there is none of that name, or an option is wrong.
+    """
+    array, asked = config.array, config.explore
+    factory = plugins.load("ross_payload.explorers", asked.method)
+    model: type[Table] = getattr(factory, "Options", Table)
+    options = validated(model, asked.options, f"explore.options of '{asked.method}'")
+    given = (options,) if asked.options else ()
+    explorer: Explorer = factory.make(array.spacing_m, array.speed_of_sound_m_s, *given)
+    return explorer
+
+
 def tools_of(config: Config, voiceprint: VoicePrint) -> Tools:
     """Load the plug-ins that a configuration names."""
-    audio, array = config.audio, config.array
-    explorer: Explorer = plugins.load("ross_payload.explorers", config.explore.method).make(
-        array.spacing_m, array.speed_of_sound_m_s
-    )
+    audio = config.audio
     separator: Separator = plugins.load("ross_payload.separators", config.exploit.separator)
     frame = config.explore.frame or 2 ** round(math.log2(EXPLORER_FRAME * audio.rate_hz))
     return Tools(
-        explorer=explorer,
+        explorer=explorer_of(config),
         explorer_stft=Stft(audio.rate_hz, frame, round(frame * (1 - config.explore.overlap))),
         separator=separator,
         stft=Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap))),

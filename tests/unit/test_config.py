@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from ross_payload.config import Config, load
+from ross_payload.dsp.order import MAX_SOURCES
 from ross_payload.errors import ConfigError
 
 
@@ -30,6 +31,7 @@ def test_the_hop_is_counted_in_samples(tmp_path):
         ("[audio]\nhop_ms = 40", "hop_ms"),
         ("[telemetry]\nsystem_id = 0", "system_id"),
         ("[audio]\nframe = 129", "audio.frame"),
+        ("[explore]\nframe = 1023", "explore.frame"),
         ("[audio]\nrate_hz = 8000", "audio.rate_hz"),
         ("[explore]\nmin_rotations = 5\nmax_rotations = 4", "min_rotations = 5"),
         ("not toml at all", "not TOML"),
@@ -55,3 +57,14 @@ def test_a_missing_file_and_a_binary_one_are_config_errors(tmp_path):
 def test_offset_is_in_radians(tmp_path):
     config = load(write(tmp_path / "a.toml", "[array]\noffset_deg = 90"))
     assert config.offset == pytest.approx(np.pi / 2)
+
+
+def test_as_many_sources_can_be_told_as_can_be_found():
+    degrees = [30 * k for k in range(MAX_SOURCES + 1)]
+    assert len(Config.model_validate({"informed": {"azimuths_deg": degrees[1:]}}).informed.azimuths_deg) == MAX_SOURCES
+    with pytest.raises(ValueError, match="at most"):
+        Config.model_validate({"informed": {"azimuths_deg": degrees}})
+
+
+def test_one_azimuth_at_two_heights_is_two_sources():
+    assert Config.model_validate({"informed": {"azimuths_deg": [10, 10], "elevations_deg": [0, -60]}}).informed

@@ -11,7 +11,7 @@ from ross_payload.errors import PluginError
 from ross_payload.events import Event, Outcome
 from ross_payload.interfaces import AudioBlock, Command, Output, Result, Services
 from ross_payload.mount import FixedMount, mount_of
-from ross_payload.service import Runner, settings_of, tools_of
+from ross_payload.service import Runner, explorer_of, informed_of, settings_of, tools_of
 from ross_sim.clock import SimClock
 from ross_sim.session import far_end_of
 
@@ -160,3 +160,30 @@ def test_an_unknown_separator_is_named():
     config = Config.model_validate({"exploit": {"separator": "magic"}})
     with pytest.raises(PluginError, match=r"'magic' is unknown; there are: .*gaussian"):
         tools_of(config, voiceprint=None)
+
+
+def test_told_azimuths_are_turned_with_the_mount():
+    """A base that points east, 90 deg on a compass, has everything 90 deg further clockwise."""
+    config = Config.model_validate({"mount": {"yaw_deg": 90}, "informed": {"azimuths_deg": [90, -90, 0]}})
+    told = informed_of(config, mount_of(config).attitude(0.0))
+    np.testing.assert_allclose([source.azimuth for source in told.sources], [0, np.pi, -np.pi / 2], atol=1e-12)
+    assert [source.elevation for source in told.sources] == [None] * 3
+
+
+def test_told_elevations_are_told_on():
+    config = Config.model_validate({"informed": {"azimuths_deg": [90], "elevations_deg": [-60], "sigma_deg": 3}})
+    source = informed_of(config, FixedMount().attitude(0.0)).sources[0]
+    assert (source.elevation, source.sigma) == (pytest.approx(-np.pi / 3), pytest.approx(np.pi / 60))
+
+
+def test_nothing_told_is_nothing_known():
+    assert informed_of(CONFIG, FixedMount().attitude(0.0)) is None
+
+
+def test_the_paper_front_end_is_a_set_of_options():
+    plain = explorer_of(Config.model_validate({"explore": {"method": "markov-plain"}}))
+    options = {"every_bin": True, "bandwidth": 0.05, "prominence": 0.04, "power": 0, "both_ways": False}
+    options |= {"spread_deg": 24, "share": 0.15}
+    markov = explorer_of(Config.model_validate({"explore": {"method": "markov", "options": options}}))
+    assert (markov.trusts, markov.rule) == (plain.trusts, plain.rule)
+    assert explorer_of(Config.model_validate({"explore": {"method": "markov"}})).rule != plain.rule
