@@ -56,9 +56,10 @@ def told(scenario: Scenario) -> Informed:
     """
     if not scenario.talkers:
         raise ConfigError("--informed: wanted talkers to tell of, but nobody talks in this scenario")
-    azimuths = [math.degrees(azimuth) for azimuth in scenario.azimuths()]
-    elevations = [math.degrees(elevation) for elevation in scenario.elevations()]
-    return validated(Informed, {"azimuths_deg": azimuths, "elevations_deg": elevations}, "--informed")
+    values = {"azimuths_deg": [round(math.degrees(azimuth), 6) for azimuth in scenario.azimuths()]}
+    if len(scenario.room.size_m) == 3:
+        values["elevations_deg"] = [round(math.degrees(elevation), 6) for elevation in scenario.elevations()]
+    return validated(Informed, values, "--informed")
 
 
 def company_of(scenario: Scenario, speech: Path | None, target: str | None) -> Company:

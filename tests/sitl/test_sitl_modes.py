@@ -1,0 +1,82 @@
+"""Pipelined and informed missions in the simulator, as their user runs them."""
+
+import json
+
+import pytest
+
+TALKERS = "[[talkers]]\nazimuth_deg = 40\n[[talkers]]\nazimuth_deg = 155\n[[talkers]]\nazimuth_deg = -80\n"
+
+
+@pytest.fixture
+def mission(run, tmp_path):
+    def fly(name, *arguments):
+        code, _, err = run("sitl", "--json", "--out", tmp_path / name, *arguments)
+        assert "Traceback" not in err
+        return code, json.loads((tmp_path / name / "report.json").read_text())
+
+    return fly
+
+
+def target(report):
+    return next(group for group in report["groups"] if group["target"])
+
+
+def test_a_pipelined_mission_hears_the_same_target_sooner(mission):
+    code, report = mission("pipelined", "--scenario", "pipelined", "--seed", 1)
+    plain_code, plain = mission("demo", "--scenario", "demo", "--actuator", "ideal", "--seed", 1)
+    assert (code, plain_code) == (0, 0)
+    assert report["k"] == 3
+    assert target(report)["talkers"] == [report["target"]]
+    assert report["heard_from_s"] < plain["heard_from_s"] - 5
+    assert target(report)["si_sdri_db"] > 12
+
+
+def test_an_informed_mission_turns_at_once_and_says_that_it_was_informed(mission):
+    code, report = mission("informed", "--scenario", "demo", "--informed", "--seed", 1)
+    assert (code, report["informed"], report["rotations"]) == (0, True, 0)
+    assert [source["azimuth_error_deg"] for source in report["sources"]] == [0.0, 0.0, 0.0]
+    assert report["configuration"]["payload"]["informed"]["azimuths_deg"] == [40.0, 155.0, -80.0]
+    assert target(report)["si_sdri_db"] > 12
+
+
+def test_azimuths_that_are_told_by_eye_will_do(mission):
+    code, report = mission("informed", "--scenario", "informed", "--seed", 1)
+    assert (code, report["informed"]) == (0, True)
+    assert report["checks"][0]["candidate"] == 0
+    assert target(report)["talkers"] == [report["target"]]
+
+
+@pytest.mark.parametrize("arguments", [("--scenario", "pipelined"), ("--scenario", "demo", "--informed")])
+def test_a_rerun_gives_the_same_bytes(mission, tmp_path, arguments):
+    mission("one", *arguments, "--seed", 2)
+    mission("two", *arguments, "--seed", 2)
+    names = sorted(path.name for path in (tmp_path / "one").iterdir())
+    assert names == sorted(path.name for path in (tmp_path / "two").iterdir())
+    for name in set(names) - {"timing.json"}:
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ("azimuths_deg = []", "azimuths_deg"),
+        ("azimuths_deg = [nan, 155, -80]", "finite"),
+        ("azimuths_deg = [40, 40.5]", "apart"),
+        ("azimuths_deg = [40]\ntarget = 1", "target"),
+        ("azimuths_deg = [0, 50, 100, 150, 200, 250, 300]", "at most 6"),
+    ],
+)
+def test_what_cannot_be_told_is_one_line_and_exit_code_2(run, tmp_path, told, words):
+    path = tmp_path / "told.toml"
+    path.write_text(f"title = 'told'\n{TALKERS}[payload.informed]\n{told}\n")
+    code, out, err = run("sitl", "--scenario", path, "--out", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert words in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_nobody_to_tell_of_is_one_line_and_exit_code_2(run):
+    code, out, err = run("sitl", "--scenario", "silence", "--informed")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "nobody talks" in err
