@@ -1,105 +1,170 @@
-"""What the front end costs on one core: `python -m ross_sim.study.cost`.
+"""What separating costs on one core, against other libraries and as the task grows: `python -m ross_sim.study.cost`.
 
-Everything in one run on the same recording (three talkers, S1, noise at 15 dB): medians of CPU seconds per second of
-audio. Our AuxIVA and that of pyroomacoustics get the same spectrogram, start (the identity), number of iterations and
-contrast (Gauss); both outputs are projected back and scored by the mean SI-SDR of their best match to the groups.
+Everything in one run, on one numeric thread: medians of CPU seconds per second of audio, and beside them the SI-SDRi on
+the same mixtures. Each mixture has three talkers, noise at 15 dB and the array at the target's alignment; of every
+method's outputs the one nearest to the target is scored. Costs on another machine differ, their ratios hardly.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from statistics import median
+from statistics import mean, median
 
 import click
 import numpy as np
-import pyroomacoustics as pra
 from threadpoolctl import threadpool_limits
 
-from ross_payload.dsp import duet, gaussian, iva
+from ross_payload import plugins
+from ross_payload.dsp import iva
 from ross_payload.dsp.covariance import outer
-from ross_payload.dsp.metrics import si_sdr
-from ross_payload.dsp.stft import Stft, band
+from ross_payload.dsp.stft import band
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
-from ross_sim.study.rooms import SETTINGS
-from ross_sim.study.separation import (
-    FRAME,
-    HOP,
-    RATE,
-    RUN,
-    aligned_heading,
-    layouts,
-    load_voices,
-    record,
-    scene_of,
-)
+from ross_sim.speech import load_folder
+from ross_sim.study.peers import peers
+from ross_sim.study.workload import VOICE_RATE, Case, Peer, Work, cpu_seconds, prepared
 
-ITERATIONS = 15
-
-
-def cpu_seconds(call: Callable[[], object], repeats: int) -> float:
-    """Median CPU time [s] of a call after one that does not count."""
-    call()
-    times = []
-    for _ in range(repeats):
-        before = time.process_time()
-        call()
-        times.append(time.process_time() - before)
-    return median(times)
+OURS = ("duet", "mvdr", "lcmv", "auxiva", "iva", "gaussian")
+BLIND = f"auxiva, blind, {iva.ITERATIONS} iterations"
+ITERATIONS = (iva.ITERATIONS, 40, 50)  # of AuxIVA, ILRMA and FastMNMF, in every library
+ROOMS, TARGETS = ("S1", "S2"), (0, 1)  # of the mixtures on which methods are compared
+PEERS = 1  # repeats of the slow ones, per mixture
+GROWTH: dict[str, tuple[Case, ...]] = {
+    "K": tuple(Case(n_sources=k) for k in (2, 3, 4, 5, 6)),
+    "room": tuple(Case(setting=setting) for setting in ("S1", "S2", "S3")),
+    "rate [Hz]": tuple(Case(rate=rate) for rate in (16000, 24000, 48000)),
+    "duration [s]": tuple(Case(seconds=seconds) for seconds in (3.0, 10.0, 30.0, 60.0)),
+}
 
 
-def ours(spectrogram: Complex, frequencies: Real) -> Complex:
-    """Our AuxIVA from the identity, projected back, (2, n_freqs, n_frames)."""
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """One method on one mixture."""
+
+    method: str
+    setting: str
+    seconds: float  # of CPU per second of audio
+    gain: float  # SI-SDRi [dB]
+
+
+def blind_auxiva(work: Work) -> Complex:
+    """Our AuxIVA from the identity and without the Wiener gain, as the libraries have it, (2, n_freqs, n_frames)."""
+    spectrogram, frequencies = work.spectrogram, work.stft.frequencies
     observed = outer(spectrogram).astype(np.float32)
     use = band(frequencies, iva.LOW, iva.HIGH).astype(float)
-    rows = iva.demix(observed, use, iva.start_from(frequencies, None), ITERATIONS)
+    rows = iva.demix(observed, use, iva.start_from(frequencies, None), ITERATIONS[0])
     return np.stack([rows[:, k, :1] * spectrogram[0] + rows[:, k, 1:] * spectrogram[1] for k in range(2)])
 
 
-def theirs(spectrogram: Complex) -> Complex:
-    """AuxIVA of pyroomacoustics on the same data, projected back, (2, n_freqs, n_frames)."""
-    axes = (2, 1, 0)  # theirs is (n_frames, n_freqs, n_channels)
-    separated = pra.bss.auxiva(spectrogram.transpose(axes), n_iter=ITERATIONS, proj_back=True, model="gauss")
-    return np.asarray(separated.transpose(axes))
+def ours(name: str, work: Work) -> Complex:
+    """Return what one of our separators makes of a mixture, (n_groups, n_freqs, n_frames)."""
+    signals: Complex = plugins.load("ross_payload.separators", name).batch(work.spectrogram, work.scene).signals
+    return signals
 
 
-def quality(outputs: Complex, stft: Stft, reference: Real) -> float:
-    """SI-SDR [dB] of the output that is nearest to the reference."""
-    return max(si_sdr(stft.synthesise(output, reference.size), reference) for output in outputs)
+def theirs(peer: Peer, work: Work) -> Complex:
+    """Return what another library makes of a mixture, two outputs, (2, n_freqs, n_frames)."""
+    return peer.call(work.spectrogram.astype(np.complex128), peer.iterations, 2)
+
+
+def measured(method: str, call: Callable[[Work], Complex], work: Work, case: Case, repeats: int) -> Cost:
+    """Time one method on one mixture and score it."""
+    outputs: list[Complex] = []
+    seconds = cpu_seconds(lambda: outputs.append(call(work)), repeats)
+    return Cost(method, case.setting, seconds / case.seconds, work.gain(outputs[0]))
+
+
+def compared(voices: Sequence[Real], repeats: int, seed: int) -> list[Cost]:
+    """Every method on every mixture, one after the other so that all meet the machine in the same state."""
+    methods: list[tuple[str, Callable[[Work], Complex], int]] = [(n, partial(ours, n), repeats) for n in OURS]
+    methods.append((BLIND, blind_auxiva, repeats))
+    methods += [
+        (f"{peer.library}: {peer.method}, {peer.iterations} iterations", partial(theirs, peer), PEERS)
+        for peer in peers(*ITERATIONS)
+    ]
+    costs = []
+    for case in (Case(setting=room, target=target, seed=seed) for room in ROOMS for target in TARGETS):
+        work = prepared(case, voices)
+        ours("gaussian", work)  # warms up
+        costs += [measured(name, call, work, case, count) for name, call, count in methods]
+    return costs
+
+
+def comparison(costs: Iterable[Cost]) -> list[str]:
+    """Lines of the table of `compared`; a ratio is the median of the ratios on each mixture.
+
+    >>> both = [Cost("gaussian", "S1", 0.02, 15.0), Cost(BLIND, "S1", 0.01, 5.0), Cost("x", "S1", 0.2, 7.0)]
+    >>> comparison(both)[-1]
+    '| x | 0.2000 | 10.0 | 20.0 | 7.0 |'
+    """
+    by_method: dict[str, list[Cost]] = {}
+    for cost in costs:
+        by_method.setdefault(cost.method, []).append(cost)
+    rooms = sorted({cost.setting for rows in by_method.values() for cost in rows})
+    lines = [f"| method | CPU s/s | / `gaussian` | / `auxiva`, blind | {' | '.join(f'{r} [dB]' for r in rooms)} |"]
+    lines.append("| --- " * (4 + len(rooms)) + "|")
+    for method, rows in by_method.items():
+        ratios = [_ratio(rows, by_method[base]) for base in ("gaussian", BLIND)]
+        gains = [mean(row.gain for row in rows if row.setting == room) for room in rooms]
+        cells = [f"{median(row.seconds for row in rows):.4f}", *(f"{ratio:.1f}" for ratio in ratios)]
+        lines.append(f"| {' | '.join([method, *cells, *(f'{gain:.1f}' for gain in gains)])} |")
+    return lines
+
+
+def _ratio(rows: Sequence[Cost], base: Sequence[Cost]) -> float:
+    return median(row.seconds / other.seconds for row, other in zip(rows, base, strict=True))
+
+
+def growth(title: str, cases: Sequence[Case], voices: Sequence[Real], repeats: int, seed: int) -> list[str]:
+    """Lines of one table: what every part costs [CPU s per s of audio] as one number of the task grows."""
+    lines = [f"| {title} | simulation | STFT | {' | '.join(OURS)} |", "| --- " * (3 + len(OURS)) + "|"]
+    for case in cases:
+        works = [prepared(replace(case, seed=seed), voices) for _ in range(repeats)]
+        work = works[0]
+        calls = [partial(work.stft.analyse, work.mixture), *(partial(ours, name, work) for name in OURS)]
+        costs = [median(each.simulation for each in works), *(cpu_seconds(call, repeats) for call in calls)]
+        cells = [f"{cost / case.seconds:.4f}" for cost in costs]
+        lines.append(f"| {' | '.join([label(title, case), *cells])} |")
+    return lines
+
+
+def label(title: str, case: Case) -> str:
+    """Name of a row.
+
+    >>> label("rate [Hz]", Case(rate=16000))
+    '16000'
+    """
+    return {
+        "K": f"{case.n_sources}",
+        "room": case.setting,
+        "rate [Hz]": f"{case.rate}",
+        "duration [s]": f"{case.seconds:g}",
+    }[title]
 
 
 @click.command()
 @click.option("--speech", type=click.Path(path_type=Path), default=Path("../shared/speech"), show_default=True)
-@click.option("--repeats", type=click.IntRange(min=1), default=5, show_default=True)
+@click.option("--repeats", type=click.IntRange(min=1), default=3, show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True)
 def main(speech: Path, repeats: int, seed: int) -> None:
-    """Print CPU seconds per second of audio, and AuxIVA against the library's."""
-    with threadpool_limits(1):
+    """Print one table of methods and one for everything that makes the task grow."""
+    with threadpool_limits(1), np.errstate(all="ignore"):
         try:
-            voices = load_voices(speech)[:3]
+            voices = [voice.speech for voice in load_folder(speech, VOICE_RATE)]
         except ConfigError as error:
             raise click.ClickException(str(error)) from error
-        rng, stft = np.random.default_rng(seed), Stft(RATE, FRAME, HOP)
-        azimuths = layouts(3, 0, rng)[0]
-        recording = record(voices, azimuths, 0, aligned_heading(azimuths, 0), SETTINGS["S1"], rng=rng)
-        spectrogram = stft.analyse(recording.mixture)
-        scene = scene_of(recording, stft, known_noise=True)
-        calls: dict[str, Callable[[], object]] = {
-            "STFT, two channels": lambda: stft.analyse(recording.mixture),
-            "DUET": lambda: duet.separator.batch(spectrogram, scene),
-            "AuxIVA, separator": lambda: iva.separator.batch(spectrogram, scene),
-            "local Gaussian, K = 3": lambda: gaussian.separator.batch(spectrogram, scene),
-            f"AuxIVA alone, {ITERATIONS} iterations": lambda: ours(spectrogram, stft.frequencies),
-            f"pyroomacoustics, {ITERATIONS} iterations": lambda: theirs(spectrogram),
-        }
-        costs = [cpu_seconds(call, repeats) / RUN for call in calls.values()]
-        for name, cost in zip(calls, costs, strict=True):
-            click.echo(f"{name:32s} {cost:.4f} s/s")
-        gained = quality(ours(spectrogram, stft.frequencies), stft, recording.reference)
-        gained -= quality(theirs(spectrogram), stft, recording.reference)
-        click.echo(f"AuxIVA: {costs[-1] / costs[-2]:.1f} times faster, {gained:+.1f} dB SI-SDR")
+        need = max(case.n_sources for cases in GROWTH.values() for case in cases)
+        if len(voices) < need:
+            raise click.ClickException(f"{speech}: {len(voices)} talkers, wanted {need}")
+        lines = comparison(compared(voices, repeats, seed))
+        click.echo("\n".join(lines))
+        for title, cases in GROWTH.items():
+            click.echo("")
+            for line in growth(title, cases, voices, repeats, seed):
+                click.echo(line)
 
 
 if __name__ == "__main__":
