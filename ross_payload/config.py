@@ -129,6 +129,7 @@ class Exploit(Table):
     """[exploit]: turn, separate, recognise, keep listening."""
 
     separator: str = "auto"  # `auto`, or one of the separators
+    rules: Literal["best", "paper"] = "best"  # where to turn: best predicted gain, or the paper's equations
     check_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_check
     run_s: Annotated[float, Field(ge=1, le=600)] = 10.0  # T_run
     runs: Annotated[int, Field(ge=0)] = 1  # how many T_run before the mission is done; 0: until stopped

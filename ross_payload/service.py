@@ -9,6 +9,8 @@ from typing import Protocol
 from ross_payload import plugins
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Table, validated
+from ross_payload.dsp.alignment import plan
+from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ActuatorError
 from ross_payload.events import Estimate, Event, SourceEstimate
@@ -27,9 +29,10 @@ from ross_payload.interfaces import (
     Separator,
     VoicePrint,
 )
-from ross_payload.mission.context import Settings, Tools
+from ross_payload.mission.context import Planner, Settings, Tools
 
 EXPLORER_FRAME = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
+PLANNERS: dict[str, Planner] = {"best": plan, "paper": paper_plan}
 REST_TIMEOUT = 10.0  # [s] of audio that a decelerating motor may take at the end
 
 
@@ -205,4 +208,5 @@ def tools_of(config: Config, voiceprint: VoicePrint) -> Tools:
         separator=separator,
         stft=Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap))),
         voiceprint=voiceprint,
+        plan=PLANNERS[config.exploit.rules],
     )

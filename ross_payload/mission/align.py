@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ross_payload.dsp.alignment import Plan, isolation, plan
+from ross_payload.dsp.alignment import Plan, isolation
+from ross_payload.dsp.gain import predicted_gain
 from ross_payload.events import AlignmentCandidate, AlignmentPlanned, Estimate
 from ross_payload.mission.context import Context
 
@@ -14,7 +15,7 @@ from ross_payload.mission.context import Context
 def planned(context: Context, estimate: Estimate) -> Plan:
     """Plan where to turn, nearest first."""
     settings, here = context.settings, context.here
-    return plan(
+    return context.tools.plan(
         estimate.sources,
         joint=here.joint,
         heading=here.heading_end,
@@ -22,6 +23,7 @@ def planned(context: Context, estimate: Estimate) -> Plan:
         upper=settings.upper,
         spacing=settings.spacing,
         speed_of_sound=settings.speed_of_sound,
+        directness=estimate.directness,
     )
 
 
@@ -32,17 +34,16 @@ def align(context: Context, estimate: Estimate) -> tuple[AlignmentCandidate, ...
     return found.candidates
 
 
-def isolation_here(context: Context, estimate: Estimate, source: int) -> float:
-    """Return the isolation of a source at the present heading [s]."""
-    settings = context.settings
-    curve = isolation(
-        [source.azimuth for source in estimate.sources],
-        [context.here.heading_end],
-        settings.spacing,
-        settings.speed_of_sound,
-        [source.elevation or 0.0 for source in estimate.sources],
+def here(context: Context, estimate: Estimate, source: int, rule: str) -> AlignmentCandidate:
+    """Return what the present heading is worth for a source."""
+    settings, now = context.settings, context.here
+    azimuths = [source.azimuth for source in estimate.sources]
+    elevations = [source.elevation or 0.0 for source in estimate.sources]
+    apart = isolation(azimuths, [now.heading_end], settings.spacing, settings.speed_of_sound, elevations)
+    gain = predicted_gain(azimuths, [now.heading_end], elevations, estimate.directness)
+    return AlignmentCandidate(
+        source, now.heading_end, now.joint, float(apart[source, 0]), rule, gain_db=float(gain[source, 0])
     )
-    return float(curve[source, 0])
 
 
 def in_order(

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 
+from ross_payload.dsp.alignment import Plan, plan
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.stft import Stft
-from ross_payload.events import Estimate, Event, NoiseMeasured, Outcome, State, StateChanged, TurnStarted
+from ross_payload.events import (
+    Estimate,
+    Event,
+    NoiseMeasured,
+    Outcome,
+    SourceEstimate,
+    State,
+    StateChanged,
+    TurnStarted,
+)
 from ross_payload.interfaces import (
     Command,
     Complex,
@@ -51,15 +61,34 @@ class Settings:
     seed: int
 
 
+class Planner(Protocol):
+    """Chooses a heading for every source; see `ross_payload.dsp.alignment.plan`."""
+
+    def __call__(
+        self,
+        sources: Sequence[SourceEstimate],
+        *,
+        heading: float,
+        joint: float,
+        lower: float,
+        upper: float,
+        spacing: float,
+        speed_of_sound: float,
+        directness: float | None = None,
+    ) -> Plan:
+        """Return candidates in order of travel."""
+
+
 @dataclass(frozen=True, slots=True)
 class Tools:
-    """What the mission hears and decides with."""
+    """What the mission hears and decides with; ``plan`` says where to turn."""
 
     explorer: Explorer
     explorer_stft: Stft
     separator: Separator
     stft: Stft
     voiceprint: VoicePrint
+    plan: Planner = plan
 
 
 class Ended(Exception):

@@ -13,7 +13,7 @@ import numpy as np
 
 from ross_payload.angles import difference
 from ross_payload.events import AlignmentCandidate, Checked, Estimate, State
-from ross_payload.mission.align import align, in_order, isolation_here, planned
+from ross_payload.mission.align import align, here, in_order, planned
 from ross_payload.mission.context import Context, Listening, Step, turn
 from ross_payload.mission.orient import believe, certain, orientation, say_belief
 from ross_payload.mission.recognise import Heard, recall, recognise
@@ -23,7 +23,7 @@ NEARLY = np.deg2rad(5.0)  # azimuths of one source in two beliefs [rad]
 SHARP = np.deg2rad(3.0)  # largest standard deviation of any source [rad]
 TRUSTED = 0.8  # least confidence of any source
 CLEAR = 0.2  # least isolation at the alignment [d / v_p]
-STILL = 0.7  # of the isolation at the best heading: the present one will do
+LESS = 1.0  # [dB] that the present heading may promise less than the best one
 SELF = np.deg2rad(10.0)  # a source is the one of an earlier belief when it is so near [rad]
 
 
@@ -110,9 +110,11 @@ def visit(context: Context, promise: Promise, visits: Visits, *, last: bool) -> 
 
 
 def good_here(context: Context, estimate: Estimate, source: int) -> bool:
-    """Whether the present heading isolates a source nearly as well as its own alignment."""
+    """Whether the present heading promises nearly as much for a source as its own alignment."""
     own = alignment_of(context, estimate, source)
-    return own is None or isolation_here(context, estimate, source) >= STILL * own.isolation
+    if own is None or own.gain_db is None:
+        return True
+    return (here(context, estimate, source, own.rule).gain_db or 0.0) >= own.gain_db - LESS
 
 
 def alignment_of(context: Context, estimate: Estimate, source: int) -> AlignmentCandidate | None:
@@ -136,7 +138,5 @@ def mend(context: Context, estimate: Estimate, source: int, heard: Listening) ->
 
 
 def _say_checked(context: Context, estimate: Estimate, source: int, rule: str, found: Heard) -> None:
-    here, groups = context.here, found.groups
-    apart = isolation_here(context, estimate, source)
-    reached = AlignmentCandidate(source, here.heading_end, here.joint, apart, rule)
+    groups, reached = found.groups, here(context, estimate, source, rule)
     context.say(Checked(context.time, reached, found.scores, found.best, groups.method, groups.why))

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 
+from ross_payload.dsp.alignment import plan
+from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
     AlignmentPlanned,
@@ -158,18 +160,18 @@ class Rig:
         return [event for event in self.events if isinstance(event, kind)]
 
 
-def rig(likes=1, settings=SETTINGS, explorer=None, voiceprint=None, separator=None, **told):
-    stft = Stft(RATE, 512, 128)
-    tools = Tools(explorer or ThreeTalkers(), stft, separator or OneGroupEach(), stft, voiceprint or Likes(likes))
+def rig(likes=1, settings=SETTINGS, explorer=None, voiceprint=None, separator=None, planner=plan, **told):
+    stft, voiceprint = Stft(RATE, 512, 128), voiceprint or Likes(likes)
+    tools = Tools(explorer or ThreeTalkers(), stft, separator or OneGroupEach(), stft, voiceprint, planner)
     return Rig(mission(settings, tools, **told))
 
 
 def test_target_is_found_at_its_own_alignment():
-    one = rig(likes=1)
+    one = rig(likes=1, planner=paper_plan)
     result = one.run()
     assert result.outcome is Outcome.TARGET_FOUND
     heading = one.said(Checked)[-1].candidate.heading
-    assert np.cos(np.deg2rad(170) - heading) == pytest.approx(np.cos(np.deg2rad(-50) - heading), abs=0.1)  # one to it
+    assert np.cos(np.deg2rad(170) - heading) == pytest.approx(np.cos(np.deg2rad(-50) - heading), abs=1e-9)
     assert one.said(Separated)[-1].target == 1
 
 

@@ -7,6 +7,8 @@ import pytest
 
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
+from ross_payload.dsp.alignment import plan
+from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.errors import PluginError
 from ross_payload.events import Event, Outcome
 from ross_payload.interfaces import AudioBlock, Command, Output, Result, Services
@@ -187,3 +189,8 @@ def test_the_paper_front_end_is_a_set_of_options():
     markov = explorer_of(Config.model_validate({"explore": {"method": "markov", "options": options}}))
     assert (markov.trusts, markov.rule) == (plain.trusts, plain.rule)
     assert explorer_of(Config.model_validate({"explore": {"method": "markov"}})).rule != plain.rule
+
+
+@pytest.mark.parametrize(("rules", "planner"), [("best", plan), ("paper", paper_plan)])
+def test_rules_name_what_plans(rules, planner):
+    assert tools_of(Config.model_validate({"exploit": {"rules": rules}}), voiceprint=None).plan is planner
