@@ -170,6 +170,26 @@ class Config(Table):
         return math.radians(self.array.offset_deg)
 
 
+def as_in_paper(config: Config) -> Config:
+    """Return a configuration with the methods and numbers of the paper instead of ours; the rest stays as it is.
+
+    Of the paper's own separators the one that serves best is taken; Algorithm 2 as printed is the separator `paper`.
+    """
+    numbers = {"frame": 1024, "overlap": 0.25}
+    explore = Explore(
+        method="markov", lead_in_s=config.explore.lead_in_s, unit_s=3, step_deg=15, min_rotations=1, max_rotations=12,
+        **numbers,
+    )  # fmt: skip
+    caps = {"max_speed_deg_s": 225.0, "max_acceleration_deg_s2": 112.5}
+    changes = {
+        "audio": config.audio.model_copy(update=numbers),
+        "guard": config.guard.model_copy(update=caps),
+        "explore": explore,
+        "exploit": config.exploit.model_copy(update={"separator": "duet", "rules": "paper"}),
+    }
+    return config.model_copy(update=changes)
+
+
 def read_toml(path: Path) -> dict[str, Any]:
     """Read a TOML file.
 

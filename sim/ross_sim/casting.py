@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ross_payload.config import Informed, validated
+from ross_payload.config import Informed, as_in_paper, validated
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import VoicePrint
 from ross_payload.voiceprint import VoiceStore, enrol
@@ -29,7 +29,7 @@ class Company:
 def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
     """Load a scenario and apply what the command line asks for instead."""
     loaded = load(scenario)
-    payload = loaded.payload
+    payload = as_in_paper(loaded.payload) if changes["paper"] else loaded.payload
     if changes["actuator"] and changes["actuator"] != payload.actuator.kind:
         payload = _with(payload, actuator=type(payload.actuator)(kind=changes["actuator"]))
     if changes["separator"]:

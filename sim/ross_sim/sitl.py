@@ -36,6 +36,7 @@ def _folder(context: click.Context, parameter: click.Parameter, value: str | Non
 )
 @click.option("--actuator", "-a", help="Actuator back end, instead of the scenario's.")
 @click.option("--separator", "-p", help="Separator, instead of the scenario's.")
+@click.option("--paper", is_flag=True, help="The paper's own methods and numbers instead of the scenario's.")
 @click.option("--informed", is_flag=True, help="Tell the mission where the talkers are instead of exploring.")
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of everything random.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")

@@ -197,6 +197,7 @@ def test_the_paper_preset_has_the_papers_numbers(setting: int, t60: float) -> No
     assert (explorer_stft.frame, explorer_stft.hop) == (1024, 768)  # neighbours share 25 %
     assert config.explore.step_deg * config.explore.max_rotations == 180
     assert (config.guard.max_speed_deg_s, config.guard.max_acceleration_deg_s2) == (225, 112.5)
+    assert (config.exploit.separator, config.exploit.rules) == ("paper", "paper")
 
 
 @pytest.mark.parametrize("frame", [512, 1024])
