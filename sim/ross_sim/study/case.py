@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 from ross_payload import __version__, plugins
 from ross_payload.angles import difference
 from ross_payload.dsp.alignment import plan
+from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.dsp.steering import tdoa
 from ross_payload.errors import RossError
 from ross_payload.events import AlignmentCandidate, Estimate, SourceEstimate
@@ -38,6 +39,7 @@ from ross_sim.study.rows import (
 from ross_sim.study.scoring import Belief, Separated, columns, scored, separations, tools_of
 from ross_sim.study.separation import Recording, record
 
+PLANS = {"best": plan, "paper": paper_plan}
 ANYWHERE = 1  # the noise at a start heading is another than at the alignments
 
 
@@ -120,9 +122,10 @@ def perform(task: Task, study: Study, source: Source) -> Result:
 
 
 def _aligned(case: _Case, target: int) -> None:
-    """Separate one target at its own alignment, with true azimuths."""
+    """Separate one target at its own alignment, with true azimuths; the open is told from reverberation."""
     truth = [SourceEstimate(float(azimuth), 0.0, 1.0, True) for azimuth in case.stage.azimuths]
-    row, candidate = case.blank(target, ALIGNED), _candidates(case.study, truth, 0.0, 0.0).get(target)
+    known = Estimate(tuple(truth), directness=float(case.stage.setting.t60 == 0))
+    row, candidate = case.blank(target, ALIGNED), _candidates(case.study, known, 0.0, 0.0).get(target)
     if candidate is None:
         case.rows.extend(_missed(case.study, row, oracles=True))
         return
@@ -194,7 +197,7 @@ def _exploration(case: _Case, rotations: int, heading: float, estimate: Estimate
 def _end_to_end(case: _Case, estimate: Estimate, rotations: int, heading: float) -> Iterator[Separation]:
     """Align with estimated azimuths and separate every target that is found; the missed ones count as 0 dB."""
     joint = heading - case.study.start(case.task.start)
-    candidates = _candidates(case.study, estimate.sources, heading, joint)
+    candidates = _candidates(case.study, estimate, heading, joint)
     owners = owners_of(case.stage.azimuths, estimate)
     for target, owner in enumerate(owners):
         row = replace(
@@ -219,14 +222,12 @@ def owners_of(azimuths: Real, estimate: Estimate) -> list[int | None]:
     return [int(row.argmin()) if row.min(initial=np.inf) <= NEAR_DEG else None for row in apart]
 
 
-def _candidates(
-    study: Study, sources: Sequence[SourceEstimate], heading: float, joint: float
-) -> dict[int, AlignmentCandidate]:
+def _candidates(study: Study, estimate: Estimate, heading: float, joint: float) -> dict[int, AlignmentCandidate]:
     """Where to turn for every source, as the mission plans it."""
     limit = float(np.deg2rad(study.limit_deg))
-    planned = plan(
-        sources, heading=heading, joint=joint, lower=-limit, upper=limit,
-        spacing=SPACING, speed_of_sound=SPEED_OF_SOUND,
+    planned = PLANS[study.rules](
+        estimate.sources, heading=heading, joint=joint, lower=-limit, upper=limit,
+        spacing=SPACING, speed_of_sound=SPEED_OF_SOUND, directness=estimate.directness,
     )  # fmt: skip
     return {candidate.source: candidate for candidate in planned.candidates}
 

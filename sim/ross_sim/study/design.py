@@ -46,6 +46,7 @@ class Study(Table):
     explore_frame: Frame = 1024
     explore_overlap: Overlap = 0.75
     max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # when no schedule is longer
+    rules: Literal["best", "paper"] = "best"  # where to turn: best predicted gain, or the paper's equations
     limit_deg: Positive = 200.0  # how far the joint may turn from the start, on either side
     talkers: tuple[str, ...] = ()  # of the folder; none: all
     seed: Annotated[int, Field(ge=0)] = 0
@@ -148,7 +149,8 @@ PRESETS: dict[str, dict[str, Any]] = {
     },
     "paper": {
         "layouts": 0, "starts": 12, "separators": PAPERS, "explorers": ("markov",), "unit_s": (1.0, 3.0),
-        "rotations": (STOP, 12), "rate_hz": 16000, "frame": 1024, "overlap": 0.25, "explore_overlap": 0.25,
+        "rotations": (STOP, 12), "rules": "paper", "rate_hz": 16000, "frame": 1024, "overlap": 0.25,
+        "explore_overlap": 0.25,
     },
     "separation": {
         "settings": tuple(SETTINGS), "layouts": 10, "separators": ("duet", "auxiva", "gaussian", "auto"),

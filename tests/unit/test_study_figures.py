@@ -1,0 +1,107 @@
+"""Figures and tables of a study, from rows whose means are known."""
+
+from dataclasses import replace
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from ross_sim.study.design import chosen
+from ross_sim.study.figures import draw
+from ross_sim.study.rows import Exploration, Separation
+from ross_sim.study.tables import tables
+
+GAINS = {"aligned": 12.0, "estimated": 11.0, "unaligned": 6.0}
+SETTINGS, COUNTS, SEPARATORS = ("S1", "S2", "S3"), (3, 4), ("duet", "gaussian")
+
+
+def separations():
+    blank = Separation("t", "S1", 3, 0, 0, "0.1", "aligned", 0, "anna", 170.0)
+    for setting in SETTINGS:
+        for k in COUNTS:
+            for separator in SEPARATORS:
+                for how, gain in GAINS.items():
+                    for start in range(1 if how == "aligned" else 4):
+                        row = replace(blank, setting=setting, k=k, separator=separator, how=how, si_sdri_db=gain - k)
+                        if how != "aligned":
+                            row = replace(row, start=start, start_heading_deg=45.0 * start)
+                        if how == "estimated":
+                            row = replace(row, explorer="joint", unit_s=3.0, schedule="4", rotations=4, all_found=True)
+                        yield row
+    lost = replace(blank, separator="duet", how="estimated", explorer="joint", unit_s=3.0, schedule="4", rotations=4)
+    yield replace(lost, start=0, start_heading_deg=0.0, all_found=False, missed=True)
+
+
+def explorations():
+    for setting in SETTINGS:
+        for explorer in ("joint", "markov"):
+            for r in range(5):
+                found = (170.0, 70.0 + r, -50.0)[: 3 if r else 2]
+                errors = (0.0, float(r), 0.0 if r else 180.0)
+                yield Exploration(
+                    f"{setting}-{explorer}", setting, 3, 0, 0, "0.1", 0, 0.0, explorer, 3.0, r, 15.0 * r,
+                    ("anna", "ben", "cleo"), (170.0, 70.0, -50.0), found, tuple(1.0 for _ in found),
+                    errors, len(found), bool(r), r >= 3, None,
+                )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("figures")
+    return folder, draw(folder, list(separations()), list(explorations()))
+
+
+def test_there_are_three_kinds_of_figures_each_twice(drawn):
+    folder, names = drawn
+    expected = {"aoa", "orientation-duet", "orientation-gaussian", "methods"}
+    assert set(names) == {f"{name}.{suffix}" for name in expected for suffix in ("pdf", "png")}
+    assert set(names) == {path.name for path in folder.iterdir()}
+
+
+def test_figures_have_ink_and_still_have_it_in_grey(drawn):
+    folder, names = drawn
+    for name in names:
+        if name.endswith(".png"):
+            grey = matplotlib.image.imread(folder / name)[..., :3].mean(axis=-1)
+            assert 0.01 < np.mean(grey < 0.5) < 0.6, name
+        else:
+            assert (folder / name).read_bytes().startswith(b"%PDF")
+
+
+def test_the_same_rows_give_the_same_bytes(drawn, tmp_path):
+    folder, names = drawn
+    draw(tmp_path, list(separations()), list(explorations()))
+    for name in names:
+        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes(), name
+
+
+def test_a_study_that_does_not_explore_has_no_figure_of_azimuths(tmp_path):
+    rows = [row for row in separations() if row.how == "aligned"]
+    assert draw(tmp_path, rows, []) == ["methods.pdf", "methods.png"]
+    assert draw(tmp_path, [], []) == []
+
+
+def test_means_count_a_missed_target_as_zero():
+    study = chosen("quick", {"rotations": (4,)}, False)
+    gains, losses, _ = tables(study, list(separations()), list(explorations()))
+    first = gains.rows[0]
+    assert first == ("S1, K = 3", "9.0 / 8.0 / 6.4 / 3.0", "9.0 / 8.0 / 8.0 / 3.0")  # (4 x 8 + 0) / 5
+    assert losses.rows[0] == ("S1, K = 3, joint, 3 s, 4", "0.89", "1.00", "1.00")  # 8 of 9 rows
+
+
+def test_the_explorers_table_follows_schedules_and_the_stop_rule():
+    study = chosen("quick", {"rotations": (2, 4, "stop")}, False)
+    (finds,) = tables(study, [], list(explorations()))
+    rows = {row[0]: row[1:] for row in finds.rows}
+    assert rows["S1, joint, 3 s, 2"] == ("2.0", "1.00", "1.00", "1.000", "0.67", "1.00")
+    assert rows["S1, joint, 3 s, stop"][0] == "3.0"
+    assert rows["S3, markov, 3 s, 4"][4] == "1.33"
+
+
+def test_tables_are_markdown_with_as_many_cells_in_every_line():
+    study = chosen("quick", {"rotations": (4,)}, False)
+    for table in tables(study, list(separations()), list(explorations())):
+        lines = [line for line in table.markdown().splitlines() if line.startswith("|")]
+        assert len(lines) == len(table.rows) + 2
+        assert len({line.count("|") for line in lines}) == 1
+        assert table.screen().row_count == len(table.rows)
