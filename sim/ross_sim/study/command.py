@@ -45,6 +45,7 @@ def _schedule(text: str) -> int | str:
 @click.option("--layouts", type=click.IntRange(min=0), help="Random layouts, beside the paper's.")
 @click.option("--starts", type=click.IntRange(1, 180), help="Start headings over half a turn.")
 @click.option("--separators", type=_Names(), help="Separators and oracles (irm, mwf, tvmwf); '' for none.")
+@click.option("--noise", type=_Names(), help="Noise PSD to the separators: known, unknown or both.")
 @click.option("--explorers", type=_Names(), help="Explorers; '' for none: true azimuths only.")
 @click.option("--t-unit", "unit_s", type=_Names(float), help="T_unit [s].")
 @click.option("--rotations", type=_Names(_schedule), help="Numbers of rotations, or stop: the explorer's own rule.")

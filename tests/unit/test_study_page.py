@@ -1,0 +1,34 @@
+"""The reference page of `ross study` lists every key, column and preset as the code has them."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from ross_sim.study.design import PRESETS, Study, chosen, tasks
+from ross_sim.study.rooms import SETTINGS
+from ross_sim.study.rows import Exploration, Separation, Timing, columns
+
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "study.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", Study.model_fields)
+def test_every_key_is_listed_with_its_default(name):
+    assert f"| `{name}` | `{json.dumps(Study.model_fields[name].default)}` |" in PAGE
+
+
+@pytest.mark.parametrize("kind", [Separation, Exploration, Timing])
+def test_every_column_is_listed(kind):
+    title = {Separation: "separations", Exploration: "explorations", Timing: "timing"}[kind]
+    section = PAGE.split(f"### Columns of `{title}`")[1].split("##")[0]
+    assert [name for name in columns(kind) if f"`{name}`" not in section] == []
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_is_listed_with_its_number_of_tasks(name):
+    (line,) = (line for line in PAGE.splitlines() if line.startswith(f"| `{name}` |"))
+    assert line.endswith(f"| {len(tasks(chosen(name, {}, False)))} |")
+
+
+def test_every_room_is_listed():
+    assert [name for name in SETTINGS if f"`{name}`" not in PAGE] == []
