@@ -228,3 +228,15 @@ def test_the_lag_is_found_between_samples():
     moved, span = placed(target, lag, n)
     inner = slice(100, -100)
     assert np.abs(moved - late[span])[inner].max() < 0.01 * target.std()
+
+
+def test_noise_in_the_second_take_limits_the_score_as_the_guide_says(scene, takes, scored, tmp_path):
+    """A perfect output against a target with noise n dB below it scores n dB, and s and n add as powers."""
+    recording, heading = scene
+    alone = recording.images[TARGET]
+    noise = np.random.default_rng(8).standard_normal(alone.shape) * np.sqrt((alone[0] ** 2).mean() * 10**-1.54)
+    write_wav(tmp_path / "noisy.wav", QUIET * (alone + noise), RATE)
+    against_truth = best(scored(takes / "a.wav", takes / "b.wav", *known(heading)))["si_sdr_db"]
+    against_noise = best(scored(takes / "a.wav", tmp_path / "noisy.wav", *known(heading)))["si_sdr_db"]
+    expected = -10 * np.log10(10 ** (-against_truth / 10) + 10**-1.54)
+    assert against_noise == pytest.approx(expected, abs=0.5)
