@@ -75,10 +75,10 @@ def known(heading):
     return [word for azimuth in AZIMUTHS_DEG for word in ("--azimuth", azimuth)] + ["--heading", np.rad2deg(heading)]
 
 
-def truth(recording, start=0):
+def truth(recording, start=0, *, known_noise=False):
     """SI-SDRi of the target's group from a sample on, from the simulator's own signals."""
     stft = Stft(RATE, FRAME, HOP)
-    groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=False))
+    groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise))
     voice = stft.synthesise(groups.signals[groups.members.index((TARGET,))], recording.mixture.shape[1])
     return si_sdri(voice[start:], recording.mixture[0, start:], recording.reference[start:])
 
@@ -124,6 +124,26 @@ def test_without_directions_those_that_stand_out_are_taken(scene, takes, scored)
     values = scored(takes / "a.wav", takes / "b.wav")
     assert sorted(values["tdoas_us"]) == pytest.approx(sorted({round(t, 12) for t in 1e6 * recording.tau}), abs=15)
     assert best(values)["si_sdri_db"] == pytest.approx(truth(recording), abs=1.5)
+
+
+def test_a_quiet_start_of_the_mixture_tells_the_noise(scene, takes, scored, tmp_path):
+    recording, heading = scene
+    both = np.concatenate([recording.lead_in, recording.mixture], axis=1)
+    write_wav(tmp_path / "quiet.wav", QUIET * both, RATE)
+    values = scored(tmp_path / "quiet.wav", takes / "b.wav", *known(heading))
+    assert values["lag_s"] == 2.0
+    assert values["noise"].startswith("measured")
+    assert best(values)["si_sdri_db"] == pytest.approx(truth(recording, known_noise=True), abs=0.3)
+    assert scored(takes / "a.wav", takes / "b.wav")["noise"] == "unknown"
+
+
+def test_a_configuration_sets_the_rate_the_array_and_the_separator(scene, takes, scored, tmp_path):
+    path = tmp_path / "payload.toml"
+    path.write_text('[audio]\nrate_hz = 16000\n[array]\nspacing_m = 0.04\n[exploit]\nseparator = "duet"\n')
+    values = scored(takes / "a.wav", takes / "b.wav", "--config", path, "--azimuth", 0)
+    assert (values["rate_hz"], values["separator"]) == (16000, "duet")
+    assert values["tdoas_us"] == [pytest.approx(0.04 / 343 * 1e6, abs=0.01)]
+    assert {note[0] for note in values["notes"] if "resampled from 24000 to 16000" in note} == {"A", "B"}
 
 
 def test_delays_and_azimuths_say_the_same(scene, takes, scored):
