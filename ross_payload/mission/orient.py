@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ross_payload.events import Estimate, OrientationHeard, SourcesEstimated
+from ross_payload.interfaces import Observation
 from ross_payload.mission.context import Context, Listening, Step, listen
 
 
@@ -12,20 +13,20 @@ def orientation(context: Context, seconds: float) -> Step[Estimate]:
     here = context.here
     heard = Listening(here.heading_end, samples)
     context.explored.append(heard)
-    estimate = believe(context, heard)
-    r, seen = len(context.observations) - 1, context.observations[-1]
+    seen = observe(context, heard)
+    r = len(context.observations)
+    context.observations.append(seen)
+    context.beliefs.append(context.tools.explorer.estimate(context.observations))
     context.say(OrientationHeard(context.time, r, seen.heading, here.joint, seen.grid, seen.density, seen.peaks))
-    return estimate
+    return context.beliefs[-1]
 
 
-def believe(context: Context, heard: Listening) -> Estimate:
-    """Tell the explorer what was heard at one heading; return what it believes now."""
-    explorer, stft = context.tools.explorer, context.tools.explorer_stft
+def observe(context: Context, heard: Listening) -> Observation:
+    """Let the explorer condense what was heard at one heading."""
+    stft = context.tools.explorer_stft
     spectrogram = stft.analyse(heard.samples)
     noise_psd = context.psd(stft, spectrogram)
-    context.observations.append(explorer.observe(spectrogram, stft.frequencies, heard.heading, noise_psd))
-    context.beliefs.append(explorer.estimate(context.observations))
-    return context.beliefs[-1]
+    return context.tools.explorer.observe(spectrogram, stft.frequencies, heard.heading, noise_psd)
 
 
 def say_belief(context: Context, *, final: bool) -> None:

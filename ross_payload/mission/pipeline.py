@@ -6,6 +6,7 @@ belief that survives the visit is run with. While it runs the explorer goes on h
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -15,10 +16,11 @@ from ross_payload.angles import difference
 from ross_payload.events import AlignmentCandidate, Checked, Estimate, State
 from ross_payload.mission.align import align, here, in_order, planned
 from ross_payload.mission.context import Context, Listening, Step, turn
-from ross_payload.mission.orient import believe, certain, orientation, say_belief
+from ross_payload.mission.orient import certain, observe, orientation, say_belief
 from ross_payload.mission.recognise import Heard, recall, recognise
 
 STEADY = 2  # beliefs in a row with the same K and nearly the same azimuths
+FEWEST = 3  # sources: two are heard apart anywhere, and after few orientations two may well be three
 NEARLY = np.deg2rad(5.0)  # azimuths of one source in two beliefs [rad]
 SHARP = np.deg2rad(3.0)  # largest standard deviation of any source [rad]
 TRUSTED = 0.8  # least confidence of any source
@@ -64,7 +66,7 @@ def promising(context: Context, visits: Visits) -> Promise | None:
 def steady(beliefs: Sequence[Estimate]) -> bool:
     """Whether the latest beliefs agree on K and every azimuth, and the last one is sharp about every source."""
     latest = beliefs[-STEADY:]
-    if len(latest) < STEADY or not latest[-1].sources:
+    if len(latest) < STEADY or latest[-1].k < FEWEST:
         return False
     sharp = all(s.resolved and s.sigma <= SHARP and s.confidence >= TRUSTED for s in latest[-1].sources)
     return sharp and all(agree(latest[-1], other) for other in latest)
@@ -124,15 +126,23 @@ def alignment_of(context: Context, estimate: Estimate, source: int) -> Alignment
 
 
 def mend(context: Context, estimate: Estimate, source: int, heard: Listening) -> tuple[Estimate, int]:
-    """Tell the explorer what a run has heard; return what it believes now and which source is the target.
+    """Ask the explorer about what a run has heard; return what to believe now and which source is the target.
 
-    One T_unit is told: an orientation that weighs more than the others brings ghosts.
+    Every T_unit of the run takes the place of the last orientation once: no heading may weigh more than the others.
+    When most of them agree on another K, the belief is theirs.
     """
+    explorer, earlier = context.tools.explorer, context.observations[:-1]
     unit = round(context.settings.unit * context.settings.rate)
-    mended = believe(context, Listening(heard.heading, heard.samples[:, :unit]))
+    starts = range(0, max(heard.samples.shape[1] - unit, 0) + 1, unit)
+    takes = [observe(context, Listening(heard.heading, heard.samples[:, start : start + unit])) for start in starts]
+    beliefs = [explorer.estimate([*earlier, take]) for take in takes]
+    counts = Counter(belief.k for belief in beliefs)
+    k, votes = counts.most_common(1)[0]
+    mended = next(belief for belief in reversed(beliefs) if belief.k == k)
     own = matched([estimate.sources[source].azimuth], mended)
-    if not own:
+    if k == estimate.k or 2 * votes <= len(beliefs) or not own:
         return estimate, source
+    context.beliefs.append(mended)
     say_belief(context, final=True)
     return mended, own[0]
 

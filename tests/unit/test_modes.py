@@ -1,7 +1,7 @@
 """The pipelined and the informed mission, by the Outputs for given Inputs; the rig is that of test_mission."""
 
 import importlib.util
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -41,14 +41,14 @@ def estimate(*degrees, sigma=0.01, confidence=0.9, resolved=True, certain=False)
 
 @dataclass
 class Script(base.ThreeTalkers):
-    """An explorer that believes what is written for the n-th orientation, and then the last of it."""
+    """An explorer that believes what is written for the n-th time it is asked, and then the last of it."""
 
     beliefs: tuple = ()
-    asked: list = field(default_factory=list)
+    asked: int = 0
 
     def estimate(self, observations):
-        self.asked.append(len(observations))
-        return self.beliefs[min(len(observations), len(self.beliefs)) - 1]
+        self.asked = 1 if len(observations) == 1 else self.asked + 1
+        return self.beliefs[min(self.asked, len(self.beliefs)) - 1]
 
 
 SOON = (Estimate(()), estimate(*AZIMUTHS), estimate(*AZIMUTHS))  # steady after three orientations, never certain
@@ -113,8 +113,9 @@ def test_a_doubtful_belief_is_not_visited(belief):
 
 def test_a_belief_that_moves_is_not_steady():
     assert steady([estimate(*AZIMUTHS), estimate(*AZIMUTHS)])
+    assert steady([estimate(*AZIMUTHS), estimate(-50, 170, 72)])
     assert not steady([estimate(*AZIMUTHS)])
-    assert not steady([estimate(170, 70), estimate(*AZIMUTHS)])
+    assert not steady([estimate(170, 70, -50, -120), estimate(*AZIMUTHS)])
     assert not steady([estimate(170, 70, -30), estimate(*AZIMUTHS)])
 
 
@@ -170,14 +171,24 @@ def test_a_wrong_k_is_noticed_while_it_runs_and_mended():
     assert one.said(SourcesEstimated)[-1].estimate == four
 
 
+def test_one_take_out_of_three_does_not_change_k():
+    four = estimate(*AZIMUTHS, -120)
+    one = pipelined(*SOON, estimate(*AZIMUTHS), four, estimate(*AZIMUTHS))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert len(one.said(Separated)[-1].groups) == 3
+
+
 def test_a_mended_belief_that_asks_for_another_heading_gets_it():
-    moved = estimate(170, 70, 20)
-    one = pipelined(*SOON, estimate(*AZIMUTHS), moved)
+    one = pipelined(*SOON, estimate(*AZIMUTHS), estimate(*AZIMUTHS, 90))
     assert one.run().outcome is Outcome.TARGET_FOUND
     own = next(c for c in one.said(AlignmentPlanned)[-1].candidates if c.source == 1)
     assert one.said(Separated)[-1].heading == pytest.approx(own.heading)
     assert abs(own.heading - one.said(Checked)[-1].candidate.heading) > np.deg2rad(5)
     assert len(one.said(Separated)) == 1  # the period before the turn does not count
+
+
+def test_two_sources_are_not_visited_early():
+    assert not steady([estimate(170, 70), estimate(170, 70)])
 
 
 # ------------------------------------------------------------------------------------------------- informed
