@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike
 
 from ross_payload.interfaces import Complex, Real
 
-REACH = (0.14, 0.25)  # s [d / v_p] in the open and in reverberation
+REACH = (0.14, 0.3)  # s [d / v_p] in the open and in reverberation
 ECHOES = (0.023, 0.06)  # r in the open and in reverberation
-BETWEEN = 0.036  # m
+BETWEEN = (0.036, 0.018)  # m in the open and in reverberation
 DETERMINED = 1.1  # b [dB] in the open when all interferers have one TDOA
 POSING = 0.3  # b is 0 when theirs spread over this part of d / v_p
 FINE = np.pi / 360  # [rad], half a degree: no heading is 0.05 dB better than the best of this grid
@@ -62,7 +62,7 @@ def predicted_gain(
     A talker on either side of the axis: along it they are one source, across it they are 2 d / v_p apart.
 
     >>> predicted_gain([np.pi / 2, -np.pi / 2], [0.0, np.pi / 2]).round(1).tolist()
-    [[-0.3, 12.2], [-0.3, 12.2]]
+    [[-0.3, 12.1], [-0.3, 12.1]]
     """
     return gain_of(phasors(azimuths, elevations), headings, directness)
 
@@ -73,12 +73,12 @@ def gain_of(z: Complex, headings: ArrayLike, directness: float | None = None) ->
     if len(z) < 2:
         return np.zeros_like(tau)
     open_air = directness or 0.0
-    reach, echoes = (np.interp(open_air, (0, 1), pair[::-1]) for pair in (REACH, ECHOES))
+    reach, echoes, phantom = (np.interp(open_air, (0, 1), pair[::-1]) for pair in (REACH, ECHOES, BETWEEN))
     ahead = _others(tau) - tau[:, None]
     leak = np.exp(-np.abs(ahead) / reach).mean(axis=1)
     between = (ahead.min(axis=1) < 0) & (ahead.max(axis=1) > 0)
     posing = np.maximum(1 - np.ptp(ahead, axis=1) / POSING, 0)
-    return np.asarray(-10 * np.log10(echoes + BETWEEN * between + leak) + DETERMINED * open_air * posing)
+    return np.asarray(-10 * np.log10(echoes + phantom * between + leak) + DETERMINED * open_air * posing)
 
 
 def _others(tau: Real) -> Real:

@@ -21,6 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload import plugins
 from ross_payload.angles import Real, difference
+from ross_payload.dsp.gain import best_headings
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.steering import tdoa
@@ -36,6 +37,7 @@ VOICES = ("ls3005", "ls3331", "ls2414", "ls3080", "ls533")
 SEPARATORS = ("duet", "auxiva", "gaussian")
 NOISE_BLIND = frozenset({"mvdr", "lcmv", "iva", "ilrma", "fastmnmf2"})  # never look at the noise PSD
 APART = np.deg2rad(25.0)
+RULES = ("best", "paper", "anywhere")  # where the array points
 SNR_DB = 15.0  # mixture over noise, at microphone 1
 RATE, FRAME, HOP = 24000, 2048, 512
 LEAD_IN, RUN = 2.0, 10.0  # [s]
@@ -69,7 +71,7 @@ def layouts(n_sources: int, count: int, rng: np.random.Generator) -> list[Real]:
 
 
 def aligned_heading(azimuths: Real, target: int) -> float:
-    """Heading [rad] for a target: the interferers' bisector for K = 3, else the argmax of min_k |tau_i - tau_k|.
+    """Heading [rad] by the paper: the interferers' bisector for K = 3, else the argmax of min_k |tau_i - tau_k|.
 
     >>> round(float(np.rad2deg(aligned_heading(np.deg2rad([0.0, 100.0, 40.0]), target=0))), 6)
     70.0
@@ -80,6 +82,13 @@ def aligned_heading(azimuths: Real, target: int) -> float:
     headings = np.deg2rad(np.arange(0.0, 180.0, 0.5))
     isolation = np.abs(np.cos(azimuths[target] - headings) - np.cos(others[:, None] - headings)).min(axis=0)
     return float(headings[isolation.argmax()])
+
+
+def heading_for(rule: str, azimuths: Real, target: int, setting: Setting, rng: np.random.Generator) -> float:
+    """Heading [rad] for a target by one of `RULES`; the explorer is taken to tell the open from reverberation."""
+    if rule == "best":
+        return float(best_headings(azimuths, directness=float(setting.t60 == 0))[target])
+    return aligned_heading(azimuths, target) if rule == "paper" else float(rng.uniform(0, np.pi))
 
 
 def record(
@@ -164,11 +173,11 @@ def load_voices(folder: Path, names: Sequence[str] = VOICES) -> list[Real]:
 
 
 def recordings(
-    voices: Sequence[Real], n_sources: int, setting: Setting, count: int, seed: int, *, aligned: bool = True
+    voices: Sequence[Real], n_sources: int, setting: Setting, count: int, seed: int, *, rule: str = "best"
 ) -> Iterator[Recording]:
     """Every talker of every layout as the target; noise, layouts and casts do not depend on the room.
 
-    With more than five voices every layout draws its own cast. The heading is the target's alignment, or random.
+    With more than five voices every layout draws its own cast. The heading goes by one of `RULES`.
     """
     for index, azimuths in enumerate(layouts(n_sources, count, np.random.default_rng(seed))):
         cast = list(voices)
@@ -176,8 +185,8 @@ def recordings(
             cast = [voices[i] for i in np.random.default_rng([seed, index]).permutation(len(voices))]
         for target in range(n_sources):
             rng = np.random.default_rng([seed, index, target])
-            anywhere = np.random.default_rng([seed, index, target, 1]).uniform(0, np.pi)
-            heading = aligned_heading(azimuths, target) if aligned else float(anywhere)
+            anywhere = np.random.default_rng([seed, index, target, 1])
+            heading = heading_for(rule, azimuths, target, setting, anywhere)
             yield record(cast[:n_sources], azimuths, target, heading, setting, rng=rng)
 
 
@@ -189,12 +198,12 @@ def measure(
     seed: int,
     *,
     names: Sequence[str] = SEPARATORS,
-    aligned: bool = True,
+    rule: str = "best",
 ) -> dict[str, list[float]]:
     """Mean SI-SDRi [dB] per column: with the noise PSD known and unknown, or once where it does not matter."""
     columns = {name: column(name) for name in names}
     scores: dict[str, list[list[float]]] = {name: [] for name in columns}
-    for recording in recordings(voices, n_sources, setting, count, seed, aligned=aligned):
+    for recording in recordings(voices, n_sources, setting, count, seed, rule=rule):
         for name, score in columns.items():
             scores[name].append(score(recording))
     return {name: np.mean(rows, axis=0).tolist() for name, rows in scores.items()}
@@ -217,7 +226,9 @@ def row(setting: str, n_sources: int, scores: Mapping[str, Sequence[float]]) -> 
 @click.option("--separators", "first", metavar="NAME...", help="Columns, instead of duet auxiva gaussian.")
 @click.option("--rooms", default=",".join(PLANES), show_default=True, help=f"Of {','.join(SETTINGS)}.")
 @click.option("--talkers", type=click.Choice(["five", "all"]), default="five", show_default=True)
-@click.option("--aligned/--anywhere", default=True, help="The target's alignment, or a random heading.")
+@click.option(
+    "--heading", "rule", type=click.Choice(RULES), default="best", show_default=True, help="Best predicted gain."
+)
 @click.option("--speech", type=click.Path(path_type=Path), default=Path("../shared/speech"), show_default=True)
 @click.option("--layouts", "count", type=click.IntRange(min=0), default=5, show_default=True, help="Random layouts.")
 @click.option("--seed", type=int, default=0, show_default=True)
@@ -229,7 +240,7 @@ def main(
     first: str | None,
     rooms: str,
     talkers: str,
-    aligned: bool,
+    rule: str,
     speech: Path,
     count: int,
     seed: int,
@@ -249,9 +260,7 @@ def main(
         voices = load_voices(speech, () if talkers == "all" else VOICES)
         for name, n_sources in product(rooms.split(","), (3,) if quick else (3, 4, 5)):
             with threadpool_limits(1):
-                scores = measure(
-                    voices, n_sources, SETTINGS[name], 0 if quick else count, seed, names=names, aligned=aligned
-                )
+                scores = measure(voices, n_sources, SETTINGS[name], 0 if quick else count, seed, names=names, rule=rule)
             table[f"{name} K{n_sources}"] = scores
             click.echo(row(name, n_sources, scores))
     except RossError as error:
