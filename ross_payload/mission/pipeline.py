@@ -26,6 +26,7 @@ SHARP = np.deg2rad(3.0)  # largest standard deviation of any source [rad]
 TRUSTED = 0.8  # least confidence of any source
 CLEAR = 0.2  # least isolation at the alignment [d / v_p]
 LESS = 1.0  # [dB] that the present heading may promise less than the best one
+SPOT = np.deg2rad(0.5)  # headings nearer than this are one [rad]
 SELF = np.deg2rad(10.0)  # a source is the one of an earlier belief when it is so near [rad]
 
 
@@ -128,10 +129,11 @@ def alignment_of(context: Context, estimate: Estimate, source: int) -> Alignment
 def mend(context: Context, estimate: Estimate, source: int, heard: Listening) -> tuple[Estimate, int]:
     """Ask the explorer about what a run has heard; return what to believe now and which source is the target.
 
-    Every T_unit of the run takes the place of the last orientation once: no heading may weigh more than the others.
+    Every T_unit of the run takes the place of what was heard on arrival once: no heading may weigh more than another.
     When most of them agree on another K, the belief is theirs.
     """
-    explorer, earlier = context.tools.explorer, context.observations[:-1]
+    explorer = context.tools.explorer
+    earlier = [seen for seen in context.observations if abs(difference(seen.heading, heard.heading)) > SPOT]
     unit = round(context.settings.unit * context.settings.rate)
     starts = range(0, max(heard.samples.shape[1] - unit, 0) + 1, unit)
     takes = [observe(context, Listening(heard.heading, heard.samples[:, start : start + unit])) for start in starts]
