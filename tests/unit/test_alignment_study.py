@@ -1,0 +1,48 @@
+"""The study of headings: what a rule loses, and that a fit finds the constants that made the data."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ross_payload.dsp.gain import BETWEEN, ECHOES, REACH, predicted_gain
+from ross_sim.study.alignment import RULES, Curve, curves, fit
+from ross_sim.study.rooms import SETTINGS
+
+HEADINGS = np.deg2rad(np.arange(0.0, 180.0, 0.5))
+
+
+def curve(azimuths_deg: list[float], target: int) -> Curve:
+    """A world in which the prediction for reverberation is the truth."""
+    azimuths = np.deg2rad(azimuths_deg)
+    return Curve(azimuths, target, 0.0, HEADINGS, predicted_gain(azimuths, HEADINGS)[target])
+
+
+def test_where_the_prediction_is_true_its_heading_loses_nothing() -> None:
+    regret = curve([0.0, 20.0, -40.0], 0).regret_db
+    assert regret["gain"] == pytest.approx(0, abs=1e-9)
+    assert regret["paper"] > 1  # 1 - cos 30 = 0.13 d / v_p at the bisector
+    assert regret["mean"] > 1
+
+
+def test_the_rules_agree_on_two_interferers_opposite_the_target() -> None:
+    azimuths = np.deg2rad([0.0, 145.0, -145.0])
+    for rule in RULES.values():
+        assert abs(np.sin(rule(azimuths, 0, 0.0))) < np.sin(np.deg2rad(1))
+
+
+def test_a_fit_finds_the_constants_that_made_the_data() -> None:
+    rng = np.random.default_rng(0)
+    found = fit([curve(rng.uniform(-180, 180, 4).tolist(), target) for target in range(4) for _ in range(3)])
+    np.testing.assert_allclose(found, (REACH[1], ECHOES[1], BETWEEN[1]), rtol=1e-3)
+
+
+def test_two_noises_that_are_told_apart_gain_and_those_that_pose_as_one_do_not() -> None:
+    """Synthetic talkers that take turns, so that a model of every bin can separate them."""
+    rng = np.random.default_rng(0)
+    voices = [rng.standard_normal(24000) * (np.arange(24000) // 2400 % 2 == turn) for turn in (0, 1)]
+    (first, _) = curves(voices, 2, SETTINGS["S1"], 1, 0, step_deg=30.0)
+    tau = np.cos(first.azimuths[:, None] - first.headings)
+    apart = np.abs(tau[0] - tau[1])
+    assert first.si_sdri_db[apart.argmax()] > 5
+    assert first.si_sdri_db[apart.argmin()] < first.si_sdri_db[apart.argmax()] - 5
