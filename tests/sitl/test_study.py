@@ -13,7 +13,7 @@ import soundfile
 from ross_sim.voices import synthetic_voice
 
 STUDY = """
-settings = ["S1", "S2"]
+settings = ["S1"]
 k = [2, 3]
 layouts = 0
 starts = 2
@@ -23,7 +23,7 @@ unit_s = [0.5]
 run_s = 1.0
 rate_hz = 16000
 """
-TASKS = 2 * ((2 + 3) + 2 * 2 * 2)
+TASKS = (2 + 3) + 2 * 2 * 2
 
 
 @pytest.fixture(scope="module")
@@ -76,13 +76,13 @@ def test_one_worker_and_two_killed_ones_give_the_same_rows(run, asked, tmp_path)
     assert journal(alone) == TASKS
 
     running = start(asked, killed, 2)
-    wait_for(running, killed, 3)
+    wait_for(running, killed, 2)
     running.kill()
     running.communicate()
     before = (killed / "journal.jsonl").read_bytes()
     before = before[: before.rfind(b"\n") + 1]
     kept = before.count(b"\n")
-    assert 3 <= kept < TASKS
+    assert 2 <= kept < TASKS
 
     code, said, _ = run(*asked, "--workers", "1", "--out", killed)
     assert code == 0
@@ -96,19 +96,15 @@ def test_one_worker_and_two_killed_ones_give_the_same_rows(run, asked, tmp_path)
     aligned, unaligned, estimated = (
         sum(row["how"] == how for row in rows) for how in ("aligned", "unaligned", "estimated")
     )
-    assert (aligned, unaligned, estimated) == (2 * 5, 2 * 2 * 5, 2 * 2 * 5)
-    assert len(list(csv.DictReader((alone / "explorations.csv").read_text().splitlines()))) == 2 * 2 * 2 * 3
+    assert (aligned, unaligned, estimated) == (5, 2 * 5, 2 * 5)
+    assert len(list(csv.DictReader((alone / "explorations.csv").read_text().splitlines()))) == 2 * 2 * 3
 
 
-@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_ends_at_once_with_everything_done_kept(asked, tmp_path, sign):
+def test_ctrl_c_ends_at_once_with_everything_done_kept(asked, tmp_path):
     out = tmp_path / "out"
     running = start(asked, out, 2)
     wait_for(running, out, 1)
-    if sign == signal.SIGINT:
-        os.killpg(running.pid, sign)  # a terminal sends it to the workers also
-    else:
-        running.send_signal(sign)
+    os.killpg(running.pid, signal.SIGINT)  # as a terminal does: to the workers also
     said, _ = running.communicate(timeout=20)
     assert running.returncode == 130
     assert "the same command goes on" in said

@@ -30,7 +30,12 @@ STYLE: dict[Any, Any] = {
     "hatch.linewidth": 0.5,
     "pdf.fonttype": 42,
 }
-MARKS = ("o", "x", "s", "^", "v", "D")
+SOLID: tuple[dict[str, Any], ...] = ({"marker": "o", "color": "black"},)
+HOLLOW: tuple[dict[str, Any], ...] = (  # of several explorers
+    {"marker": "o", "facecolors": "none", "edgecolors": "black"},
+    {"marker": "x", "color": "0.45"},
+    {"marker": "s", "facecolors": "none", "edgecolors": "0.6"},
+)
 LOOKS = (("0.25", ""), ("0.60", "////"), ("0.88", ""), ("1.0", "...."), ("0.45", "xx"))  # of bars, by K
 MOST = 6  # columns of panels
 
@@ -77,28 +82,23 @@ def _aoa(rows: Sequence[Exploration]) -> Figure:
         for axes, (k, unit) in zip(line, combinations, strict=True):
             chosen = [row for row in rows if (row.setting, row.k, row.unit_s) == (setting, k, unit)]
             _trace(axes, chosen, explorers)
-            axes.set_title(f"{setting}, K = {k}, $T$ = {unit:g} s".replace("$", ""))
+            axes.set_title(f"{setting}, K = {k}, T = {unit:g} s")
         line[0].set_ylabel("azimuth [deg]")
     for axes in panels[-1]:
         axes.set_xlabel("rotations")
     if len(explorers) > 1:
-        handles, labels = panels[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+        _legend(figure, panels[0][0])
     return figure
 
 
 def _trace(axes: Any, rows: Sequence[Exploration], explorers: Sequence[str]) -> None:
     for azimuth in rows[0].azimuths_true_deg if rows else ():
         axes.axhline(azimuth, color="0.35", lw=0.8, ls=":")
-    for index, explorer in enumerate(explorers):
+    looks = HOLLOW if len(explorers) > 1 else SOLID
+    for index, (explorer, look) in enumerate(zip(explorers, looks, strict=False)):
         points = [(row.rotations, angle) for row in rows if row.explorer == explorer for angle in row.azimuths_deg]
-        shift = 0.3 * (index - (len(explorers) - 1) / 2)
         x, y = np.array(points).reshape(-1, 2).T
-        face = "none" if index == 0 and len(explorers) > 1 else "black"
-        axes.scatter(
-            x + shift, y, s=9, marker=MARKS[index % len(MARKS)], facecolors=face if index == 0 else None,
-            edgecolors="black" if index == 0 else None, color=None if index == 0 else "0.45", lw=0.7, label=explorer,
-        )  # fmt: skip
+        axes.scatter(x + 0.3 * (index - (len(explorers) - 1) / 2), y, s=9, lw=0.7, label=explorer, **look)
     axes.set_ylim(-190, 190)
     axes.set_yticks([-180, -90, 0, 90, 180])
     axes.xaxis.get_major_locator().set_params(integer=True)
@@ -159,9 +159,17 @@ def _methods(rows: Sequence[Separation]) -> Figure:
     left.set_title("(a) mean over the settings")
     right.set_title(f"(b) {best}")
     left.set_ylabel("SI-SDRi [dB]")
-    handles, labels = left.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+    _legend(figure, left)
     return figure
+
+
+def _legend(figure: Figure, axes: Any) -> None:
+    """One legend above all panels, the bars first."""
+    handles, labels = axes.get_legend_handles_labels()
+    order = sorted(range(len(labels)), key=lambda i: not labels[i].startswith("K ="))
+    figure.legend(
+        [handles[i] for i in order], [labels[i] for i in order], loc="outside upper center", ncols=len(labels)
+    )
 
 
 def _bars(axes: Any, rows: Sequence[Separation], key: str, values: Sequence[str]) -> None:

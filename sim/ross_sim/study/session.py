@@ -47,7 +47,7 @@ def conduct(
         made = write(store, study)
     for table in made:
         console.print()
-        console.print(table.screen())
+        console.print(table.screen() if console.is_terminal else table.markdown(), markup=False, soft_wrap=True)
     _farewell(console, out, len(left), clock.now() - began, failures)
     return 1 if failures else 0
 
