@@ -167,7 +167,7 @@ def plan(
     n_headings : int
         Resolution of the returned curves.
     directness : float or None
-        1 in the open, 0 in reverberation, which is assumed when it is not known.
+        1 in the open, less in reverberation, which is assumed when it is not known.
 
     Examples
     --------

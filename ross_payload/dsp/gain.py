@@ -18,10 +18,11 @@ from numpy.typing import ArrayLike
 
 from ross_payload.interfaces import Complex, Real
 
+OPEN = 0.99  # directness of the open at least: explorers say 1 there, and up to 0.985 in reverberation
 REACH = (0.14, 0.3)  # s [d / v_p] in the open and in reverberation
 ECHOES = (0.023, 0.06)  # r in the open and in reverberation
 BETWEEN = (0.036, 0.018)  # m in the open and in reverberation
-DETERMINED = 1.1  # b [dB] in the open when all interferers have one TDOA
+DETERMINED = (1.1, 0.0)  # b [dB] in the open and in reverberation, when all interferers have one TDOA
 POSING = 0.3  # b is 0 when theirs spread over this part of d / v_p
 FINE = np.pi / 360  # [rad], half a degree: no heading is 0.05 dB better than the best of this grid
 
@@ -50,7 +51,7 @@ def predicted_gain(
     headings
         Headings of the array [rad], (n_headings,).
     directness
-        1 in the open, 0 in reverberation, which is assumed when it is not known.
+        1 in the open, less in reverberation, which is assumed when it is not known.
 
     Returns
     -------
@@ -72,13 +73,13 @@ def gain_of(z: Complex, headings: ArrayLike, directness: float | None = None) ->
     tau = (z[:, None] * np.exp(-1j * np.asarray(headings, dtype=float))).real
     if len(z) < 2:
         return np.zeros_like(tau)
-    open_air = directness or 0.0
-    reach, echoes, phantom = (np.interp(open_air, (0, 1), pair[::-1]) for pair in (REACH, ECHOES, BETWEEN))
+    wet = directness is None or directness < OPEN
+    reach, echoes, phantom, bonus = (pair[wet] for pair in (REACH, ECHOES, BETWEEN, DETERMINED))
     ahead = _others(tau) - tau[:, None]
     leak = np.exp(-np.abs(ahead) / reach).mean(axis=1)
     between = (ahead.min(axis=1) < 0) & (ahead.max(axis=1) > 0)
     posing = np.maximum(1 - np.ptp(ahead, axis=1) / POSING, 0)
-    return np.asarray(-10 * np.log10(echoes + phantom * between + leak) + DETERMINED * open_air * posing)
+    return np.asarray(-10 * np.log10(echoes + phantom * between + leak) + bonus * posing)
 
 
 def _others(tau: Real) -> Real:

@@ -80,3 +80,9 @@ def test_interferers_on_either_side_leak_more_than_the_same_two_on_one_side() ->
     either = predicted_gain([np.pi / 2, np.pi / 3, 2 * np.pi / 3], [0.0])[0]
     one = predicted_gain([np.pi / 2, np.pi / 3, -np.pi / 3], [0.0])[0]
     assert (one > either + 0.2).all()
+
+
+def test_the_directness_that_an_explorer_finds_in_a_room_is_not_the_open() -> None:
+    azimuths, headings = np.deg2rad([0, 100, -120]), np.deg2rad([0, 30, 60])
+    room, unknown = (predicted_gain(azimuths, headings, directness=share) for share in (0.98, None))
+    np.testing.assert_array_equal(room, unknown)
