@@ -6,6 +6,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SPEECH ?= ../shared/speech
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet install --constraint constraints.txt
+BENCH := --settings S1,S2,S3 --talkers ls3005,ls3331,ls2414,ls3080,ls533 --speech $(SPEECH)
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
 .PHONY: demo test check bench soak docs protocols clean
@@ -24,8 +25,8 @@ check: $(VENV)/.dev
 	$(BIN)/lint-imports
 
 bench: $(VENV)/.dev
-	$(BIN)/python -m ross_sim.study.separation --speech $(SPEECH)
-	$(BIN)/python -m ross_sim.study.exploration --speech $(SPEECH)
+	$(BIN)/ross study separation $(BENCH) --seed 1 --out out/bench/separation
+	$(BIN)/ross study exploration $(BENCH) --explorers joint --seed 3 --out out/bench/exploration
 	$(BIN)/python -m ross_sim.study.voices --speech $(SPEECH)
 	$(BIN)/python -m ross_sim.study.cost --speech $(SPEECH)
 

@@ -2,14 +2,18 @@
 
 import json
 import math
+import os
 
 import pytest
 from rich.console import Console
 
 from ross_payload.errors import ConfigError, OutputError
 from ross_sim.study import engine, store
+from ross_sim.study.case import Failure
+from ross_sim.study.design import Task
 from ross_sim.study.progress import Lines
 from ross_sim.study.rows import Exploration, Result, Separation, Timing, columns, decode, encode
+from ross_sim.study.session import measure
 from ross_sim.study.store import Store, as_csv
 
 WANTED = {"study": {"seed": 1, "settings": ["S1", "S2"]}, "code": "abc"}
@@ -130,6 +134,23 @@ def test_an_engine_that_is_closed_leaves_nobody_behind():
     for child in multiprocessing.active_children():
         child.join(10)
     assert not multiprocessing.active_children()
+
+
+def test_a_worker_that_dies_is_one_error_and_not_a_hang():
+    with pytest.raises(OutputError, match="died"):
+        list(engine.processes(1)(os._exit, [3]))
+
+
+def test_what_fails_is_told_and_not_kept_so_that_it_is_tried_again(tmp_path):
+    def function(task):
+        return Failure(task.id, "no") if task.target == 1 else result(task.id)
+
+    left = [Task("S1", 2, 0, target=target) for target in (0, 1)]
+    with Store(tmp_path, WANTED) as here:
+        failures = measure(engine.serial, function, left, here, lambda: 0.0)
+    assert failures == [Failure("S1-K2-L0-T1", "no")]
+    with Store(tmp_path, WANTED) as again:
+        assert list(again.results) == ["S1-K2-L0-T0"]
 
 
 def test_lines_tell_the_time_that_is_left(capsys):
