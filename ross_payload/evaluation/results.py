@@ -44,10 +44,16 @@ def report(pair: Pair, found: Evaluation, config: Config, azimuths_deg: Sequence
         "noise": "measured at the start of A" if found.noise_known else "unknown",
         "si_sdr_in_db": _rounded(found.before, 2),
         "groups": [_group(index, found) for index in range(len(found.groups))],
-        "notes": list(pair.notes),
+        "notes": [*pair.notes, *_doubts(found)],
         "configuration": config.model_dump(mode="json", include={"array", "audio", "seed"}),
         "versions": {name: version(name) for name in PACKAGES},
     }
+
+
+def _doubts(found: Evaluation) -> tuple[str, ...]:
+    if found.given or len(found.tau) > 1:
+        return ()
+    return ("A: only one direction stands out, so nothing is separated: give --sources, --azimuth or --tdoa-us",)
 
 
 def _group(index: int, found: Evaluation) -> dict[str, Any]:

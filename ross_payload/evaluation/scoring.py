@@ -21,7 +21,7 @@ from ross_payload.interfaces import Real, Scene, Separator
 from ross_payload.service import EXPLORER_FRAME
 
 FRAME = 0.1  # of the separation, rounded to a power of two in samples [s]
-PROMINENCE, FAINT = 0.03, 0.003  # of a peak that is a group, over the highest; when their number is not given, or is
+PROMINENCE = 0.005  # of a peak that is a group, over the highest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,8 +113,7 @@ def heard_delays(pair: Pair, config: Config, n_sources: int | None) -> Real:
     noise_psd = noise_of(pair, config, stft)
     explorer = markov.explorer.make(array.spacing_m, array.speed_of_sound_m_s)
     seen = explorer.observe(stft.analyse(pair.mixture.samples), stft.frequencies, 0.0, noise_psd)
-    prominence = PROMINENCE if n_sources is None else FAINT
-    peaks = prominent_peaks(seen.density, seen.grid, prominence)[:n_sources]
+    peaks = prominent_peaks(seen.density, seen.grid, PROMINENCE)[:n_sources]
     longest = array.spacing_m / array.speed_of_sound_m_s
     return np.clip([refined(seen.density, seen.grid, peak) for peak in peaks], -longest, longest)
 

@@ -146,6 +146,12 @@ def test_a_configuration_sets_the_rate_the_array_and_the_separator(scene, takes,
     assert {note[0] for note in values["notes"] if "resampled from 24000 to 16000" in note} == {"A", "B"}
 
 
+def test_one_direction_separates_nothing_and_says_so(takes, scored):
+    values = scored(takes / "b.wav", takes / "b.wav")
+    assert len(values["groups"]) == 1
+    assert any("only one direction" in note for note in values["notes"])
+
+
 def test_delays_and_azimuths_say_the_same(scene, takes, scored):
     recording, heading = scene
     by_delay = [word for tau in recording.tau for word in ("--tdoa-us", 1e6 * tau)]

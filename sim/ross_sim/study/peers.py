@@ -8,7 +8,6 @@ it its rows are missing. Its FastMNMF is the first one (Sekiguchi et al. 2019), 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib.util import find_spec
 
 import numpy as np
@@ -22,24 +21,21 @@ AXES = (2, 1, 0)  # pyroomacoustics: (n_frames, n_freqs, n_channels)
 SEED = 0  # of the random starts
 BASES = 2  # of ILRMA and FastMNMF per source, in both libraries
 
-Call = Callable[[Complex, int, int], Complex]
-
 
 def peers(auxiva: int, ilrma: int, mnmf: int) -> tuple[Peer, ...]:
     """AuxIVA, ILRMA and FastMNMF of both libraries, with so many iterations each; ssspy only where it is installed."""
-    counts = {"AuxIVA": auxiva, "ILRMA": ilrma, "FastMNMF": mnmf}
-    calls: list[tuple[str, str, Call]] = [
-        ("pyroomacoustics", "AuxIVA", _pra_auxiva),
-        ("pyroomacoustics", "ILRMA", _pra_ilrma),
-        ("pyroomacoustics", "FastMNMF", _pra_fastmnmf2),
+    found = [
+        Peer("pyroomacoustics", "AuxIVA", auxiva, _pra_auxiva),
+        Peer("pyroomacoustics", "ILRMA", ilrma, _pra_ilrma),
+        Peer("pyroomacoustics", "FastMNMF2", mnmf, _pra_fastmnmf2),
     ]
     if find_spec("ssspy") is not None:
-        calls += [
-            ("ssspy", "AuxIVA", _ssspy_auxiva),
-            ("ssspy", "ILRMA", _ssspy_ilrma),
-            ("ssspy", "FastMNMF", _ssspy_fastmnmf),
+        found += [
+            Peer("ssspy", "AuxIVA", auxiva, _ssspy_auxiva),
+            Peer("ssspy", "ILRMA", ilrma, _ssspy_ilrma),
+            Peer("ssspy", "FastMNMF", mnmf, _ssspy_fastmnmf),
         ]
-    return tuple(Peer(library, method, counts[method], call) for library, method, call in calls)
+    return tuple(found)
 
 
 def _pra_auxiva(spectrogram: Complex, iterations: int, outputs: int) -> Complex:
