@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from ross_payload.interfaces import Complex, Real
 
 OPEN = 0.99  # directness of the open at least: explorers say 1 there, and up to 0.985 in reverberation
-REACH = (0.14, 0.3)  # s [d / v_p] in the open and in reverberation
+REACH = (0.14, 0.25)  # s [d / v_p] in the open and in reverberation
 ECHOES = (0.023, 0.06)  # r in the open and in reverberation
 BETWEEN = (0.036, 0.018)  # m in the open and in reverberation
 DETERMINED = (1.1, 0.0)  # b [dB] in the open and in reverberation, when all interferers have one TDOA
@@ -63,7 +63,7 @@ def predicted_gain(
     A talker on either side of the axis: along it they are one source, across it they are 2 d / v_p apart.
 
     >>> predicted_gain([np.pi / 2, -np.pi / 2], [0.0, np.pi / 2]).round(1).tolist()
-    [[-0.3, 12.1], [-0.3, 12.1]]
+    [[-0.3, 12.2], [-0.3, 12.2]]
     """
     return gain_of(phasors(azimuths, elevations), headings, directness)
 
