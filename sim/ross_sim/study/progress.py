@@ -68,7 +68,7 @@ class Lines:
 def in_words(seconds: float) -> str:
     """A duration for people.
 
-    >>> in_words(75.4), in_words(7300.0)
+    >>> in_words(75.4), in_words(7320.0)
     ('1 min 15 s', '2 h 02 min')
     """
     minutes, rest = divmod(round(seconds), 60)
