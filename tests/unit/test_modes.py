@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ross_payload.dsp.alignment import isolation
 from ross_payload.dsp.steering import tdoa
 from ross_payload.events import (
     AlignmentPlanned,
@@ -268,6 +269,18 @@ def test_a_source_above_is_recalled_where_its_own_tdoa_stands_apart():
     one.run()
     recalled = separator.told[0]
     np.testing.assert_allclose(recalled, [0.05 / 343.0, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("elevation", [0.0, np.deg2rad(-60)])
+def test_what_a_visit_says_of_its_heading_knows_the_elevation(elevation):
+    """All of one elevation eps: every isolation is cos(eps) times the one at 0."""
+    level = estimate(*AZIMUTHS)
+    down = replace(level, sources=tuple(replace(source, elevation=elevation) for source in level.sources))
+    one = pipelined(Estimate(()), down, down)
+    one.run()
+    reached = one.said(Checked)[0].candidate
+    flat = isolation(np.deg2rad(AZIMUTHS), [reached.heading], 0.05, 343.0)[reached.source, 0]
+    assert reached.isolation == pytest.approx(np.cos(elevation) * flat)
 
 
 # -------------------------------------------------------------------------------------------- both, always
