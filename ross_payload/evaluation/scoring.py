@@ -95,7 +95,7 @@ def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None
     scene = Scene(
         stft.frequencies, config.array.spacing_m, config.array.speed_of_sound_m_s, tau.size, tau, seed=config.seed
     )
-    spectrogram = stft.analyse(pair.mixture.samples)
+    spectrogram = stft.analyse(pair.mixture.samples.astype(np.float32))
     scene = replace(scene, noise_psd=noise_of(pair, config, stft))
     groups = separator.batch(spectrogram, scene)
     voices = stft.synthesise(groups.signals, n)

@@ -20,7 +20,7 @@ AZIMUTHS_DEG, TARGET = (170.0, 70.0, -50.0), 1
 QUIET = 0.05  # full scale per unit of the simulation
 
 
-def talker(seed, seconds=8.0):
+def talker(seed, seconds=6.0):
     """Noise in syllables: what matters of speech here is that it comes and goes, in time and in frequency."""
     rng = np.random.default_rng(seed)
     n = round(seconds * RATE)
@@ -164,7 +164,7 @@ def test_a_shorter_take_is_scored_where_both_are_heard_and_said_so(takes, scored
     soundfile.write(tmp_path / "short.wav", samples[: 5 * rate], rate, subtype="PCM_24")
     values = scored(takes / "a.wav", tmp_path / "short.wav")
     assert values["scored_s"] == 5.0
-    assert any(note.startswith("A: scored over 5.00 s of 8.00 s") for note in values["notes"])
+    assert any(note.startswith("A: scored over 5.00 s of 6.00 s") for note in values["notes"])
 
 
 def test_out_holds_every_voice_and_the_report_and_none_of_an_earlier_run(takes, scored, run, tmp_path):
@@ -177,7 +177,7 @@ def test_out_holds_every_voice_and_the_report_and_none_of_an_earlier_run(takes, 
     assert json.loads((out / "report.json").read_text()) == values
     assert str(tmp_path) not in (out / "report.json").read_text()
     info = soundfile.info(out / "group-0.wav")
-    assert (info.subtype, info.samplerate, info.frames) == ("PCM_24", RATE, 8 * RATE)
+    assert (info.subtype, info.samplerate, info.frames) == ("PCM_24", RATE, 6 * RATE)
 
 
 def test_the_table_names_the_gain(takes, run):
