@@ -50,7 +50,8 @@ class SourceEstimate:
     confidence: float  # probability that there is a source here, 0 to 1
     resolved: bool  # front told from back
     weight: float = 0.0  # share of the evidence, 0 to 1
-    elevation: float | None = None  # [rad], None: not estimated
+    elevation: float | None = None  # [rad], None: not told from 0; the sign is taken, not heard
+    elevation_sigma: float | None = None  # one standard deviation of the elevation [rad]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +60,7 @@ class Estimate:
 
     sources: tuple[SourceEstimate, ...]
     certain: bool = False  # enough has been heard: the stop rule is met
-    directness: float | None = None  # 1 in the open, less in reverberation; None: not estimated
+    directness: float | None = None  # 1 in the open, less where reflections draw ITDs to 0; None: not estimated
 
     @property
     def k(self) -> int:

@@ -3,6 +3,9 @@
 Histograms of trustworthy ITDs (`itd`) are explained as one mixture over all orientations (`mixture`) with as many
 sources as pay their price (`order`). Two histograms of every orientation serve two ends: the rich one, in which also
 the quiet talkers speak, tells how many there are; the strict one, of bins that belong to one talker, tells where.
+
+In the open, known by narrow kernels, an amplitude below 1 is the cosine of an elevation. In a reverberant room
+reflections lower it too, and no elevation is told.
 """
 
 from __future__ import annotations
@@ -24,6 +27,11 @@ COUNT = 0.5  # effective counts per unit of weight: neighbouring bins are not in
 BANDWIDTH = 0.04  # of the published density [d / v_p]
 BIAS = np.deg2rad(0.3)  # what reflections add to every azimuth, however long one listens [rad]
 ROUNDS = 10  # of refinement on the strict histograms
+LOOSE = 0.5  # counts by which amplitudes are drawn to each other there
+OPEN = 0.065  # kernels on the strict histograms are narrower than this in the open [d / v_p]
+AMPLITUDE_BIAS = 0.008  # of an amplitude, however long one listens
+LOW = 0.97  # amplitude; a greater one may be that of a source at elevation 0
+CLEAR = 2.5  # standard deviations by which an amplitude must lie below 1
 STEEP = 3.0  # of the confidence over the logarithm of worth over price
 ELSEWHERE = np.deg2rad(20.0)  # an azimuth further off than this is another place [rad]
 RESOLVED = 10.0  # log-likelihood by which the place must beat every other place [nat]
@@ -45,7 +53,7 @@ class Joint:
 
     spacing: float
     speed_of_sound: float
-    trust: Trust = field(default_factory=Trust)
+    trust: Trust = field(default_factory=lambda: Trust(coherence=0.995))
     strict: Trust = field(default_factory=lambda: Trust(neighbourhood=(3, 3), coherence=0.99))
     price: order.Price = field(default_factory=order.Price)
     enough: Stop = field(default_factory=Stop)
@@ -74,12 +82,24 @@ class Joint:
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
         """Estimate K and all azimuths from every orientation heard so far; see `interfaces.Explorer`."""
+        return self._estimate(observations, None)
+
+    def place(self, observations: Sequence[Observation], k: int) -> Estimate:
+        """Estimate the azimuths of ``k`` sources; fewer when the histograms do not hold so many."""
+        return self._estimate(observations, k)
+
+    def _estimate(self, observations: Sequence[Observation], known: int | None) -> Estimate:
         if not observations:
             return Estimate(())
         rich, strict = self.data(observations)
-        fit = order.search(rich, self.price)
-        sources = _sources(rich, fit, strict)
-        return Estimate(sources, self._certain(rich, fit, sources), fit.model.directness if sources else None)
+        fit = order.search(rich, self.price, known)
+        if not len(fit.model.azimuths):
+            return Estimate(())
+        placed = mixture.refine(strict, fit.model, ROUNDS, LOOSE)
+        sources = _sources(rich, fit, strict, placed)
+        return Estimate(
+            sources, self._certain(rich, fit, sources), 1.0 if placed.width < OPEN else fit.model.directness
+        )
 
     def data(self, observations: Sequence[Observation]) -> tuple[mixture.Data, mixture.Data]:
         """Rich and strict histograms of all orientations, ITDs in units of d / v_p."""
@@ -96,22 +116,47 @@ class Joint:
         return bool(clear and sharp and heard and sources)
 
 
-def _sources(data: mixture.Data, fit: order.Fit, strict: mixture.Data) -> tuple[SourceEstimate, ...]:
-    """The sources of a fit, placed by the strict histograms, the one with the largest share of the evidence first."""
-    model, placed = fit.model, mixture.refine(strict, fit.model, ROUNDS)
+def _sources(
+    data: mixture.Data, fit: order.Fit, strict: mixture.Data, placed: mixture.Mixture
+) -> tuple[SourceEstimate, ...]:
+    """The sources of a fit, ``placed`` by the strict histograms, the one with the most evidence first."""
+    model = fit.model
     shares = np.average(model.weights, axis=0, weights=data.counts.sum(axis=1) + mixture.TINY)
-    sigmas = np.minimum(np.hypot(mixture.sigmas(strict, placed), BIAS), np.pi)
-    found = [
-        SourceEstimate(
-            azimuth=wrap(float(placed.azimuths[k])),
-            sigma=float(sigmas[k]),
-            confidence=float(1 / (1 + fit.worth[k] ** -STEEP)),
-            resolved=_resolved(data, model, k),
-            weight=float(shares[k]),
+    azimuths, amplitudes = mixture.sigmas(strict, placed)
+    sigmas = np.minimum(np.hypot(azimuths, BIAS), np.pi)
+    found = []
+    for k, azimuth in enumerate(placed.azimuths):
+        elevation, elevation_sigma = None, None
+        if placed.width < OPEN:
+            sigma = float(np.hypot(amplitudes[k], AMPLITUDE_BIAS))
+            elevation, elevation_sigma = _elevation(float(placed.amplitudes[k]), sigma)
+        found.append(
+            SourceEstimate(
+                azimuth=wrap(float(azimuth)),
+                sigma=float(sigmas[k]),
+                confidence=float(1 / (1 + fit.worth[k] ** -STEEP)),
+                resolved=_resolved(data, model, k),
+                weight=float(shares[k]),
+                elevation=elevation,
+                elevation_sigma=elevation_sigma,
+            )
         )
-        for k in range(len(model.azimuths))
-    ]
     return tuple(sorted(found, key=lambda source: -source.weight))
+
+
+def _elevation(amplitude: float, sigma: float) -> tuple[float | None, float | None]:
+    """Elevation [rad] of a source in the open, and one standard deviation; None when it may be 0.
+
+    Two microphones on a horizontal axis do not tell up from down: the elevation is told as a drone hears it, negative.
+
+    >>> np.rad2deg(_elevation(0.5, 0.01)).round(1).tolist()
+    [-60.0, 0.7]
+    >>> _elevation(0.99, 0.01), _elevation(0.9, 0.05)
+    ((None, None), (None, None))
+    """
+    if amplitude > LOW or 1 - amplitude < CLEAR * sigma:
+        return None, None
+    return -float(np.arccos(amplitude)), sigma / float(np.sqrt(1 - amplitude**2))
 
 
 def _resolved(data: mixture.Data, model: mixture.Mixture, source: int) -> bool:

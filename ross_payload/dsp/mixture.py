@@ -1,9 +1,10 @@
-"""ITD histograms of several orientations as one mixture: sources that keep their azimuth while the array turns.
+"""ITD histograms of several orientations as one mixture: sources that keep their place while the array turns.
 
-At heading phi_r the ITD of a source at azimuth theta_k is normal around ``s (d / v_p) cos(theta_k - phi_r)`` with a
-width sigma_k of its own; s <= 1 is the directness (reflections pull ITDs towards 0). Every orientation has its own
-weights, because talkers pause, and a share that nobody explains, spread evenly over all ITDs. ITDs are in units of
-d / v_p here.
+At heading phi_r the ITD of a source at azimuth theta_k and elevation epsilon_k is normal around
+``a_k cos(theta_k - phi_r)`` with a width sigma_k. The amplitude is ``a_k = s cos(epsilon_k)``: s <= 1 is the directness
+of the room (reflections pull ITDs towards 0). All amplitudes are drawn to their common s and all widths to their common
+width, as if so many counts had said so. Every orientation has its own weights, because talkers pause. What no source
+explains is diffuse, normal around 0, or nobody's, spread evenly over all ITDs. ITDs are in units of d / v_p here.
 """
 
 from __future__ import annotations
@@ -16,8 +17,12 @@ from ross_payload.interfaces import Real
 
 TINY = 1e-12
 WIDTH = (0.05, 0.25)  # narrowest and widest kernel [d / v_p]
-DIRECTNESS = (0.6, 1.0)
+AMPLITUDE = (0.4, 1.0)
+DIFFUSE = 0.3  # width of the diffuse share [d / v_p]
 POOL = 3.0  # counts by which the weights of one orientation are drawn to those of all
+TIE = 20.0  # counts by which an amplitude is drawn to the directness
+ALIKE = 60.0  # counts by which a width is drawn to that of all
+OTHERS = 2  # columns of the weights that belong to no source: diffuse, nobody
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,22 +39,27 @@ class Mixture:
     """Parameters of the model."""
 
     azimuths: Real  # [rad], (k,)
+    amplitudes: Real  # (k,)
     widths: Real  # [d / v_p], (k,)
-    weights: Real  # (n_headings, k + 1), rows sum to 1; the last column is nobody's
+    weights: Real  # (n_headings, k + 2), rows sum to 1; the last two columns are the diffuse share and nobody's
     directness: float = 1.0
+
+    @property
+    def width(self) -> float:
+        """Mean width of the kernels [d / v_p]; the narrowest there is when there is no source."""
+        return float(self.widths.mean()) if len(self.widths) else WIDTH[0]
 
 
 def empty(data: Data) -> Mixture:
     """The model of no source."""
-    return Mixture(np.zeros(0), np.zeros(0), np.ones((len(data.headings), 1)))
+    nothing = np.zeros(0)
+    return Mixture(nothing, nothing, nothing, np.full((len(data.headings), OTHERS), 1 / OTHERS))
 
 
-def kernels(data: Data, azimuths: Real, widths: Real, directness: float) -> Real:
+def kernels(data: Data, azimuths: Real, amplitudes: Real, widths: Real) -> Real:
     """Probability of every ITD bin for every source, (n_headings, k, n_bins); sums to nearly 1 over the bins."""
-    centre = directness * np.cos(azimuths[None, :] - data.headings[:, None])
-    off = (data.grid - centre[..., None]) / widths[:, None]
-    step = data.grid[1] - data.grid[0]
-    return np.asarray(step / np.sqrt(2 * np.pi) / widths[:, None] * np.exp(-0.5 * off**2))
+    centre = amplitudes * np.cos(azimuths - data.headings[:, None])
+    return _normal(data, centre[..., None], widths[:, None])
 
 
 def densities(data: Data, model: Mixture) -> Real:
@@ -62,91 +72,133 @@ def log_likelihood(data: Data, model: Mixture) -> float:
     return float((data.counts * np.log(densities(data, model) + TINY)).sum())
 
 
-def refine(data: Data, model: Mixture, rounds: int) -> Mixture:
-    """Expectation maximisation from ``model``."""
+def refine(data: Data, model: Mixture, rounds: int, tie: float = TIE) -> Mixture:
+    """Expectation maximisation from ``model``; ``tie`` draws the amplitudes to their common directness [counts]."""
     for _ in range(rounds):
-        model = _step(data, model)
+        model = _step(data, model, tie)
     return model
 
 
-def add(model: Mixture, azimuth: float, width: float, share: Real) -> Mixture:
-    """The model with one source more, which takes ``share`` (n_headings,) of every orientation."""
-    weights = np.insert(model.weights * (1 - share[:, None]), -1, share, axis=1)
+def add(model: Mixture, azimuth: float, amplitude: float, width: float, share: Real) -> Mixture:
+    """The model with one source more, the last, which takes ``share`` (n_headings,) of every orientation."""
     return replace(
-        model, azimuths=np.append(model.azimuths, azimuth), widths=np.append(model.widths, width), weights=weights
+        model,
+        azimuths=np.append(model.azimuths, azimuth),
+        amplitudes=np.append(model.amplitudes, amplitude),
+        widths=np.append(model.widths, width),
+        weights=np.insert(model.weights * (1 - share[:, None]), -OTHERS, share, axis=1),
     )
 
 
 def remove(model: Mixture, source: int) -> Mixture:
     """The model without one source; the others share its weights in proportion."""
-    weights = np.delete(model.weights, source, axis=1)
-    weights = weights + 1e-3
+    weights = np.delete(model.weights, source, axis=1) + 1e-3
     return replace(
         model,
         azimuths=np.delete(model.azimuths, source),
+        amplitudes=np.delete(model.amplitudes, source),
         widths=np.delete(model.widths, source),
         weights=weights / weights.sum(axis=1, keepdims=True),
     )
 
 
-def gains(data: Data, model: Mixture, azimuths: Real, width: float, rounds: int = 4) -> tuple[Real, Real]:
-    """Gain of log-likelihood [nat] by a source at each azimuth, (n,), and its best shares, (n_headings, n).
+def split(model: Mixture, source: int, by: float, width: float) -> Mixture:
+    """The model with one source more: two at ``by`` [rad] to both sides of one, no wider than ``width`` [d / v_p]."""
+    azimuths, widths, weights = model.azimuths.copy(), model.widths.copy(), model.weights.copy()
+    azimuths[source] -= by
+    widths[source] = min(widths[source], width)
+    weights[:, source] /= 2
+    return replace(
+        model,
+        azimuths=np.append(azimuths, model.azimuths[source] + by),
+        amplitudes=np.append(model.amplitudes, model.amplitudes[source]),
+        widths=np.append(widths, widths[source]),
+        weights=np.insert(weights, -OTHERS, weights[:, source], axis=1),
+    )
 
-    All else stays; the share is found by expectation maximisation in every orientation.
+
+def gains(data: Data, model: Mixture, places: tuple[Real, Real], width: float, rounds: int = 4) -> tuple[Real, Real]:
+    """Gain of log-likelihood [nat] by a source at each place, (n,), and its best shares, (n_headings, n).
+
+    ``places`` are azimuths and amplitudes, (n,) each. All else stays; the share is found by expectation maximisation in
+    every orientation.
     """
     old = densities(data, model)[:, None] + TINY
-    excess = kernels(data, azimuths, np.full(len(azimuths), width), model.directness) / old - 1
+    excess = kernels(data, *places, np.full(len(places[0]), width)) / old - 1
     total = data.counts.sum(axis=1)[:, None] + TINY
     share = np.full(excess.shape[:2], 0.1)
+    counts = data.counts[..., None]
     for _ in range(rounds):
         quotient = excess / (1 + share[..., None] * excess)
-        share = share * (1 + (1 - share) * np.einsum("rb,rgb->rg", data.counts, quotient) / total)
-    gain = np.einsum("rb,rgb->g", data.counts, np.log1p(share[..., None] * excess))
+        share = share * (1 + (1 - share) * (quotient @ counts)[..., 0] / total)
+    gain = (np.log1p(share[..., None] * excess) @ counts)[..., 0].sum(axis=0)
     return np.asarray(gain), share
 
 
-def sigmas(data: Data, model: Mixture) -> Real:
-    """One standard deviation of every azimuth [rad], from the expected information, (k,)."""
-    counts, slope = _claimed(data, model).sum(axis=-1)[:, :-1], _slope(data, model)
-    information = (counts * slope**2).sum(axis=0) / model.widths**2
-    return np.asarray(1 / np.sqrt(information + TINY))
+def sigmas(data: Data, model: Mixture) -> tuple[Real, Real]:
+    """One standard deviation of every azimuth [rad] and amplitude, from the expected information, (k,) each."""
+    counts = _claimed(data, model).sum(axis=-1)[:, :-OTHERS]
+    cosine, sine = _turned(data, model)
+    along = (counts * cosine**2).sum(axis=0) / model.widths**2
+    across = (counts * (model.amplitudes * sine) ** 2).sum(axis=0) / model.widths**2
+    return np.asarray(1 / np.sqrt(across + TINY)), np.asarray(1 / np.sqrt(along + TINY))
 
 
-def _step(data: Data, model: Mixture) -> Mixture:
+def _step(data: Data, model: Mixture, tie: float) -> Mixture:
     claimed = _claimed(data, model)
     counts = claimed.sum(axis=-1)
-    sources, mean = counts[:, :-1], (claimed * data.grid).sum(axis=-1)[:, :-1]
-    square = (claimed * data.grid**2).sum(axis=-1)[:, :-1]
-    centre, slope = _centre(data, model), _slope(data, model)
+    sources = counts[:, :-OTHERS]
+    mean, square = ((claimed[:, :-OTHERS] @ power) for power in (data.grid, data.grid**2))
+    cosine, sine = _turned(data, model)
+    centre, slope = model.amplitudes * cosine, -model.amplitudes * sine
     curvature = (sources * slope**2).sum(axis=0) + 0.02 * sources.sum(axis=0) + TINY
     turn = ((mean - sources * centre) * slope).sum(axis=0) / curvature
-    azimuths = model.azimuths + np.clip(turn, -0.2, 0.2)
+    reach, weight = (mean * cosine).sum(axis=0), (sources * cosine**2).sum(axis=0)
+    directness = float(np.clip((20.0 + reach.sum()) / (20.0 + weight.sum()), *AMPLITUDE))
     spread = (square - 2 * mean * centre + sources * centre**2).sum(axis=0)
-    variance = (spread + 2.0 * 0.1**2) / (sources.sum(axis=0) + 2.0)
-    unit = centre / model.directness
-    directness = (20.0 + (mean * unit).sum()) / (20.0 + (sources * unit**2).sum())
+    return Mixture(
+        azimuths=model.azimuths + np.clip(turn, -0.2, 0.2),
+        amplitudes=np.clip((tie * directness + reach) / (tie + weight), *AMPLITUDE),
+        widths=_widths(spread, sources.sum(axis=0)),
+        weights=_weights(counts),
+        directness=directness,
+    )
+
+
+def _widths(spread: Real, counts: Real) -> Real:
+    """Widths from summed squares, drawn to their common one and weakly to 0.1, (k,)."""
+    common = (spread.sum() + 20 * 0.1**2) / (counts.sum() + 20)
+    return np.asarray(np.clip(np.sqrt((spread + 2 * 0.1**2 + ALIKE * common) / (counts + 2 + ALIKE)), *WIDTH))
+
+
+def _weights(counts: Real) -> Real:
+    """Shares of the counts (n_headings, k + 2), drawn to those of all orientations."""
     pooled = counts.sum(axis=0) / (counts.sum() + TINY)
     weights = (counts + POOL * pooled + TINY) / (counts.sum(axis=1, keepdims=True) + POOL * pooled.sum() + TINY)
-    weights = weights / weights.sum(axis=1, keepdims=True)
-    return Mixture(azimuths, np.clip(np.sqrt(variance), *WIDTH), weights, float(np.clip(directness, *DIRECTNESS)))
+    return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
-def _centre(data: Data, model: Mixture) -> Real:
-    return np.asarray(model.directness * np.cos(model.azimuths[None] - data.headings[:, None]))
+def _turned(data: Data, model: Mixture) -> tuple[Real, Real]:
+    """Cosine and sine of the azimuths relative to the array, (n_headings, k) each."""
+    angle = model.azimuths - data.headings[:, None]
+    return np.cos(angle), np.sin(angle)
 
 
-def _slope(data: Data, model: Mixture) -> Real:
-    return np.asarray(-model.directness * np.sin(model.azimuths[None] - data.headings[:, None]))
+def _normal(data: Data, centre: Real | float, width: Real | float) -> Real:
+    """Normal density over the bins times their width, broadcast against (..., n_bins)."""
+    step = data.grid[1] - data.grid[0]
+    return np.asarray(step / np.sqrt(2 * np.pi) / width * np.exp(-0.5 * ((data.grid - centre) / width) ** 2))
 
 
 def _joint(data: Data, model: Mixture) -> Real:
-    """Weight times probability, (n_headings, k + 1, n_bins)."""
-    named = kernels(data, model.azimuths, model.widths, model.directness)
-    nobody = np.full((len(data.headings), 1, len(data.grid)), 1 / len(data.grid))
-    return np.concatenate([named, nobody], axis=1) * model.weights[..., None]
+    """Weight times probability, (n_headings, k + 2, n_bins)."""
+    named = kernels(data, model.azimuths, model.amplitudes, model.widths)
+    others = np.stack([_normal(data, 0.0, DIFFUSE), np.full_like(data.grid, 1 / len(data.grid))])
+    all_of_them = np.concatenate([named, np.broadcast_to(others, (len(named), *others.shape))], axis=1)
+    return np.asarray(all_of_them * model.weights[..., None])
 
 
 def _claimed(data: Data, model: Mixture) -> Real:
-    """Counts that every source claims of every bin, (n_headings, k + 1, n_bins)."""
+    """Counts that every source claims of every bin, (n_headings, k + 2, n_bins)."""
     joint = _joint(data, model)
     return np.asarray(data.counts[:, None] * joint / (joint.sum(axis=1, keepdims=True) + TINY))

@@ -2,7 +2,9 @@
 
 The worth of a source is the log-likelihood lost without it, once the others have adapted. A ghost lives on the misfit
 of the model, which grows with the evidence, so the price of a source has a constant part and a share of the evidence.
-Bins that two near talkers share have ITDs in between: a source between two near others costs more.
+In a reverberant room, known by ITDs that are both drawn to 0 and spread, the evidence is less sharp, and sources and
+ghosts alike are worth a smaller share of it. Bins that two near talkers share have ITDs in between: a source between
+two near others costs more.
 """
 
 from __future__ import annotations
@@ -17,26 +19,32 @@ from ross_payload.dsp.mixture import Data, Mixture
 from ross_payload.interfaces import Real
 
 MAX_SOURCES = 6
-HOPEFUL = 0.3  # a gain below this share of the price is not tried: kernels adapt, so gains grow
+HOPEFUL = 0.1  # a gain below this share of the price is not tried: kernels adapt, so gains grow
 SPARE = 2  # sources tried beyond the largest K
 GRID = np.deg2rad(np.arange(-180.0, 180.0, 5.0))  # azimuths tried [rad]
+REACH = (1.0, 0.75, 0.5)  # amplitudes tried, as a share of the directness
+ASIDE = np.deg2rad(14.0)  # half of the angle between the two that one source is split into [rad]
+MOVED = np.deg2rad(20.0)  # a source that is moved goes further than this [rad]
+BETTER = 0.5  # [nat] by which another arrangement must be better
 
 
 @dataclass(frozen=True, slots=True)
 class Price:
     """What a source must be worth."""
 
-    base: float = 5.0  # [nat]
-    share: float = 0.015  # [nat] per count of evidence
+    base: float = 1.0  # [nat]
+    dry: float = 0.0095  # [nat] per count of evidence
+    wet: float = 0.005  # the same in a reverberant room
     width: float = 0.1  # kernel of a new source [d / v_p]
     apart: float = np.deg2rad(15.0)  # nearer than this [rad] two sources are one
     near: float = np.deg2rad(35.0)  # between two sources both nearer than this [rad] ...
     between: float = 2.5  # ... a source costs so many times as much,
     wide: float = 0.15  # and more, by the square, when its kernel is wider than this [d / v_p]: nobody talks there
 
-    def of(self, data: Data) -> float:
+    def of(self, data: Data, model: Mixture) -> float:
         """Log-likelihood [nat] that a source must be worth."""
-        return float(self.base + self.share * data.counts.sum())
+        share = self.dry + (self.wet - self.dry) * wetness(model)
+        return float(self.base + share * data.counts.sum())
 
     def factors(self, azimuths: Real, widths: Real) -> Real:
         """How many times the price each source costs, (k,).
@@ -50,6 +58,12 @@ class Price:
         return np.where(ahead.any(axis=1) & behind.any(axis=1), dearer, 1.0)
 
 
+def wetness(model: Mixture) -> float:
+    """From 0 in the open to 1 in a reverberant room, where ITDs are both drawn to 0 and spread."""
+    drawn, spread = (0.97 - model.directness) / 0.08, (model.width - 0.08) / 0.015
+    return float(np.clip(drawn, 0, 1) * np.clip(spread, 0, 1))
+
+
 @dataclass(frozen=True, slots=True)
 class Fit:
     """The mixture of the chosen order, and by how much it was chosen."""
@@ -59,31 +73,56 @@ class Fit:
     rival: float  # worth over price of the last source that was turned down
 
 
-def search(data: Data, price: Price) -> Fit:
-    """Fit mixtures of falling order until every source is worth its price."""
+def search(data: Data, price: Price, known: int | None = None) -> Fit:
+    """Fit mixtures of falling order until every source is worth its price, or, when K is known, until K are left."""
     model, rival = _grow(data, price)
     while True:
+        if len(model.azimuths) <= MAX_SOURCES and not _too_near(model, price):
+            model = rearrange(data, model, price)
         worth, reduced = worths(data, model)
-        worth = worth / (price.of(data) * price.factors(model.azimuths, model.widths))
+        worth = worth / (price.of(data, model) * price.factors(model.azimuths, model.widths))
         least = _least(model, worth, price)
-        if least is None or (least.paid and worth[least.source] >= 1):
+        if least is None or (least.paid and (worth[least.source] >= 1 if known is None else len(worth) <= known)):
             return Fit(model, worth, rival)
         rival = float(worth[least.source]) if least.paid else rival
-        model = mixture.refine(data, reduced[least.source], 10)
+        model = mixture.refine(data, reduced[least.source], 6)
 
 
-def worths(data: Data, model: Mixture) -> tuple[Real, list[Mixture]]:
+def worths(data: Data, model: Mixture, rounds: int = 8) -> tuple[Real, list[Mixture]]:
     """Worth of every source [nat], (k,), and the models without it."""
-    reduced = [mixture.refine(data, mixture.remove(model, k), 5) for k in range(len(model.azimuths))]
+    reduced = [mixture.refine(data, mixture.remove(model, k), rounds) for k in range(len(model.azimuths))]
     full = mixture.log_likelihood(data, model)
     return np.array([full - mixture.log_likelihood(data, other) for other in reduced]), reduced
 
 
 def profile(data: Data, model: Mixture, source: int) -> Real:
     """Gain of log-likelihood [nat] with one source put at every azimuth of the grid instead, (n_grid,)."""
-    width = float(model.widths[source])
-    gain, _ = mixture.gains(data, mixture.remove(model, source), GRID, width)
+    amplitude, width = model.amplitudes[source], float(model.widths[source])
+    gain, _ = mixture.gains(data, mixture.remove(model, source), (GRID, np.full(len(GRID), amplitude)), width)
     return gain
+
+
+def rearrange(data: Data, model: Mixture, price: Price, rounds: int = 2) -> Mixture:
+    """A better mixture of as many sources, if one is near.
+
+    One of the three sources worth least is moved to where the likelihood gains most, or the one worth least goes and
+    another is split in two: sources that are found one after the other may sit between two true ones.
+    """
+    if len(model.azimuths) < 2:
+        return model
+    best = mixture.log_likelihood(data, model)
+    for _ in range(rounds):
+        worth, reduced = worths(data, model, 3)
+        least = np.argsort(worth)[:3]
+        moved = [_moved(data, reduced[k], price, float(model.azimuths[k])) for k in least]
+        fewer = reduced[least[0]]
+        halves = [mixture.split(fewer, k, ASIDE, price.width) for k in range(len(fewer.azimuths))]
+        tried = [mixture.refine(data, other, 10) for other in (*moved, *halves)]
+        likelihoods = [mixture.log_likelihood(data, other) for other in tried]
+        if max(likelihoods) <= best + BETTER:
+            break
+        best, model = max(likelihoods), tried[int(np.argmax(likelihoods))]
+    return model
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,23 +135,47 @@ def _grow(data: Data, price: Price) -> tuple[Mixture, float]:
     """Add sources where the likelihood gains most; also the last gain over the price."""
     model, rival = mixture.empty(data), 0.0
     for _ in range(MAX_SOURCES + SPARE):
-        gain, share = mixture.gains(data, model, GRID, price.width)
-        best = int(gain.argmax())
-        rival = float(gain[best]) / price.of(data)
+        added, gain = _added(data, model, price)
+        rival = gain / price.of(data, model)
         if rival < HOPEFUL:
             break
-        added = mixture.add(model, float(GRID[best]), price.width, np.maximum(share[:, best], 0.01))
         model = mixture.refine(data, added, 8)
     return mixture.refine(data, model, 20), rival
 
 
+def _added(data: Data, model: Mixture, price: Price, not_at: float | None = None) -> tuple[Mixture, float]:
+    """The model with a source more where it gains most, but not near ``not_at`` [rad], and the gain [nat]."""
+    azimuths, reach = np.tile(GRID, len(REACH)), np.repeat(REACH, len(GRID))
+    amplitudes = np.maximum(reach * model.directness, mixture.AMPLITUDE[0])
+    gain, share = mixture.gains(data, model, (azimuths, amplitudes), price.width)
+    if not_at is not None:
+        gain = np.where(np.abs(difference(azimuths, not_at)) < MOVED, -np.inf, gain)
+    best = int(gain.argmax())
+    shares = np.maximum(share[:, best], 0.01)
+    added = mixture.add(model, float(azimuths[best]), float(amplitudes[best]), price.width, shares)
+    return added, float(gain[best])
+
+
+def _moved(data: Data, fewer: Mixture, price: Price, azimuth: float) -> Mixture:
+    return _added(data, fewer, price, azimuth)[0]
+
+
+def _too_near(model: Mixture, price: Price) -> bool:
+    return bool(_apart(model).min(initial=np.inf) < price.apart)
+
+
+def _apart(model: Mixture) -> Real:
+    """Angles between all sources [rad], (k, k); more than pi between a source and itself."""
+    between = np.abs(difference(model.azimuths[:, None], model.azimuths))
+    return np.asarray(between + 2 * np.pi * np.eye(len(between)))
+
+
 def _least(model: Mixture, worth: Real, price: Price) -> _Least | None:
     """The source to take away first: one of two that are too near, else the one worth least."""
-    k = len(worth)
-    if not k:
+    if not len(worth):
         return None
-    apart = np.abs(difference(model.azimuths[:, None], model.azimuths)) + 2 * np.pi * np.eye(k)
-    if apart.min() < price.apart:
+    if _too_near(model, price):
+        apart = _apart(model)
         pair = np.unravel_index(int(apart.argmin()), apart.shape)
         return _Least(int(min(pair, key=lambda source: worth[source])), paid=False)
-    return _Least(int(worth.argmin()), paid=k <= MAX_SOURCES)
+    return _Least(int(worth.argmin()), paid=len(worth) <= MAX_SOURCES)

@@ -14,7 +14,6 @@ import pytest
 from scipy.optimize import linear_sum_assignment
 
 from ross_payload.angles import difference
-from ross_payload.dsp import mixture, order
 from ross_payload.dsp.joint import Joint, explorer
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
@@ -29,8 +28,11 @@ STEP = np.deg2rad(15)
 SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / "../shared/speech"))
 
 
-def scene(azimuths: Real, heading: float, rng: np.random.Generator, noise: float = 0.1, n_frames: int = 360) -> Complex:
-    """Spectrogram (2, n_freqs, n_frames): bursts of 10 frames, each bin of each burst is ruled by one source."""
+def scene(
+    azimuths: Real, heading: float, rng: np.random.Generator, noise: float = 0.1, amplitudes: Real | float = 1.0
+) -> Complex:
+    """Spectrogram (2, n_freqs, 360): bursts of 10 frames, each bin of each burst is ruled by one source."""
+    n_frames = 360
     frequencies = STFT.frequencies
     shape = (len(frequencies), n_frames)
     heard: Complex = noise * rng.standard_normal((2, *shape, 2)).view(np.complex128)[..., 0]
@@ -38,7 +40,7 @@ def scene(azimuths: Real, heading: float, rng: np.random.Generator, noise: float
         ruler = np.repeat(rng.integers(len(azimuths), size=(shape[0], n_frames // 10)), 10, axis=1)
         burst = np.repeat(rng.standard_normal((shape[0], n_frames // 10)) ** 3, 10, axis=1)
         voice = burst * np.exp(2j * np.pi * rng.random(shape))
-        tau = SPACING / SPEED * np.cos(azimuths - heading)
+        tau = SPACING / SPEED * amplitudes * np.cos(azimuths - heading)
         heard = heard + np.stack([voice, voice * np.exp(2j * np.pi * frequencies[:, None] * tau[ruler])])
     return heard
 
@@ -80,6 +82,36 @@ def test_every_talker_is_counted_and_placed(azimuths: list[float]) -> None:
     assert estimate.k == len(azimuths)
     assert errors_deg(estimate, azimuths).max() < 3
     assert all(source.resolved and source.confidence > 0.5 for source in estimate.sources)
+
+
+def test_talkers_below_are_placed_and_their_elevation_is_told() -> None:
+    """At 45 deg below, an estimator that ignores elevation takes cos 45 deg for an azimuth."""
+    azimuths, elevations, rng = (
+        np.deg2rad([10.0, 100.0, -120.0]),
+        np.deg2rad([-45.0, -30.0, 0.0]),
+        np.random.default_rng(1),
+    )
+    joint = explorer.make(SPACING, SPEED)
+    estimate = joint.estimate(
+        [
+            joint.observe(scene(azimuths, heading, rng, amplitudes=np.cos(elevations)), STFT.frequencies, heading, None)
+            for heading in STEP * np.arange(9)
+        ]
+    )
+    assert estimate.k == 3
+    assert errors_deg(estimate, list(azimuths)).max() < 3
+    for azimuth, elevation in zip(azimuths, elevations, strict=True):
+        (source,) = (s for s in estimate.sources if abs(difference(s.azimuth, azimuth)) < 0.2)
+        assert (source.elevation or 0.0) == pytest.approx(elevation, abs=np.deg2rad(5))
+    assert estimate.directness == 1.0
+
+
+def test_when_k_is_known_so_many_are_placed() -> None:
+    observations = listen(LAYOUTS[3], 9)
+    joint = explorer.make(SPACING, SPEED)
+    assert errors_deg(joint.place(observations, 4), LAYOUTS[3]).max() < 3
+    assert joint.place(observations, 2).k == 2
+    assert joint.place([], 2) == Estimate(())
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -173,42 +205,6 @@ def test_the_error_is_about_one_sigma() -> None:
 def test_an_impossible_array_is_refused(spacing: float, speed: float) -> None:
     with pytest.raises(ConfigError, match="positive"):
         explorer.make(spacing, speed)
-
-
-# ------------------------------------------------------------------------------------------------- the mixture
-
-
-def toy(scale: float = 1.0) -> tuple[mixture.Data, mixture.Mixture]:
-    headings, grid = STEP * np.arange(5), np.linspace(-1.5, 1.5, 61)
-    model = mixture.Mixture(np.array([0.3, 2.0]), np.array([0.1, 0.1]), np.tile([0.5, 0.4, 0.1], (5, 1)))
-    counts = mixture.densities(mixture.Data(grid, headings, np.zeros((5, 61))), model)
-    return mixture.Data(grid, headings, 200 * scale * counts), model
-
-
-def test_the_mixture_is_a_probability() -> None:
-    data, model = toy()
-    np.testing.assert_allclose(mixture.densities(data, model).sum(axis=1), 1, atol=1e-3)
-
-
-def test_refining_from_nearby_finds_the_true_azimuths() -> None:
-    data, model = toy()
-    start = mixture.Mixture(model.azimuths + np.array([0.1, -0.1]), np.array([0.2, 0.2]), np.full((5, 3), 1 / 3))
-    found = mixture.refine(data, start, 60)
-    np.testing.assert_allclose(found.azimuths, model.azimuths, atol=np.deg2rad(0.5))
-    assert mixture.log_likelihood(data, found) > mixture.log_likelihood(data, start)
-
-
-def test_four_times_the_evidence_halves_sigma() -> None:
-    once, four = toy(1.0), toy(4.0)
-    np.testing.assert_allclose(mixture.sigmas(*once) / mixture.sigmas(*four), 2, rtol=1e-6)
-
-
-def test_no_source_ever_loses_likelihood_and_the_missing_one_gains_most() -> None:
-    data, model = toy()
-    gain, share = mixture.gains(data, mixture.remove(model, 1), order.GRID, 0.1, rounds=200)
-    assert gain.min() > -1e-2
-    assert abs(float(difference(order.GRID[gain.argmax()], 2.0))) < np.deg2rad(6)
-    assert share[:, gain.argmax()].mean() == pytest.approx(0.4, abs=0.1)
 
 
 # -------------------------------------------------------------------------------------------------- recordings
