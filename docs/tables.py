@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import get_args
 
 from ross_payload import config
+from ross_payload.dsp import markov
 
 
-def comments() -> dict[tuple[str, str], str]:
-    """The comment behind every field of every model: {(class, field): text}."""
+def comments(module) -> dict[tuple[str, str], str]:
+    """The comment behind every field of every model of a module: {(class, field): text}."""
     found, model, field = {}, "", ""
-    with Path(config.__file__).open("rb") as source:
+    with Path(module.__file__).open("rb") as source:
         for token in tokenize.tokenize(source.readline):
             if token.type == tokenize.NAME and token.line.startswith("class "):
                 model = token.line.split()[1].split("(")[0]
@@ -22,9 +23,31 @@ def comments() -> dict[tuple[str, str], str]:
     return found
 
 
+def default(value) -> str:
+    """The default of a field as it would stand in a file; empty where there is none."""
+    if value.is_required():
+        return ""
+    shown = value.get_default(call_default_factory=True)
+    shown = str(shown).lower() if isinstance(shown, bool) else shown
+    return "" if shown in (None, {}, ()) else f"`{shown}`"
+
+
+def options() -> list[str]:
+    """The table of the options of Algorithm 1, with the defaults of both of its names."""
+    about, plain = comments(markov), markov.PlainOptions.model_fields
+    lines = [
+        "## `[explore.options]` of `markov` and `markov-plain`\n",
+        "Algorithm 1: its front end and the numbers that the paper leaves open. `joint` has no options.\n",
+        "| key | `markov` | `markov-plain` | means |\n| --- | --- | --- | --- |",
+    ]
+    for key, value in markov.MarkovOptions.model_fields.items():
+        lines.append(f"| `{key}` | {default(value)} | {default(plain[key])} | {about['MarkovOptions', key]} |")
+    return [*lines, ""]
+
+
 def tables() -> str:
     """Every table of the configuration as Markdown."""
-    about, parts = comments(), []
+    about, parts = comments(config), []
     for name, field in config.Config.model_fields.items():
         model = next((part for part in get_args(field.annotation) if part is not type(None)), field.annotation)
         if not isinstance(model, type) or not issubclass(model, config.Table):
@@ -33,11 +56,10 @@ def tables() -> str:
         parts.append(f"## `[{name}]`\n\n{about_model[0].upper() + about_model[1:]}\n")
         parts.append("| key | default | means |\n| --- | --- | --- |")
         for key, value in model.model_fields.items():
-            default = None if value.is_required() else value.get_default(call_default_factory=True)
-            default = str(default).lower() if isinstance(default, bool) else default
-            shown = "" if default in (None, {}, ()) else f"`{default}`"
-            parts.append(f"| `{key}` | {shown} | {about.get((model.__name__, key), '')} |")
+            parts.append(f"| `{key}` | {default(value)} | {about.get((model.__name__, key), '')} |")
         parts.append("")
+        if name == "explore":
+            parts += options()
     return "\n".join(parts)
 
 
