@@ -8,6 +8,7 @@ import pytest
 from ross_payload.dsp.gain import BETWEEN, ECHOES, REACH, predicted_gain
 from ross_sim.study.alignment import RULES, Curve, curves, fit
 from ross_sim.study.rooms import SETTINGS
+from ross_sim.study.separation import aligned_heading, heading_for
 
 HEADINGS = np.deg2rad(np.arange(0.0, 180.0, 0.5))
 
@@ -46,3 +47,12 @@ def test_two_noises_that_are_told_apart_gain_and_those_that_pose_as_one_do_not()
     apart = np.abs(tau[0] - tau[1])
     assert first.si_sdri_db[apart.argmax()] > 5
     assert first.si_sdri_db[apart.argmin()] < first.si_sdri_db[apart.argmax()] - 5
+
+
+@pytest.mark.parametrize(("room", "directness"), [("S1", 1.0), ("S2", None)])
+def test_the_table_points_at_the_best_heading_of_the_room_or_at_the_papers(room: str, directness: float | None) -> None:
+    azimuths, rng = np.deg2rad([0.0, 20.0, -40.0]), np.random.default_rng(0)
+    best, paper = (heading_for(rule, azimuths, 0, SETTINGS[room], rng) for rule in ("best", "paper"))
+    assert paper == aligned_heading(azimuths, 0)
+    gains = predicted_gain(azimuths, [best, *HEADINGS], directness=directness)[0]
+    assert gains[0] == pytest.approx(gains.max())

@@ -227,7 +227,12 @@ def row(setting: str, n_sources: int, scores: Mapping[str, Sequence[float]]) -> 
 @click.option("--rooms", default=",".join(PLANES), show_default=True, help=f"Of {','.join(SETTINGS)}.")
 @click.option("--talkers", type=click.Choice(["five", "all"]), default="five", show_default=True)
 @click.option(
-    "--heading", "rule", type=click.Choice(RULES), default="best", show_default=True, help="Best predicted gain."
+    "--heading",
+    "rule",
+    type=click.Choice(RULES),
+    default="best",
+    show_default=True,
+    help="Best predicted gain, the paper's, or random.",
 )
 @click.option("--speech", type=click.Path(path_type=Path), default=Path("../shared/speech"), show_default=True)
 @click.option("--layouts", "count", type=click.IntRange(min=0), default=5, show_default=True, help="Random layouts.")
