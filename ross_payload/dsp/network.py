@@ -1,0 +1,154 @@
+"""A small network over time, frequency and groups, in plain matrix products.
+
+Patches of 4 bins x 2 frames become vectors of channels. Every block mixes channels along frequency (three taps some
+rows apart), with the mean of the other groups and the mean over all rows of the frame, then along time, and adds the
+result to its input. The same weights serve every group: permuting groups permutes the outputs.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Real
+
+ROWS, COLUMNS = 4, 2  # bins and frames of a patch
+PLACES = 3  # numbers that say where in the spectrum a patch is
+LIMIT = 8.0  # bound of what comes out
+STEPS = (1, 2, 4, 8, 1)  # between the taps of every block [patches]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """Weights of one residual block of C channels; the steps between taps are rows and columns of patches."""
+
+    step: int
+    along_frequency: Real  # the taps before, at and after stacked, (3 C, C)
+    others: Real  # of the mean over the other groups, (C, C)
+    frame: Real  # of the mean over the rows, (C, C)
+    bias: Real  # (C, 1)
+    along_time: Real  # (3 C, C)
+    bias_after: Real  # (C, 1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Network:
+    """Weights of everything; n = ROWS COLUMNS n_features + PLACES."""
+
+    enter: Real  # (C, n)
+    enter_bias: Real  # (C, 1)
+    blocks: tuple[Block, ...]
+    leave: Real  # (ROWS COLUMNS, C)
+    skip: Real  # (ROWS COLUMNS, n)
+    leave_bias: Real  # (ROWS COLUMNS, 1)
+
+    def corrections(self, shown: Real, frequencies: Real) -> Real:
+        """Log PSD corrections of every bin, (n_groups, n_freqs, n_frames), within -LIMIT .. LIMIT.
+
+        Parameters
+        ----------
+        shown
+            Features, (n_groups, n_features, n_freqs, n_frames).
+        frequencies
+            [Hz], evenly spaced, (n_freqs,).
+        """
+        n_groups, _, n_freqs, n_frames = shown.shape
+        patches = _patched(_filled(shown), places(_filled(frequencies[:, None])[:, 0]))
+        hidden = np.maximum(_product(self.enter, patches) + self.enter_bias[..., None], 0)
+        for block in self.blocks:
+            hidden += _residual(block, hidden)
+        out = _product(self.leave, np.maximum(hidden, 0)) + _product(self.skip, patches) + self.leave_bias[..., None]
+        out = LIMIT * np.tanh(out / LIMIT)
+        rows, columns = out.shape[2:]
+        bins = out.reshape(n_groups, ROWS, COLUMNS, rows, columns).transpose(0, 3, 1, 4, 2)
+        return bins.reshape(n_groups, rows * ROWS, columns * COLUMNS)[:, :n_freqs, :n_frames]
+
+
+def places(frequencies: Real) -> Real:
+    """Mean frequency of every row of patches, twice, and the distance of its bins, scaled, (PLACES, n_rows)."""
+    centres = frequencies.reshape(-1, ROWS).mean(axis=1) / 4000
+    width = np.log2(max(frequencies[1] - frequencies[0], 1e-3) / 10)
+    return np.stack([centres, np.sqrt(centres), np.full_like(centres, width)]).astype(np.float32)
+
+
+def _filled(values: Real) -> Real:
+    """Repeat the last bin and frame until patches fill the plane of the last two axes."""
+    rows, columns = (-size % unit for size, unit in zip(values.shape[-2:], (ROWS, COLUMNS), strict=True))
+    return np.pad(values, [(0, 0)] * (values.ndim - 2) + [(0, rows), (0, columns)], mode="edge")
+
+
+def _patched(shown: Real, where: Real) -> Real:
+    n_groups, n_features, n_freqs, n_frames = shown.shape
+    rows, columns = n_freqs // ROWS, n_frames // COLUMNS
+    split = shown.reshape(n_groups, n_features, rows, ROWS, columns, COLUMNS).transpose(0, 1, 3, 5, 2, 4)
+    flat = split.reshape(n_groups, -1, rows, columns)
+    same = np.broadcast_to(where[None, :, :, None], (n_groups, len(where), rows, columns))
+    return np.concatenate([flat, same], axis=1).astype(np.float32)
+
+
+def _product(weights: Real, values: Real) -> Real:
+    """Mix the channels, the second axis of (n_groups, n_channels, n_rows, n_columns)."""
+    n_groups, n_channels, rows, columns = values.shape
+    return (weights @ values.reshape(n_groups, n_channels, -1)).reshape(n_groups, -1, rows, columns)
+
+
+def _residual(block: Block, hidden: Real) -> Real:
+    inner = _taps(_product(block.along_frequency, hidden), block.step, axis=2)
+    inner += _product(block.frame, hidden.mean(axis=2, keepdims=True))
+    if len(hidden) > 1:
+        rest = hidden.sum(axis=0) - hidden
+        inner += _product(block.others / np.float32(len(hidden) - 1), rest)
+    inner += block.bias[..., None]
+    np.maximum(inner, 0, out=inner)
+    return _taps(_product(block.along_time, inner), block.step, axis=3) + block.bias_after[..., None]
+
+
+def _taps(stacked: Real, step: int, axis: int) -> Real:
+    """Add the three stacked taps: what lies ``step`` before, here, and ``step`` after along an axis; zeros outside."""
+    before, here, after = np.split(stacked, 3, axis=1)
+    low, high = [slice(None)] * 4, [slice(None)] * 4
+    low[axis], high[axis] = slice(None, -step), slice(step, None)
+    here[tuple(high)] += before[tuple(low)]
+    here[tuple(low)] += after[tuple(high)]
+    return here
+
+
+@cache
+def shipped_network() -> Network:
+    """The network of the package, trained by `ross_sim.study.train_refiner`."""
+    return read_network(files(__package__).joinpath("refiner.npz").read_bytes(), "refiner.npz")
+
+
+def read_network(content: bytes, name: str) -> Network:
+    """Read what `encode_network` wrote; ``name`` is for the error.
+
+    Raises
+    ------
+    ConfigError
+        When it is damaged or something else.
+    """
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            return network_of({key: np.asarray(arrays[key], np.float32) for key in arrays.files})
+    except Exception as error:  # zipfile, zlib and numpy each have their own way to fail on damaged bytes
+        raise ConfigError(f"{name}: not the weights of a refiner") from error
+
+
+def encode_network(arrays: Mapping[str, Real]) -> bytes:
+    """Write arrays by name in half precision; no pickle."""
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, allow_pickle=False, **{key: np.asarray(a, np.float16) for key, a in arrays.items()})
+    return buffer.getvalue()
+
+
+def network_of(arrays: Mapping[str, Real]) -> Network:
+    """The network of arrays by name: ``in in_b out skip out_b``, and ``f o c b t d`` and the number of every block."""
+    steps = STEPS[: sum(name.startswith("f") for name in arrays)]
+    blocks = tuple(Block(step, *(arrays[f"{part}{i}"] for part in "focbtd")) for i, step in enumerate(steps))
+    return Network(arrays["in"], arrays["in_b"], blocks, arrays["out"], arrays["skip"], arrays["out_b"])
