@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from ross_payload.errors import ConfigError
+
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
 Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by hand."""
@@ -56,7 +58,10 @@ def command(preset: str, *, out: Path, speech: Path | None, workers: int | None,
 
     Presets: quick, paper, separation, exploration, full. Every option of an axis replaces the preset's.
     """
-    from ross_sim.study.session import conduct
+    try:
+        from ross_sim.study.session import conduct
+    except ModuleNotFoundError as error:
+        raise ConfigError(f"a study needs the package {error.name}: pip install 'ross-payload[study]'") from error
 
     changes = {name: value for name, value in axes.items() if value is not None}
     return conduct(preset, changes, out=out, speech=speech, workers=workers, quick=quick)
