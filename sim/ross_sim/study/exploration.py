@@ -2,8 +2,9 @@
 
 K talkers of equal power at microphone 1, at least 25 deg apart, speak from random places of their recordings around the
 array in the middle of a room (`rooms`); white noise is 15 dB below the mixture. The array listens 3 s at every
-orientation and turns 15 deg in between; nobody tells K. A row gives, over all K: how often K is right, how often K is
-right and all azimuths are within 10 deg, how many talkers are found within 10 deg, and the mean error of those.
+orientation and turns 15 deg in between; nobody tells K but `--known`. A row gives, over all K: how often K is right,
+how often K is right and all azimuths are within 10 deg, how many talkers are found within 10 deg, and the mean error of
+those.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload import plugins
 from ross_payload.angles import difference
+from ross_payload.dsp.joint import Joint
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Explorer, Real, Samples
@@ -52,6 +54,7 @@ class Task:
     layout: int
     seed: int
     explorer: str = "joint"
+    known: bool = False  # the explorer is told K; `joint` only
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,10 +131,13 @@ def explore(task: Task, voices: Sequence[Samples], rotations: Sequence[int]) -> 
     heard = render(chosen, azimuths, SETTINGS[task.setting], headings, rng).astype(np.float32)
     stft = Stft(RATE, FRAME, FRAME // 4)
     explorer: Explorer = plugins.load("ross_payload.explorers", task.explorer).make(SPACING, SPEED_OF_SOUND)
+    known = task.known and isinstance(explorer, Joint)
     observations, rows, stopped, began = [], [], False, time.process_time()
     for r, heading in enumerate(headings):
         observations.append(explorer.observe(stft.analyse(heard[r]), stft.frequencies, float(heading), None))
-        estimate = explorer.estimate(observations)
+        if known and r not in rotations:
+            continue
+        estimate = explorer.place(observations, task.k) if known else explorer.estimate(observations)
         cost = (time.process_time() - began) / (UNIT * (r + 1))
         row = partial(_row, task, azimuths, r, estimate, cost)
         if not stopped and (estimate.certain or r == max(rotations)):
@@ -190,6 +196,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--speech", type=Path, default=Path("../shared/speech"), help="folder of recordings")
     parser.add_argument("--rooms", nargs="+", choices=tuple(SETTINGS), default=list(PLANES))
     parser.add_argument("--explorer", choices=("joint", "markov", "markov-plain"), default="joint")
+    parser.add_argument("--known", action="store_true", help="tell the explorer K; joint only")
+    parser.add_argument("--counts", type=int, nargs="+", choices=COUNTS, default=list(COUNTS), help="of talkers, K")
     parser.add_argument("--layouts", type=int, default=14, help="per K and room")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--rotations", type=int, nargs="+", default=[2, 4, 8, 12])
@@ -199,9 +207,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     count, rotations = (3, [4]) if asked.quick else (asked.layouts, asked.rotations)
     voices = {voice.name: voice.speech for voice in load_folder(asked.speech, RATE)}
     chosen = [voices[name] for name in TALKERS if name in voices] or list(voices.values())
-    counts = [k for k in COUNTS if k <= len(chosen)]
+    counts = [k for k in asked.counts if k <= len(chosen)]
     tasks = [
-        Task(setting, k, n, asked.seed, asked.explorer) for setting, k, n in product(asked.rooms, counts, range(count))
+        Task(setting, k, n, asked.seed, asked.explorer, asked.known)
+        for setting, k, n in product(asked.rooms, counts, range(count))
     ]
     rows = sweep(tasks, chosen, rotations)
     sys.stdout.write(table(rows) + "\n")
