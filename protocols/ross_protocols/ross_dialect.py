@@ -458,9 +458,13 @@ enums["ROSS_ALIGNMENT_RULE"][1] = EnumEntry("ROSS_ALIGNMENT_RULE_BISECTOR", """T
 ROSS_ALIGNMENT_RULE_ARGMAX = 2
 enums["ROSS_ALIGNMENT_RULE"][2] = EnumEntry("ROSS_ALIGNMENT_RULE_ARGMAX", """The heading of the greatest predicted isolation.""")
 ROSS_ALIGNMENT_RULE_STAY = 3
-enums["ROSS_ALIGNMENT_RULE"][3] = EnumEntry("ROSS_ALIGNMENT_RULE_STAY", """The isolation at this heading suffices.""")
-ROSS_ALIGNMENT_RULE_ENUM_END = 4
-enums["ROSS_ALIGNMENT_RULE"][4] = EnumEntry("ROSS_ALIGNMENT_RULE_ENUM_END", """""")
+enums["ROSS_ALIGNMENT_RULE"][3] = EnumEntry("ROSS_ALIGNMENT_RULE_STAY", """The present heading suffices.""")
+ROSS_ALIGNMENT_RULE_GAIN = 4
+enums["ROSS_ALIGNMENT_RULE"][4] = EnumEntry("ROSS_ALIGNMENT_RULE_GAIN", """The heading of the best predicted gain.""")
+ROSS_ALIGNMENT_RULE_LIMITED = 5
+enums["ROSS_ALIGNMENT_RULE"][5] = EnumEntry("ROSS_ALIGNMENT_RULE_LIMITED", """The best heading that the limits leave.""")
+ROSS_ALIGNMENT_RULE_ENUM_END = 6
+enums["ROSS_ALIGNMENT_RULE"][6] = EnumEntry("ROSS_ALIGNMENT_RULE_ENUM_END", """""")
 
 # ROSS_CANDIDATE_STATE
 enums["ROSS_CANDIDATE_STATE"] = Enum()

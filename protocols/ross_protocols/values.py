@@ -19,6 +19,8 @@ class Rule(IntEnum):
     BISECTOR = 1
     ARGMAX = 2
     STAY = 3
+    GAIN = 4
+    LIMITED = 5
 
 
 class CandidateState(IntEnum):

@@ -12,7 +12,7 @@ from ross_protocols.values import Alignment, CandidateState, Health, Phase, Rule
 
 ONE_AXIS = np.radians(1.0)  # headings within this of each other are one axis
 
-RULES = {"bisector": Rule.BISECTOR, "argmax": Rule.ARGMAX, "stay": Rule.STAY}
+RULES = {rule.name.lower(): rule for rule in Rule}
 RESTING = (State.IDLE, State.DONE, State.STOPPED)
 
 

@@ -1,8 +1,12 @@
 """What a person reads about pipelined and informed missions."""
 
 import numpy as np
+import pytest
 
-from ross_payload.events import Doubted, Estimate, SourceEstimate, SourcesEstimated
+from ross_payload.dsp.alignment import plan
+from ross_payload.dsp.paper_rules import paper_plan
+from ross_payload.events import AlignmentPlanned, Doubted, Estimate, SourceEstimate, SourcesEstimated
+from ross_payload.telemetry.scene import Stamp, alignments
 from ross_payload.telemetry.texts import line
 from ross_protocols.values import Severity
 from ross_sim.live import in_words
@@ -24,3 +28,14 @@ def test_the_end_of_belief_is_a_warning_with_its_reason():
     assert DOUBTED.reason in words
     assert "explor" in words
     assert DOUBTED.reason in in_words(DOUBTED)
+
+
+@pytest.mark.parametrize("planner", [plan, paper_plan])
+@pytest.mark.parametrize("upper", [0.02, 3.0])
+@pytest.mark.parametrize("degrees", [(40,), (30, -30), (0, 100, -120), (0, 70, 100, -120)])
+def test_a_ground_station_knows_every_rule_that_plans(planner, upper, degrees):
+    talkers = [SourceEstimate(float(np.deg2rad(a)), 0.01, 1.0, resolved=True) for a in degrees]
+    found = planner(talkers, heading=0.0, joint=0.0, lower=0.0, upper=upper, spacing=0.05, speed_of_sound=343.0)
+    event = AlignmentPlanned(0.0, found.candidates, found.headings, found.isolation)
+    values = alignments(event, 1, Stamp(0, earth=False))
+    assert [value.rule.name.lower() for value in values] == [candidate.rule for candidate in found.candidates]
