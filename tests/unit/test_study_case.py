@@ -57,6 +57,12 @@ def test_two_voices_in_the_open_are_found_and_separated(source):
         assert row.si_sdri_db == pytest.approx(row.si_sdr_out_db - row.si_sdr_in_db, abs=1e-5)
 
 
+def test_an_explorer_that_is_told_k_finds_so_many(source):
+    asked = study(k=(3,), tell_k=True, separators=(), unit_s=(0.5,), rotations=(3,))
+    told = perform(replace(EXPLORED, k=3, unit=0.5), asked, source).explorations
+    assert told[-1].k_estimated == 3
+
+
 def test_every_target_schedule_and_separator_has_a_row(source):
     result = perform(EXPLORED, study(), source)
     found = {(row.target, row.schedule, row.separator) for row in result.separations}
@@ -176,6 +182,7 @@ def test_counts_of_tasks_are_products_of_the_axes():
         ({"explorers": ("fancy",)}, "fancy"),
         ({"separators": (), "explorers": ()}, "neither"),
         ({"k": (6,)}, "five talkers"),
+        ({"tell_k": True, "explorers": ("joint", "markov")}, "told K"),
         ({"paper_layout": False, "layouts": 0}, "at least one layout"),
         ({"k": (3, 3)}, "twice"),
         ({"rotations": ("sometimes",)}, "sometimes"),

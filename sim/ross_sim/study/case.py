@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 from ross_payload import __version__, plugins
 from ross_payload.angles import difference
 from ross_payload.dsp.alignment import plan
+from ross_payload.dsp.joint import Joint
 from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.dsp.steering import tdoa
 from ross_payload.errors import RossError
@@ -168,14 +169,17 @@ def stopped(certain: Sequence[bool]) -> int:
 
 
 def _estimates(case: _Case, explorer: Explorer, headings: Real) -> Iterator[Estimate]:
-    """What the explorer believes after every orientation; nobody tells K nor the noise."""
+    """What the explorer believes after every orientation; nobody tells the noise, nor K unless the study does."""
     study, task, here, unit = case.study, case.task, case.stage, float(case.task.unit or 0.0)
     rng = np.random.default_rng([study.seed, task.k, task.layout, task.start])
     heard = render(here.speech, here.azimuths, here.setting, headings, rng, seconds=unit, rate=study.rate_hz)
     stft, observations, began = study.explorer_stft, [], time.process_time()
     for samples, heading in zip(heard.astype(np.float32), headings, strict=True):
         observations.append(explorer.observe(stft.analyse(samples), stft.frequencies, float(heading), None))
-        yield explorer.estimate(observations)
+        if study.tell_k and isinstance(explorer, Joint):
+            yield explorer.place(observations, task.k)
+        else:
+            yield explorer.estimate(observations)
     case.timed(explorer.name, unit * len(headings), time.process_time() - began)
 
 

@@ -51,6 +51,7 @@ def _schedule(text: str) -> int | str:
 @click.option("--explorers", type=_Names(), help="Explorers; '' for none: true azimuths only.")
 @click.option("--t-unit", "unit_s", type=_Names(float), help="T_unit [s].")
 @click.option("--rotations", type=_Names(_schedule), help="Numbers of rotations, or stop: the explorer's own rule.")
+@click.option("--tell-k", is_flag=True, default=None, help="Tell the explorer K (joint only).")
 @click.option("--rules", help="Where to turn: best (predicted gain), or paper (its equations).")
 @click.option("--talkers", type=_Names(), help="Names in the folder; default: all. Up to five keep their order.")
 def command(preset: str, *, out: Path, speech: Path | None, workers: int | None, quick: bool, **axes: Any) -> int:

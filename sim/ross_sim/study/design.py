@@ -38,6 +38,7 @@ class Study(Table):
     explorers: tuple[str, ...] = ("joint",)  # none: true azimuths only
     unit_s: Annotated[tuple[Annotated[float, Field(ge=0.2, le=60)], ...], Field(min_length=1)] = (3.0,)  # T_unit
     rotations: Annotated[tuple[Annotated[int, Field(ge=1, le=24)] | Literal["stop"], ...], Field(min_length=1)] = (12,)
+    tell_k: bool = False  # the explorer is told K; `joint` only
     step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation
     run_s: Annotated[float, Field(ge=1, le=60)] = 10.0  # T_run
     rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 24000
@@ -205,6 +206,8 @@ def check_names(study: Study) -> None:
             plugins.load("ross_payload.separators", name)
     for name in study.explorers:
         plugins.load("ross_payload.explorers", name)
+    if study.tell_k and set(study.explorers) - {"joint"}:
+        raise ConfigError(f"joint alone can be told K, found the explorers {', '.join(study.explorers)}")
     if not study.separators and not study.explorers:
         raise ConfigError("a study needs at least one separator or explorer, found neither")
     if not study.paper_layout and not study.layouts:
