@@ -31,7 +31,7 @@ from ross_sim.study.rows import Result, columns, decode, encode
 
 PACKAGES = ("numpy", "scipy", "scikit-learn", "pyroomacoustics")  # what the numbers depend on
 HEARD = {  # so do these parts of the code
-    ross_payload: ("dsp/*.py", "angles.py"),
+    ross_payload: ("dsp/*.py", "dsp/*.npz", "angles.py"),
     ross_sim: ("room.py", "responses.py", "library.py", "speech.py"),
     ross_sim.study: tuple(
         f"{name}.py" for name in ("case", "cast", "scoring", "rows", "rooms", "separation", "exploration", "oracles")
