@@ -68,7 +68,7 @@ def filtered(xp: Any, log_psds: Any, covariances: Any, noise: Any, mixture: Any)
     log_psds
         (n_groups, n_freqs, n_frames).
     covariances
-        Coordinates, the noise last, (n_freqs, n_groups + 1, 4).
+        Coordinates, trace 2, the noise last, (n_freqs, n_groups + 1, 4).
     noise
         (n_freqs,).
     mixture
