@@ -131,13 +131,13 @@ def explore(task: Task, voices: Sequence[Samples], rotations: Sequence[int]) -> 
     heard = render(chosen, azimuths, SETTINGS[task.setting], headings, rng).astype(np.float32)
     stft = Stft(RATE, FRAME, FRAME // 4)
     explorer: Explorer = plugins.load("ross_payload.explorers", task.explorer).make(SPACING, SPEED_OF_SOUND)
-    known = task.known and isinstance(explorer, Joint)
+    told = explorer if task.known and isinstance(explorer, Joint) else None
     observations, rows, stopped, began = [], [], False, time.process_time()
     for r, heading in enumerate(headings):
         observations.append(explorer.observe(stft.analyse(heard[r]), stft.frequencies, float(heading), None))
-        if known and r not in rotations:
+        if told and r not in rotations:
             continue
-        estimate = explorer.place(observations, task.k) if known else explorer.estimate(observations)
+        estimate = told.place(observations, task.k) if told else explorer.estimate(observations)
         cost = (time.process_time() - began) / (UNIT * (r + 1))
         row = partial(_row, task, azimuths, r, estimate, cost)
         if not stopped and (estimate.certain or r == max(rotations)):
