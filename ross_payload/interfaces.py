@@ -306,6 +306,7 @@ class Scene:
     noise_psd: Real | None = None  # E|noise|^2 per bin and microphone, (n_freqs,)
     directness: float | None = None  # 1 in the open, less in reverberation; None: unknown
     seed: int = 0
+    hop: int | None = None  # between frames [samples]; None: unknown, so the frames cannot be cut anew
 
 
 @dataclass(frozen=True, slots=True)

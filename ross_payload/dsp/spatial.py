@@ -12,15 +12,17 @@ from ross_payload.dsp.covariance import adjugate, determinant
 from ross_payload.interfaces import Real
 
 BLOCK = 32  # bins whose shares are tied together
-REACH = (None,) * 4 + (4,) * 4 + (2,) * 4 + (1,) * 4  # per iteration: blocks on either side tied too; None: all
-STRONG = 4.0  # bins this many times above the noise count in full
+REACH = (None,) * 6 + (4,) * 6 + (2,) * 6 + (1,) * 10  # per iteration: blocks on either side tied too; None: all
+STRONG = 16.0  # bins this many times above the noise count in full
 WEAK = 0.3  # bins below this part of that do not count
 PRIOR_COUNT = 0.3  # bins added to every group's share of a block
 EVERY = 2  # frames: neighbours overlap
 
 
-def learn(observed: Real, start: Real, noise_psd: Real, anchor: float) -> Real:
-    """Covariances of the groups, trace 2, (n_freqs, n_groups, 4).
+def learn(observed: Real, start: Real, noise_psd: Real, anchor: float) -> tuple[Real, Real]:
+    """Covariances of the groups, trace 2, (n_freqs, n_groups, 4), and their shares, (n_freqs, n_groups, n_frames).
+
+    The share of a group is how probable it is in a frame, whatever bin of a block it is looked for in.
 
     E step: gamma_k ~ pi_k det(R_k) / tr(R_k adj(z z^H))^2. M step: R_k ~ sum gamma_k z z^H / (z^H R_k^-1 z), drawn
     towards the start by ``anchor``.
@@ -51,7 +53,9 @@ def learn(observed: Real, start: Real, noise_psd: Real, anchor: float) -> Real:
             moments, sums[index] = _step(unit[block], flipped[block], weight[block], learnt[block], shares[index])
             learnt[block] = (1 - anchor) * moments + anchor * start[block]
         shares = (_tied(sums, reach) + PRIOR_COUNT) / (_tied(weights, reach) + PRIOR_COUNT * start.shape[1])
-    return learnt
+    per_bin = np.repeat(np.arange(len(blocks)), BLOCK)[: len(start)]
+    per_frame = np.repeat(np.arange(shares.shape[2]), EVERY)[: observed.shape[2]]
+    return learnt, shares[per_bin][..., per_frame]
 
 
 def _step(unit: Real, flipped: Real, weight: Real, matrices: Real, shares: Real) -> tuple[Real, Real]:

@@ -96,7 +96,7 @@ def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None
         stft.frequencies, config.array.spacing_m, config.array.speed_of_sound_m_s, tau.size, tau, seed=config.seed
     )
     spectrogram = stft.analyse(pair.mixture.samples.astype(np.float32))
-    scene = replace(scene, noise_psd=noise_of(pair, config, stft))
+    scene = replace(scene, noise_psd=noise_of(pair, config, stft), hop=stft.hop)
     groups = separator.batch(spectrogram, scene)
     voices = stft.synthesise(groups.signals, n)
     found = tuple(_scored(m, voice, pair) for m, voice in zip(groups.members, voices, strict=True))

@@ -52,6 +52,7 @@ def separate(context: Context, estimate: Estimate, heard: Listening) -> tuple[Gr
         noise_psd=context.psd(stft, spectrogram),
         directness=estimate.directness,
         seed=settings.seed,
+        hop=stft.hop,
     )
     groups = context.tools.separator.batch(spectrogram, scene)
     return groups, stft.synthesise(groups.signals, heard.samples.shape[1]).astype(np.float32)

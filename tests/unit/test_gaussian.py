@@ -2,12 +2,13 @@ import numpy as np
 import pytest
 
 from ross_payload.dsp.covariance import diffuse, direct, outer
-from ross_payload.dsp.gaussian import directness_of, separator, source_psds, wiener
+from ross_payload.dsp.gaussian import astray, directness_of, in_long_frames, separator, source_psds, wiener
 from ross_payload.dsp.smooth import average
 from ross_payload.dsp.spatial import learn
 from ross_payload.dsp.steering import steering_vectors
+from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Scene
+from ross_payload.interfaces import Complex, Groups, Scene
 
 FREQUENCIES = np.fft.rfftfreq(512, 1 / 16000)[1:]
 LONGEST = 0.05 / 343.0
@@ -43,7 +44,8 @@ def test_the_psds_explain_covariances_that_the_model_can_make() -> None:
     psds = np.array([3.0, 0.5, 0.1])
     observed = np.repeat(np.einsum("fkc,k->fc", covariances, psds)[:, :, None], 5, axis=2)
     apart = (FREQUENCIES > 1000) & (FREQUENCIES < 3000)  # at 0 and at 1 / (tau_2 - tau_1) both covariances are the same
-    found = source_psds(observed[apart], covariances[apart], np.full(apart.sum(), 0.1))
+    shares = np.full((apart.sum(), 2, 5), psds[:2, None] / psds[:2].sum())
+    found = source_psds(observed[apart], covariances[apart], np.full(apart.sum(), 0.1), shares)
     np.testing.assert_allclose(found.mean(axis=(0, 2)), psds, rtol=0.1)
 
 
@@ -112,7 +114,7 @@ def test_learning_comes_nearer_to_the_truth_than_the_start() -> None:
     truth = TAU[[0, 2]]
     _, mixture = _mixture(truth, noise=0.001)
     start = 0.7 * direct(FREQUENCIES, truth + 0.2 * LONGEST * np.array([1, -1])) + 0.3 * WHITE
-    learnt = learn(outer(mixture), start, np.full(FREQUENCIES.size, 0.001), anchor=0.1)
+    learnt, _ = learn(outer(mixture), start, np.full(FREQUENCIES.size, 0.001), anchor=0.1)
     wanted = direct(FREQUENCIES, truth)
     assert np.linalg.norm(learnt - wanted) < 0.7 * np.linalg.norm(start - wanted)
 
@@ -125,6 +127,43 @@ def test_plane_waves_are_direct_and_a_diffuse_field_is_not() -> None:
     first, second = _bins(np.random.default_rng(2), 2, FREQUENCIES.size, 100)
     mixed = coherence[:, None] * first + np.sqrt(1 - coherence**2)[:, None] * second
     assert directness_of(outer(np.stack([first, mixed])), FREQUENCIES, waves, silent) == 0.0
+
+
+def test_the_share_of_a_group_tells_when_it_is_heard() -> None:
+    rng = np.random.default_rng(3)
+    waves = direct(FREQUENCIES, TAU[[0, 2]])
+    first = steering_vectors(FREQUENCIES, TAU[:1])[:, :, 0].T[:, :, None] * _bins(rng, FREQUENCIES.size, 20)
+    second = steering_vectors(FREQUENCIES, TAU[2:])[:, :, 0].T[:, :, None] * _bins(rng, FREQUENCIES.size, 20)
+    observed = outer(np.concatenate([first, second], axis=2))
+    _, shares = learn(observed, 0.9 * waves + 0.1 * WHITE, np.full(FREQUENCIES.size, 1e-6), anchor=0.1)
+    np.testing.assert_allclose(shares.sum(axis=1), 1, atol=1e-6)
+    assert shares[:, 0, :20].min() > 0.9
+    assert shares[:, 1, 20:].min() > 0.9
+
+
+def test_the_more_is_diffuse_the_more_goes_astray() -> None:
+    rng, waves, silent = np.random.default_rng(4), direct(FREQUENCIES, TAU[:1]), np.full(FREQUENCIES.size, 1e-6)
+    _, wave = _mixture(TAU[:1], noise=1e-6)
+    field = _bins(rng, *wave.shape) * np.abs(wave[:1])
+    parts = [astray(outer(wave + level * field), FREQUENCIES, waves, silent) for level in (0.0, 0.1, 0.3)]
+    assert parts[0] < 1e-4
+    assert parts[0] < parts[1] < parts[2]
+
+
+@pytest.mark.parametrize("n", [1, 700, 16000])
+def test_frames_cut_anew_give_back_what_a_separator_leaves_alone(n: int) -> None:
+    stft = Stft(16000, 1024, 256)
+    samples = np.random.default_rng(5).standard_normal((2, n))
+    seen = []
+
+    def keep(spectrogram: Complex, scene: Scene) -> Groups:
+        seen.append((spectrogram.shape[1], scene.frequencies.size, float(np.mean(np.asarray(scene.noise_psd)))))
+        return Groups(spectrogram[:1], ((0,),), "keep")
+
+    scene = Scene(stft.frequencies, 0.05, 343.0, 1, TAU[:1], np.full(513, 3.0), hop=256)
+    groups = in_long_frames(keep, stft.analyse(samples), scene)
+    np.testing.assert_allclose(stft.synthesise(groups.signals, n), samples[:1], atol=1e-9)
+    assert seen == [(1025, 1025, 6.0)]  # 128 ms; white noise has twice the PSD in frames of twice the length
 
 
 def test_averages_keep_constants_and_the_total_inside() -> None:

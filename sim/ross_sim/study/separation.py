@@ -122,7 +122,7 @@ def record(
 def scene_of(recording: Recording, stft: Stft, known_noise: bool) -> Scene:
     """What the separator may know; the noise PSD from the lead-in, or nothing about it."""
     psd = quiet_psd(stft.analyse(recording.lead_in), stft.analyse(recording.mixture)) if known_noise else None
-    return Scene(stft.frequencies, SPACING, SPEED_OF_SOUND, recording.tau.size, recording.tau, psd)
+    return Scene(stft.frequencies, SPACING, SPEED_OF_SOUND, recording.tau.size, recording.tau, psd, hop=stft.hop)
 
 
 def improvement(separator: Separator, recording: Recording, known_noise: bool = True) -> float:
