@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ross_payload.dsp.covariance import adjugate, determinant
-from ross_payload.dsp.gaussian import ACTIVE, FLOOR, fitted, wiener
+from ross_payload.dsp.gaussian import ACTIVE, FLOOR, fitted, in_long_frames, reverberant, wiener
 from ross_payload.dsp.network import Network, shipped_network
 from ross_payload.dsp.noise import guessed_psd
 from ross_payload.dsp.steering import directions_of
@@ -95,6 +95,8 @@ class Refined:
             When the TDOAs are not known.
         """
         members, delays = directions_of(scene, "the refined model")
+        if reverberant(spectrogram, scene):
+            return in_long_frames(self.batch, spectrogram, scene)
         shape = (len(members), *spectrogram.shape[1:])
         signals, masks = np.zeros(shape, spectrogram.dtype), np.zeros(shape, np.float32)
         power = float((np.abs(spectrogram) ** 2).mean()) if spectrogram.size else 0.0
