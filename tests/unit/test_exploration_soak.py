@@ -32,7 +32,7 @@ def rows(*, known: bool) -> list[Row]:
 def test_the_number_of_talkers_is_right_in_true_rooms() -> None:
     found = rows(known=False)
     right = [np.mean([row.found == row.k for row in found if row.k == k]) for k in KS]
-    assert (np.array(right) >= [0.85, 0.60, 0.55]).all(), right
+    assert (np.array(right) >= [0.85, 0.60, 0.50]).all(), right
 
 
 def test_talkers_whose_number_is_known_are_placed_in_true_rooms() -> None:
