@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ross_payload.dsp import duet, gaussian, iva
+from ross_payload.dsp import duet, gaussian, iva, refine
 from ross_payload.dsp.covariance import direct, outer
 from ross_payload.dsp.steering import ALIAS, groups_of
 from ross_payload.interfaces import Complex, Groups, Scene, Separator
 
+INFORMED, UNMIXING, ANY = refine.separator, iva.separator, duet.separator  # the best of those that know, and do not
 CLEAN_DB = 28.0  # from here on two groups in the open are unmixed rather than filtered
 OPEN = 0.5  # directness
 WIDE = 0.5  # TDOAs of two groups this far apart [d / v_p]
@@ -21,14 +22,14 @@ def choose(spectrogram: Complex, scene: Scene) -> tuple[Separator, str]:
     if scene.tau is not None:
         against = _against_unmixing(spectrogram, scene)
         if against:
-            return gaussian.separator, f"directions known, {against}"
+            return INFORMED, f"directions known, {against}"
         return (
-            iva.separator,
+            UNMIXING,
             f"two groups wide apart in the open, {_ratio_db(spectrogram, scene):.0f} dB above the noise",
         )
     if scene.n_sources == 2:
-        return iva.separator, "two sources, two microphones, directions unknown"
-    return duet.separator, f"{scene.n_sources} sources, directions unknown"
+        return UNMIXING, "two sources, two microphones, directions unknown"
+    return ANY, f"{scene.n_sources} sources, directions unknown"
 
 
 def _against_unmixing(spectrogram: Complex, scene: Scene) -> str:

@@ -21,11 +21,11 @@ def _mixture(tau: np.ndarray) -> np.ndarray:
     ("tau", "noise", "directness", "name", "why"),
     [
         (APART, 1e-5, 1.0, "auxiva", "in the open"),
-        (APART, 1e-5, 0.0, "gaussian", "reverberation"),
-        (APART, 0.1, 1.0, "gaussian", "above the noise"),
-        (APART, None, 1.0, "gaussian", "noise unknown"),
-        (APART / 5, 1e-5, 1.0, "gaussian", "close together"),
-        (LONGEST * np.array([-0.8, 0.0, 0.8]), 1e-5, 1.0, "gaussian", "3 groups"),
+        (APART, 1e-5, 0.0, "refined", "reverberation"),
+        (APART, 0.1, 1.0, "refined", "above the noise"),
+        (APART, None, 1.0, "refined", "noise unknown"),
+        (APART / 5, 1e-5, 1.0, "refined", "close together"),
+        (LONGEST * np.array([-0.8, 0.0, 0.8]), 1e-5, 1.0, "refined", "3 groups"),
         (APART[[0, 1, 0]], 1e-5, 1.0, "auxiva", "two groups"),
     ],
 )
