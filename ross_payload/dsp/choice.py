@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ross_payload.dsp import duet, gaussian, iva, refine
+from ross_payload.dsp import duet, iva, refine
 from ross_payload.dsp.covariance import direct, outer
+from ross_payload.dsp.gaussian import directness_of
 from ross_payload.dsp.steering import ALIAS, groups_of
 from ross_payload.interfaces import Complex, Groups, Scene, Separator
 
@@ -57,7 +58,7 @@ def _directness(spectrogram: Complex, scene: Scene) -> float:
     if scene.directness is not None:
         return scene.directness
     waves = direct(scene.frequencies, np.asarray(scene.tau))
-    return gaussian.directness_of(outer(spectrogram), scene.frequencies, waves, np.asarray(scene.noise_psd))
+    return directness_of(outer(spectrogram), scene.frequencies, waves, np.asarray(scene.noise_psd))
 
 
 class Auto:
