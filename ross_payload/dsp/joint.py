@@ -28,7 +28,7 @@ BANDWIDTH = 0.04  # of the published density [d / v_p]
 BIAS = np.deg2rad(0.3)  # what reflections add to every azimuth, however long one listens [rad]
 ROUNDS = 10  # of refinement on the strict histograms
 LOOSE = 0.5  # counts by which amplitudes are drawn to each other there
-OPEN = 0.065  # kernels on the strict histograms are narrower than this in the open [d / v_p]
+OPEN = 0.06  # kernels on the strict histograms are narrower than this in the open [d / v_p]
 AMPLITUDE_BIAS = 0.008  # of an amplitude, however long one listens
 LOW = 0.97  # amplitude; a greater one may be that of a source at elevation 0
 CLEAR = 2.5  # standard deviations by which an amplitude must lie below 1
@@ -97,9 +97,7 @@ class Joint:
             return Estimate(())
         placed = mixture.refine(strict, fit.model, ROUNDS, LOOSE)
         sources = _sources(rich, fit, strict, placed)
-        return Estimate(
-            sources, self._certain(rich, fit, sources), 1.0 if placed.width < OPEN else fit.model.directness
-        )
+        return Estimate(sources, self._certain(rich, fit, sources), _directness(rich, fit.model, placed))
 
     def data(self, observations: Sequence[Observation]) -> tuple[mixture.Data, mixture.Data]:
         """Rich and strict histograms of all orientations, ITDs in units of d / v_p."""
@@ -114,6 +112,12 @@ class Joint:
         sharp = all(source.resolved and source.sigma <= self.enough.sigma for source in sources)
         heard = len(data.headings) >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
         return bool(clear and sharp and heard and sources)
+
+
+def _directness(data: mixture.Data, model: mixture.Mixture, placed: mixture.Mixture) -> float:
+    """1 in the open; in a room s times the share of the evidence that is not diffuse."""
+    diffuse = np.average(model.weights[:, -mixture.OTHERS], weights=data.counts.sum(axis=1) + mixture.TINY)
+    return 1.0 if placed.width < OPEN else float(model.directness * (1 - diffuse))
 
 
 def _sources(
