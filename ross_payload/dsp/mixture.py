@@ -5,10 +5,13 @@ At heading phi_r the ITD of a source at azimuth theta_k and elevation epsilon_k 
 of the room (reflections pull ITDs towards 0). All amplitudes are drawn to their common s and all widths to their common
 width, as if so many counts had said so. Every orientation has its own weights, because talkers pause. What no source
 explains is diffuse, normal around 0, or nobody's, spread evenly over all ITDs. ITDs are in units of d / v_p here.
+
+Many models of as many sources are refined together as one whose arrays have a leading dimension (`stacked`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,13 +39,13 @@ class Data:
 
 @dataclass(frozen=True, slots=True)
 class Mixture:
-    """Parameters of the model."""
+    """Parameters of the model, or of n models: then every shape begins with n."""
 
     azimuths: Real  # [rad], (k,)
     amplitudes: Real  # (k,)
     widths: Real  # [d / v_p], (k,)
     weights: Real  # (n_headings, k + 2), rows sum to 1; the last two columns are the diffuse share and nobody's
-    directness: float = 1.0
+    directness: float | Real = 1.0
 
     @property
     def width(self) -> float:
@@ -56,20 +59,42 @@ def empty(data: Data) -> Mixture:
     return Mixture(nothing, nothing, nothing, np.full((len(data.headings), OTHERS), 1 / OTHERS))
 
 
+def stacked(models: Sequence[Mixture]) -> Mixture:
+    """Models of as many sources as one with a leading dimension."""
+    return Mixture(
+        np.stack([model.azimuths for model in models]),
+        np.stack([model.amplitudes for model in models]),
+        np.stack([model.widths for model in models]),
+        np.stack([model.weights for model in models]),
+        np.array([model.directness for model in models]),
+    )
+
+
+def taken(models: Mixture, index: int) -> Mixture:
+    """One of the models that are `stacked`."""
+    return Mixture(
+        models.azimuths[index],
+        models.amplitudes[index],
+        models.widths[index],
+        models.weights[index],
+        float(np.asarray(models.directness)[index]),
+    )
+
+
 def kernels(data: Data, azimuths: Real, amplitudes: Real, widths: Real) -> Real:
     """Probability of every ITD bin for every source, (n_headings, k, n_bins); sums to nearly 1 over the bins."""
-    centre = amplitudes * np.cos(azimuths - data.headings[:, None])
-    return _normal(data, centre[..., None], widths[:, None])
+    centre = amplitudes[..., None, :] * np.cos(azimuths[..., None, :] - data.headings[:, None])
+    return _normal(data, centre[..., None], widths[..., None, :, None])
 
 
 def densities(data: Data, model: Mixture) -> Real:
     """Probability of every ITD bin in every orientation, (n_headings, n_bins)."""
-    return np.asarray(_joint(data, model).sum(axis=1))
+    return np.asarray(_joint(data, model).sum(axis=-2))
 
 
-def log_likelihood(data: Data, model: Mixture) -> float:
-    """Log-likelihood of the counts [nat]."""
-    return float((data.counts * np.log(densities(data, model) + TINY)).sum())
+def log_likelihood(data: Data, model: Mixture) -> Real:
+    """Log-likelihood of the counts [nat], one number per model."""
+    return np.asarray((data.counts * np.log(densities(data, model) + TINY)).sum(axis=(-2, -1)))
 
 
 def refine(data: Data, model: Mixture, rounds: int, tie: float = TIE) -> Mixture:
@@ -147,19 +172,20 @@ def sigmas(data: Data, model: Mixture) -> tuple[Real, Real]:
 def _step(data: Data, model: Mixture, tie: float) -> Mixture:
     claimed = _claimed(data, model)
     counts = claimed.sum(axis=-1)
-    sources = counts[:, :-OTHERS]
-    mean, square = ((claimed[:, :-OTHERS] @ power) for power in (data.grid, data.grid**2))
+    sources = counts[..., :-OTHERS]
+    mean, square = ((claimed[..., :-OTHERS, :] @ power) for power in (data.grid, data.grid**2))
     cosine, sine = _turned(data, model)
-    centre, slope = model.amplitudes * cosine, -model.amplitudes * sine
-    curvature = (sources * slope**2).sum(axis=0) + 0.02 * sources.sum(axis=0) + TINY
-    turn = ((mean - sources * centre) * slope).sum(axis=0) / curvature
-    reach, weight = (mean * cosine).sum(axis=0), (sources * cosine**2).sum(axis=0)
-    directness = float(np.clip((20.0 + reach.sum()) / (20.0 + weight.sum()), *AMPLITUDE))
-    spread = (square - 2 * mean * centre + sources * centre**2).sum(axis=0)
+    amplitudes = model.amplitudes[..., None, :]
+    centre, slope = amplitudes * cosine, -amplitudes * sine
+    curvature = (sources * slope**2).sum(axis=-2) + 0.02 * sources.sum(axis=-2) + TINY
+    turn = ((mean - sources * centre) * slope).sum(axis=-2) / curvature
+    reach, weight = (mean * cosine).sum(axis=-2), (sources * cosine**2).sum(axis=-2)
+    directness = _clipped((20.0 + reach.sum(axis=-1)) / (20.0 + weight.sum(axis=-1)), *AMPLITUDE)
+    spread = (square - 2 * mean * centre + sources * centre**2).sum(axis=-2)
     return Mixture(
-        azimuths=model.azimuths + np.clip(turn, -0.2, 0.2),
-        amplitudes=np.clip((tie * directness + reach) / (tie + weight), *AMPLITUDE),
-        widths=_widths(spread, sources.sum(axis=0)),
+        azimuths=model.azimuths + _clipped(turn, -0.2, 0.2),
+        amplitudes=_clipped((tie * directness[..., None] + reach) / (tie + weight), *AMPLITUDE),
+        widths=_widths(spread, sources.sum(axis=-2)),
         weights=_weights(counts),
         directness=directness,
     )
@@ -167,38 +193,51 @@ def _step(data: Data, model: Mixture, tie: float) -> Mixture:
 
 def _widths(spread: Real, counts: Real) -> Real:
     """Widths from summed squares, drawn to their common one and weakly to 0.1, (k,)."""
-    common = (spread.sum() + 20 * 0.1**2) / (counts.sum() + 20)
-    return np.asarray(np.clip(np.sqrt((spread + 2 * 0.1**2 + ALIKE * common) / (counts + 2 + ALIKE)), *WIDTH))
+    common = (spread.sum(axis=-1, keepdims=True) + 20 * 0.1**2) / (counts.sum(axis=-1, keepdims=True) + 20)
+    return _clipped(np.sqrt((spread + 2 * 0.1**2 + ALIKE * common) / (counts + 2 + ALIKE)), *WIDTH)
 
 
 def _weights(counts: Real) -> Real:
     """Shares of the counts (n_headings, k + 2), drawn to those of all orientations."""
-    pooled = counts.sum(axis=0) / (counts.sum() + TINY)
-    weights = (counts + POOL * pooled + TINY) / (counts.sum(axis=1, keepdims=True) + POOL * pooled.sum() + TINY)
-    return np.asarray(weights / weights.sum(axis=1, keepdims=True))
+    of_all = counts.sum(axis=-2, keepdims=True)
+    pooled = POOL * of_all / (of_all.sum(axis=-1, keepdims=True) + TINY)
+    weights = counts + pooled + TINY
+    return np.asarray(weights / weights.sum(axis=-1, keepdims=True))
+
+
+def _clipped(values: Real, low: float, high: float) -> Real:
+    return np.asarray(np.minimum(np.maximum(values, low), high))
 
 
 def _turned(data: Data, model: Mixture) -> tuple[Real, Real]:
     """Cosine and sine of the azimuths relative to the array, (n_headings, k) each."""
-    angle = model.azimuths - data.headings[:, None]
+    angle = model.azimuths[..., None, :] - data.headings[:, None]
     return np.cos(angle), np.sin(angle)
 
 
 def _normal(data: Data, centre: Real | float, width: Real | float) -> Real:
     """Normal density over the bins times their width, broadcast against (..., n_bins)."""
     step = data.grid[1] - data.grid[0]
-    return np.asarray(step / np.sqrt(2 * np.pi) / width * np.exp(-0.5 * ((data.grid - centre) / width) ** 2))
+    off = (data.grid - centre) / width
+    off *= off
+    off *= -0.5
+    np.exp(off, out=off)
+    off *= step / np.sqrt(2 * np.pi) / width
+    return np.asarray(off)
 
 
 def _joint(data: Data, model: Mixture) -> Real:
     """Weight times probability, (n_headings, k + 2, n_bins)."""
-    named = kernels(data, model.azimuths, model.amplitudes, model.widths)
-    others = np.stack([_normal(data, 0.0, DIFFUSE), np.full_like(data.grid, 1 / len(data.grid))])
-    all_of_them = np.concatenate([named, np.broadcast_to(others, (len(named), *others.shape))], axis=1)
-    return np.asarray(all_of_them * model.weights[..., None])
+    joint = np.empty((*model.weights.shape, len(data.grid)))
+    joint[..., :-OTHERS, :] = kernels(data, model.azimuths, model.amplitudes, model.widths)
+    joint[..., -OTHERS, :] = _normal(data, 0.0, DIFFUSE)
+    joint[..., -1, :] = 1 / len(data.grid)
+    joint *= model.weights[..., None]
+    return joint
 
 
 def _claimed(data: Data, model: Mixture) -> Real:
     """Counts that every source claims of every bin, (n_headings, k + 2, n_bins)."""
     joint = _joint(data, model)
-    return np.asarray(data.counts[:, None] * joint / (joint.sum(axis=1, keepdims=True) + TINY))
+    joint *= (data.counts / (joint.sum(axis=-2) + TINY))[..., None, :]
+    return joint

@@ -9,6 +9,7 @@ two near others costs more.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,9 +91,11 @@ def search(data: Data, price: Price, known: int | None = None) -> Fit:
 
 def worths(data: Data, model: Mixture, rounds: int = 8) -> tuple[Real, list[Mixture]]:
     """Worth of every source [nat], (k,), and the models without it."""
-    reduced = [mixture.refine(data, mixture.remove(model, k), rounds) for k in range(len(model.azimuths))]
-    full = mixture.log_likelihood(data, model)
-    return np.array([full - mixture.log_likelihood(data, other) for other in reduced]), reduced
+    if not len(model.azimuths):
+        return np.zeros(0), []
+    reduced = [mixture.remove(model, k) for k in range(len(model.azimuths))]
+    refined, likelihoods = _refined(data, reduced, rounds)
+    return mixture.log_likelihood(data, model) - likelihoods, refined
 
 
 def profile(data: Data, model: Mixture, source: int) -> Real:
@@ -117,12 +120,17 @@ def rearrange(data: Data, model: Mixture, price: Price, rounds: int = 2) -> Mixt
         moved = [_moved(data, reduced[k], price, float(model.azimuths[k])) for k in least]
         fewer = reduced[least[0]]
         halves = [mixture.split(fewer, k, ASIDE, price.width) for k in range(len(fewer.azimuths))]
-        tried = [mixture.refine(data, other, 10) for other in (*moved, *halves)]
-        likelihoods = [mixture.log_likelihood(data, other) for other in tried]
-        if max(likelihoods) <= best + BETTER:
+        tried, likelihoods = _refined(data, [*moved, *halves], 10)
+        if likelihoods.max() <= best + BETTER:
             break
-        best, model = max(likelihoods), tried[int(np.argmax(likelihoods))]
+        best, model = likelihoods.max(), tried[int(likelihoods.argmax())]
     return model
+
+
+def _refined(data: Data, models: Sequence[Mixture], rounds: int) -> tuple[list[Mixture], Real]:
+    """Models of as many sources, refined together, and the log-likelihood of each [nat], (n,)."""
+    together = mixture.refine(data, mixture.stacked(models), rounds)
+    return [mixture.taken(together, index) for index in range(len(models))], mixture.log_likelihood(data, together)
 
 
 @dataclass(frozen=True, slots=True)
