@@ -304,7 +304,6 @@ class Scene:
     n_sources: int  # K
     tau: Real | None = None  # TDOA of every source at this heading [s], (n_sources,), > 0 when microphone 2 leads
     noise_psd: Real | None = None  # E|noise|^2 per bin and microphone, (n_freqs,)
-    directness: float | None = None  # 1 in the open, less in reverberation; None: unknown
     seed: int = 0
     hop: int | None = None  # between frames [samples]; None: unknown, so the frames cannot be cut anew
 

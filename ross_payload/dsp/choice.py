@@ -13,7 +13,7 @@ from ross_payload.dsp.steering import ALIAS, groups_of
 from ross_payload.interfaces import Complex, Groups, Scene, Separator
 
 INFORMED, UNMIXING, ANY = refine.separator, iva.separator, duet.separator  # the best of those that know, and do not
-CLEAN_DB = 28.0  # from here on two groups in the open are unmixed rather than filtered
+CLEAN_DB = 36.0  # from here on two groups in the open are unmixed rather than filtered
 OPEN = 0.5  # directness
 WIDE = 0.5  # TDOAs of two groups this far apart [d / v_p]
 
@@ -55,8 +55,6 @@ def _ratio_db(spectrogram: Complex, scene: Scene) -> float:
 
 
 def _directness(spectrogram: Complex, scene: Scene) -> float:
-    if scene.directness is not None:
-        return scene.directness
     waves = direct(scene.frequencies, np.asarray(scene.tau))
     return directness_of(outer(spectrogram), scene.frequencies, waves, np.asarray(scene.noise_psd))
 

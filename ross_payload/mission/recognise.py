@@ -50,7 +50,6 @@ def separate(context: Context, estimate: Estimate, heard: Listening) -> tuple[Gr
         n_sources=estimate.k,
         tau=tdoa(azimuths, heard.heading, settings.spacing, settings.speed_of_sound, elevations),
         noise_psd=context.psd(stft, spectrogram),
-        directness=estimate.directness,
         seed=settings.seed,
         hop=stft.hop,
     )

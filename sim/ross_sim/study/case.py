@@ -214,7 +214,7 @@ def _end_to_end(case: _Case, estimate: Estimate, rotations: int, heading: float)
             continue
         row = replace(row, azimuth_deg=degrees(estimate.sources[owner].azimuth), rule=candidate.rule)
         recording = case.record(target, candidate.heading, target)
-        belief = Belief(_tau(estimate, candidate.heading), estimate.directness, true=False)
+        belief = Belief(_tau(estimate, candidate.heading), true=False)
         for separated in case.separations(recording, belief):
             yield case.scored(row, recording, separated, owner, candidate.heading)
 

@@ -25,7 +25,6 @@ class Belief:
     """What the separators are told about the talkers."""
 
     tau: Real  # TDOA of every source at the heading of the recording [s], (n_sources,)
-    directness: float | None = None
     true: bool = True  # else oracles are left out
 
 
@@ -72,9 +71,7 @@ def separations(
     mixture = stft.analyse(recording.mixture)
     psd = quiet_psd(stft.analyse(recording.lead_in), mixture)
     tau = belief.tau
-    scene = Scene(
-        stft.frequencies, SPACING, SPEED_OF_SOUND, tau.size, tau, psd, belief.directness, study.seed, stft.hop
-    )
+    scene = Scene(stft.frequencies, SPACING, SPEED_OF_SOUND, tau.size, tau, psd, study.seed, stft.hop)
     for name, noise in columns(study, oracles=belief.true):
         began, told = time.process_time(), scene if noise == "known" else replace(scene, noise_psd=None)
         members: tuple[tuple[int, ...], ...] = tuple((k,) for k in range(tau.size))
