@@ -9,7 +9,7 @@ import soundfile
 
 from ross_payload import cli
 from ross_payload.audio.files import write_wav
-from ross_payload.dsp.gaussian import separator
+from ross_payload.dsp.choice import separator
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.stft import Stft
 from ross_payload.evaluation.takes import lag_of, placed
