@@ -142,7 +142,8 @@ def _tasks(study: Study, setting: str, k: int, layout: int) -> Iterator[Task]:
 
 
 PAPERS = ("duet", "iva", "mvdr")  # the paper's separators
-EVERY = ("duet", "auxiva", "gaussian", "auto", "mvdr", "lcmv", "iva", "ilrma", "fastmnmf2", "irm", "mwf", "tvmwf")
+INFORMED = ("duet", "auxiva", "gaussian", "refined")  # the best ones
+EVERY = (*INFORMED, "auto", "mvdr", "lcmv", "iva", "ilrma", "fastmnmf2", "irm", "mwf", "tvmwf")
 PRESETS: dict[str, dict[str, Any]] = {
     "quick": {
         "settings": ("S1", "S2"), "k": (3,), "layouts": 0, "starts": 3, "separators": ("duet", "gaussian"),
@@ -153,8 +154,11 @@ PRESETS: dict[str, dict[str, Any]] = {
         "rotations": (STOP, 12), "rules": "paper", "rate_hz": 16000, "frame": 1024, "overlap": 0.25,
         "explore_overlap": 0.25,
     },
+    "figures": {
+        "k": (3,), "layouts": 0, "starts": 12, "separators": INFORMED,
+    },
     "separation": {
-        "settings": tuple(SETTINGS), "layouts": 10, "separators": ("duet", "auxiva", "gaussian", "auto"),
+        "settings": tuple(SETTINGS), "layouts": 10, "separators": (*INFORMED, "auto"),
         "noise": ("known", "unknown"), "explorers": (),
     },
     "exploration": {
