@@ -40,7 +40,9 @@ def _schedule(text: str) -> int | str:
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder of the study.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes; default: one per core.")
-@click.option("--quick", is_flag=True, help="The first K, one layout, at most 4 rotations, T_run at most 3 s.")
+@click.option(
+    "--quick", is_flag=True, help="The first K, one layout, at most 3 starts, 4 rotations, T_run at most 3 s."
+)
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of everything random.")
 @click.option("--settings", type=_Names(), help="Rooms: S1,S2,S3,A0.3,...")
 @click.option("--k", type=_Names(int), help="Numbers of talkers.")

@@ -185,7 +185,13 @@ def chosen(name: str, changes: dict[str, Any], quick: bool) -> Study:
     study = validated(Study, base | changes, name)
     if quick:
         rotations = tuple(dict.fromkeys(min(count, 4) if count != STOP else 4 for count in study.rotations))
-        small = {"k": study.k[:1], "layouts": 1 - study.paper_layout, "rotations": rotations, "max_rotations": 4}
+        small = {
+            "k": study.k[:1],
+            "layouts": 1 - study.paper_layout,
+            "starts": min(study.starts, 3),
+            "rotations": rotations,
+            "max_rotations": 4,
+        }
         study = study.model_copy(update=small | {"run_s": min(study.run_s, 3.0)})
     check_names(study)
     return study
