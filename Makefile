@@ -28,6 +28,7 @@ bench: $(VENV)/.dev
 	$(BIN)/ross study separation $(BENCH) --seed 1 --out out/bench/separation
 	$(BIN)/ross study exploration $(BENCH) --explorers joint --seed 3 --out out/bench/exploration
 	$(BIN)/python -m ross_sim.study.voices --speech $(SPEECH)
+	$(PIP) --group bench
 	$(BIN)/python -m ross_sim.study.cost --speech $(SPEECH)
 
 soak: $(VENV)/.dev
