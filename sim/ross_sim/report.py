@@ -38,6 +38,7 @@ class Truth:
 
     names: tuple[str, ...]
     azimuths: Real  # [rad], (n_talkers,)
+    elevations: Real  # [rad], (n_talkers,)
     images: Samples  # every talker alone at microphone 1, (n_talkers, n_samples)
     mixture: Samples  # at microphone 1, (n_samples,)
     target: str
@@ -141,6 +142,8 @@ def _sources(sources: Sequence[SourceEstimate], truth: Truth) -> list[dict[str, 
                 "azimuth_deg": _degrees(source.azimuth),
                 "azimuth_error_deg": _round(error, 3),
                 "sigma_deg": _degrees(source.sigma),
+                "elevation_true_deg": None if talker is None else _degrees(float(truth.elevations[talker])),
+                "elevation_deg": None if source.elevation is None else _degrees(source.elevation),
                 "confidence": _round(source.confidence, 4),
                 "front_back_resolved": source.resolved,
             }

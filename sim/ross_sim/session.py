@@ -152,6 +152,7 @@ def _truth(world: World, cast: Cast, target: str, config: Config) -> Truth:
     return Truth(
         names=tuple(voice.name for voice in cast.talkers),
         azimuths=np.array([wrap(azimuth + yaw) for azimuth in world.azimuths]),
+        elevations=np.array(world.elevations),
         images=world.images(),
         mixture=world.mixture()[0],
         target=target,

@@ -23,6 +23,7 @@ def show(finished: Finished, out: Path | None, as_json: bool) -> None:
     values = finished.report
     console.print()
     console.print(_sources(values))
+    _elevated(console, values)
     _missed(console, values)
     if values["alignment"] and values["alignment"]["used"]:
         _aligned(console, values["alignment"]["used"])
@@ -61,6 +62,16 @@ def _sources(values: dict[str, Any]) -> Table:
             _number(row["confidence"], 2),
         )
     return table
+
+
+def _elevated(console: Console, values: dict[str, Any]) -> None:
+    told = [
+        f"source {index} {row['elevation_deg']:.1f} (true {_number(row['elevation_true_deg'], 1)})"
+        for index, row in enumerate(values["sources"])
+        if row["elevation_deg"] is not None
+    ]
+    if told:
+        console.print(f"elevation [deg]: {', '.join(told)}", markup=False, highlight=False, soft_wrap=True)
 
 
 def _missed(console: Console, values: dict[str, Any]) -> None:

@@ -71,6 +71,7 @@ class World:
         cache: Path | None = None,
     ) -> None:
         self.azimuths = scenario.azimuths()
+        self.elevations = scenario.elevations()
         self.clock = clock
         self.rate = scenario.payload.audio.rate_hz
         self.source = Microphones(self)

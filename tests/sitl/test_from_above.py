@@ -19,6 +19,7 @@ def test_talkers_below_are_found_and_the_target_is_separated(tmp_path: Path) -> 
     report = json.loads((out / "report.json").read_text())
     assert (report["outcome"], report["k"]) == ("target_found", 3)
     assert all(abs(source["azimuth_error_deg"]) < 5 for source in report["sources"])
+    assert all(abs(source["elevation_deg"] - source["elevation_true_deg"]) < 10 for source in report["sources"])
     target = next(group for group in report["groups"] if group["target"])
     assert target["talkers"] == [report["target"]]
     assert target["si_sdri_db"] > 12
