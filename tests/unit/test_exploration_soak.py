@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import os
+from concurrent.futures import ProcessPoolExecutor
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
-from ross_sim.speech import load_folder
-from ross_sim.study.exploration import NEAR_DEG, RATE, TALKERS, Row, Task, sweep
+from ross_payload.dsp.joint import Joint, explorer
+from ross_sim.study.cast import Source, voices_of
+from ross_sim.study.exploration import NEAR_DEG, RATE, explore, matched
+from ross_sim.study.rooms import SETTINGS, SPACING, SPEED_OF_SOUND
+from ross_sim.study.separation import VOICES
 
 SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / "../shared/speech"))
 ROOMS = ("A0.3", "A0.45", "A0.7", "B0.3", "B0.45", "B0.7")
 KS = (3, 4, 5)
+SEED, LAYOUTS, ROTATIONS, WORKERS = 7, 5, 12, 2
 
 pytestmark = [
     pytest.mark.soak,
@@ -23,19 +29,28 @@ pytestmark = [
 ]
 
 
-def rows(*, known: bool) -> list[Row]:
-    voices = {voice.name: voice.speech for voice in load_folder(SPEECH, RATE)}
-    tasks = [Task(room, k, n, 7, known=known) for room, k, n in product(ROOMS, KS, range(5))]
-    return [row for row in sweep(tasks, [voices[name] for name in TALKERS], [12]) if not row.stopped]
+def explored(scene: tuple[str, int, int]) -> tuple[int, int, list[float]]:
+    """K, K as estimated, and the error [deg] of every talker when K is told."""
+    room, k, layout = scene
+    joint: Joint = explorer.make(SPACING, SPEED_OF_SOUND)
+    voices = [voice.speech for voice in voices_of(Source(SPEECH, VOICES, RATE))]
+    heard = explore(joint, SETTINGS[room], voices, k, key=[SEED, k, layout], rotations=ROTATIONS)
+    errors, _ = matched(heard.azimuths, joint.place(heard.observations, k))
+    return k, joint.estimate(heard.observations).k, errors.tolist()
 
 
-def test_the_number_of_talkers_is_right_in_true_rooms() -> None:
-    found = rows(known=False)
-    right = [np.mean([row.found == row.k for row in found if row.k == k]) for k in KS]
+@pytest.fixture(scope="module")
+def found() -> list[tuple[int, int, list[float]]]:
+    with ProcessPoolExecutor(WORKERS, initializer=threadpool_limits, initargs=(1,)) as pool:
+        return list(pool.map(explored, product(ROOMS, KS, range(LAYOUTS))))
+
+
+def test_the_number_of_talkers_is_right_in_true_rooms(found: list[tuple[int, int, list[float]]]) -> None:
+    right = [np.mean([counted == k for k, counted, _ in found if k == wanted]) for wanted in KS]
     assert (np.array(right) >= [0.85, 0.60, 0.50]).all(), right
 
 
-def test_talkers_whose_number_is_known_are_placed_in_true_rooms() -> None:
-    errors = [row.errors_deg for row in rows(known=True)]
+def test_talkers_whose_number_is_known_are_placed_in_true_rooms(found: list[tuple[int, int, list[float]]]) -> None:
+    errors = [of_all for _, _, of_all in found]
     assert np.mean(np.concatenate(errors) <= NEAR_DEG) >= 0.96
     assert np.mean([max(of_all) <= NEAR_DEG for of_all in errors]) >= 0.80

@@ -226,13 +226,17 @@ def test_loudness_does_not_matter() -> None:
 @pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH}; set ROSS_SPEECH")
 def test_real_talkers_in_the_papers_rooms_are_counted_and_placed() -> None:
     """K unknown, 2 to 5; 12 rotations, T_unit 3 s; K right and all within 10 deg in .79 / .34 / .34 of the scenes."""
-    from ross_sim.speech import load_folder
-    from ross_sim.study.exploration import COUNTS, PLANES, RATE, TALKERS, Task, sweep
+    from ross_sim.study.case import perform
+    from ross_sim.study.cast import Source
+    from ross_sim.study.design import chosen, tasks
+    from ross_sim.study.rooms import PLANES
+    from ross_sim.study.separation import VOICES
 
-    voices = {voice.name: voice.speech for voice in load_folder(SPEECH, RATE)}
-    tasks = [Task(setting, k, n, 2, "markov") for setting in PLANES for k in COUNTS for n in range(14)]
-    rows = [row for row in sweep(tasks, [voices[name] for name in TALKERS], [12]) if not row.stopped]
-    shares = [np.mean([row.right for row in rows if row.setting == setting]) for setting in PLANES]
+    axes = {"settings": PLANES, "explorers": ("markov",), "rotations": (12,), "seed": 2}
+    study = chosen("exploration", axes, quick=False)
+    source = Source(SPEECH, VOICES, study.rate_hz)
+    last = [perform(task, study, source).explorations[-1] for task in tasks(study)]
+    shares = [np.mean([row.right for row in last if row.setting == setting]) for setting in PLANES]
     assert np.all(np.array(shares) >= [0.79, 0.34, 0.34]), shares
 
 

@@ -1,11 +1,16 @@
+"""What recordings are made of, and what the columns of a study say of separators and oracles."""
+
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from ross_payload import plugins
-from ross_payload.errors import PluginError
+from ross_payload.dsp.metrics import si_sdri
+from ross_payload.dsp.stft import Stft
+from ross_payload.errors import ConfigError
+from ross_sim.study.design import chosen
 from ross_sim.study.rooms import SETTINGS
-from ross_sim.study.separation import NOISE_BLIND, column, improvement, main, measure, recordings
+from ross_sim.study.scoring import NOISE_BLIND, Belief, separations, tools_of
+from ross_sim.study.separation import FRAME, HOP, RATE, Recording, aligned_heading, gains, layouts, record, scene_of
 
 
 def _voices(n: int = 24000) -> list[np.ndarray]:
@@ -14,35 +19,40 @@ def _voices(n: int = 24000) -> list[np.ndarray]:
     return [rng.standard_normal(n) * np.repeat(rng.gamma(0.3, size=n // 600), 600) for _ in range(3)]
 
 
-def test_the_reference_is_the_target_alone_and_all_talkers_and_noise_are_the_mixture() -> None:
-    recording = next(recordings(_voices(), 3, SETTINGS["S1"], count=0, seed=0))
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    """The first talker of the paper's layout at its alignment, in the open."""
+    rng = np.random.default_rng(0)
+    azimuths = layouts(3, 0, rng)[0]
+    return record(_voices(), azimuths, 0, aligned_heading(azimuths, 0), SETTINGS["S1"], rng=rng)
+
+
+def test_the_reference_is_the_target_alone_and_all_talkers_and_noise_are_the_mixture(recording: Recording) -> None:
     noise = recording.mixture - recording.images.sum(axis=0)
     np.testing.assert_array_equal(recording.reference, recording.images[recording.target, 0])
     clean = (recording.images.sum(axis=0)[0] ** 2).mean()
     assert 10 * np.log10(clean / (noise[0] ** 2).mean()) == pytest.approx(15, abs=0.2)
 
 
-def test_an_oracle_beats_the_beam_and_both_have_one_number() -> None:
-    scores = measure(_voices(), 3, SETTINGS["S1"], 0, 0, names=("mvdr", "tvmwf"))
-    assert [len(values) for values in scores.values()] == [1, 1]
-    assert scores["tvmwf"][0] > scores["mvdr"][0] > 0
+def test_an_oracle_beats_the_beam_and_both_have_one_number(recording: Recording) -> None:
+    asked = chosen("separation", {"separators": ("mvdr", "tvmwf")}, quick=False)
+    made = list(separations(asked, tools_of(asked), recording, Belief(recording.tau)))
+    assert [one.separator for one in made] == ["mvdr", "tvmwf"]
+    beam, oracle = (si_sdri(one.voice_of(0), recording.mixture[0], recording.reference) for one in made)
+    assert oracle > beam > 0
 
 
 @pytest.mark.parametrize("name", sorted(NOISE_BLIND - {"fastmnmf2"}))
-def test_columns_with_one_number_do_not_depend_on_the_noise_psd(name: str) -> None:
-    recording = next(recordings(_voices(), 3, SETTINGS["S1"], count=0, seed=0))
-    separator = plugins.load("ross_payload.separators", name)
-    with_psd, without = (improvement(separator, recording, known) for known in (True, False))
-    assert with_psd == without
-    assert abs(with_psd) > 0.1
+def test_columns_with_one_number_do_not_depend_on_the_noise_psd(name: str, recording: Recording) -> None:
+    separator, stft = plugins.load("ross_payload.separators", name), Stft(RATE, FRAME, HOP)
+    spectrogram = stft.analyse(recording.mixture)
+    with_psd, without = (
+        separator.batch(spectrogram, scene_of(recording, stft, known)).signals for known in (True, False)
+    )
+    np.testing.assert_array_equal(with_psd, without)
+    assert abs(gains(separator, recording)[recording.target]) > 0.1
 
 
 def test_an_unknown_column_is_refused() -> None:
-    with pytest.raises(PluginError, match="there are"):
-        column("nonesuch")
-
-
-def test_columns_need_their_option() -> None:
-    ended = CliRunner().invoke(main, ["duet", "mvdr"])
-    assert ended.exit_code == 2
-    assert "--separators" in ended.output
+    with pytest.raises(ConfigError, match="'nonesuch' is unknown; there are"):
+        chosen("separation", {"separators": ("nonesuch",)}, quick=False)

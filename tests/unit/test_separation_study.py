@@ -6,8 +6,11 @@ import pytest
 
 from ross_payload.angles import difference
 from ross_payload.dsp.steering import tdoa
-from ross_sim.study.rooms import PLANES, SETTINGS
-from ross_sim.study.separation import aligned_heading, layouts, load_voices, measure
+from ross_sim.study.case import perform
+from ross_sim.study.cast import Source
+from ross_sim.study.design import chosen, tasks
+from ross_sim.study.rooms import PLANES
+from ross_sim.study.separation import VOICES, aligned_heading, layouts
 
 SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / "shared" / "speech"))
 FLOORS = {"S1": (15.0, 13.5, 12.0), "S2": (12.2, 11.0, 9.5), "S3": (9.0, 9.5, 8.5)}  # [dB] for K = 3, 4, 5
@@ -29,7 +32,9 @@ def test_random_layouts_keep_talkers_apart() -> None:
 @pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH} (set ROSS_SPEECH)")
 @pytest.mark.parametrize("setting", PLANES)
 def test_the_local_gaussian_model_reaches_the_floors(setting: str) -> None:
-    voices = load_voices(SPEECH)
-    for n_sources, floor in zip((3, 4, 5), FLOORS[setting], strict=True):
-        known, _ = measure(voices, n_sources, SETTINGS[setting], count=5, seed=0)["gaussian"]
-        assert known >= floor
+    axes = {"settings": (setting,), "layouts": 5, "separators": ("gaussian",), "noise": ("known",), "seed": 0}
+    study = chosen("separation", axes, quick=False)
+    source = Source(SPEECH, VOICES, study.rate_hz)
+    rows = [row for task in tasks(study) if task.target is not None for row in perform(task, study, source).separations]
+    for k, floor in zip(study.k, FLOORS[setting], strict=True):
+        assert np.mean([row.si_sdri_db for row in rows if row.k == k]) >= floor

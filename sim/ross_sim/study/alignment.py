@@ -23,22 +23,12 @@ from ross_payload import plugins
 from ross_payload.angles import Real
 from ross_payload.dsp import gain
 from ross_payload.dsp.alignment import isolation
-from ross_payload.dsp.metrics import si_sdri
-from ross_payload.dsp.stft import Stft
 from ross_payload.errors import RossError
 from ross_payload.interfaces import Separator
+from ross_sim.study.cast import Source, check_voices, voices_of
+from ross_sim.study.design import Study
 from ross_sim.study.rooms import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting
-from ross_sim.study.separation import (
-    FRAME,
-    HOP,
-    RATE,
-    Recording,
-    aligned_heading,
-    layouts,
-    load_voices,
-    record,
-    scene_of,
-)
+from ross_sim.study.separation import RATE, aligned_heading, gains, layouts, record
 
 GRID: Real = np.deg2rad(np.arange(0.0, 180.0, 0.5))  # headings that argmax tries
 RULES: dict[str, Callable[[Real, int, float], float]] = {
@@ -94,18 +84,6 @@ def curves(
             yield Curve(azimuths, target, direct, headings, values)
 
 
-def gains(separator: Separator, recording: Recording) -> list[float]:
-    """SI-SDRi [dB] of every talker of one recording, (n_sources,)."""
-    stft = Stft(RATE, FRAME, HOP)
-    groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=True))
-    found = [0.0] * recording.tau.size
-    for members, signal in zip(groups.members, groups.signals, strict=True):
-        voice = stft.synthesise(signal, recording.mixture.shape[1])
-        for member in members:
-            found[member] = si_sdri(voice, recording.mixture[0], recording.images[member, 0])
-    return found
-
-
 def fit(found: Sequence[Curve]) -> Real:
     """Least-squares (s, r, m) of curves in one room, less troubled by outliers (soft L1)."""
 
@@ -153,7 +131,9 @@ def main(*, speech: Path, rooms: str, sizes: str, count: int, step_deg: float, s
     found: dict[str, list[Curve]] = {name: [] for name in names}
     click.echo("             best " + " ".join(f"{rule:>8}" for rule in (*RULES, "mean", "rank")))
     try:
-        voices = [voice[: round(seconds * RATE)] for voice in load_voices(speech, ())]
+        talkers = voices_of(Source(speech, (), RATE))
+        check_voices(talkers, Study(run_s=seconds))
+        voices = [voice.speech[: round(seconds * RATE)] for voice in talkers]
         for name, size in product(names, [int(size) for size in sizes.split(",")]):
             with threadpool_limits(1):
                 cell = list(curves(voices, size, SETTINGS[name], count, seed, step_deg=step_deg))

@@ -24,7 +24,7 @@ from ross_payload.events import AlignmentCandidate, Estimate, SourceEstimate
 from ross_payload.interfaces import Explorer, Real, Separator
 from ross_sim.study.cast import Source, Stage, stage
 from ross_sim.study.design import STOP, Study, Task
-from ross_sim.study.exploration import NEAR_DEG, matched, render
+from ross_sim.study.exploration import NEAR_DEG, matched, observed, render
 from ross_sim.study.rooms import SPACING, SPEED_OF_SOUND
 from ross_sim.study.rows import (
     ALIGNED,
@@ -173,9 +173,9 @@ def _estimates(case: _Case, explorer: Explorer, headings: Real) -> Iterator[Esti
     study, task, here, unit = case.study, case.task, case.stage, float(case.task.unit or 0.0)
     rng = np.random.default_rng([study.seed, task.k, task.layout, task.start])
     heard = render(here.speech, here.azimuths, here.setting, headings, rng, seconds=unit, rate=study.rate_hz)
-    stft, observations, began = study.explorer_stft, [], time.process_time()
-    for samples, heading in zip(heard.astype(np.float32), headings, strict=True):
-        observations.append(explorer.observe(stft.analyse(samples), stft.frequencies, float(heading), None))
+    observations, began = [], time.process_time()
+    for observation in observed(explorer, study.explorer_stft, heard, headings):
+        observations.append(observation)
         if study.tell_k and isinstance(explorer, Joint):
             yield explorer.place(observations, task.k)
         else:

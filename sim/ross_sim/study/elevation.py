@@ -24,16 +24,17 @@ from threadpoolctl import threadpool_limits
 from ross_payload import plugins
 from ross_payload.angles import difference
 from ross_payload.dsp.alignment import plan
-from ross_payload.dsp.joint import explorer
 from ross_payload.dsp.steering import tdoa
-from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate, SourceEstimate
-from ross_payload.interfaces import Real, Samples
+from ross_payload.interfaces import Explorer, Real, Samples
 from ross_sim.speech import load_folder
-from ross_sim.study import exploration, separation
-from ross_sim.study.exploration import COUNTS, FRAME, NEAR_DEG, RATE, STEP, TALKERS
+from ross_sim.study import exploration
+from ross_sim.study.exploration import NEAR_DEG
 from ross_sim.study.rooms import DISTANCE, SPACING, SPEED_OF_SOUND, Setting
+from ross_sim.study.separation import RATE, VOICES, gains, record
 
+COUNTS = (2, 3, 4, 5)  # K
+RUN = 10.0  # of every talker, to separate [s]
 STEEP_DEG = (20.0, 60.0)  # how far below the array the talkers are
 MOUTH = 1.6  # height of a talker's mouth [m]
 HOVER = 5.0  # of the array above the mouths [m]
@@ -91,17 +92,9 @@ class Explored:
 
 def explore(field: Field, k: int, key: Sequence[int], voices: Sequence[Samples], rotations: int) -> Explored:
     """Explore one layout; ``key`` seeds it."""
-    rng = np.random.default_rng(key)
-    azimuths = exploration.layout_of(k, rng)
-    chosen = tuple(voices[i] for i in rng.permutation(len(voices))[:k])
-    headings = STEP * np.arange(rotations + 1)
-    heard = exploration.render(chosen, azimuths, field, headings, rng).astype(np.float32)
-    stft, joint = Stft(RATE, FRAME, FRAME // 4), explorer.make(SPACING, SPEED_OF_SOUND)
-    seen = [
-        joint.observe(stft.analyse(samples), stft.frequencies, float(heading), None)
-        for samples, heading in zip(heard, headings, strict=True)
-    ]
-    return Explored(field, azimuths, chosen, joint.estimate(seen))
+    joint: Explorer = plugins.load("ross_payload.explorers", "joint").make(SPACING, SPEED_OF_SOUND)
+    heard = exploration.explore(joint, field, voices, k, key=key, rotations=rotations)
+    return Explored(field, heard.azimuths, heard.voices, joint.estimate(heard.observations))
 
 
 def row(explored: Sequence[Explored]) -> str:
@@ -139,13 +132,13 @@ def _improvement(explored: Explored, belief: Sequence[SourceEstimate], target: i
         speed_of_sound=SPEED_OF_SOUND,
     )
     heading = next((c.heading for c in planned.candidates if c.source == target), 0.0)
-    voices = [np.resize(voice, round(separation.RUN * RATE)) for voice in explored.voices]
+    voices = [np.resize(voice, round(RUN * RATE)) for voice in explored.voices]
     rng = np.random.default_rng([seed, target])
-    recorded = separation.record(voices, explored.azimuths, target, heading, explored.field, rng=rng)
+    recorded = record(voices, explored.azimuths, target, heading, explored.field, rng=rng)
     azimuths, elevations = np.array([(source.azimuth, source.elevation or 0.0) for source in belief]).T
     tau = tdoa(azimuths, heading, SPACING, SPEED_OF_SOUND, elevations)
     separator = plugins.load("ross_payload.separators", "gaussian")
-    return separation.improvement(separator, replace(recorded, tau=tau))
+    return gains(separator, replace(recorded, tau=tau))[target]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -158,7 +151,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--align", type=int, default=0, help="also separate so many layouts of every K > 2")
     asked = parser.parse_args(arguments)
     voices = {voice.name: voice.speech for voice in load_folder(asked.speech, RATE)}
-    chosen = [voices[name] for name in TALKERS if name in voices] or list(voices.values())
+    chosen = [voices[name] for name in VOICES if name in voices] or list(voices.values())
     sys.stdout.write("rotations  field  K right  all right  error [deg]  elevation right  its error [deg]\n")
     with threadpool_limits(1):
         for rotations, field in product(asked.rotations, FIELDS):
@@ -166,11 +159,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             every = [explore(field, k, [asked.seed, k, n], chosen, rotations) for k, n in keys]
             sys.stdout.write(f"{rotations:9d}  {field.name}  {row(every)}\n")
             right = [one for (k, n), one in zip(keys, every, strict=True) if k > 2 and n < asked.align and one.found]
-            gains = [gain for one in right for gain in aligned(one, asked.seed)] if field.above else []
-            if gains:
+            found = [gain for one in right for gain in aligned(one, asked.seed)] if field.above else []
+            if found:
                 sys.stdout.write(
-                    "SI-SDRi [dB]: true {:.2f}, estimated {:.2f}, azimuths alone {:.2f}".format(*np.mean(gains, axis=0))
-                    + f" ({len(gains)} targets)\n"
+                    "SI-SDRi [dB]: true {:.2f}, estimated {:.2f}, azimuths alone {:.2f}".format(*np.mean(found, axis=0))
+                    + f" ({len(found)} targets)\n"
                 )
             sys.stdout.flush()
     return 0

@@ -16,7 +16,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ross_payload.angles import difference
 from ross_payload.config import validated
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
@@ -26,9 +25,9 @@ from ross_sim.live import Silent
 from ross_sim.scenario import Scenario, load
 from ross_sim.session import Finished, perform
 from ross_sim.speech import Voice, load_folder
+from ross_sim.study.separation import spread
 from ross_sim.voices import synthetic_voices
 
-APART = math.radians(25)  # talkers closer than this are not asked for [rad]
 NEAR = 5.0  # an azimuth is found within this [deg]
 GAIN = 12.0  # wanted SI-SDRi [dB]
 
@@ -63,20 +62,11 @@ class Draw:
         return "" if self.si_sdri_db is not None and self.si_sdri_db > GAIN else "gain"
 
 
-def layout(rng: np.random.Generator, k: int) -> Real:
-    """Random azimuths [rad], at least 25 degrees apart, (k,)."""
-    while True:
-        azimuths = rng.uniform(-np.pi, np.pi, k)
-        apart = np.abs(difference(azimuths[:, None], azimuths[None])) + 2 * np.pi * np.eye(k)
-        if apart.min() >= APART:
-            return azimuths
-
-
 def draw(scenario: Scenario, voices: Sequence[Voice], seed: int, same_layout: bool) -> Draw:
     """Fly one mission with random talkers, a random target and, unless told otherwise, random azimuths."""
     rng = np.random.default_rng(seed)
     chosen = [voices[int(i)] for i in rng.choice(len(voices), len(scenario.talkers), replace=False)]
-    azimuths = layout(rng, len(chosen))
+    azimuths = spread(len(chosen), rng)
     if same_layout:
         azimuths = np.asarray(scenario.azimuths())
     talkers = tuple(

@@ -20,7 +20,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Complex, Real, Scene
 from ross_sim.room import RoomSpec, respond
 from ross_sim.study.augment import at_speed
-from ross_sim.study.separation import aligned_heading
+from ross_sim.study.separation import aligned_heading, spread
 
 SPACING, SPEED_OF_SOUND = 0.05, 343.0  # d [m], v_p [m/s]
 SECONDS = 4.5
@@ -50,7 +50,7 @@ def clip(voices: Mapping[str, Mapping[int, Real]], seed: int, index: int) -> Cli
     rng = np.random.default_rng([seed, index])
     rate = int(rng.choice(RATES, p=RATE_SHARES))
     n_sources = int(rng.choice((2, 3, 4, 5), p=(0.15, 0.35, 0.25, 0.25)))
-    azimuths = _azimuths(n_sources, rng)
+    azimuths = spread(n_sources, rng, APART)
     names = rng.permutation(list(voices))
     cast = [_voice(voices[names[i % len(names)]][rate], rate, rng) for i in range(n_sources)]
     heading = float(rng.uniform(0, np.pi))
@@ -58,14 +58,6 @@ def clip(voices: Mapping[str, Mapping[int, Real]], seed: int, index: int) -> Cli
         heading = aligned_heading(azimuths, int(rng.integers(n_sources)))
     images = _images(cast, azimuths, heading, rate, rng)
     return _fitted(images, *_heard(azimuths, heading, rng), rate, rng)
-
-
-def _azimuths(n_sources: int, rng: np.random.Generator) -> Real:
-    while True:
-        azimuths = rng.uniform(-np.pi, np.pi, n_sources)
-        gaps = np.abs(np.angle(np.exp(1j * (azimuths[:, None] - azimuths)))) + 2 * np.pi * np.eye(n_sources)
-        if gaps.min() >= APART:
-            return azimuths
 
 
 def _voice(speech: Real, rate: int, rng: np.random.Generator) -> Real:

@@ -17,7 +17,9 @@ from ross_sim.study.design import Study
 from ross_sim.study.oracles import ORACLES
 from ross_sim.study.rooms import SPACING, SPEED_OF_SOUND
 from ross_sim.study.rows import DIGITS, Separation, degrees, number
-from ross_sim.study.separation import NOISE_BLIND, Recording
+from ross_sim.study.separation import Recording
+
+NOISE_BLIND = frozenset({"mvdr", "lcmv", "iva", "ilrma", "fastmnmf2"})  # never look at the noise PSD
 
 
 @dataclass(frozen=True, slots=True, eq=False)
