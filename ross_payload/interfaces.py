@@ -287,8 +287,19 @@ class Explorer(Protocol):
 
     name: str
 
-    def observe(self, spectrogram: Complex, frequencies: Real, heading: float, noise_psd: Real | None) -> Observation:
-        """Condense one orientation; spectrogram (2, n_freqs, n_frames), frequencies [Hz]."""
+    def observe(
+        self,
+        spectrogram: Complex,
+        frequencies: Real,
+        heading: float,
+        noise_psd: Real | None,
+        *,
+        frame_period: float | None = None,
+    ) -> Observation:
+        """Condense one orientation; spectrogram (2, n_freqs, n_frames), frequencies [Hz].
+
+        ``frame_period`` is the time between frames [s]; when it is not told, frames overlap by three quarters.
+        """
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
         """Estimate K and all azimuths from every orientation heard so far."""

@@ -101,6 +101,15 @@ def weighted_itd(
     return _itd(cross, frequencies), weight
 
 
+def period_of(frequencies: Real, told: float | None) -> float:
+    """Time between frames [s]; that of frames that overlap by three quarters when nobody tells it.
+
+    >>> period_of(np.array([0.0, 25.0]), None), period_of(np.array([0.0, 25.0]), 0.03)
+    (0.01, 0.03)
+    """
+    return float(0.25 / (frequencies[1] - frequencies[0])) if told is None else told
+
+
 def tail(power: Real, decay: float) -> Real:
     """What is left of the past: ``tail(t) = decay max(tail(t - 1), power(t - 1))``, (n_freqs, n_frames).
 

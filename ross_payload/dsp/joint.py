@@ -18,11 +18,10 @@ import numpy as np
 from ross_payload.angles import difference, wrap
 from ross_payload.dsp import mixture, order
 from ross_payload.dsp.density import histogram, itd_grid, kde, prominent_peaks
-from ross_payload.dsp.itd import Trust, band_limits, check_array, weighted_itd
+from ross_payload.dsp.itd import Trust, band_limits, check_array, period_of, weighted_itd
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
 
-OVERLAP = 0.75  # of the frames of the spectrogram
 COUNT = 0.5  # effective counts per unit of weight: neighbouring bins are not independent
 BANDWIDTH = 0.04  # of the published density [d / v_p]
 BIAS = np.deg2rad(0.3)  # what reflections add to every azimuth, however long one listens [rad]
@@ -59,7 +58,15 @@ class Joint:
     enough: Stop = field(default_factory=Stop)
     name: str = "joint"
 
-    def observe(self, spectrogram: Complex, frequencies: Real, heading: float, noise_psd: Real | None) -> Observation:
+    def observe(
+        self,
+        spectrogram: Complex,
+        frequencies: Real,
+        heading: float,
+        noise_psd: Real | None,
+        *,
+        frame_period: float | None = None,
+    ) -> Observation:
         """Condense one orientation into a histogram of trustworthy ITDs; see `interfaces.Explorer`.
 
         Frames of about 43 ms that overlap by three quarters serve best.
@@ -70,10 +77,9 @@ class Joint:
         band = (frequencies >= low) & (frequencies <= high)
         if not spectrogram.shape[-1] or not band.any():
             return Observation(heading, grid, np.zeros_like(grid), 0.0, (), np.zeros((2, len(grid))))
-        frame_period = (1 - OVERLAP) / (frequencies[1] - frequencies[0])
-        noise = None if noise_psd is None else noise_psd[band]
+        noise, period = None if noise_psd is None else noise_psd[band], period_of(frequencies, frame_period)
         rich, strict = (
-            histogram(*weighted_itd(spectrogram[:, band], frequencies[band], frame_period, noise, trust), grid)
+            histogram(*weighted_itd(spectrogram[:, band], frequencies[band], period, noise, trust), grid)
             for trust in (self.trust, self.strict)
         )
         density = kde(rich, grid, BANDWIDTH * unit)

@@ -20,11 +20,10 @@ from ross_payload.config import Table
 from ross_payload.dsp import chain
 from ross_payload.dsp.clusters import Cluster, k_means
 from ross_payload.dsp.density import histogram, itd_grid, kde, prominent_peaks
-from ross_payload.dsp.itd import Trust, band_limits, check_array, itd_per_bin, weighted_itd
+from ross_payload.dsp.itd import Trust, band_limits, check_array, itd_per_bin, period_of, weighted_itd
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
 
-OVERLAP = 0.75  # of the frames of the spectrogram
 TRUSTS = (Trust(), Trust(neighbourhood=(3, 3), coherence=0.99))
 N_BINS = 241
 UNCHANGED = 2  # times that K must stay the same
@@ -62,7 +61,15 @@ class Markov:
         """The largest ITD, d / v_p [s]."""
         return self.spacing / self.speed_of_sound
 
-    def observe(self, spectrogram: Complex, frequencies: Real, heading: float, noise_psd: Real | None) -> Observation:
+    def observe(
+        self,
+        spectrogram: Complex,
+        frequencies: Real,
+        heading: float,
+        noise_psd: Real | None,
+        *,
+        frame_period: float | None = None,
+    ) -> Observation:
         """Fit the ITDs of one orientation with a KDE and find its prominent peaks; see `interfaces.Explorer`."""
         grid = itd_grid(self.spacing, self.speed_of_sound, N_BINS)
         low, high = band_limits(self.spacing, self.speed_of_sound)
@@ -70,7 +77,8 @@ class Markov:
         if not spectrogram.shape[-1] or not band.any():
             return Observation(heading, grid, np.zeros_like(grid), 0.0)
         noise = None if noise_psd is None else noise_psd[band]
-        counts = self._histograms(spectrogram[:, band], frequencies[band], noise, grid)
+        itds = self._itds(spectrogram[:, band], frequencies[band], period_of(frequencies, frame_period), noise)
+        counts = [histogram(*itd_and_weight, grid) for itd_and_weight in itds]
         weight = float(counts[0].sum())
         if weight < self.rule.evidence * band.sum() * spectrogram.shape[-1]:
             return Observation(heading, grid, np.zeros_like(grid), weight)
@@ -90,13 +98,13 @@ class Markov:
         turned = sum(abs(after.heading - before.heading) for before, after in pairwise(observations))
         return Estimate(self._sources(found), turned >= HALF_TURN or self._settled(found, len(observations) - 1))
 
-    def _histograms(self, spectrogram: Complex, frequencies: Real, noise_psd: Real | None, grid: Real) -> list[Real]:
+    def _itds(
+        self, spectrogram: Complex, frequencies: Real, period: float, noise_psd: Real | None
+    ) -> list[tuple[Real, Real]]:
+        """ITD [s] and weight of every bin, once for every histogram."""
         if not self.trusts:
-            itd = itd_per_bin(spectrogram, frequencies)
-            return [histogram(itd, (np.abs(spectrogram).min(axis=0) > 0).astype(float), grid)]
-        period = (1 - OVERLAP) / (frequencies[1] - frequencies[0])
-        each = (weighted_itd(spectrogram, frequencies, period, noise_psd, trust) for trust in self.trusts)
-        return [histogram(itd, weight, grid) for itd, weight in each]
+            return [(itd_per_bin(spectrogram, frequencies), (np.abs(spectrogram).min(axis=0) > 0).astype(float))]
+        return [weighted_itd(spectrogram, frequencies, period, noise_psd, trust) for trust in self.trusts]
 
     def _clusters(self, votes: Sequence[chain.Vote]) -> list[tuple[Cluster, float]]:
         """Clusters that are sources, each with its votes over those that it must hold."""

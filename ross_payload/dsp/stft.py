@@ -56,6 +56,11 @@ class Stft:
         return np.fft.rfftfreq(self.frame, 1 / self.rate)
 
     @property
+    def period(self) -> float:
+        """Time between frames [s]."""
+        return self.hop / self.rate
+
+    @property
     def window(self) -> Real:
         """Analysis window: square root of the periodic Hann window, (frame,)."""
         return np.sin(np.pi * np.arange(self.frame) / self.frame)

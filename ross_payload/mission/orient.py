@@ -26,7 +26,9 @@ def observe(context: Context, heard: Listening) -> Observation:
     stft = context.tools.explorer_stft
     spectrogram = stft.analyse(heard.samples)
     noise_psd = context.psd(stft, spectrogram)
-    return context.tools.explorer.observe(spectrogram, stft.frequencies, heard.heading, noise_psd)
+    return context.tools.explorer.observe(
+        spectrogram, stft.frequencies, heard.heading, noise_psd, frame_period=stft.period
+    )
 
 
 def say_belief(context: Context, *, final: bool) -> None:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ross_payload.dsp import joint, markov
 from ross_payload.dsp.itd import Trust, band_limits, itd_per_bin, tail, weighted_itd
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Complex, Real
@@ -81,3 +82,20 @@ def test_the_band_ends_where_half_a_wavelength_fits_between_the_microphones(spac
     low, high = band_limits(spacing, 343.0)
     assert 343.0 / high == pytest.approx(2 * spacing)
     assert 0 < low < high
+
+
+@pytest.mark.parametrize("explorer", [joint.explorer, markov.explorer], ids=["joint", "markov"])
+@pytest.mark.parametrize(("hop", "told"), [(128, None), (128, 128 / RATE), (384, 384 / RATE)])
+def test_explorers_trust_a_steady_wave_by_what_decays_between_frames(
+    explorer: joint.Factory | markov.Factory, hop: int, told: float | None
+) -> None:
+    """Onset: 1 in the first frame, then 1 less the tail of the frame before, exp(-hop / decay)."""
+    n_frames, frequencies = 50, STFT.frequencies
+    wave = np.exp(2j * np.pi * frequencies * 1e-4)
+    heard = np.repeat(np.stack([np.ones_like(wave), wave])[..., None], n_frames, axis=2)
+    silence = np.zeros(len(frequencies))
+    seen = explorer.make(0.05, 343.0).observe(heard, frequencies, 0.0, silence, frame_period=told)
+    low, high = band_limits(0.05, 343.0)
+    band = frequencies[(frequencies >= low) & (frequencies <= high)]
+    onsets = 1 + (n_frames - 1) * (1 - np.exp(-hop / RATE / Trust().decay))
+    assert seen.weight == pytest.approx(onsets * band.sum() / band.max(), rel=0.02)

@@ -66,7 +66,7 @@ class ThreeTalkers:
     certain: bool = True
     patience: int = 3  # orientations before it believes anything
 
-    def observe(self, spectrogram, frequencies, heading, noise_psd):
+    def observe(self, spectrogram, frequencies, heading, noise_psd, *, frame_period=None):
         return Observation(heading, np.zeros(1), np.ones(1), 1.0)
 
     def estimate(self, observations):
@@ -181,6 +181,18 @@ def test_exploration_stops_when_certain_and_not_before_the_minimum():
     heard = one.said(OrientationHeard)
     assert [round(np.rad2deg(event.heading)) for event in heard] == [0, 15, 30]
     assert [event.final for event in one.said(SourcesEstimated)] == [False, False, True]
+
+
+def test_the_explorer_is_told_how_far_its_frames_are_apart():
+    periods = set()
+
+    class Timed(ThreeTalkers):
+        def observe(self, *heard, frame_period=None):
+            periods.add(frame_period)
+            return super().observe(*heard)
+
+    rig(explorer=Timed()).run()
+    assert periods == {128 / RATE}
 
 
 def test_exploration_ends_at_the_maximum_when_never_certain():

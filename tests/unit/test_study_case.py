@@ -103,7 +103,7 @@ class Deaf:
     def make(self, spacing, speed_of_sound):
         return self
 
-    def observe(self, spectrogram, frequencies, heading, noise_psd):
+    def observe(self, spectrogram, frequencies, heading, noise_psd, *, frame_period=None):
         return None
 
     def estimate(self, observations):

@@ -63,7 +63,8 @@ def render(
 def observed(explorer: Explorer, stft: Stft, heard: Real, headings: Real) -> Iterator[Observation]:
     """What an explorer, whom nobody tells the noise, observes of (n_headings, 2, n_samples)."""
     for samples, heading in zip(heard.astype(np.float32), headings, strict=True):
-        yield explorer.observe(stft.analyse(samples), stft.frequencies, float(heading), None)
+        spectrogram = stft.analyse(samples)
+        yield explorer.observe(spectrogram, stft.frequencies, float(heading), None, frame_period=stft.period)
 
 
 def explore(
