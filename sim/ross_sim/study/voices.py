@@ -1,8 +1,8 @@
 """How well the voice print tells separated talkers apart: ``python -m ross_sim.study.voices``.
 
-Three talkers stand 2.5 m from the array in an anechoic room, white noise 15 dB below the mixture, every azimuth known.
-The array turns to each talker's alignment, the local Gaussian model separates what it hears for T_check or T_run, and
-the group that holds this talker alone is scored against the print of everybody in the folder.
+Three talkers stand around the array in each room of `--rooms`, white noise 15 dB below the mixture, azimuths known.
+The array turns to each talker's best heading, the separator `auto` separates what it hears for T_check or T_run, and
+the group that holds this talker is scored against the print of everybody in the folder, enrolled from a clean clip.
 """
 
 from __future__ import annotations
@@ -15,18 +15,20 @@ from pathlib import Path
 
 import numpy as np
 
-from ross_payload.dsp.gaussian import separator
+from ross_payload.dsp.choice import separator
+from ross_payload.dsp.gain import best_headings
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint import Background, enrol, shipped_background
 from ross_payload.voiceprint.background import read_background
 from ross_sim.speech import Voice, load_folder
-from ross_sim.study.rooms import SETTINGS
-from ross_sim.study.separation import FRAME, HOP, RATE, aligned_heading, layouts, record, scene_of
+from ross_sim.study.rooms import SETTINGS, Setting
+from ross_sim.study.separation import FRAME, HOP, RATE, layouts, record, scene_of
 from ross_sim.voices import synthetic_voices
 
 DURATIONS = (3.0, 10.0)  # T_check, T_run [s]
 TALKERS = 3
+ROOMS = ("S1", "S2", "S3", "A0.45")
 OUTSIDE = ("ls3005", "ls3331", "ls2414", "ls3080", "ls533")  # of the shared recordings, not in the background model
 
 
@@ -34,6 +36,7 @@ OUTSIDE = ("ls3005", "ls3331", "ls2414", "ls3080", "ls533")  # of the shared rec
 class Trial:
     """One recording, alone or separated, against one print."""
 
+    room: str
     scene: int  # trials with one number come from one mixture
     seconds: float
     separated: bool
@@ -56,18 +59,21 @@ def equal_error_rate(targets: Real, strangers: Real) -> float:
     return float((rejected[best] + accepted[best]) / 2)
 
 
-def trials(voices: Sequence[Voice], background: Background, draws: int, seed: int) -> Iterator[Trial]:
-    """Draw mixtures of three talkers and score every talker, clean and separated, against every print."""
+def trials(voices: Sequence[Voice], background: Background, room: str, draws: int, seed: int) -> Iterator[Trial]:
+    """Draw mixtures of three talkers in a room and score every talker, clean and separated, against every print."""
     rng = np.random.default_rng(seed)
     prints = {voice.name: enrol(voice.enrolment, voice.rate, background) for voice in voices}
     for scene in range(draws):
-        for seconds, separated, chosen, talker, signal in scenes(voices, rng):
+        for seconds, separated, chosen, talker, signal in scenes(voices, room, rng):
             for name, model in prints.items():
                 present = any(other.name == name for other in chosen)
-                yield Trial(scene, seconds, separated, talker, name, present, model.score(signal, RATE).value)
+                value = model.score(signal, RATE).value
+                yield Trial(room, scene, seconds, separated, talker, name, present, value)
 
 
-def scenes(voices: Sequence[Voice], rng: np.random.Generator) -> Iterator[tuple[float, bool, list[Voice], str, Real]]:
+def scenes(
+    voices: Sequence[Voice], room: str, rng: np.random.Generator
+) -> Iterator[tuple[float, bool, list[Voice], str, Real]]:
     """Draw one mixture: duration [s], separated or clean, who is in it, whose recording, the recording (n,)."""
     chosen = [voices[int(i)] for i in rng.choice(len(voices), TALKERS, replace=False)]
     azimuths = layouts(TALKERS, 1, rng)[1]
@@ -76,17 +82,17 @@ def scenes(voices: Sequence[Voice], rng: np.random.Generator) -> Iterator[tuple[
         heard = [clip[: round(seconds * RATE)] for clip in clips]
         for index, voice in enumerate(chosen):
             yield seconds, False, chosen, voice.name, heard[index]
-            yield seconds, True, chosen, voice.name, separated_voice(heard, azimuths, index, rng)
+            yield seconds, True, chosen, voice.name, separated_voice(heard, azimuths, index, SETTINGS[room], rng)
 
 
 def summary(found: Sequence[Trial]) -> list[str]:
     """Lines of a table: errors at the criterion, equal error rate, identification, mixtures without the target."""
-    lines = ["                 false rejects  false accepts  EER   identified  mixtures rejected"]
-    for separated in (False, True):
-        for seconds in DURATIONS:
-            part = [trial for trial in found if trial.separated == separated and trial.seconds == seconds]
-            label = f"{'separated' if separated else 'clean':9s} {seconds:4.0f} s"
-            lines.append(f"{label}  {_row(part)}")
+    lines = ["                       false rejects  false accepts  EER   identified  mixtures rejected"]
+    parts: dict[tuple[str, bool, float], list[Trial]] = {}
+    for trial in found:
+        parts.setdefault((trial.room, trial.separated, trial.seconds), []).append(trial)
+    for (room, separated, seconds), part in parts.items():
+        lines.append(f"{room:5s} {'separated' if separated else 'clean':9s} {seconds:4.0f} s  {_row(part)}")
     return lines
 
 
@@ -104,9 +110,12 @@ def _row(part: Sequence[Trial]) -> str:
     return f"{numbers}  {100 * float(np.mean(rejected)):11.1f}   ({len(targets)} targets, {len(strangers)} strangers)"
 
 
-def separated_voice(voices: Sequence[Real], azimuths: Real, target: int, rng: np.random.Generator) -> Real:
-    """Separate one of three talkers (n,) each at ``azimuths`` [rad] at its own alignment, (n,)."""
-    recording = record(voices, azimuths, target, aligned_heading(azimuths, target), SETTINGS["S1"], rng=rng)
+def separated_voice(
+    voices: Sequence[Real], azimuths: Real, target: int, setting: Setting, rng: np.random.Generator
+) -> Real:
+    """Separate one of three talkers (n,) each at ``azimuths`` [rad] at its best heading in a room, (n,)."""
+    heading = float(best_headings(azimuths, directness=float(setting.t60 == 0))[target])
+    recording = record(voices, azimuths, target, heading, setting, rng=rng)
     stft = Stft(RATE, FRAME, HOP)
     groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=True))
     index = next(i for i, members in enumerate(groups.members) if target in members)
@@ -124,7 +133,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--speech", type=Path, help="folder of talkers; default: the synthetic voices")
     parser.add_argument("--talkers", nargs="*", default=list(OUTSIDE), help="of that folder; nobody named: all")
     parser.add_argument("--background", type=Path, help="another background model (.npz) than the one shipped")
-    parser.add_argument("--draws", type=int, default=20)
+    parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S1"], help=f"such as {' '.join(ROOMS)}")
+    parser.add_argument("--draws", type=int, default=20, help="mixtures in every room")
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args(arguments)
     voices = load_folder(asked.speech, RATE) if asked.speech else synthetic_voices(RATE)
@@ -133,7 +143,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     model = shipped_background()
     if asked.background:
         model = read_background(asked.background.read_bytes(), asked.background.name)
-    found = list(trials(voices, model, asked.draws, asked.seed))
+    found = [trial for room in asked.rooms for trial in trials(voices, model, room, asked.draws, asked.seed)]
     sys.stdout.write("\n".join([", ".join(voice.name for voice in voices), *summary(found)]) + "\n")
     return 0
 
