@@ -72,6 +72,17 @@ def aligned_heading(azimuths: Real, target: int) -> float:
     return float(headings[isolation.argmax()])
 
 
+def images_of(voices: Sequence[Real], places: Real, heading: float, setting: Setting, rate: int) -> Real:
+    """Every talker alone at both microphones, of equal power at microphone 1, (n_sources, 2, n).
+
+    The voices (n,) each are at ``places`` [m], (n_sources, dim); the array is at ``heading`` [rad].
+    """
+    responses = setting.responses(places, [heading], rate)[0]
+    heard = [fftconvolve(voice[None], responses[:, k], axes=1)[:, : voice.size] for k, voice in enumerate(voices)]
+    images = np.stack(heard)
+    return np.asarray(images / np.sqrt((images[:, :1] ** 2).mean(axis=2, keepdims=True)))
+
+
 def record(
     voices: Sequence[Real],
     azimuths: Real,
@@ -88,10 +99,7 @@ def record(
     layout has the same room.
     """
     places = setting.places(azimuths, np.random.default_rng(np.abs(azimuths * 1e6).astype(int)))
-    responses = setting.responses(places, [heading], rate)[0]
-    n = len(voices[0])
-    images = np.stack([fftconvolve(voice[None], responses[:, k], axes=1)[:, :n] for k, voice in enumerate(voices)])
-    images /= np.sqrt((images[:, :1] ** 2).mean(axis=2, keepdims=True))
+    images = images_of(voices, places, heading, setting, rate)
     clean = images.sum(axis=0)
     sigma = np.sqrt((clean[0] ** 2).mean() * 10 ** (-SNR_DB / 10))
     mixture = clean + sigma * rng.standard_normal(clean.shape)

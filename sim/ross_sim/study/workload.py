@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
-from scipy.signal import fftconvolve
 
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.noise import quiet_psd
@@ -18,7 +17,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Complex, Real, Scene
 from ross_sim.speech import resampled
 from ross_sim.study.rooms import SETTINGS, SPACING, SPEED_OF_SOUND
-from ross_sim.study.separation import aligned_heading, layouts
+from ross_sim.study.separation import aligned_heading, images_of, layouts
 
 VOICE_RATE = 48000  # the voices are loaded at [Hz]; every lower rate divides its resampling
 FRAME = 0.1  # rounded to a power of two in samples [s]
@@ -75,7 +74,9 @@ def prepared(case: Case, voices: Sequence[Real]) -> Work:
     heading, n = aligned_heading(azimuths, case.target), round(case.seconds * case.rate)
     speech = [np.resize(resampled(voice, VOICE_RATE, case.rate), n) for voice in voices[: case.n_sources]]
     before = time.process_time()
-    images = _images(case, azimuths, heading, speech)
+    setting = SETTINGS[case.setting]
+    places = setting.places(azimuths, np.random.default_rng(case.seed))
+    images = images_of(speech, places, heading, setting, case.rate)
     simulation = time.process_time() - before
     clean = images.sum(axis=0)
     sigma = math.sqrt(float((clean[0] ** 2).mean()) * 10 ** (-SNR_DB / 10))
@@ -88,15 +89,6 @@ def prepared(case: Case, voices: Sequence[Real]) -> Work:
     psd = quiet_psd(stft.analyse(lead_in), spectrogram)
     scene = Scene(stft.frequencies, SPACING, SPEED_OF_SOUND, case.n_sources, tau, psd)
     return Work(mixture, np.asarray(images[case.target, 0]), stft, spectrogram, scene, simulation)
-
-
-def _images(case: Case, azimuths: Real, heading: float, speech: Sequence[Real]) -> Real:
-    """Every talker at both microphones, of equal power at microphone 1, (n_sources, 2, n)."""
-    setting = SETTINGS[case.setting]
-    places = setting.places(azimuths, np.random.default_rng(case.seed))
-    responses = setting.responses(places, [heading], case.rate)[0]
-    images = np.stack([fftconvolve(s[None], responses[:, k], axes=1)[:, : s.size] for k, s in enumerate(speech)])
-    return np.asarray(images / np.sqrt((images[:, :1] ** 2).mean(axis=2, keepdims=True)))
 
 
 def cpu_seconds(call: Callable[[], object], repeats: int, clock: Callable[[], float] = time.process_time) -> float:
