@@ -3,9 +3,8 @@
 A Gaussian mixture over the frames of many voices, adapted to one voice by moving its means (maximum a posteriori, as
 in Reynolds, Quatieri and Dunn, "Speaker verification using adapted Gaussian mixture models", Digital Signal
 Processing 10 (2000)); the same for the logarithm of the pitch, where the weights are adapted. How much a recording
-sounds like a voice is how many standard deviations its log-likelihood per frame lies above the mean of a cohort of
-other voices (T-norm: Auckenthaler, Carey and Lloyd-Thomas, "Score normalization for text-independent speaker
-verification systems", ibid.); what noise, rooms and separators do to every voice cancels.
+sounds like a voice is the gain in log-likelihood per frame over the nearest of a cohort of other voices (as in
+Auckenthaler, Carey and Lloyd-Thomas, "Score normalization for text-independent speaker verification systems", ibid.).
 Logistic regression turns this and the pitch into a log-likelihood ratio.
 """
 
@@ -23,7 +22,10 @@ from ross_payload.interfaces import Real
 from ross_payload.voiceprint.features import Features
 
 COHORT_STEP = 1 / 64  # of the offsets of the cohort, which are kept as bytes [standard deviations]
-ENOUGH = 3.0  # deviations beyond which more says little: two synthetic voices may differ by their pitch alone
+RIVALS = 3  # of the cohort, the nearest to the recording, are what the enrolled voice must beat
+ENOUGH = (
+    0.5  # gain by spectrum beyond which more of it says little: two synthetic voices may differ by their pitch alone
+)
 PITCH_RELEVANCE = 20.0  # frames of pitch that the background counts for
 HALF_TIME = 1.0  # voiced speech after which half of the evidence is believed [s]
 
@@ -69,16 +71,16 @@ class Background:
         return Adapted(offsets, count / count.sum())
 
     def evidence(self, voice: Adapted, features: Features) -> Real:
-        """Return what speaks for a voice, by spectrum and by pitch, (2,).
+        """Return what speaks for a voice: its gains in log-likelihood per frame by spectrum and by pitch, (2,).
 
-        By spectrum z, its log-likelihood per frame beside the cohort's in standard deviations, bounded to
-        E tanh(z / E) with E = ENOUGH; by pitch the gain in log-likelihood per frame over the background.
+        By spectrum over the nearest of the cohort, g, bounded to E tanh(g / E) with E = ENOUGH; by pitch over the
+        background.
         """
         everyone = np.concatenate([voice.offsets[None], self.cohort * COHORT_STEP])
         exponents = self._exponents(features, everyone)
         top = exponents.max(axis=2)
         likelihood = (top + np.log(np.exp(exponents - top[:, :, None]).sum(axis=2))).mean(axis=0)
-        gain = (likelihood[0] - likelihood[1:].mean()) / likelihood[1:].std()
+        gain = likelihood[0] - np.sort(likelihood[1:])[-RIVALS:].mean()
         pitch = self._pitch_likelihoods(features)
         pitch_gain = np.log(pitch @ voice.pitch_weights / (pitch @ self.pitch_weights)).mean()
         return np.array([ENOUGH * np.tanh(gain / ENOUGH), pitch_gain])

@@ -29,7 +29,7 @@ from ross_sim.cache import cache_folder, cached, fingerprint
 from ross_sim.speech import Voice, load_folder
 from ross_sim.study.augment import RATE, at_speed, disturbed, excerpt
 from ross_sim.study.separation import RATE as MIXTURE_RATE
-from ross_sim.study.voices import OUTSIDE, ROOMS, scenes
+from ross_sim.study.voices import OUTSIDE, scenes
 from ross_sim.voices import Recipe, levelled, speak, speech_text
 
 COHORT_SPEEDS = (0.93, 1.0, 1.07)
@@ -40,8 +40,7 @@ LANGUAGES = ("en", "en-US", "en-GB-x-rp", "en-GB-scotland", "en-GB-x-gbclan", "e
 N_GAUSSIANS, N_PITCHES, N_FRAMES = 64, 12, 30_000
 RELEVANCE = 8.0
 ENROLMENT = 4.2  # [s]
-N_MIXTURES = 36  # to calibrate with: each of 7 talkers in about 15, 4 of them in every room
-STRANGERS = 8.0  # how much more an accepted stranger weighs than a rejected target
+N_MIXTURES = 36  # to calibrate with: each of 7 talkers in about 15
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,28 +121,24 @@ def with_cohort(background: Background, people: Sequence[Talker]) -> Background:
 
 
 def calibrated(background: Background, voices: Sequence[Voice], draws: int, seed: int) -> Background:
-    """Fit the calibration to separated recordings of mixtures of ``voices``, at their own rate.
+    """Fit the calibration to clean and separated recordings of mixtures of ``voices``, at their own rate.
 
-    The rooms take turns; strangers weigh STRANGERS times what targets do. A talker is kept out of the cohort (its first
-    rows, COHORT_SPEEDS of each voice) while trials with this talker's recordings or print are made: in the field it
-    knows neither of them.
+    Targets and strangers weigh the same. A talker is kept out of the cohort (its first rows, COHORT_SPEEDS of each
+    voice) while trials with this talker's recordings or print are made: in the field it knows neither of them.
     """
     rng = np.random.default_rng(seed)
     names = np.repeat([voice.name for voice in voices], len(COHORT_SPEEDS))
     owners = np.append(names, [""] * (len(background.cohort) - len(names)))
     prints = {voice.name: background.adapt(analyse(voice.enrolment, voice.rate)) for voice in voices}
     evidence, same = [], []
-    for index in range(draws):
-        for _, separated, _, talker, signal in scenes(voices, ROOMS[index % len(ROOMS)], rng):
-            if not separated:
-                continue
+    for _ in range(draws):
+        for _, _, _, talker, signal in scenes(voices, "S1", rng):
             clip = analyse(signal, voices[0].rate)
             for name, voice in prints.items():
                 alone = replace(background, cohort=background.cohort[(owners != name) & (owners != talker)])
                 evidence.append(reliability(clip) * np.append(alone.evidence(voice, clip), 1))
                 same.append(name == talker)
-    weight = {True: 1 / np.mean(same), False: STRANGERS / (1 - np.mean(same))}
-    fit = LogisticRegression(fit_intercept=False, class_weight=weight, C=100.0).fit(np.array(evidence), same)
+    fit = LogisticRegression(fit_intercept=False, class_weight="balanced", C=100.0).fit(np.array(evidence), same)
     return replace(background, calibration=fit.coef_[0])
 
 
