@@ -69,6 +69,4 @@ def _end(pool: ProcessPoolExecutor) -> None:
     """End the processes of a pool at once, whatever they do."""
     for process in list((pool._processes or {}).values()):
         process.kill()
-    if pool._result_queue is not None:
-        pool._result_queue._writer.close()  # type: ignore[attr-defined]  # else half a result of a killed process would be waited for
     pool.shutdown(wait=False, cancel_futures=True)
