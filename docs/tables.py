@@ -9,10 +9,10 @@ from ross_payload import config
 from ross_payload.dsp import markov
 
 
-def comments(module) -> dict[tuple[str, str], str]:
-    """The comment behind every field of every model of a module: {(class, field): text}."""
+def comments(path: Path) -> dict[tuple[str, str], str]:
+    """The comment behind every field of every model of a file: {(class, field): text}."""
     found, model, field = {}, "", ""
-    with Path(module.__file__).open("rb") as source:
+    with path.open("rb") as source:
         for token in tokenize.tokenize(source.readline):
             if token.type == tokenize.NAME and token.line.startswith("class "):
                 model = token.line.split()[1].split("(")[0]
@@ -29,12 +29,12 @@ def default(value) -> str:
         return ""
     shown = value.get_default(call_default_factory=True)
     shown = str(shown).lower() if isinstance(shown, bool) else shown
-    return "" if shown in (None, {}, ()) else f"`{shown}`"
+    return "" if shown in (None, {}, (), "") else f"`{shown}`"
 
 
 def options() -> list[str]:
     """The table of the options of Algorithm 1, with the defaults of both of its names."""
-    about, plain = comments(markov), markov.PlainOptions.model_fields
+    about, plain = comments(Path(markov.__file__)), markov.PlainOptions.model_fields
     lines = [
         "## `[explore.options]` of `markov` and `markov-plain`\n",
         "Algorithm 1: its front end and the numbers that the paper leaves open. `joint` has no options.\n",
@@ -47,13 +47,17 @@ def options() -> list[str]:
 
 def tables() -> str:
     """Every table of the configuration as Markdown."""
-    about, parts = comments(config), []
+    parts, about = [], {}
+    for path in Path(config.__file__).parent.glob("*.py"):
+        about |= comments(path)
     for name, field in config.Config.model_fields.items():
-        model = next((part for part in get_args(field.annotation) if part is not type(None)), field.annotation)
+        parts_of = get_args(field.annotation)
+        model = next((part for part in parts_of if part not in (type(None), Ellipsis)), field.annotation)
+        heading = f"[[{name}]]" if Ellipsis in parts_of else f"[{name}]"
         if not isinstance(model, type) or not issubclass(model, config.Table):
             continue
         about_model = (model.__doc__ or "").split(": ", 1)[-1]
-        parts.append(f"## `[{name}]`\n\n{about_model[0].upper() + about_model[1:]}\n")
+        parts.append(f"## `{heading}`\n\n{about_model[0].upper() + about_model[1:]}\n")
         parts.append("| key | default | means |\n| --- | --- | --- |")
         for key, value in model.model_fields.items():
             parts.append(f"| `{key}` | {default(value)} | {about.get((model.__name__, key), '')} |")

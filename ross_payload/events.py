@@ -30,6 +30,8 @@ class State(IntEnum):
     DONE = 7
     STOPPED = 8
     FAULT = 9
+    TURN = 10  # to a heading that somebody asked for
+    NOISE = 11  # measures the noise on request
 
 
 class Outcome(IntEnum):
@@ -38,6 +40,7 @@ class Outcome(IntEnum):
     TARGET_FOUND = 0
     FAULT = 1
     NO_TARGET = 3
+    COMPLETED = 4  # a task that looks for nobody has done what was asked
     STOPPED = 130
 
 
@@ -198,3 +201,24 @@ class Finished(Event):
 
     outcome: Outcome
     reason: str
+
+
+class Answer(IntEnum):
+    """What becomes of an order."""
+
+    ACCEPTED = 0
+    REFUSED = 1  # not in this state, or impossible: the reason says why
+    PROGRESS = 2
+    DONE = 3
+    FAILED = 4
+    CANCELLED = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Answered(Event):
+    """The mission answers an order; every order gets ACCEPTED or REFUSED, an accepted task one of the last three."""
+
+    order: int  # its number
+    answer: Answer
+    reason: str = ""
+    progress: float | None = None  # 0 to 1, of PROGRESS

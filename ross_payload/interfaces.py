@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ross_payload.events import Estimate, Event, Outcome
+from ross_payload.orders import Order
 
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -56,6 +57,7 @@ class AudioFlag(IntFlag):
     NONE = 0
     CLIPPED = 1
     INVALID = 2  # not-a-number or infinite samples, replaced by zeros
+    MISSING = 4  # samples that never came, replaced by zeros
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +69,7 @@ class AudioBlock:
     time: float  # of the first sample, on the Clock [s]
     lost: int = 0  # samples lost right before this block
     flags: AudioFlag = AudioFlag.NONE
+    raw: Samples | None = None  # before gain and polarity, (2, n); None: samples are as they came
 
 
 class AudioSource(Protocol):
@@ -226,13 +229,6 @@ class Mount(Protocol):
 # ---------------------------------------------------------------------------------------------------- mission
 
 
-class Command(StrEnum):
-    """What an operator can ask of a running mission."""
-
-    STOP = "stop"  # decelerate now, latch, end
-    CANCEL = "cancel"  # decelerate now, end
-
-
 @dataclass(frozen=True, slots=True)
 class Input:
     """One hop of audio and what was known while it was heard."""
@@ -244,7 +240,7 @@ class Input:
     settled: bool  # still at the goal during the whole hop
     attitude: Attitude
     fault: str = ""  # of the actuator, in words
-    commands: tuple[Command, ...] = ()
+    orders: tuple[Order, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,7 +249,10 @@ class Output:
 
     events: tuple[Event, ...] = ()
     goal: float | None = None  # joint angle [rad]
-    stop: bool = False
+    halt: bool = False  # decelerate and forget the goal
+    stop: bool = False  # the same, and moves are refused until `rearm`
+    rearm: bool = False
+    home: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,6 @@ from ross_payload.interfaces import (
     ActuatorState,
     Attitude,
     AudioSource,
-    Command,
     Explorer,
     Input,
     Mission,
@@ -30,6 +29,7 @@ from ross_payload.interfaces import (
     VoicePrint,
 )
 from ross_payload.mission.context import Planner, Settings, Tools
+from ross_payload.orders import Order
 
 EXPLORER_FRAME = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
 PLANNERS: dict[str, Planner] = {"best": plan, "paper": paper_plan}
@@ -57,13 +57,13 @@ class Runner:
         self._hop = config.hop
         self._offset = config.offset
         self._rest_hops = math.ceil(REST_TIMEOUT * source.rate / config.hop)
-        self._commands: SimpleQueue[Command] = SimpleQueue()
+        self._orders: SimpleQueue[Order] = SimpleQueue()
         self._fault = ""
         self.observers: list[Observer] = []
 
-    def command(self, command: Command) -> None:
+    def order(self, order: Order) -> None:
         """Ask the running mission for something; from any thread or signal handler."""
-        self._commands.put(command)
+        self._orders.put(order)
 
     def run(self) -> Result:
         """Run the mission to its end and the actuator to rest."""
@@ -94,7 +94,7 @@ class Runner:
             settled=before.settled and after.settled and goal is None,
             attitude=self._mount.attitude(block.time),
             fault=self._fault or ("" if after.healthy else after.fault or "the actuator reports a fault"),
-            commands=self._drain(),
+            orders=self._drain(),
         )
         for observer in self.observers:
             observer.heard(heard)
@@ -124,13 +124,13 @@ class Runner:
     def _heading(self, state: ActuatorState, time: float) -> float:
         return self._mount.attitude(time).yaw + state.angle + self._offset
 
-    def _drain(self) -> tuple[Command, ...]:
-        commands = []
+    def _drain(self) -> tuple[Order, ...]:
+        orders = []
         try:
             while True:
-                commands.append(self._commands.get_nowait())
+                orders.append(self._orders.get_nowait())
         except Empty:
-            return tuple(commands)
+            return tuple(orders)
 
 
 def settings_of(config: Config, lower: float, upper: float) -> Settings:

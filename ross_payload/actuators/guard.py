@@ -88,6 +88,10 @@ class Guard:
         self._stopped = True
         self._halt()
 
+    def halt(self) -> None:
+        """Decelerate to rest and forget the goal; new ones are welcome."""
+        self._halt()
+
     def rearm(self) -> None:
         """Accept commands again after a stop or a fault.
 

@@ -12,6 +12,8 @@ from ross_payload.dsp.alignment import Plan, plan
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
+    Answer,
+    Answered,
     Estimate,
     Event,
     NoiseMeasured,
@@ -22,7 +24,6 @@ from ross_payload.events import (
     TurnStarted,
 )
 from ross_payload.interfaces import (
-    Command,
     Complex,
     Explorer,
     Input,
@@ -33,6 +34,7 @@ from ross_payload.interfaces import (
     Separator,
     VoicePrint,
 )
+from ross_payload.orders import Cancel, Order, Set, Shutdown, Stop, Task
 
 T = TypeVar("T")
 Step = Generator[Output, Input, T]
@@ -92,12 +94,13 @@ class Tools:
 
 
 class Ended(Exception):
-    """The mission ends here: a stop, a cancel or a fault of the actuator."""
+    """The task ends here: an order that ends it, or a fault of the actuator."""
 
-    def __init__(self, outcome: Outcome, reason: str) -> None:
+    def __init__(self, outcome: Outcome, reason: str, order: Order | None = None) -> None:
         super().__init__(reason)
         self.outcome = outcome
         self.reason = reason
+        self.order = order  # the one that ends the task, None: a fault
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +125,8 @@ class Context:
     observations: list[Observation] = field(default_factory=list)  # what they tell the explorer
     beliefs: list[Estimate] = field(default_factory=list)  # one after each of them
     pending: list[Event] = field(default_factory=list)
+    yields: bool = False  # another task may take the place of this one: it has found what it looked for
+    later: list[Order] = field(default_factory=list)  # to be obeyed when the task is over
 
     @property
     def time(self) -> float:
@@ -173,13 +178,25 @@ def hop(context: Context, goal: float | None = None) -> Step[Input]:
     heard = yield Output(events, goal)
     context.last = heard
     context.samples += heard.block.samples.shape[1]
-    if Command.STOP in heard.commands:
-        raise Ended(Outcome.STOPPED, "stopped by command")
-    if Command.CANCEL in heard.commands:
-        raise Ended(Outcome.STOPPED, "cancelled by command")
+    for order in heard.orders:
+        _obey(context, order)
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)
     return heard
+
+
+def _obey(context: Context, order: Order) -> None:
+    match order:
+        case Stop() | Shutdown():
+            raise Ended(Outcome.STOPPED, "stopped by command", order)
+        case Cancel():
+            raise Ended(Outcome.STOPPED, "cancelled by command", order)
+        case Task() if context.yields:
+            raise Ended(Outcome.STOPPED, "another task was ordered", order)
+        case Set():
+            context.later.append(order)
+        case _:
+            context.say(Answered(context.time, order.number, Answer.REFUSED, "busy: cancel first"))
 
 
 def listen(context: Context, seconds: float) -> Step[Samples]:

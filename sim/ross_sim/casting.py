@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ross_payload.config import Informed, as_in_paper, validated
+from ross_payload.config import Informed, Link, as_in_paper, validated
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import VoicePrint
 from ross_payload.voiceprint import VoiceStore, enrol
@@ -35,7 +35,7 @@ def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
     if changes["separator"]:
         payload = _with(payload, exploit=_with(payload.exploit, separator=changes["separator"]))
     if changes["urls"]:
-        payload = _with(payload, telemetry=_with(payload.telemetry, urls=tuple(changes["urls"])))
+        payload = _with(payload, links=tuple(Link(url=url) for url in changes["urls"]))
     if changes["informed"]:
         payload = _with(payload, informed=told(loaded))
     if changes["seed"] is not None:

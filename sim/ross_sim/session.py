@@ -20,10 +20,11 @@ from ross_payload.audio.files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.events import Event, Separated
-from ross_payload.interfaces import Actuator, Command, Input, Result, Services
+from ross_payload.interfaces import Actuator, Input, Result, Services
 from ross_payload.links import Links
 from ross_payload.mission.supervise import mission
 from ross_payload.mount import mount_of
+from ross_payload.orders import Stop
 from ross_payload.service import Runner, informed_of, settings_of, tools_of
 from ross_payload.telemetry.service import Telemetry
 from ross_sim.casting import Company
@@ -89,7 +90,7 @@ def perform(scenario: Scenario, company: Company, view: View, out: OutDir | None
     config = scenario.payload
     clock = SimClock()
     with ExitStack() as stack, threadpool_limits(limits=1):
-        links = stack.enter_context(Links.open(config.telemetry.urls))
+        links = stack.enter_context(Links.open(link.url for link in config.links))
         far_end = far_end_of(config)
         cast = scenario.cast(company.voices)
         world = World(scenario, cast.talkers, far_end, clock, config.seed)
@@ -160,7 +161,7 @@ def _truth(world: World, cast: Cast, target: str, config: Config) -> Truth:
 
 
 def _configuration(scenario: Scenario, config: Config) -> dict[str, Any]:
-    values: dict[str, Any] = scenario.model_dump(mode="json", exclude={"payload": {"telemetry": {"urls"}}})
+    values: dict[str, Any] = scenario.model_dump(mode="json", exclude={"payload": {"links"}})
     return values | {"seed": config.seed}
 
 
@@ -184,7 +185,7 @@ def stop_on_signal(runner: Runner) -> Iterator[None]:
     """Turn Ctrl-C and SIGTERM into a stop command: the motor decelerates and the files are closed."""
 
     def stop(number: int, frame: FrameType | None) -> None:
-        runner.command(Command.STOP)
+        runner.order(Stop())
 
     before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:

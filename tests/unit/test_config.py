@@ -29,7 +29,7 @@ def test_the_hop_is_counted_in_samples(tmp_path):
         ("[guard]\npark_deg = 300", "park_deg"),
         ("[guard]\nmax_speed_deg_s = inf", "max_speed_deg_s"),
         ("[audio]\nhop_ms = 40", "hop_ms"),
-        ("[telemetry]\nsystem_id = 0", "system_id"),
+        ("[telemetry]\nsystem_id = 256", "system_id"),
         ("[audio]\nframe = 129", "audio.frame"),
         ("[explore]\nframe = 1023", "explore.frame"),
         ("[audio]\nrate_hz = 8000", "audio.rate_hz"),

@@ -26,7 +26,6 @@ from ross_payload.events import (
 from ross_payload.interfaces import (
     Attitude,
     AudioBlock,
-    Command,
     Groups,
     Input,
     Observation,
@@ -34,6 +33,7 @@ from ross_payload.interfaces import (
 )
 from ross_payload.mission.context import Settings, Tools
 from ross_payload.mission.supervise import mission
+from ross_payload.orders import Cancel, Stop
 
 RATE, HOP = 8000, 80
 SETTINGS = Settings(
@@ -304,15 +304,15 @@ def test_restarts_are_bounded():
     assert "dropped 2 times" in result.reason
 
 
-@pytest.mark.parametrize("command", [Command.STOP, Command.CANCEL])
-def test_a_stop_is_obeyed_within_one_hop_anywhere(command):
+@pytest.mark.parametrize("order", [Stop(), Cancel()])
+def test_a_stop_is_obeyed_within_one_hop_anywhere(order):
     probe = rig()
     probe.run()
     for at in range(0, probe.hops, 7):
         one = rig()
 
         def press(self, heard, at=at):
-            return replace(heard, commands=(command,)) if self.hops == at + 1 else None
+            return replace(heard, orders=(order,)) if self.hops == at + 1 else None
 
         result = one.run(press)
         assert result.outcome is Outcome.STOPPED
@@ -339,5 +339,5 @@ def test_nothing_is_listened_to_while_turning():
 
 def test_cancelled_mission_says_finished_last():
     one = rig()
-    one.run(lambda self, heard: replace(heard, commands=(Command.CANCEL,)) if self.hops == 5 else None)
+    one.run(lambda self, heard: replace(heard, orders=(Cancel(),)) if self.hops == 5 else None)
     assert isinstance(one.outputs[-1].events[-1], Finished)

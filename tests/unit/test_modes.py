@@ -24,8 +24,8 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.interfaces import Command
 from ross_payload.mission.pipeline import agree, steady
+from ross_payload.orders import Cancel, Stop
 
 _spec = importlib.util.spec_from_file_location("mission_rig", Path(__file__).with_name("test_mission.py"))
 base = importlib.util.module_from_spec(_spec)
@@ -286,19 +286,19 @@ def test_what_a_visit_says_of_its_heading_knows_the_elevation(elevation):
 # -------------------------------------------------------------------------------------------- both, always
 
 
-@pytest.mark.parametrize("command", [Command.STOP, Command.CANCEL])
+@pytest.mark.parametrize("order", [Stop(), Cancel()])
 @pytest.mark.parametrize(
     "make",
     [pipelined, lambda: base.rig(informed=TOLD), lambda: base.rig(likes=2, informed=estimate(170, 70, certain=True))],
 )
-def test_a_stop_is_obeyed_within_one_hop_anywhere(make, command):
+def test_a_stop_is_obeyed_within_one_hop_anywhere(make, order):
     probe = make()
     probe.run()
     for at in range(0, probe.hops, 29):
         one = make()
 
         def press(self, heard, at=at):
-            return replace(heard, commands=(command,)) if self.hops == at + 1 else None
+            return replace(heard, orders=(order,)) if self.hops == at + 1 else None
 
         assert one.run(press).outcome is Outcome.STOPPED
         assert one.hops <= at + 2

@@ -11,8 +11,9 @@ from ross_payload.dsp.alignment import plan
 from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.errors import PluginError
 from ross_payload.events import Event, Outcome
-from ross_payload.interfaces import AudioBlock, Command, Output, Result, Services
+from ross_payload.interfaces import AudioBlock, Output, Result, Services
 from ross_payload.mount import FixedMount, mount_of
+from ross_payload.orders import Stop
 from ross_payload.service import Runner, explorer_of, informed_of, settings_of, tools_of
 from ross_sim.clock import SimClock
 from ross_sim.session import far_end_of
@@ -78,7 +79,7 @@ def turns_once(goal):
 
 def obeys_stop(goal):
     heard = yield Output(goal=goal)
-    while not heard.commands and not heard.fault:
+    while not heard.orders and not heard.fault:
         heard = yield Output()
     yield Output(stop=True)
     return Result(Outcome.FAULT if heard.fault else Outcome.STOPPED, heard.fault)
@@ -110,12 +111,12 @@ def test_a_command_reaches_the_mission_with_the_next_hop_and_the_motor_comes_to_
         def heard(self, heard):
             super().heard(heard)
             if len(self.inputs) == 60:
-                runner.command(Command.STOP)
+                runner.order(Stop())
 
     press = Press()
     runner.observers.append(press)
     assert runner.run().outcome is Outcome.STOPPED
-    assert press.inputs[60].commands == (Command.STOP,)
+    assert press.inputs[60].orders == (Stop(),)
     speed = (press.inputs[60].joint - press.inputs[59].joint) / 0.01
     braking = speed**2 / (2 * math.radians(112.5))
     assert far_end.angle() - press.inputs[60].joint <= braking + speed * 0.1

@@ -1,0 +1,73 @@
+"""Configuration: frozen models of one TOML file. Units stand in the names here and nowhere else."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+
+from ross_payload.config.base import Degrees, Model, Positive, Table, read_toml, validated
+from ross_payload.config.body import Actuator, Array, Audio, Guard, Mount
+from ross_payload.config.ground import Link, Recording, Service, Telemetry
+from ross_payload.config.mission import APART_DEG, Exploit, Explore, Informed
+
+__all__ = [
+    "APART_DEG", "Actuator", "Array", "Audio", "Config", "Degrees", "Exploit", "Explore", "Guard", "Informed", "Link",
+    "Model", "Mount", "Positive", "Recording", "Service", "Table", "Telemetry", "as_in_paper", "load", "read_toml",
+    "validated",
+]  # fmt: skip
+
+
+class Config(Table):
+    """The whole file."""
+
+    array: Array = Array()
+    audio: Audio = Audio()
+    actuator: Actuator = Actuator()
+    guard: Guard = Guard()
+    mount: Mount = Mount()
+    explore: Explore = Explore()
+    informed: Informed | None = None
+    exploit: Exploit = Exploit()
+    links: tuple[Link, ...] = ()
+    telemetry: Telemetry = Telemetry()
+    service: Service = Service()
+    recording: Recording = Recording()
+    seed: Annotated[int, Field(ge=0)] = 0
+
+    @property
+    def hop(self) -> int:
+        """Samples of one Input."""
+        return self.audio.rate_hz * self.audio.hop_ms // 1000
+
+    @property
+    def offset(self) -> float:
+        """Calibrated offset of the array's axis [rad]."""
+        return math.radians(self.array.offset_deg)
+
+
+def as_in_paper(config: Config) -> Config:
+    """Return a configuration with the methods and numbers of the paper instead of ours; the rest stays as it is.
+
+    Of the paper's own separators the one that serves best is taken; Algorithm 2 as printed is the separator `paper`.
+    """
+    numbers = {"frame": 1024, "overlap": 0.25}
+    explore = Explore(
+        method="markov", lead_in_s=config.explore.lead_in_s, unit_s=3, step_deg=15, min_rotations=1, max_rotations=12,
+        **numbers,
+    )  # fmt: skip
+    caps = {"max_speed_deg_s": 225.0, "max_acceleration_deg_s2": 112.5}
+    changes = {
+        "audio": config.audio.model_copy(update=numbers),
+        "guard": config.guard.model_copy(update=caps),
+        "explore": explore,
+        "exploit": config.exploit.model_copy(update={"separator": "duet", "rules": "paper"}),
+    }
+    return config.model_copy(update=changes)
+
+
+def load(path: Path) -> Config:
+    """Load one TOML file; what it does not say has the default, and nothing else is merged."""
+    return validated(Config, read_toml(path), str(path))

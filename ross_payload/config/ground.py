@@ -1,0 +1,54 @@
+"""The tables of the way to the ground: links, telemetry, service, recording."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from ross_payload.config.base import Table
+
+SystemId = Annotated[int, Field(ge=1, le=255)]
+
+
+class Link(Table):
+    """[[links]]: one way to the outside; each has its own parser, writer and budget."""
+
+    url: str  # udpin:, udpout:, tcp: or tcpin:host:port, serial:device:baud or serial:device:auto
+    role: Literal["ground", "autopilot"] = (
+        "ground"  # autopilot: attitude and system id come from it; ROSS_* ride in TUNNEL
+    )
+    key_file: str = ""  # 32 bytes, mode 0600: sign what is sent, accept only what is signed with it
+    accept: tuple[SystemId, ...] = ()  # system ids that may order something; empty: all
+    max_bytes_s: Annotated[int, Field(ge=0)] = (
+        0  # budget of what is sent [bytes/s]; 0: half of a serial baud rate, else none
+    )
+
+
+class Telemetry(Table):
+    """[telemetry]: who we are on MAVLink and how often we speak."""
+
+    system_id: Annotated[int, Field(ge=0, le=255)] = 1  # of the vehicle; 0: taken from the autopilot's heartbeat
+    component_id: Annotated[int, Field(ge=1, le=255)] = 191  # 191: onboard computer
+    status_hz: Annotated[float, Field(gt=0, le=50)] = 4.0  # ROSS_STATUS
+    mirror_hz: Annotated[float, Field(ge=0, le=10)] = 1.0  # NAMED_VALUE_FLOAT and DEBUG_FLOAT_ARRAY; 0: never
+
+
+class Service(Table):
+    """[service]: how `ross run` lives."""
+
+    state_dir: str = ""  # parameters set in flight, signing time; empty: $STATE_DIRECTORY, else ~/.local/state/ross
+    autostart: Literal["nothing", "explore", "seek"] = "nothing"  # what to do at start without being asked
+    target: str = ""  # name of the enrolled voice; empty: nobody is sought
+    log_level: Literal["debug", "info", "warning", "error"] = "info"
+    log_format: Literal["text", "json"] = "text"
+
+
+class Recording(Table):
+    """[recording]: sessions on disk; personal data, so only on request."""
+
+    folder: str = ""  # empty: recordings below the state folder
+    always: bool = False  # record from start to end without being asked
+    max_gb: Annotated[float, Field(gt=0, le=10_000)] = 4.0  # of all sessions together; the oldest go first
+    max_days: Annotated[float, Field(gt=0, le=3650)] = 30.0  # older sessions are deleted
+    min_free_gb: Annotated[float, Field(ge=0, le=10_000)] = 0.5  # left on the disk, else recording stops

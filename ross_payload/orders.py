@@ -1,0 +1,105 @@
+"""What an operator, a ground station or a timer asks of the payload.
+
+Orders cross to the mission inside an Input, so that a recorded session replays them. Every angle is in radians,
+counter-clockwise, in the frame of the mount's attitude (earth frame when that is known, else mount frame).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """The root of all orders; ``number`` ties the mission's answers to it, 0: nobody waits for one."""
+
+    number: int = field(default=0, kw_only=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Stop(Order):
+    """Decelerate now, end the task, and refuse to move until `Rearm`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cancel(Order):
+    """Decelerate now and end the task."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shutdown(Order):
+    """Decelerate now, end the task and the whole session."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rearm(Order):
+    """Accept moves again after a stop or a fault."""
+
+
+@dataclass(frozen=True, slots=True)
+class Home(Order):
+    """Find the zero of the joint, or declare that it stands there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Set(Order):
+    """Change one setting in flight; it holds from the next task on."""
+
+    name: str  # of `ross_payload.parameters`
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Task(Order):
+    """The root of what takes time: one task at a time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Explore(Task):
+    """Find K and every azimuth."""
+
+
+@dataclass(frozen=True, slots=True)
+class Seek(Task):
+    """Find the enrolled voice and listen to it: the whole of Algorithms 1 and 2."""
+
+
+@dataclass(frozen=True, slots=True)
+class ListenTo(Task):
+    """Turn to the alignment for one source of the latest estimate and listen to it."""
+
+    source: int
+
+
+@dataclass(frozen=True, slots=True)
+class ListenAt(Task):
+    """Listen to whoever is at an azimuth: the source of the latest estimate that is near, else one that is new."""
+
+    azimuth: float  # [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class Informed(Task):
+    """Seek the enrolled voice among sources that are told from outside, without exploring."""
+
+    azimuths: tuple[float, ...]  # [rad]
+    first: int | None = None  # which of them is visited first
+
+
+@dataclass(frozen=True, slots=True)
+class TurnTo(Task):
+    """Point the axis from microphone 1 to microphone 2 to a heading and stay there."""
+
+    heading: float  # [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class Park(Task):
+    """Turn to the parking position of the configuration."""
+
+
+@dataclass(frozen=True, slots=True)
+class MeasureNoise(Task):
+    """Listen at rest while nobody talks; later tasks use it instead of their own lead-in."""
+
+    seconds: float  # [s]
