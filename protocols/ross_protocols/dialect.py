@@ -16,7 +16,7 @@ from ross_protocols import ross_dialect as ross
 for _id, _message in common.mavlink_map.items():
     ross.mavlink_map.setdefault(_id, _message)
 for _name, _enum in common.enums.items():
-    ross.enums.setdefault(_name, _enum)
+    ross.enums[_name] = _enum | ross.enums.get(_name, {})
 for _name, _thing in vars(common).items():
     if _name.startswith(("MAV", "MAVLink_")) and not hasattr(ross, _name):
         setattr(ross, _name, _thing)
