@@ -18,7 +18,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.errors import AudioError
 from ross_payload.evaluation.takes import Pair
 from ross_payload.interfaces import Real, Scene, Separator
-from ross_payload.service import EXPLORER_FRAME
+from ross_payload.service.assemble import EXPLORER_FRAME
 
 FRAME = 0.1  # of the separation, rounded to a power of two in samples [s]
 PROMINENCE = 0.005  # of a peak that is a group, over the highest

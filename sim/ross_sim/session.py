@@ -14,13 +14,14 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ross_payload import plugins
+from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.angles import wrap
 from ross_payload.audio.files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.events import Event, Separated
-from ross_payload.interfaces import Actuator, Input, Result, Services
+from ross_payload.interfaces import Input, Result, Services
 from ross_payload.links import Links
 from ross_payload.mission.supervise import mission
 from ross_payload.mount import mount_of
@@ -132,14 +133,15 @@ def far_end_of(config: Config) -> FarEnd:
     return far_end
 
 
-def _runner(config: Config, company: Company, world: World, actuator: Actuator, clock: SimClock) -> Runner:
-    clock.every(POLL, lambda: actuator.poll(clock.now()))
+def _runner(config: Config, company: Company, world: World, actuator: Guard, clock: SimClock) -> Runner:
     travel = actuator.capabilities
     settings, tools = settings_of(config, travel.lower, travel.upper), tools_of(config, company.voiceprint)
     mount = mount_of(config)
     informed = informed_of(config, mount.attitude(0.0))
     brain = mission(settings, tools, informed, config.informed.target if config.informed else None)
-    return Runner(brain, world.source, actuator, mount, config)
+    runner = Runner(brain, world.source, actuator, mount, config=config, clock=clock)
+    clock.every(POLL, runner.poll)
+    return runner
 
 
 def _wav(stack: ExitStack, out: OutDir | None, config: Config) -> WavWriter | None:

@@ -1,0 +1,97 @@
+"""From a configuration to what the mission works with."""
+
+from __future__ import annotations
+
+import math
+
+from ross_payload import plugins
+from ross_payload.angles import wrap
+from ross_payload.config import Config, Table, validated
+from ross_payload.dsp.alignment import plan
+from ross_payload.dsp.paper_rules import paper_plan
+from ross_payload.dsp.stft import Stft
+from ross_payload.events import Estimate, SourceEstimate
+from ross_payload.interfaces import Attitude, Explorer, Separator, VoicePrint
+from ross_payload.mission.context import Planner, Settings, Tools
+
+EXPLORER_FRAME = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
+PLANNERS: dict[str, Planner] = {"best": plan, "paper": paper_plan}
+
+
+def settings_of(config: Config, lower: float, upper: float) -> Settings:
+    """Convert a configuration to the mission's units; ``lower`` and ``upper`` are the guarded travel [rad]."""
+    explore, exploit = config.explore, config.exploit
+    return Settings(
+        rate=config.audio.rate_hz,
+        spacing=config.array.spacing_m,
+        speed_of_sound=config.array.speed_of_sound_m_s,
+        lead_in=explore.lead_in_s,
+        unit=explore.unit_s,
+        rotation=math.radians(explore.step_deg),
+        min_rotations=explore.min_rotations,
+        max_rotations=explore.max_rotations,
+        pipelined=explore.pipelined,
+        check=exploit.check_s,
+        run=exploit.run_s,
+        runs=exploit.runs,
+        criterion=exploit.criterion,
+        max_restarts=exploit.max_restarts,
+        lower=lower,
+        upper=upper,
+        seed=config.seed,
+    )
+
+
+def informed_of(config: Config, attitude: Attitude) -> Estimate | None:
+    """Convert what is told from outside to the frame of the headings; None when the mission has to explore.
+
+    In the file azimuths are counter-clockwise from the zero of the mount; ``attitude`` says where that points.
+    """
+    told = config.informed
+    if told is None:
+        return None
+    heights = (None,) * len(told.azimuths_deg) if told.elevations_deg is None else told.elevations_deg
+    sources = (
+        SourceEstimate(
+            azimuth=wrap(math.radians(azimuth) + attitude.yaw),
+            sigma=math.radians(told.sigma_deg),
+            confidence=1.0,
+            resolved=True,
+            weight=1 / len(heights),
+            elevation=None if height is None else math.radians(height),
+        )
+        for azimuth, height in zip(told.azimuths_deg, heights, strict=True)
+    )
+    return Estimate(tuple(sources), certain=True)
+
+
+def explorer_of(config: Config) -> Explorer:
+    """Make the explorer that a configuration names, with its own options.
+
+    Raises
+    ------
+    ConfigError
+        When there is none of that name, or an option is wrong.
+    """
+    array, asked = config.array, config.explore
+    factory = plugins.load("ross_payload.explorers", asked.method)
+    model: type[Table] = getattr(factory, "Options", Table)
+    options = validated(model, asked.options, f"explore.options of '{asked.method}'")
+    given = (options,) if asked.options else ()
+    explorer: Explorer = factory.make(array.spacing_m, array.speed_of_sound_m_s, *given)
+    return explorer
+
+
+def tools_of(config: Config, voiceprint: VoicePrint) -> Tools:
+    """Load the plug-ins that a configuration names."""
+    audio = config.audio
+    separator: Separator = plugins.load("ross_payload.separators", config.exploit.separator)
+    frame = config.explore.frame or 2 ** round(math.log2(EXPLORER_FRAME * audio.rate_hz))
+    return Tools(
+        explorer=explorer_of(config),
+        explorer_stft=Stft(audio.rate_hz, frame, round(frame * (1 - config.explore.overlap))),
+        separator=separator,
+        stft=Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap))),
+        voiceprint=voiceprint,
+        plan=PLANNERS[config.exploit.rules],
+    )
