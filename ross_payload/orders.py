@@ -37,11 +37,6 @@ class Rearm(Order):
 
 
 @dataclass(frozen=True, slots=True)
-class Home(Order):
-    """Find the zero of the joint, or declare that it stands there."""
-
-
-@dataclass(frozen=True, slots=True)
 class Set(Order):
     """Change one setting in flight; it holds from the next task on."""
 
@@ -84,6 +79,11 @@ class Informed(Task):
 
     azimuths: tuple[float, ...]  # [rad]
     first: int | None = None  # which of them is visited first
+
+
+@dataclass(frozen=True, slots=True)
+class Home(Task):
+    """Find the zero of the joint, or declare that it stands there; after a fault also arm again."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -146,6 +146,7 @@ class Context:
 
     def enter(self, state: State, detail: str = "") -> None:
         """Enter a state and say so."""
+        self.yields = state is State.RUN
         self.say(StateChanged(self.time, state, detail))
 
     def psd(self, stft: Stft, later: Complex) -> Real | None:
@@ -166,6 +167,17 @@ class Context:
         self.say(NoiseMeasured(self.time, level, self.settings.lead_in))
 
 
+def exchange(
+    context: Context, *, goal: float | None = None, halt: bool = False, rearm: bool = False, home: bool = False
+) -> Step[Input]:
+    """Exchange one Output for one Input, whatever it says."""
+    events, context.pending = tuple(context.pending), []
+    heard = yield Output(events, goal=goal, halt=halt, rearm=rearm, home=home)
+    context.last = heard
+    context.samples += heard.block.samples.shape[1]
+    return heard
+
+
 def hop(context: Context, goal: float | None = None) -> Step[Input]:
     """Exchange one Output for one Input; every stop, cancel and fault is obeyed here.
 
@@ -174,10 +186,7 @@ def hop(context: Context, goal: float | None = None) -> Step[Input]:
     Ended
         On a command or a fault.
     """
-    events, context.pending = tuple(context.pending), []
-    heard = yield Output(events, goal)
-    context.last = heard
-    context.samples += heard.block.samples.shape[1]
+    heard = yield from exchange(context, goal=goal)
     for order in heard.orders:
         _obey(context, order)
     if heard.fault:

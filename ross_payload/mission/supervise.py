@@ -28,7 +28,9 @@ def mission(settings: Settings, tools: Tools, informed: Estimate | None = None, 
     """
     context = Context(settings, tools)
     try:
-        result = yield from _attempts(context, informed, target)
+        yield from hop(context)
+        yield from lead_in(context)
+        result = yield from attempts(context, informed, target)
     except Ended as ended:
         context.enter(State.FAULT if ended.outcome is Outcome.FAULT else State.STOPPED, ended.reason)
         result = Result(ended.outcome, ended.reason)
@@ -39,9 +41,8 @@ def mission(settings: Settings, tools: Tools, informed: Estimate | None = None, 
     return result
 
 
-def _attempts(context: Context, informed: Estimate | None, target: int | None) -> Step[Result]:
-    yield from hop(context)
-    yield from lead_in(context)
+def attempts(context: Context, informed: Estimate | None, target: int | None) -> Step[Result]:
+    """Find the target and listen to it; start again when it is lost."""
     dropped = 0
     for left in reversed(range(context.settings.max_restarts + 1)):
         estimate, source = yield from _where(context, informed)
