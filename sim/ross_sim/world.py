@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -27,6 +28,15 @@ Counts = NDArray[np.int32]
 
 FULL_SCALE = 2**23  # of a 24-bit converter [counts]
 LEVEL = 0.03  # root mean square of the mixture when everyone talks, re full scale: -30 dB, headroom for speech
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rendered:
+    """A stretch of what was heard, and why."""
+
+    images: Samples  # every talker alone, noise-free, (2, n_talkers, n)
+    mixture: Samples  # what the converter puts out, (2, n)
+    headings: Real  # true, at the ends of every quantum [rad], mount frame, (n_quanta + 1,)
 
 
 class World:
@@ -107,6 +117,13 @@ class World:
         self._angle = self._far_end.angle()
         if self._ears is not None:
             self._sound(self._ears, begin, angle)
+
+    def take(self) -> Rendered:
+        """Hand over what was rendered since the last call and forget it: a world that lives for hours must not grow."""
+        images = np.concatenate([np.zeros((2, len(self.azimuths), 0), np.int32), *self._images], axis=-1)
+        rendered = Rendered(_samples(images), self.mixture(), self.headings())
+        self._images, self._noise, self._headings = [], [], self._headings[-1:]
+        return rendered
 
     def images(self) -> Samples:
         """Every talker alone at microphone 1, noise-free, for all that was rendered so far, (n_talkers, n)."""

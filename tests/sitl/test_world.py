@@ -1,4 +1,5 @@
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -236,3 +237,17 @@ def test_voices_must_fit_the_scenario(make):
         make(scenario(40, -80), talkers=voices(1))
     with pytest.raises(ConfigError, match="voice 'voice-0' is at 8000 Hz"):
         make(scenario(40), talkers=voices(1, rate=8000))
+
+
+def test_what_was_taken_in_pieces_is_what_was_heard_and_leaves_nothing_behind(make):
+    world = make(scenario(40, -80), Turntable(0.5, 0.3, 0.8))
+    with world.source as source:
+        pieces = []
+        for _ in range(4):
+            source.read(4000)
+            pieces.append(world.take())
+    heard, _ = listen(make(scenario(40, -80), Turntable(0.5, 0.3, 0.8)), 1)
+    assert np.array_equal(np.concatenate([piece.mixture for piece in pieces], axis=1), heard)
+    assert [piece.images.shape for piece in pieces] == [(2, 2, 4000)] * 4
+    assert all(before.headings[-1] == after.headings[0] for before, after in pairwise(pieces))
+    assert world.images().shape == (2, 0)
