@@ -1,0 +1,216 @@
+"""The log: lines for people or for machines on standard error, with priorities where the journal reads them.
+
+Modules log to the logger of their name; `logging_to` is what hangs the one handler, for as long as the command runs.
+A record may carry ``extra={"fields": {...}}``: numbers and words that the JSON format keeps apart from the message.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+import os
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import fields
+from datetime import UTC, datetime
+from enum import Enum
+from typing import Any, TextIO
+
+from ross_payload.events import Answer, Answered, Event, Separated, StateChanged, TurnStarted
+from ross_payload.interfaces import Input
+from ross_payload.telemetry.texts import line
+from ross_protocols.values import Severity
+
+BURST = 5.0  # warnings of one kind that come through at once
+PERIOD = 10.0  # [s] between them in the long run
+KINDS = 256  # of warnings that are told apart
+PRIORITIES = ((logging.CRITICAL, 2), (logging.ERROR, 3), (logging.WARNING, 4), (logging.INFO, 6))  # else 7, debug
+LEVELS = (
+    (Severity.CRITICAL, logging.CRITICAL),
+    (Severity.ERROR, logging.ERROR),
+    (Severity.WARNING, logging.WARNING),
+    (Severity.INFO, logging.INFO),
+)  # of what the operator is told
+
+
+@contextmanager
+def logging_to(
+    stream: TextIO, level: str, form: str, environment: Mapping[str, str] = os.environ
+) -> Iterator[logging.Handler]:
+    """Send every log line of ``level`` ("debug", "info"...) and above to a stream, in the format "text" or "json"."""
+    journal = is_journal(stream, environment)
+    handler = logging.StreamHandler(stream)
+    handler.setFormatter(Json(journal) if form == "json" else Text(journal))
+    handler.addFilter(Repeats())
+    root, before = logging.getLogger(), logging.getLogger().level
+    root.addHandler(handler)
+    root.setLevel(level.upper())
+    try:
+        yield handler
+    finally:
+        root.setLevel(before)
+        root.removeHandler(handler)
+        handler.close()
+
+
+def is_journal(stream: TextIO, environment: Mapping[str, str]) -> bool:
+    """Tell whether a stream ends in the journal: systemd says which device and inode do."""
+    try:
+        status = os.fstat(stream.fileno())
+    except (OSError, ValueError):  # no file behind it
+        return False
+    return environment.get("JOURNAL_STREAM", "") == f"{status.st_dev}:{status.st_ino}"
+
+
+def priority(level: int) -> int:
+    """Return the syslog priority of a level of `logging`.
+
+    >>> [priority(level) for level in (logging.ERROR, logging.WARNING, logging.INFO, logging.DEBUG)]
+    [3, 4, 6, 7]
+    """
+    return next((number for least, number in PRIORITIES if level >= least), 7)
+
+
+class Repeats(logging.Filter):
+    """Holds back warnings and errors that say the same again and again; the next that passes tells how many.
+
+    Two are of one kind when logger, level and text before its arguments are the same.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._kinds: OrderedDict[tuple[str, int, str], tuple[float, float, int]] = OrderedDict()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Tell whether a record may pass; note in it how many before it did not."""
+        if record.levelno < logging.WARNING:
+            return True
+        kind = (record.name, record.levelno, str(record.msg))
+        allowance, last, held = self._kinds.pop(kind, (BURST, record.created, 0))
+        allowance = min(allowance + max(record.created - last, 0.0) / PERIOD, BURST)
+        passes = allowance >= 1.0
+        self._kinds[kind] = (allowance - passes, record.created, 0 if passes else held + 1)
+        if len(self._kinds) > KINDS:
+            self._kinds.popitem(last=False)
+        if passes and held:
+            record.held = held
+        return passes
+
+
+class Text(logging.Formatter):
+    """One line for people: time, level, logger, message; in the journal, which knows the time, a priority instead."""
+
+    def __init__(self, journal: bool) -> None:
+        super().__init__()
+        self._journal = journal
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the line, and those of a traceback behind it."""
+        text = f"{record.levelname.lower():<7} {_short(record.name)}: {_printable(_message(record))}"
+        lines = [text, *(self.formatException(record.exc_info).splitlines() if record.exc_info else ())]
+        if self._journal:
+            return "\n".join(f"<{priority(record.levelno)}>{each}" for each in lines)
+        return f"{_time(record)} " + "\n".join(lines)
+
+
+class Json(logging.Formatter):
+    """One JSON object per line: time, level, logger, message, fields, and the traceback of an exception."""
+
+    def __init__(self, journal: bool) -> None:
+        super().__init__()
+        self._journal = journal
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the line."""
+        values: dict[str, Any] = {
+            "time": _time(record),
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "message": _message(record),
+            "fields": {key: _plain(value) for key, value in getattr(record, "fields", {}).items()},
+        }
+        if record.exc_info:
+            values["traceback"] = self.formatException(record.exc_info)
+        prefix = f"<{priority(record.levelno)}>" if self._journal else ""
+        return prefix + json.dumps(values, allow_nan=False)
+
+
+class LogObserver:
+    """Writes what the mission says into the log."""
+
+    def __init__(self) -> None:
+        self._log = logging.getLogger("ross_payload.mission")
+
+    def heard(self, heard: Input) -> None:
+        """Hops are not worth a line."""
+
+    def said(self, event: Event, heard: Input) -> None:
+        """Write one line about an event; at level debug about every event."""
+        level, text = words(event)
+        if self._log.isEnabledFor(level):
+            self._log.log(level, "%s", text, extra={"fields": described(event)})
+
+
+def words(event: Event) -> tuple[int, str]:
+    """Return the level and the message of an event: what the operator is told, or what only the log says.
+
+    >>> words(TurnStarted(2.0, joint=math.pi / 4, heading=math.pi / 2, reason="rotation 1"))
+    (20, 'turning to heading 90.0 deg, joint 45.0 deg: rotation 1')
+    """
+    match event:
+        case StateChanged():
+            return logging.INFO, f"{event.state.name.lower()} {event.detail}".strip()
+        case TurnStarted():
+            where = f"heading {math.degrees(event.heading):.1f} deg, joint {math.degrees(event.joint):.1f} deg"
+            return logging.INFO, f"turning to {where}: {event.reason}"
+        case Separated():
+            seconds = f"from {event.time:.1f} s at heading {math.degrees(event.heading):.1f} deg"
+            return logging.INFO, f"separated {len(event.groups)} groups {seconds} by {event.method}"
+        case Answered():
+            level = logging.WARNING if event.answer in (Answer.REFUSED, Answer.FAILED) else logging.INFO
+            level = logging.DEBUG if event.answer is Answer.PROGRESS else level
+            return level, f"order {event.order} {event.answer.name.lower()} {event.reason}".strip()
+    said = line(event)
+    if said is None:
+        return logging.DEBUG, type(event).__name__
+    severity, text = said
+    return next((level for least, level in LEVELS if severity <= least), logging.DEBUG), text
+
+
+def described(event: Event) -> dict[str, Any]:
+    """Return the plain values of an event by name, in its own units; what is made of parts is left out.
+
+    >>> described(Answered(1.5, order=7, answer=Answer.DONE))["order"]
+    7
+    """
+    plain = {field.name: getattr(event, field.name) for field in fields(event)}
+    kept = {name: value for name, value in plain.items() if isinstance(value, (str, int, float, Enum))}
+    return {"event": type(event).__name__, **kept}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Enum):
+        return value.name.lower()
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    return value if value is None or isinstance(value, (bool, int, str)) else str(value)
+
+
+def _message(record: logging.LogRecord) -> str:
+    held = getattr(record, "held", 0)
+    return record.getMessage() + (f" ({held} more like it were held back)" if held else "")
+
+
+def _printable(text: str) -> str:
+    """Escape what a peer may have sent to forge a line or to colour a terminal."""
+    return "".join(char if char.isprintable() else char.encode("unicode_escape").decode() for char in text)
+
+
+def _short(name: str) -> str:
+    return name.removeprefix("ross_payload.")
+
+
+def _time(record: logging.LogRecord) -> str:
+    return datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")

@@ -1,0 +1,123 @@
+"""What systemd is told: ready, what we do, that we live, that we stop; the protocol of sd_notify(3).
+
+Without ``$NOTIFY_SOCKET`` nothing is sent. A word that cannot be sent is lost: nobody's mission ends for it.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ross_payload.events import Event, StateChanged
+from ross_payload.interfaces import Cancel, Clock, Input
+
+TIMEOUT = 0.1  # [s] that a full socket of the manager may hold us up
+PINGS = 4  # in one period of the manager's watchdog: three may be late
+MISSION = "mission"  # its mark in `Watchdog`
+
+
+@dataclass(frozen=True, slots=True)
+class Manager:
+    """The service manager; each word is one datagram.
+
+    >>> Manager("").ready("idle")  # not started by systemd: nobody is told
+    False
+    """
+
+    address: str  # of $NOTIFY_SOCKET; "@" stands for the zero byte of an abstract socket
+    period: float | None = None  # [s] after which it takes silence for death; None: never
+
+    @classmethod
+    def of(cls, environment: Mapping[str, str] = os.environ) -> Manager:
+        """Return the manager that started this process; one that nobody can be told of otherwise."""
+        text = environment.get("WATCHDOG_USEC", "")
+        meant = environment.get("WATCHDOG_PID", "") in ("", str(os.getpid()))
+        period = int(text) * 1e-6 if text.isdecimal() and int(text) and meant else None
+        return cls(environment.get("NOTIFY_SOCKET", ""), period)
+
+    def ready(self, status: str) -> bool:
+        """Say that everything is open and orders are welcome."""
+        return self._send(f"READY=1\nSTATUS={_line(status)}")
+
+    def status(self, status: str) -> bool:
+        """Say in one line what we do."""
+        return self._send(f"STATUS={_line(status)}")
+
+    def alive(self) -> bool:
+        """Ping the watchdog."""
+        return self._send("WATCHDOG=1")
+
+    def stopping(self, status: str) -> bool:
+        """Say that the end has begun."""
+        return self._send(f"STOPPING=1\nSTATUS={_line(status)}")
+
+    def _send(self, text: str) -> bool:
+        if not self.address:
+            return False
+        where = "\0" + self.address[1:] if self.address.startswith("@") else self.address
+        try:
+            with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as wire:
+                wire.settimeout(TIMEOUT)
+                wire.sendto(text.encode(), where)
+        except OSError:
+            return False
+        return True
+
+
+class Watchdog:
+    """Pings the manager only while everybody who must make progress does; an observer of the mission.
+
+    `mark` is called by whoever makes progress, on its own thread; `poll` belongs to the pump, so a pump that hangs
+    pings no more either.
+
+    Parameters
+    ----------
+    manager, clock
+        Whom to tell, and the time.
+    patience : mapping
+        How long each may take from one mark to the next [s]; a name that is not in it is not watched.
+    """
+
+    def __init__(self, manager: Manager, clock: Clock, patience: Mapping[str, float]) -> None:
+        self._manager = manager
+        self._clock = clock
+        self._patience = dict(patience)
+        self._marks = dict.fromkeys(patience, clock.now())
+
+    def mark(self, name: str) -> None:
+        """Note that ``name`` makes progress."""
+        self._marks[name] = self._clock.now()
+
+    def late(self) -> tuple[str, ...]:
+        """Return who has made no progress for too long."""
+        now = self._clock.now()
+        return tuple(name for name, patience in self._patience.items() if now - self._marks[name] > patience)
+
+    def poll(self) -> None:
+        """Ping, or say who is late."""
+        late = self.late()
+        if late:
+            self._manager.status(f"no progress: {', '.join(late)}")
+        else:
+            self._manager.alive()
+
+    def start(self) -> Cancel | None:
+        """Poll on the pump as often as the manager's period asks; None when nobody watches."""
+        period = self._manager.period
+        return None if period is None else self._clock.every(period / PINGS, self.poll)
+
+    def heard(self, heard: Input) -> None:
+        """One hop was heard: the mission makes progress."""
+        self.mark(MISSION)
+
+    def said(self, event: Event, heard: Input) -> None:
+        """Tell the manager what the mission does."""
+        if isinstance(event, StateChanged):
+            self._manager.status(f"{event.state.name.lower().replace('_', ' ')} {event.detail}".strip())
+
+
+def _line(text: str) -> str:
+    """One line of printable text: a line break would begin another assignment."""
+    return "".join(char if char.isprintable() else " " for char in text)

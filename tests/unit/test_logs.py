@@ -1,0 +1,200 @@
+import io
+import json
+import logging
+import os
+
+import numpy as np
+import pytest
+
+from ross_payload.events import (
+    Answer,
+    Answered,
+    Estimate,
+    Finished,
+    Outcome,
+    Separated,
+    SourcesEstimated,
+    State,
+    StateChanged,
+    TurnStarted,
+)
+from ross_payload.interfaces import Attitude, AudioBlock, Input
+from ross_payload.logs import LogObserver, Repeats, is_journal, logging_to, words
+
+LOG = logging.getLogger("ross_payload.links")
+
+
+@pytest.fixture
+def written():
+    """Log in a format at a level; return what was written."""
+
+    def write(call, form="text", level="info"):
+        stream = io.StringIO()
+        with logging_to(stream, level, form, {}):
+            call()
+        return stream.getvalue()
+
+    return write
+
+
+def hop():
+    block = AudioBlock(np.zeros((2, 160), np.float32), index=0, time=0.0)
+    return Input(block, 0.0, 0.0, 0.0, settled=True, attitude=Attitude(0.0))
+
+
+def said(event):
+    return lambda: LogObserver().said(event, hop())
+
+
+def test_a_text_line_has_time_level_logger_and_message(written):
+    line = written(lambda: LOG.warning("link %s is gone", "tcp:host:1"))
+    time, rest = line.rstrip("\n").split(" ", 1)
+    assert rest == "warning links: link tcp:host:1 is gone"
+    assert time.endswith("Z")
+
+
+def test_a_json_line_is_one_object_with_fields(written):
+    line = written(lambda: LOG.error("lost %d", 3, extra={"fields": {"lost": 3, "rate": float("nan")}}), "json")
+    assert line.count("\n") == 1
+    value = json.loads(line)
+    assert (value["level"], value["logger"], value["message"]) == ("error", "ross_payload.links", "lost 3")
+    assert value["fields"] == {"lost": 3, "rate": None}
+
+
+@pytest.mark.parametrize("form", ["text", "json"])
+def test_a_peer_cannot_forge_a_second_line(written, form):
+    text = written(lambda: LOG.info("peer said %s", "a\n2026-01-01 info links: \x1b[31mforged"), form)
+    assert text.count("\n") == 1
+    assert "\x1b" not in text
+
+
+def test_an_exception_comes_with_its_traceback(written):
+    def fail():
+        try:
+            raise ValueError("why")
+        except ValueError:
+            LOG.exception("broke")
+
+    assert "ValueError: why" in written(fail)
+    assert "ValueError: why" in json.loads(written(fail, "json"))["traceback"]
+
+
+def test_what_is_below_the_level_is_not_written(written):
+    assert written(lambda: LOG.info("chatter"), level="warning") == ""
+    assert "chatter" in written(lambda: LOG.debug("chatter"), level="debug")
+
+
+def test_the_handler_goes_with_the_command(written):
+    root = logging.getLogger()
+    before = (root.level, list(root.handlers))
+    written(lambda: LOG.info("hello"))
+    assert (root.level, list(root.handlers)) == before
+
+
+def journal_lines(tmp_path, form):
+    path = tmp_path / "journal"
+    with path.open("w+") as stream:
+        status = os.fstat(stream.fileno())
+        environment = {"JOURNAL_STREAM": f"{status.st_dev}:{status.st_ino}"}
+        with logging_to(stream, "info", form, environment):
+            LOG.info("good")
+            try:
+                raise ValueError("why")
+            except ValueError:
+                LOG.exception("bad")
+        return path.read_text().splitlines()
+
+
+def test_the_journal_gets_a_priority_on_every_line(tmp_path):
+    lines = journal_lines(tmp_path, "text")
+    assert lines[0] == "<6>info    links: good"
+    assert all(line.startswith("<3>") for line in lines[1:])
+    assert lines[-1] == "<3>ValueError: why"
+
+
+def test_the_journal_gets_a_priority_before_json(tmp_path):
+    good, bad = journal_lines(tmp_path, "json")
+    assert json.loads(good.removeprefix("<6>"))["message"] == "good"
+    assert json.loads(bad.removeprefix("<3>"))["message"] == "bad"
+
+
+def test_a_stream_that_is_sent_elsewhere_is_not_the_journal(tmp_path):
+    with (tmp_path / "file").open("w") as stream:
+        assert not is_journal(stream, {"JOURNAL_STREAM": "1:2"})
+    assert not is_journal(io.StringIO(), {"JOURNAL_STREAM": "1:2"})
+
+
+def record(time, text="lost %d", level=logging.WARNING):
+    made = logging.LogRecord("ross_payload.audio", level, "", 0, text, (1,), None)
+    made.created = time
+    return made
+
+
+def test_repeated_warnings_come_five_at_once_and_then_every_ten_seconds():
+    repeats = Repeats()
+    passed = [repeats.filter(record(0.1 * k)) for k in range(600)]  # 10 a second for a minute
+    assert all(passed[:5])
+    assert sum(passed) == 5 + 5  # the sixth of the later ones would be due at 60 s
+
+
+def test_the_next_one_tells_how_many_were_held_back():
+    repeats = Repeats()
+    for _ in range(8):
+        repeats.filter(record(0.0))
+    late = record(30.0)
+    assert repeats.filter(late)
+    assert late.held == 3
+
+
+def test_other_warnings_and_all_news_pass_meanwhile():
+    repeats = Repeats()
+    for _ in range(8):
+        repeats.filter(record(0.0))
+    assert repeats.filter(record(0.0, "port %d gone"))
+    assert repeats.filter(record(0.0, level=logging.ERROR))
+    assert all(repeats.filter(record(0.0, level=logging.INFO)) for _ in range(100))
+
+
+def test_endlessly_many_kinds_take_no_endless_memory():
+    repeats = Repeats()
+    for k in range(5000):
+        repeats.filter(record(0.0, f"text {k}"))
+    assert len(repeats._kinds) <= 256
+
+
+def test_a_mission_tells_its_states_turns_and_end(written):
+    line = written(said(StateChanged(1.0, State.RUN, "source 0")))
+    assert line.endswith("info    mission: run source 0\n")
+    line = written(said(TurnStarted(1.0, np.pi / 4, np.pi / 2, "rotation 1")))
+    assert "heading 90.0 deg, joint 45.0 deg" in line
+    line = written(said(Finished(1.0, Outcome.FAULT, "motor stalled")))
+    assert "critical mission" in line
+    assert "motor stalled" in line
+
+
+def test_events_bring_their_plain_values_and_no_arrays(written):
+    event = Separated(12.0, 160000, 0.5, np.zeros((2, 16000)), (), 0, "gaussian", "fits")
+    value = json.loads(written(said(event), "json"))
+    assert value["fields"] == {
+        "event": "Separated", "time": 12.0, "start": 160000, "heading": 0.5, "target": 0, "method": "gaussian",
+        "why": "fits",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("answer", "level"),
+    [
+        (Answer.ACCEPTED, logging.INFO),
+        (Answer.REFUSED, logging.WARNING),
+        (Answer.PROGRESS, logging.DEBUG),
+        (Answer.FAILED, logging.WARNING),
+    ],
+)
+def test_answers_weigh_as_much_as_they_matter(answer, level):
+    assert words(Answered(1.0, 7, answer, "busy"))[0] == level
+
+
+def test_what_nobody_needs_is_for_debugging(written):
+    event = SourcesEstimated(1.0, Estimate(()), rotations=1, final=False)
+    assert written(said(event)) == ""
+    assert "SourcesEstimated" in written(said(event), level="debug")
