@@ -61,6 +61,7 @@ class Settings:
     lower: float  # travel of the joint [rad]
     upper: float  # [rad]
     seed: int
+    park: float = 0.0  # joint angle where it parks [rad]
 
 
 class Planner(Protocol):
@@ -89,7 +90,7 @@ class Tools:
     explorer_stft: Stft
     separator: Separator
     stft: Stft
-    voiceprint: VoicePrint
+    voiceprint: VoicePrint | None  # of the target, None: nobody is sought
     plan: Planner = plan
 
 
@@ -156,15 +157,17 @@ class Context:
             if self.lead_in is not None and self.lead_in.shape[1] >= stft.frame:
                 found = quiet_psd(stft.analyse(self.lead_in), later)
             if not self.noise_psd:
-                self._say_noise(quiet=found is not None)
+                self.say_noise(quiet=found is not None)
             self.noise_psd[stft.frame] = found
         return self.noise_psd[stft.frame]
 
-    def _say_noise(self, *, quiet: bool) -> None:
+    def say_noise(self, *, quiet: bool) -> None:
+        """Say how loud the lead-in was when it was quiet, or that it was not."""
         level = None
         if quiet and self.lead_in is not None:
             level = float(10 * np.log10(np.mean(self.lead_in[0].astype(np.float64) ** 2) + 1e-20))
-        self.say(NoiseMeasured(self.time, level, self.settings.lead_in))
+        heard = 0 if self.lead_in is None else self.lead_in.shape[1]
+        self.say(NoiseMeasured(self.time, level, heard / self.settings.rate))
 
 
 def exchange(
@@ -188,13 +191,20 @@ def hop(context: Context, goal: float | None = None) -> Step[Input]:
     """
     heard = yield from exchange(context, goal=goal)
     for order in heard.orders:
-        _obey(context, order)
+        obey(context, order)
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)
     return heard
 
 
-def _obey(context: Context, order: Order) -> None:
+def obey(context: Context, order: Order) -> None:
+    """Obey an order that comes in the middle of a task.
+
+    Raises
+    ------
+    Ended
+        When the order ends the task.
+    """
     match order:
         case Stop() | Shutdown():
             raise Ended(Outcome.STOPPED, "stopped by command", order)

@@ -62,7 +62,7 @@ def recognise(context: Context, estimate: Estimate, heard: Listening, recalled: 
     groups, voices = separate(context, estimate, heard)
     scores = []
     for members, voice in zip(groups.members, voices, strict=True):
-        value = context.tools.voiceprint.score(voice, context.settings.rate).value
+        value = _likeness(context, voice)
         if len(members) == 1 and members[0] in recalled:
             value = (value + recalled[members[0]]) / 2
         scores.append(GroupScore(members, value, value > context.settings.criterion))
@@ -75,7 +75,7 @@ def recall(context: Context, estimate: Estimate) -> dict[int, float]:
     Each source's best orientation is separated once, and tells of every source that stands apart well there. Nothing
     is recalled where nothing was explored.
     """
-    if not context.explored:
+    if not context.explored or context.tools.voiceprint is None:
         return {}
     headings = np.array([heard.heading for heard in context.explored])
     apart = isolation(
@@ -91,8 +91,14 @@ def recall(context: Context, estimate: Estimate) -> dict[int, float]:
         where = [i for i in separated if curve[i] >= APART * curve.max()]
         clips = [voice for i in where for voice in _alone(source, *separated[i])]
         if clips:
-            recalled[source] = context.tools.voiceprint.score(np.concatenate(clips), context.settings.rate).value
+            recalled[source] = _likeness(context, np.concatenate(clips))
     return recalled
+
+
+def _likeness(context: Context, voice: Real) -> float:
+    """Score a voice; 0, undecided, when nobody is sought."""
+    target = context.tools.voiceprint
+    return 0.0 if target is None else target.score(voice, context.settings.rate).value
 
 
 def _alone(source: int, groups: Groups, voices: Real) -> list[Real]:

@@ -39,6 +39,7 @@ def settings_of(config: Config, lower: float, upper: float) -> Settings:
         lower=lower,
         upper=upper,
         seed=config.seed,
+        park=math.radians(config.guard.park_deg),
     )
 
 
@@ -82,7 +83,7 @@ def explorer_of(config: Config) -> Explorer:
     return explorer
 
 
-def tools_of(config: Config, voiceprint: VoicePrint) -> Tools:
+def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
     """Load the plug-ins that a configuration names."""
     audio = config.audio
     separator: Separator = plugins.load("ross_payload.separators", config.exploit.separator)
