@@ -1,4 +1,4 @@
-"""How each value lies in its message: the only place where angles turn around and units change.
+"""How each value lies in its message.
 
 A layout maps every field of a MAVLink message to an attribute of a value and a pair of functions, there and back; a
 bitmask field maps to the attributes that are its bits.
@@ -6,23 +6,34 @@ bitmask field maps to the attributes that are its bits.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ross_protocols import values as v
 from ross_protocols.dialect import common, ross
-
-FLOAT32_MAX = (2 - 2**-23) * 2.0**127
-UINT8_MAX = 255
-
-
-class Pair(NamedTuple):
-    """From a value to the wire and back."""
-
-    there: Callable[[Any], Any]
-    back: Callable[[Any], Any]
+from ross_protocols.pairs import (
+    BOOT_MILLI,
+    DIRECTION,
+    FRAME,
+    INTEGER,
+    MAYBE_DIRECTION,
+    MAYBE_INDEX,
+    MAYBE_MEBI,
+    MAYBE_NUMBER,
+    MAYBE_TURNED,
+    MEMBERS,
+    MICRO,
+    MILLI,
+    NUMBER,
+    NUMBERS,
+    PADDED,
+    SHARES,
+    TURNED,
+    WRAPPED16,
+    Pair,
+    member,
+    text,
+)  # fmt: skip
 
 
 class Field(NamedTuple):
@@ -66,83 +77,6 @@ class Layout:
                 attributes |= {attribute: bool(wire & bit) for attribute, bit in field.items()}
         value: v.Value = self.value(**attributes)
         return value
-
-
-def wrap(angle: float) -> float:
-    """Wrap an angle [rad] into (-pi, pi].
-
-    >>> wrap(-math.pi) == math.pi
-    True
-    """
-    return math.pi - (math.pi - angle) % (2 * math.pi)
-
-
-def float32(number: float) -> float:
-    """Return what fits into a float on the wire; beyond its range that is infinity, as IEEE 754 rounds."""
-    return math.copysign(math.inf, number) if abs(number) > FLOAT32_MAX else float(number)
-
-
-def clockwise(angle: float) -> float:
-    """Turn a direction [rad] around, from counter-clockwise to clockwise or back, into (-pi, pi].
-
-    >>> clockwise(math.pi / 2) == -math.pi / 2
-    True
-    """
-    return wrap(-angle) if math.isfinite(angle) else angle
-
-
-def bits(indices: tuple[int, ...]) -> int:
-    """Return the bitmask of some indices.
-
-    >>> bits((0, 2))
-    5
-    """
-    return sum(1 << index for index in set(indices))
-
-
-def indices(mask: int) -> tuple[int, ...]:
-    """Return the indices in a bitmask, ascending.
-
-    >>> indices(5)
-    (0, 2)
-    """
-    return tuple(index for index in range(32) if mask >> index & 1)
-
-
-def known(pair: Pair, invalid: float) -> Pair:
-    """Write None as ``invalid`` (NaN is one), and read it as None."""
-
-    def is_invalid(wire: float) -> bool:
-        return math.isnan(wire) if math.isnan(invalid) else wire == invalid
-
-    return Pair(
-        lambda value: invalid if value is None else pair.there(value),
-        lambda wire: None if is_invalid(wire) else pair.back(wire),
-    )
-
-
-def text(size: int) -> Pair:
-    """Write ASCII, cut to ``size`` characters; what is not ASCII becomes a question mark."""
-    return Pair(lambda value: value.encode("ascii", "replace")[:size], str)
-
-
-def member(kind: type) -> Pair:
-    """Write an enumeration as its number; a number that it does not have stays a number."""
-    numbers = {int(entry): entry for entry in kind}  # type: ignore[attr-defined]
-    return Pair(int, lambda wire: numbers.get(wire, wire))
-
-
-INTEGER = Pair(int, int)
-NUMBER = Pair(float32, float)
-DIRECTION = Pair(clockwise, clockwise)
-TURNED = Pair(lambda angle: float32(0.0 - angle), lambda wire: 0.0 - wire)  # not wrapped, and never -0.0
-MICRO = Pair(lambda seconds: float32(seconds * 1e6), lambda wire: wire / 1e6)
-MILLI = Pair(lambda seconds: round(seconds * 1e3), lambda wire: wire / 1e3)
-WRAPPED16 = Pair(lambda number: number % 65536, int)
-FRAME = Pair(lambda earth: 1 if earth else 2, lambda wire: wire == 1)
-MEMBERS = Pair(bits, indices)
-MAYBE_NUMBER, MAYBE_DIRECTION, MAYBE_TURNED = (known(pair, math.nan) for pair in (NUMBER, DIRECTION, TURNED))
-MAYBE_INDEX = known(INTEGER, UINT8_MAX)
 
 
 def _same(pair: Pair, *names: str) -> Fields:
@@ -202,7 +136,7 @@ STATUS = Layout(
     | _same(MAYBE_NUMBER, "score", "criterion")
     | {
         "mission_time": Field("mission_time", MILLI),
-        "flags": {"noise_measured": 1, "certain": 2, "target_found": 4},
+        "flags": {"noise_measured": 1, "certain": 2, "target_found": 4, "time_unix": 8},
         "actuator_flags": {"actuator_present": 1, "settled": 2, "homed": 4, "fault": 8, "open_loop": 16},
     },
     constant={},
@@ -258,4 +192,66 @@ SEPARATION = Layout(
     constant={},
 )
 
-LAYOUTS = (HEARTBEAT, TEXT, INFORMATION, STATUS, SOURCE, ALIGNMENT, SEPARATION)
+AUDIO = Layout(
+    v.Audio,
+    ross.MAVLink_ross_audio_message,
+    TIME
+    | _same(INTEGER, "trouble", "lost")
+    | _same(WRAPPED16, "reopened")
+    | _same(NUMBERS, "level", "peak")
+    | _same(NUMBER, "waiting")
+    | _same(MAYBE_NUMBER, "rate"),
+    constant={},
+)
+RECORDING = Layout(
+    v.Recording,
+    ross.MAVLink_ross_recording_message,
+    TIME
+    | _same(member(v.RecordingState), "state")
+    | _same(NUMBER, "duration")
+    | _same(MAYBE_MEBI, "free")
+    | _same(text(40), "name")
+    | _same(text(48), "reason"),
+    constant={},
+)
+DENSITY = Layout(
+    v.Density,
+    ross.MAVLink_ross_density_message,
+    TIME
+    | EARTH
+    | _same(WRAPPED16, "exploration")
+    | _same(INTEGER, "rotation")
+    | _same(DIRECTION, "heading")
+    | _same(SHARES, "density")
+    | {"itd_first": Field("first", MICRO), "itd_last": Field("last", MICRO)},
+    constant={},
+)
+ISOLATION = Layout(
+    v.Isolation,
+    ross.MAVLink_ross_isolation_message,
+    TIME
+    | EARTH
+    | _same(WRAPPED16, "plan")
+    | _same(INTEGER, "source")
+    | _same(MICRO, "maximum")
+    | _same(SHARES, "isolation")
+    | {"heading_first": Field("first", TURNED), "heading_last": Field("last", TURNED)},
+    constant={},
+)
+NAMED = Layout(
+    v.Named,
+    common.MAVLink_named_value_float_message,
+    {"time_boot_ms": Field("time", BOOT_MILLI), "name": Field("name", text(10)), "value": Field("value", NUMBER)},
+    constant={},
+)
+ARRAY = Layout(
+    v.Array,
+    common.MAVLink_debug_float_array_message,
+    TIME | _same(text(10), "name") | {"array_id": Field("id", INTEGER), "data": Field("numbers", PADDED)},
+    constant={},
+)
+
+LAYOUTS = (
+    HEARTBEAT, TEXT, INFORMATION, STATUS, SOURCE, ALIGNMENT, SEPARATION, AUDIO, RECORDING, DENSITY, ISOLATION, NAMED,
+    ARRAY,
+)  # fmt: skip

@@ -423,8 +423,10 @@ ROSS_STATUS_FLAGS_CERTAIN = 2
 enums["ROSS_STATUS_FLAGS"][2] = EnumEntry("ROSS_STATUS_FLAGS_CERTAIN", """Enough was heard to be certain of the number of sources and their azimuths.""")
 ROSS_STATUS_FLAGS_TARGET_FOUND = 4
 enums["ROSS_STATUS_FLAGS"][4] = EnumEntry("ROSS_STATUS_FLAGS_TARGET_FOUND", """A voice sounds like the target.""")
-ROSS_STATUS_FLAGS_ENUM_END = 5
-enums["ROSS_STATUS_FLAGS"][5] = EnumEntry("ROSS_STATUS_FLAGS_ENUM_END", """""")
+ROSS_STATUS_FLAGS_TIME_UNIX = 8
+enums["ROSS_STATUS_FLAGS"][8] = EnumEntry("ROSS_STATUS_FLAGS_TIME_UNIX", """The time_usec of every message is UNIX time. When not set, it is the time since boot.""")
+ROSS_STATUS_FLAGS_ENUM_END = 9
+enums["ROSS_STATUS_FLAGS"][9] = EnumEntry("ROSS_STATUS_FLAGS_ENUM_END", """""")
 
 # ROSS_ACTUATOR_FLAGS
 enums["ROSS_ACTUATOR_FLAGS"] = Enum()
@@ -505,6 +507,50 @@ ROSS_GROUP_FLAGS_TARGET = 2
 enums["ROSS_GROUP_FLAGS"][2] = EnumEntry("ROSS_GROUP_FLAGS_TARGET", """This group is taken for the target.""")
 ROSS_GROUP_FLAGS_ENUM_END = 3
 enums["ROSS_GROUP_FLAGS"][3] = EnumEntry("ROSS_GROUP_FLAGS_ENUM_END", """""")
+
+# ROSS_AUDIO_TROUBLE
+enums["ROSS_AUDIO_TROUBLE"] = Enum()
+enums["ROSS_AUDIO_TROUBLE"].bitmask = True
+ROSS_AUDIO_TROUBLE_CLIPPING = 1
+enums["ROSS_AUDIO_TROUBLE"][1] = EnumEntry("ROSS_AUDIO_TROUBLE_CLIPPING", """Samples at full scale within the last second.""")
+ROSS_AUDIO_TROUBLE_DEAD_1 = 2
+enums["ROSS_AUDIO_TROUBLE"][2] = EnumEntry("ROSS_AUDIO_TROUBLE_DEAD_1", """Microphone 1 gives digital silence, or far less than the other.""")
+ROSS_AUDIO_TROUBLE_DEAD_2 = 4
+enums["ROSS_AUDIO_TROUBLE"][4] = EnumEntry("ROSS_AUDIO_TROUBLE_DEAD_2", """Microphone 2 gives digital silence, or far less than the other.""")
+ROSS_AUDIO_TROUBLE_OFFSET = 8
+enums["ROSS_AUDIO_TROUBLE"][8] = EnumEntry("ROSS_AUDIO_TROUBLE_OFFSET", """A constant part (DC) far above the noise.""")
+ROSS_AUDIO_TROUBLE_IDENTICAL = 16
+enums["ROSS_AUDIO_TROUBLE"][16] = EnumEntry("ROSS_AUDIO_TROUBLE_IDENTICAL", """Both channels are one microphone.""")
+ROSS_AUDIO_TROUBLE_INVERTED = 32
+enums["ROSS_AUDIO_TROUBLE"][32] = EnumEntry("ROSS_AUDIO_TROUBLE_INVERTED", """One microphone has the wrong polarity.""")
+ROSS_AUDIO_TROUBLE_LOST = 64
+enums["ROSS_AUDIO_TROUBLE"][64] = EnumEntry("ROSS_AUDIO_TROUBLE_LOST", """Samples were lost within the last 10 s.""")
+ROSS_AUDIO_TROUBLE_ABSENT = 128
+enums["ROSS_AUDIO_TROUBLE"][128] = EnumEntry("ROSS_AUDIO_TROUBLE_ABSENT", """No audio arrives.""")
+ROSS_AUDIO_TROUBLE_ENUM_END = 129
+enums["ROSS_AUDIO_TROUBLE"][129] = EnumEntry("ROSS_AUDIO_TROUBLE_ENUM_END", """""")
+
+# ROSS_RECORDING_STATE
+enums["ROSS_RECORDING_STATE"] = Enum()
+enums["ROSS_RECORDING_STATE"].bitmask = False
+ROSS_RECORDING_STATE_OFF = 0
+enums["ROSS_RECORDING_STATE"][0] = EnumEntry("ROSS_RECORDING_STATE_OFF", """Nothing.""")
+ROSS_RECORDING_STATE_ON = 1
+enums["ROSS_RECORDING_STATE"][1] = EnumEntry("ROSS_RECORDING_STATE_ON", """Records a session.""")
+ROSS_RECORDING_STATE_FULL = 2
+enums["ROSS_RECORDING_STATE"][2] = EnumEntry("ROSS_RECORDING_STATE_FULL", """Stopped: the disk or its share is full.""")
+ROSS_RECORDING_STATE_BROKEN = 3
+enums["ROSS_RECORDING_STATE"][3] = EnumEntry("ROSS_RECORDING_STATE_BROKEN", """Stopped: the disk is gone.""")
+ROSS_RECORDING_STATE_ENUM_END = 4
+enums["ROSS_RECORDING_STATE"][4] = EnumEntry("ROSS_RECORDING_STATE_ENUM_END", """""")
+
+# ROSS_TUNNEL_TYPE
+enums["ROSS_TUNNEL_TYPE"] = Enum()
+enums["ROSS_TUNNEL_TYPE"].bitmask = False
+ROSS_TUNNEL_TYPE_FRAME = 54000
+enums["ROSS_TUNNEL_TYPE"][54000] = EnumEntry("ROSS_TUNNEL_TYPE_FRAME", """One whole, unsigned MAVLink 2 frame of one ROSS_* message, telemetry only.""")
+ROSS_TUNNEL_TYPE_ENUM_END = 54001
+enums["ROSS_TUNNEL_TYPE"][54001] = EnumEntry("ROSS_TUNNEL_TYPE_ENUM_END", """""")
 
 # ROSS_LISTEN_MODE
 enums["ROSS_LISTEN_MODE"] = Enum()
@@ -644,11 +690,15 @@ MAVLINK_MSG_ID_ROSS_STATUS = 54001
 MAVLINK_MSG_ID_ROSS_SOURCE = 54002
 MAVLINK_MSG_ID_ROSS_ALIGNMENT = 54003
 MAVLINK_MSG_ID_ROSS_SEPARATION = 54004
+MAVLINK_MSG_ID_ROSS_AUDIO = 54005
+MAVLINK_MSG_ID_ROSS_RECORDING = 54006
+MAVLINK_MSG_ID_ROSS_DENSITY = 54007
+MAVLINK_MSG_ID_ROSS_ISOLATION = 54008
 
 
 class MAVLink_ross_information_message(MAVLink_message):
     """
-    Who the payload is and what it can do. Sent at start and every 10
+    Who the payload is and what it can do. Sent at start and every 5
     s.
     """
 
@@ -701,7 +751,8 @@ setattr(MAVLink_ross_information_message, "name", mavlink_msg_deprecated_name_pr
 
 class MAVLink_ross_status_message(MAVLink_message):
     """
-    The mission at a glance. Sent at 4 Hz and on every change.
+    The mission at a glance. Sent at 4 Hz unless asked otherwise, and
+    on every change.
     """
 
     id = MAVLINK_MSG_ID_ROSS_STATUS
@@ -911,12 +962,201 @@ class MAVLink_ross_separation_message(MAVLink_message):
 setattr(MAVLink_ross_separation_message, "name", mavlink_msg_deprecated_name_property())
 
 
+class MAVLink_ross_audio_message(MAVLink_message):
+    """
+    How the microphones are. Sent every second and when the trouble
+    changes.
+    """
+
+    id = MAVLINK_MSG_ID_ROSS_AUDIO
+    msgname = "ROSS_AUDIO"
+    fieldnames = ["time_usec", "lost", "level", "peak", "waiting", "rate", "reopened", "trouble"]
+    ordered_fieldnames = ["time_usec", "lost", "level", "peak", "waiting", "rate", "reopened", "trouble"]
+    fieldtypes = ["uint64_t", "uint32_t", "float", "float", "float", "float", "uint16_t", "uint16_t"]
+    fielddisplays_by_name: Dict[str, str] = {"trouble": "bitmask"}
+    fieldenums_by_name: Dict[str, str] = {"trouble": "ROSS_AUDIO_TROUBLE"}
+    fieldunits_by_name: Dict[str, str] = {"time_usec": "us", "level": "dB", "peak": "dB", "waiting": "s", "rate": "Hz"}
+    native_format = bytearray(b"<QIffffHH")
+    orders = [0, 1, 2, 3, 4, 5, 6, 7]
+    lengths = [1, 1, 2, 2, 1, 1, 1, 1]
+    array_lengths = [0, 0, 2, 2, 0, 0, 0, 0]
+    crc_extra = 46
+    unpacker = struct.Struct("<QI2f2fffHH")
+    instance_field = None
+    instance_offset = -1
+
+    def __init__(self, time_usec: int, lost: int, level: Sequence[float], peak: Sequence[float], waiting: float, rate: float, reopened: int, trouble: int):
+        MAVLink_message.__init__(self, MAVLink_ross_audio_message.id, MAVLink_ross_audio_message.msgname)
+        self._fieldnames = MAVLink_ross_audio_message.fieldnames
+        self._instance_field = MAVLink_ross_audio_message.instance_field
+        self._instance_offset = MAVLink_ross_audio_message.instance_offset
+        self.time_usec = time_usec
+        self.lost = lost
+        self.level = level
+        self.peak = peak
+        self.waiting = waiting
+        self.rate = rate
+        self.reopened = reopened
+        self.trouble = trouble
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.lost, self.level[0], self.level[1], self.peak[0], self.peak[1], self.waiting, self.rate, self.reopened, self.trouble), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_ross_audio_message, "name", mavlink_msg_deprecated_name_property())
+
+
+class MAVLink_ross_recording_message(MAVLink_message):
+    """
+    What the recorder does. Sent every 5 s and when its state changes.
+    """
+
+    id = MAVLINK_MSG_ID_ROSS_RECORDING
+    msgname = "ROSS_RECORDING"
+    fieldnames = ["time_usec", "duration", "free", "state", "name", "reason"]
+    ordered_fieldnames = ["time_usec", "duration", "free", "state", "name", "reason"]
+    fieldtypes = ["uint64_t", "float", "float", "uint8_t", "char", "char"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {"state": "ROSS_RECORDING_STATE"}
+    fieldunits_by_name: Dict[str, str] = {"time_usec": "us", "duration": "s", "free": "MiB"}
+    native_format = bytearray(b"<QffBcc")
+    orders = [0, 1, 2, 3, 4, 5]
+    lengths = [1, 1, 1, 1, 1, 1]
+    array_lengths = [0, 0, 0, 0, 40, 48]
+    crc_extra = 125
+    unpacker = struct.Struct("<QffB40s48s")
+    instance_field = None
+    instance_offset = -1
+
+    def __init__(self, time_usec: int, duration: float, free: float, state: int, name: bytes, reason: bytes):
+        MAVLink_message.__init__(self, MAVLink_ross_recording_message.id, MAVLink_ross_recording_message.msgname)
+        self._fieldnames = MAVLink_ross_recording_message.fieldnames
+        self._instance_field = MAVLink_ross_recording_message.instance_field
+        self._instance_offset = MAVLink_ross_recording_message.instance_offset
+        self.time_usec = time_usec
+        self.duration = duration
+        self.free = free
+        self.state = state
+        self._name_raw = name
+        self.name = name.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+        self._reason_raw = reason
+        self.reason = reason.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.duration, self.free, self.state, self._name_raw, self._reason_raw), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_ross_recording_message, "name", mavlink_msg_deprecated_name_property())
+
+
+class MAVLink_ross_density_message(MAVLink_message):
+    """
+    What one orientation of the exploration heard: the density of time
+    differences of arrival; one message per orientation. Sent when
+    heard and repeated every 8 s; forget those of an older
+    exploration.
+    """
+
+    id = MAVLINK_MSG_ID_ROSS_DENSITY
+    msgname = "ROSS_DENSITY"
+    fieldnames = ["time_usec", "heading", "itd_first", "itd_last", "exploration", "rotation", "frame", "density"]
+    ordered_fieldnames = ["time_usec", "heading", "itd_first", "itd_last", "exploration", "rotation", "frame", "density"]
+    fieldtypes = ["uint64_t", "float", "float", "float", "uint16_t", "uint8_t", "uint8_t", "uint8_t"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {"frame": "ROSS_FRAME"}
+    fieldunits_by_name: Dict[str, str] = {"time_usec": "us", "heading": "rad", "itd_first": "us", "itd_last": "us"}
+    native_format = bytearray(b"<QfffHBBB")
+    orders = [0, 1, 2, 3, 4, 5, 6, 7]
+    lengths = [1, 1, 1, 1, 1, 1, 1, 80]
+    array_lengths = [0, 0, 0, 0, 0, 0, 0, 80]
+    crc_extra = 53
+    unpacker = struct.Struct("<QfffHBB80B")
+    instance_field = "rotation"
+    instance_offset = 22
+
+    def __init__(self, time_usec: int, heading: float, itd_first: float, itd_last: float, exploration: int, rotation: int, frame: int, density: Sequence[int]):
+        MAVLink_message.__init__(self, MAVLink_ross_density_message.id, MAVLink_ross_density_message.msgname)
+        self._fieldnames = MAVLink_ross_density_message.fieldnames
+        self._instance_field = MAVLink_ross_density_message.instance_field
+        self._instance_offset = MAVLink_ross_density_message.instance_offset
+        self.time_usec = time_usec
+        self.heading = heading
+        self.itd_first = itd_first
+        self.itd_last = itd_last
+        self.exploration = exploration
+        self.rotation = rotation
+        self.frame = frame
+        self.density = density
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.heading, self.itd_first, self.itd_last, self.exploration, self.rotation, self.frame, self.density[0], self.density[1], self.density[2], self.density[3], self.density[4], self.density[5], self.density[6], self.density[7], self.density[8], self.density[9], self.density[10], self.density[11], self.density[12], self.density[13], self.density[14], self.density[15], self.density[16], self.density[17], self.density[18], self.density[19], self.density[20], self.density[21], self.density[22], self.density[23], self.density[24], self.density[25], self.density[26], self.density[27], self.density[28], self.density[29], self.density[30], self.density[31], self.density[32], self.density[33], self.density[34], self.density[35], self.density[36], self.density[37], self.density[38], self.density[39], self.density[40], self.density[41], self.density[42], self.density[43], self.density[44], self.density[45], self.density[46], self.density[47], self.density[48], self.density[49], self.density[50], self.density[51], self.density[52], self.density[53], self.density[54], self.density[55], self.density[56], self.density[57], self.density[58], self.density[59], self.density[60], self.density[61], self.density[62], self.density[63], self.density[64], self.density[65], self.density[66], self.density[67], self.density[68], self.density[69], self.density[70], self.density[71], self.density[72], self.density[73], self.density[74], self.density[75], self.density[76], self.density[77], self.density[78], self.density[79]), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_ross_density_message, "name", mavlink_msg_deprecated_name_property())
+
+
+class MAVLink_ross_isolation_message(MAVLink_message):
+    """
+    How well each heading isolates one source, over half a turn; one
+    message per source. Sent with the plan and repeated every 8 s.
+    """
+
+    id = MAVLINK_MSG_ID_ROSS_ISOLATION
+    msgname = "ROSS_ISOLATION"
+    fieldnames = ["time_usec", "heading_first", "heading_last", "maximum", "plan", "source", "frame", "isolation"]
+    ordered_fieldnames = ["time_usec", "heading_first", "heading_last", "maximum", "plan", "source", "frame", "isolation"]
+    fieldtypes = ["uint64_t", "float", "float", "float", "uint16_t", "uint8_t", "uint8_t", "uint8_t"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {"frame": "ROSS_FRAME"}
+    fieldunits_by_name: Dict[str, str] = {"time_usec": "us", "heading_first": "rad", "heading_last": "rad", "maximum": "us"}
+    native_format = bytearray(b"<QfffHBBB")
+    orders = [0, 1, 2, 3, 4, 5, 6, 7]
+    lengths = [1, 1, 1, 1, 1, 1, 1, 80]
+    array_lengths = [0, 0, 0, 0, 0, 0, 0, 80]
+    crc_extra = 111
+    unpacker = struct.Struct("<QfffHBB80B")
+    instance_field = "source"
+    instance_offset = 22
+
+    def __init__(self, time_usec: int, heading_first: float, heading_last: float, maximum: float, plan: int, source: int, frame: int, isolation: Sequence[int]):
+        MAVLink_message.__init__(self, MAVLink_ross_isolation_message.id, MAVLink_ross_isolation_message.msgname)
+        self._fieldnames = MAVLink_ross_isolation_message.fieldnames
+        self._instance_field = MAVLink_ross_isolation_message.instance_field
+        self._instance_offset = MAVLink_ross_isolation_message.instance_offset
+        self.time_usec = time_usec
+        self.heading_first = heading_first
+        self.heading_last = heading_last
+        self.maximum = maximum
+        self.plan = plan
+        self.source = source
+        self.frame = frame
+        self.isolation = isolation
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.heading_first, self.heading_last, self.maximum, self.plan, self.source, self.frame, self.isolation[0], self.isolation[1], self.isolation[2], self.isolation[3], self.isolation[4], self.isolation[5], self.isolation[6], self.isolation[7], self.isolation[8], self.isolation[9], self.isolation[10], self.isolation[11], self.isolation[12], self.isolation[13], self.isolation[14], self.isolation[15], self.isolation[16], self.isolation[17], self.isolation[18], self.isolation[19], self.isolation[20], self.isolation[21], self.isolation[22], self.isolation[23], self.isolation[24], self.isolation[25], self.isolation[26], self.isolation[27], self.isolation[28], self.isolation[29], self.isolation[30], self.isolation[31], self.isolation[32], self.isolation[33], self.isolation[34], self.isolation[35], self.isolation[36], self.isolation[37], self.isolation[38], self.isolation[39], self.isolation[40], self.isolation[41], self.isolation[42], self.isolation[43], self.isolation[44], self.isolation[45], self.isolation[46], self.isolation[47], self.isolation[48], self.isolation[49], self.isolation[50], self.isolation[51], self.isolation[52], self.isolation[53], self.isolation[54], self.isolation[55], self.isolation[56], self.isolation[57], self.isolation[58], self.isolation[59], self.isolation[60], self.isolation[61], self.isolation[62], self.isolation[63], self.isolation[64], self.isolation[65], self.isolation[66], self.isolation[67], self.isolation[68], self.isolation[69], self.isolation[70], self.isolation[71], self.isolation[72], self.isolation[73], self.isolation[74], self.isolation[75], self.isolation[76], self.isolation[77], self.isolation[78], self.isolation[79]), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_ross_isolation_message, "name", mavlink_msg_deprecated_name_property())
+
+
 mavlink_map: Dict[int, Type[MAVLink_message]] = {
     MAVLINK_MSG_ID_ROSS_INFORMATION: MAVLink_ross_information_message,
     MAVLINK_MSG_ID_ROSS_STATUS: MAVLink_ross_status_message,
     MAVLINK_MSG_ID_ROSS_SOURCE: MAVLink_ross_source_message,
     MAVLINK_MSG_ID_ROSS_ALIGNMENT: MAVLink_ross_alignment_message,
     MAVLINK_MSG_ID_ROSS_SEPARATION: MAVLink_ross_separation_message,
+    MAVLINK_MSG_ID_ROSS_AUDIO: MAVLink_ross_audio_message,
+    MAVLINK_MSG_ID_ROSS_RECORDING: MAVLink_ross_recording_message,
+    MAVLINK_MSG_ID_ROSS_DENSITY: MAVLink_ross_density_message,
+    MAVLINK_MSG_ID_ROSS_ISOLATION: MAVLink_ross_isolation_message,
 }
 
 
@@ -1315,7 +1555,7 @@ class MAVLink(object):
 
     def ross_information_encode(self, time_usec: int, dialect_version: int, spacing: float, speed_of_sound: float, axis_offset: float, joint_min: float, joint_max: float, joint_rate_max: float, orientation_time: float, sample_rate: int, k_max: int, software_version: bytes, actuator: bytes) -> MAVLink_ross_information_message:
         """
-        Who the payload is and what it can do. Sent at start and every 10 s.
+        Who the payload is and what it can do. Sent at start and every 5 s.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         dialect_version           : Version of this dialect; grows with every change. (type:uint16_t)
@@ -1336,7 +1576,7 @@ class MAVLink(object):
 
     def ross_information_send(self, time_usec: int, dialect_version: int, spacing: float, speed_of_sound: float, axis_offset: float, joint_min: float, joint_max: float, joint_rate_max: float, orientation_time: float, sample_rate: int, k_max: int, software_version: bytes, actuator: bytes, force_mavlink1: bool = False) -> None:
         """
-        Who the payload is and what it can do. Sent at start and every 10 s.
+        Who the payload is and what it can do. Sent at start and every 5 s.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         dialect_version           : Version of this dialect; grows with every change. (type:uint16_t)
@@ -1357,7 +1597,8 @@ class MAVLink(object):
 
     def ross_status_encode(self, time_usec: int, mission_time: int, state: int, outcome: int, frame: int, flags: int, actuator_flags: int, heading: float, heading_goal: float, joint: float, joint_rate: float, mount_yaw: float, score: float, criterion: float, rotation: int, rotation_max: int, k: int, target: int) -> MAVLink_ross_status_message:
         """
-        The mission at a glance. Sent at 4 Hz and on every change.
+        The mission at a glance. Sent at 4 Hz unless asked otherwise, and on
+        every change.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         mission_time              : Audio heard since the mission began. [ms] (type:uint32_t)
@@ -1383,7 +1624,8 @@ class MAVLink(object):
 
     def ross_status_send(self, time_usec: int, mission_time: int, state: int, outcome: int, frame: int, flags: int, actuator_flags: int, heading: float, heading_goal: float, joint: float, joint_rate: float, mount_yaw: float, score: float, criterion: float, rotation: int, rotation_max: int, k: int, target: int, force_mavlink1: bool = False) -> None:
         """
-        The mission at a glance. Sent at 4 Hz and on every change.
+        The mission at a glance. Sent at 4 Hz unless asked otherwise, and on
+        every change.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         mission_time              : Audio heard since the mission began. [ms] (type:uint32_t)
@@ -1544,3 +1786,137 @@ class MAVLink(object):
 
         """
         self.send(self.ross_separation_encode(time_usec, members, heading, score, criterion, si_sdr, si_sdr_improvement, separation, group, count, phase, frame, flags, method), force_mavlink1=force_mavlink1)
+
+    def ross_audio_encode(self, time_usec: int, lost: int, level: Sequence[float], peak: Sequence[float], waiting: float, rate: float, reopened: int, trouble: int) -> MAVLink_ross_audio_message:
+        """
+        How the microphones are. Sent every second and when the trouble
+        changes.
+
+        time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
+        lost                      : Samples lost since the source was opened. (type:uint32_t)
+        level                     : Level of microphones 1 and 2 over the last second, re full scale. [dB] (type:float)
+        peak                      : Peak of microphones 1 and 2 over the last second, re full scale. [dB] (type:float)
+        waiting                   : Audio heard but not yet used. [s] (type:float)
+        rate                      : Sampling rate, measured. NaN: not yet. [Hz] (type:float)
+        reopened                  : Times that the source was opened again; wraps. (type:uint16_t)
+        trouble                   : What is wrong. 0: nothing. (type:uint16_t, values:ROSS_AUDIO_TROUBLE)
+
+        """
+        return MAVLink_ross_audio_message(time_usec, lost, level, peak, waiting, rate, reopened, trouble)
+
+    def ross_audio_send(self, time_usec: int, lost: int, level: Sequence[float], peak: Sequence[float], waiting: float, rate: float, reopened: int, trouble: int, force_mavlink1: bool = False) -> None:
+        """
+        How the microphones are. Sent every second and when the trouble
+        changes.
+
+        time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
+        lost                      : Samples lost since the source was opened. (type:uint32_t)
+        level                     : Level of microphones 1 and 2 over the last second, re full scale. [dB] (type:float)
+        peak                      : Peak of microphones 1 and 2 over the last second, re full scale. [dB] (type:float)
+        waiting                   : Audio heard but not yet used. [s] (type:float)
+        rate                      : Sampling rate, measured. NaN: not yet. [Hz] (type:float)
+        reopened                  : Times that the source was opened again; wraps. (type:uint16_t)
+        trouble                   : What is wrong. 0: nothing. (type:uint16_t, values:ROSS_AUDIO_TROUBLE)
+
+        """
+        self.send(self.ross_audio_encode(time_usec, lost, level, peak, waiting, rate, reopened, trouble), force_mavlink1=force_mavlink1)
+
+    def ross_recording_encode(self, time_usec: int, duration: float, free: float, state: int, name: bytes, reason: bytes) -> MAVLink_ross_recording_message:
+        """
+        What the recorder does. Sent every 5 s and when its state changes.
+
+        time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
+        duration                  : Recorded in this session. [s] (type:float)
+        free                      : Left on the disk. NaN: not known. [MiB] (type:float)
+        state                     : What it does. (type:uint8_t, values:ROSS_RECORDING_STATE)
+        name                      : Name of the session folder. (type:char)
+        reason                    : Why it stopped, in words. (type:char)
+
+        """
+        return MAVLink_ross_recording_message(time_usec, duration, free, state, name, reason)
+
+    def ross_recording_send(self, time_usec: int, duration: float, free: float, state: int, name: bytes, reason: bytes, force_mavlink1: bool = False) -> None:
+        """
+        What the recorder does. Sent every 5 s and when its state changes.
+
+        time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
+        duration                  : Recorded in this session. [s] (type:float)
+        free                      : Left on the disk. NaN: not known. [MiB] (type:float)
+        state                     : What it does. (type:uint8_t, values:ROSS_RECORDING_STATE)
+        name                      : Name of the session folder. (type:char)
+        reason                    : Why it stopped, in words. (type:char)
+
+        """
+        self.send(self.ross_recording_encode(time_usec, duration, free, state, name, reason), force_mavlink1=force_mavlink1)
+
+    def ross_density_encode(self, time_usec: int, heading: float, itd_first: float, itd_last: float, exploration: int, rotation: int, frame: int, density: Sequence[int]) -> MAVLink_ross_density_message:
+        """
+        What one orientation of the exploration heard: the density of time
+        differences of arrival; one message per orientation. Sent when
+        heard and repeated every 8 s; forget those of an older
+        exploration.
+
+        time_usec                 : Timestamp of the end of listening (time since boot, or UNIX time). [us] (type:uint64_t)
+        heading                   : Where the axis from microphone 1 to microphone 2 pointed. [rad] (type:float)
+        itd_first                 : Time difference of the first point. Positive: microphone 2 leads. [us] (type:float)
+        itd_last                  : Time difference of the last point. [us] (type:float)
+        exploration               : Number of the exploration; wraps. (type:uint16_t)
+        rotation                  : Rotations made before (r), from 0. (type:uint8_t)
+        frame                     : What heading is relative to. (type:uint8_t, values:ROSS_FRAME)
+        density                   : The density at equal steps; 255 is its maximum. (type:uint8_t)
+
+        """
+        return MAVLink_ross_density_message(time_usec, heading, itd_first, itd_last, exploration, rotation, frame, density)
+
+    def ross_density_send(self, time_usec: int, heading: float, itd_first: float, itd_last: float, exploration: int, rotation: int, frame: int, density: Sequence[int], force_mavlink1: bool = False) -> None:
+        """
+        What one orientation of the exploration heard: the density of time
+        differences of arrival; one message per orientation. Sent when
+        heard and repeated every 8 s; forget those of an older
+        exploration.
+
+        time_usec                 : Timestamp of the end of listening (time since boot, or UNIX time). [us] (type:uint64_t)
+        heading                   : Where the axis from microphone 1 to microphone 2 pointed. [rad] (type:float)
+        itd_first                 : Time difference of the first point. Positive: microphone 2 leads. [us] (type:float)
+        itd_last                  : Time difference of the last point. [us] (type:float)
+        exploration               : Number of the exploration; wraps. (type:uint16_t)
+        rotation                  : Rotations made before (r), from 0. (type:uint8_t)
+        frame                     : What heading is relative to. (type:uint8_t, values:ROSS_FRAME)
+        density                   : The density at equal steps; 255 is its maximum. (type:uint8_t)
+
+        """
+        self.send(self.ross_density_encode(time_usec, heading, itd_first, itd_last, exploration, rotation, frame, density), force_mavlink1=force_mavlink1)
+
+    def ross_isolation_encode(self, time_usec: int, heading_first: float, heading_last: float, maximum: float, plan: int, source: int, frame: int, isolation: Sequence[int]) -> MAVLink_ross_isolation_message:
+        """
+        How well each heading isolates one source, over half a turn; one
+        message per source. Sent with the plan and repeated every 8 s.
+
+        time_usec                 : Timestamp of the plan (time since boot, or UNIX time). [us] (type:uint64_t)
+        heading_first             : Heading of the first point, not wrapped. [rad] (type:float)
+        heading_last              : Heading of the last point, not wrapped. [rad] (type:float)
+        maximum                   : Isolation where the curve is 255. [us] (type:float)
+        plan                      : Number of the plan, as in ROSS_ALIGNMENT; wraps. (type:uint16_t)
+        source                    : The source that is isolated, an index of ROSS_SOURCE. (type:uint8_t)
+        frame                     : What the headings are relative to. (type:uint8_t, values:ROSS_FRAME)
+        isolation                 : Predicted distance in time difference of arrival between the source and its nearest neighbour, at equal steps of the heading. (type:uint8_t)
+
+        """
+        return MAVLink_ross_isolation_message(time_usec, heading_first, heading_last, maximum, plan, source, frame, isolation)
+
+    def ross_isolation_send(self, time_usec: int, heading_first: float, heading_last: float, maximum: float, plan: int, source: int, frame: int, isolation: Sequence[int], force_mavlink1: bool = False) -> None:
+        """
+        How well each heading isolates one source, over half a turn; one
+        message per source. Sent with the plan and repeated every 8 s.
+
+        time_usec                 : Timestamp of the plan (time since boot, or UNIX time). [us] (type:uint64_t)
+        heading_first             : Heading of the first point, not wrapped. [rad] (type:float)
+        heading_last              : Heading of the last point, not wrapped. [rad] (type:float)
+        maximum                   : Isolation where the curve is 255. [us] (type:float)
+        plan                      : Number of the plan, as in ROSS_ALIGNMENT; wraps. (type:uint16_t)
+        source                    : The source that is isolated, an index of ROSS_SOURCE. (type:uint8_t)
+        frame                     : What the headings are relative to. (type:uint8_t, values:ROSS_FRAME)
+        isolation                 : Predicted distance in time difference of arrival between the source and its nearest neighbour, at equal steps of the heading. (type:uint8_t)
+
+        """
+        self.send(self.ross_isolation_encode(time_usec, heading_first, heading_last, maximum, plan, source, frame, isolation), force_mavlink1=force_mavlink1)

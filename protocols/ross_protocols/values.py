@@ -9,7 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-DIALECT_VERSION = 1
+DIALECT_VERSION = 2
+CURVE_POINTS = 80
+ARRAY_SIZE = 58
 
 
 class Rule(IntEnum):
@@ -57,6 +59,15 @@ class Severity(IntEnum):
     WARNING = 4
     NOTICE = 5
     INFO = 6
+
+
+class RecordingState(IntEnum):
+    """What the recorder does: ROSS_RECORDING_STATE."""
+
+    OFF = 0
+    ON = 1
+    FULL = 2
+    BROKEN = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +130,7 @@ class Status:
     noise_measured: bool = False
     certain: bool = False
     target_found: bool = False
+    time_unix: bool = False  # time_usec is UNIX time, else since boot
     actuator_present: bool = False
     settled: bool = False
     homed: bool = False
@@ -186,4 +198,80 @@ class Separation:
     target: bool = False
 
 
-Value = Heartbeat | Text | Information | Status | Source | Alignment | Separation
+@dataclass(frozen=True, slots=True)
+class Audio:
+    """How the microphones are: ROSS_AUDIO."""
+
+    time_usec: int  # [us]
+    trouble: int = 0  # ROSS_AUDIO_TROUBLE
+    level: tuple[float, ...] = (-120.0, -120.0)  # of each microphone [dB re full scale]
+    peak: tuple[float, ...] = (-120.0, -120.0)  # [dB re full scale]
+    lost: int = 0  # samples
+    reopened: int = 0
+    waiting: float = 0.0  # [s]
+    rate: float | None = None  # [Hz]
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """What the recorder does: ROSS_RECORDING."""
+
+    time_usec: int  # [us]
+    state: RecordingState = RecordingState.OFF
+    duration: float = 0.0  # [s]
+    free: float | None = None  # [bytes]
+    name: str = ""  # at most 40 characters
+    reason: str = ""  # at most 48 characters
+
+
+@dataclass(frozen=True, slots=True)
+class Density:
+    """The ITD density of one orientation: ROSS_DENSITY."""
+
+    time_usec: int  # [us]
+    exploration: int  # its number
+    rotation: int  # r
+    heading: float  # [rad]
+    earth: bool
+    first: float  # ITD of the first point [s]
+    last: float  # ITD of the last point [s]
+    density: tuple[float, ...]  # CURVE_POINTS shares of the maximum, 0 to 1
+
+
+@dataclass(frozen=True, slots=True)
+class Isolation:
+    """How well each heading isolates one source: ROSS_ISOLATION."""
+
+    time_usec: int  # [us]
+    plan: int  # number of the plan
+    source: int  # index
+    earth: bool
+    first: float  # heading of the first point [rad], not wrapped
+    last: float  # heading of the last point [rad], not wrapped
+    maximum: float  # [s]
+    isolation: tuple[float, ...]  # CURVE_POINTS shares of the maximum, 0 to 1
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """One number with a name, for ground stations that do not know our dialect: NAMED_VALUE_FLOAT."""
+
+    time: float  # since boot [s]
+    name: str  # at most 10 characters
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Array:
+    """Some numbers with a name, for ground stations that do not know our dialect: DEBUG_FLOAT_ARRAY."""
+
+    time_usec: int  # [us]
+    name: str  # at most 10 characters
+    id: int
+    numbers: tuple[float, ...]  # ARRAY_SIZE at most; zeros at the end are not told from none
+
+
+Value = (
+    Heartbeat | Text | Information | Status | Source | Alignment | Separation | Audio | Recording | Density | Isolation
+    | Named | Array
+)  # fmt: skip

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pytest
 from pymavlink.dialects.v20 import common
 
-from ross_payload import events
+from ross_payload import events, health
 from ross_protocols import values
 from ross_protocols.dialect import MESSAGES, ross
 from ross_protocols.layouts import LAYOUTS, Field
@@ -27,6 +27,10 @@ CRC_EXTRA = {
     54002: ("ROSS_SOURCE", 6),
     54003: ("ROSS_ALIGNMENT", 166),
     54004: ("ROSS_SEPARATION", 253),
+    54005: ("ROSS_AUDIO", 46),
+    54006: ("ROSS_RECORDING", 125),
+    54007: ("ROSS_DENSITY", 53),
+    54008: ("ROSS_ISOLATION", 111),
 }
 
 
@@ -97,6 +101,8 @@ def test_bits_on_the_wire_are_those_of_the_dialect(layout) -> None:
         (values.Rule, "ROSS_ALIGNMENT_RULE"),
         (values.CandidateState, "ROSS_CANDIDATE_STATE"),
         (values.Phase, "ROSS_SEPARATION_PHASE"),
+        (values.RecordingState, "ROSS_RECORDING_STATE"),
+        (health.AudioTrouble, "ROSS_AUDIO_TROUBLE"),
     ],
 )
 def test_the_dialect_and_the_payload_number_alike(enum, dialect: str) -> None:

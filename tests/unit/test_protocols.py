@@ -11,12 +11,20 @@ from pymavlink.dialects.v20 import common
 from ross_protocols.codec import Decoder, Encoder, chunks
 from ross_protocols.dialect import ross
 from ross_protocols.values import (
+    CURVE_POINTS,
     Alignment,
+    Array,
+    Audio,
     CandidateState,
+    Density,
     Health,
     Heartbeat,
     Information,
+    Isolation,
+    Named,
     Phase,
+    Recording,
+    RecordingState,
     Rule,
     Separation,
     Severity,
@@ -34,6 +42,8 @@ whole = {bits: st.integers(0, 2**bits - 1) for bits in (8, 16, 32, 64)}
 index = st.integers(0, 254)
 members = st.sets(st.integers(0, 31)).map(lambda found: tuple(sorted(found)))
 flag = st.booleans()
+seconds = st.floats(-1e-2, 1e-2)
+curves = st.tuples(*[st.integers(0, 255).map(lambda level: level / 255)] * CURVE_POINTS)
 
 
 def words(size: int) -> st.SearchStrategy[str]:
@@ -54,7 +64,7 @@ VALUES = st.one_of(
     st.builds(
         Status, whole[64], whole[32].map(lambda ms: ms / 1000), whole[8], flag, maybe(index), maybe(directions),
         maybe(directions), maybe(numbers), maybe(numbers), maybe(directions), maybe(numbers), maybe(numbers), whole[8],
-        whole[8], maybe(index), maybe(index), *[flag] * 8,
+        whole[8], maybe(index), maybe(index), *[flag] * 9,
     ),
     st.builds(
         Source, whole[64], whole[16], whole[8], whole[8], directions, numbers, numbers, numbers, flag, flag,
@@ -68,6 +78,21 @@ VALUES = st.one_of(
         Separation, whole[64], whole[16], whole[8], whole[8], st.sampled_from(Phase), members, words(16), flag,
         maybe(directions), maybe(numbers), maybe(numbers), maybe(numbers), maybe(numbers), flag, flag,
     ),
+    st.builds(
+        Audio, whole[64], whole[16], st.tuples(numbers, numbers), st.tuples(numbers, numbers), whole[32], whole[16],
+        numbers, maybe(numbers),
+    ),
+    st.builds(
+        Recording, whole[64], st.sampled_from(RecordingState), numbers, maybe(numbers), words(40), words(48),
+    ),
+    st.builds(
+        Density, whole[64], whole[16], whole[8], directions, flag, seconds, seconds, curves,
+    ),
+    st.builds(
+        Isolation, whole[64], whole[16], whole[8], flag, numbers, numbers, seconds, curves,
+    ),
+    st.builds(Named, whole[32].map(lambda ms: ms / 1000), words(10), numbers),
+    st.builds(Array, whole[64], words(10), whole[16], st.lists(numbers.filter(bool), max_size=58).map(tuple)),
 )  # fmt: skip
 
 STATUS = Status(1_000_000, 1.0, 3, earth=True, heading=0.5)
