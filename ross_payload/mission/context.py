@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -38,6 +38,8 @@ from ross_payload.orders import Cancel, Order, Set, Shutdown, Stop, Task
 
 T = TypeVar("T")
 Step = Generator[Output, Input, T]
+
+NOTHING = Output()  # is wished for
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,12 +172,10 @@ class Context:
         self.say(NoiseMeasured(self.time, level, heard / self.settings.rate))
 
 
-def exchange(
-    context: Context, *, goal: float | None = None, halt: bool = False, rearm: bool = False, home: bool = False
-) -> Step[Input]:
-    """Exchange one Output for one Input, whatever it says."""
+def exchange(context: Context, wish: Output = NOTHING) -> Step[Input]:
+    """Exchange one Output for one Input, whatever it says; pending events go with the wish."""
     events, context.pending = tuple(context.pending), []
-    heard = yield Output(events, goal=goal, halt=halt, rearm=rearm, home=home)
+    heard = yield replace(wish, events=events)
     context.last = heard
     context.samples += heard.block.samples.shape[1]
     return heard
@@ -189,7 +189,7 @@ def hop(context: Context, goal: float | None = None) -> Step[Input]:
     Ended
         On a command or a fault.
     """
-    heard = yield from exchange(context, goal=goal)
+    heard = yield from exchange(context, Output(goal=goal))
     for order in heard.orders:
         obey(context, order)
     if heard.fault:
