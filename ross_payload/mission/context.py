@@ -40,6 +40,7 @@ T = TypeVar("T")
 Step = Generator[Output, Input, T]
 
 NOTHING = Output()  # is wished for
+BUSY = "busy: cancel first"
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,7 +216,7 @@ def obey(context: Context, order: Order) -> None:
         case Set():
             context.later.append(order)
         case _:
-            context.say(Answered(context.time, order.number, Answer.REFUSED, "busy: cancel first"))
+            context.say(Answered(context.time, order.number, Answer.REFUSED, BUSY))
 
 
 def listen(context: Context, seconds: float) -> Step[Samples]:
