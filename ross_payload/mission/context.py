@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol, TypeVar
@@ -34,7 +35,11 @@ from ross_payload.interfaces import (
     Separator,
     VoicePrint,
 )
+from ross_payload.mission.follower import Follower
 from ross_payload.orders import Cancel, Order, Set, Shutdown, Stop, Task
+
+FOUND = "the attitude of the vehicle is known now"
+LOST = "the attitude of the vehicle is not known any more"
 
 T = TypeVar("T")
 Step = Generator[Output, Input, T]
@@ -65,6 +70,7 @@ class Settings:
     upper: float  # [rad]
     seed: int
     park: float = 0.0  # joint angle where it parks [rad]
+    follow: float = math.radians(2.0)  # a heading that is off by more is followed [rad]
 
 
 class Planner(Protocol):
@@ -107,12 +113,17 @@ class Ended(Exception):
         self.order = order  # the one that ends the task, None: a fault
 
 
+class FrameChanged(Ended):
+    """The attitude was lost, or is known again: azimuths heard before and after are not in one frame."""
+
+
 @dataclass(frozen=True, slots=True)
 class Listening:
-    """What was heard at rest at one heading."""
+    """What was heard at one heading."""
 
-    heading: float  # [rad]
+    heading: float  # [rad], the mean where the array followed it
     samples: Samples  # (2, n)
+    spread: float = 0.0  # largest deviation from the heading while it was followed [rad]
 
 
 @dataclass(slots=True)
@@ -131,6 +142,8 @@ class Context:
     pending: list[Event] = field(default_factory=list)
     yields: bool = False  # another task may take the place of this one: it has found what it looked for
     later: list[Order] = field(default_factory=list)  # to be obeyed when the task is over
+    earth: bool | None = None  # the frame in which the task thinks, None: it does not matter yet
+    holding: Follower | None = None  # the heading that was faced last
 
     @property
     def time(self) -> float:
@@ -143,6 +156,15 @@ class Context:
         if self.last is None:
             raise RuntimeError("the mission has not heard anything yet")
         return self.last
+
+    def keep_frame(self) -> None:
+        """From here on the task depends on the frame of the headings: a change of it ends what it does."""
+        if self.earth is None:
+            self.earth = self.here.attitude.known
+
+    def drop_frame(self) -> None:
+        """Forget the frame and the heading that was held in it."""
+        self.earth = self.holding = None
 
     def say(self, event: Event) -> None:
         """Send an event with the next Output."""
@@ -189,12 +211,16 @@ def hop(context: Context, goal: float | None = None) -> Step[Input]:
     ------
     Ended
         On a command or a fault.
+    FrameChanged
+        When the attitude that the task depends on is lost or found.
     """
     heard = yield from exchange(context, Output(goal=goal))
     for order in heard.orders:
         obey(context, order)
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)
+    if context.earth not in (None, heard.attitude.known):
+        raise FrameChanged(Outcome.FAULT, LOST if context.earth else FOUND)
     return heard
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ross_payload.angles import wrap_axis
-from ross_payload.events import Estimate, State
-from ross_payload.mission.context import Context, Step, listen, turn
+from ross_payload.angles import wrap, wrap_axis
+from ross_payload.events import Doubted, Estimate, State
+from ross_payload.mission.context import Context, FrameChanged, Step, listen
+from ross_payload.mission.follow import face
+from ross_payload.mission.follower import base
 from ross_payload.mission.orient import certain, orientation, say_belief
 from ross_payload.mission.pipeline import Visits, promising, visit
 
@@ -22,38 +24,55 @@ def lead_in(context: Context) -> Step[None]:
 def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
     """Visit orientations until the explorer is certain or the schedule ends; return its last belief.
 
+    When the frame of the headings changes meanwhile, what was heard is forgotten and the exploration begins again.
+
     In a pipelined mission a promising alignment takes the place of the next orientation. When the target is recognised
     there the exploration ends at once, and its source is returned as well.
     """
-    context.explored, context.observations, context.beliefs = [], [], []
-    todo, visits = list(schedule(context)), Visits()
+    left = context.settings.max_restarts
+    while True:
+        context.drop_frame()
+        context.explored, context.observations, context.beliefs = [], [], []
+        try:
+            return (yield from _orientations(context))
+        except FrameChanged as changed:
+            if not left:
+                raise
+            left -= 1
+            context.say(Doubted(context.time, changed.reason))
+
+
+def _orientations(context: Context) -> Step[tuple[Estimate, int | None]]:
+    """Visit what is scheduled as joint angles for where the base is now; the headings that they give are meant."""
+    todo, visits, zero = list(schedule(context)), Visits(), base(context.here)
     while todo and not (context.beliefs and certain(context)):
         promise = promising(context, visits) if context.settings.pipelined else None
         if promise is None:
-            joint = min(todo, key=lambda joint: round(abs(joint - context.here.joint), 9))
+            here = context.here.joint + wrap(base(context.here) - zero)
+            joint = min(todo, key=lambda joint: round(abs(joint - here), 9))
             todo.remove(joint)
-            yield from _step(context, joint, last=not todo)
+            yield from _step(context, zero + joint, joint, last=not todo)
             continue
-        todo = [joint for joint in todo if not _same(context, joint, promise.candidate.joint)]
+        todo = [joint for joint in todo if not _same(context, zero + joint, promise.candidate.heading)]
         source = yield from visit(context, promise, visits, last=not todo)
         if source is not None:
             return context.beliefs[-1], source
     return context.beliefs[-1], None
 
 
-def _step(context: Context, joint: float, *, last: bool) -> Step[None]:
+def _step(context: Context, heading: float, joint: float, *, last: bool) -> Step[None]:
     r = len(context.explored)
     if r:
         context.enter(State.EXPLORE_TURN, f"rotation {r} of {context.settings.max_rotations}")
-        yield from turn(context, joint, f"rotation {r}")
+        yield from face(context, heading, joint, f"rotation {r}")
     context.enter(State.EXPLORE_LISTEN, f"orientation {r}")
     yield from orientation(context, context.settings.unit)
     say_belief(context, final=last or certain(context))
 
 
-def _same(context: Context, joint: float, other: float) -> bool:
-    """Whether two joint angles give nearly one axis; half a turn tells nothing new."""
-    return abs(wrap_axis(joint - other)) < SAME * context.settings.rotation
+def _same(context: Context, heading: float, other: float) -> bool:
+    """Whether two headings give nearly one axis; half a turn tells nothing new."""
+    return abs(wrap_axis(heading - other)) < SAME * context.settings.rotation
 
 
 def schedule(context: Context) -> Iterator[float]:

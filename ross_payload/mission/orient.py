@@ -1,23 +1,24 @@
-"""One orientation: listen at rest, tell the explorer, and hear what it believes now."""
+"""One orientation: listen at one heading, tell the explorer, and hear what it believes now."""
 
 from __future__ import annotations
 
 from ross_payload.events import Estimate, OrientationHeard, SourcesEstimated
 from ross_payload.interfaces import Observation
-from ross_payload.mission.context import Context, Listening, Step, listen
+from ross_payload.mission.context import Context, Listening, Step
+from ross_payload.mission.follow import attend
 
 
 def orientation(context: Context, seconds: float) -> Step[Estimate]:
-    """Listen for ``seconds`` at rest; return what the explorer believes after this orientation."""
-    samples = yield from listen(context, seconds)
-    here = context.here
-    heard = Listening(here.heading_end, samples)
+    """Listen for ``seconds`` at one heading; return what the explorer believes after this orientation."""
+    heard = yield from attend(context, seconds)
     context.explored.append(heard)
     seen = observe(context, heard)
     r = len(context.observations)
     context.observations.append(seen)
     context.beliefs.append(context.tools.explorer.estimate(context.observations))
-    context.say(OrientationHeard(context.time, r, seen.heading, here.joint, seen.grid, seen.density, seen.peaks))
+    context.say(
+        OrientationHeard(context.time, r, seen.heading, context.here.joint, seen.grid, seen.density, seen.peaks)
+    )
     return context.beliefs[-1]
 
 

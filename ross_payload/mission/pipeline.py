@@ -15,7 +15,8 @@ import numpy as np
 from ross_payload.angles import difference
 from ross_payload.events import AlignmentCandidate, Checked, Estimate, State
 from ross_payload.mission.align import align, here, in_order, planned
-from ross_payload.mission.context import Context, Listening, Step, turn
+from ross_payload.mission.context import Context, Listening, Step
+from ross_payload.mission.follow import face
 from ross_payload.mission.orient import certain, observe, orientation, say_belief
 from ross_payload.mission.recognise import Heard, recall, recognise
 
@@ -91,7 +92,7 @@ def visit(context: Context, promise: Promise, visits: Visits, *, last: bool) -> 
     before, candidate = context.beliefs[-1], promise.candidate
     align(context, before)
     context.enter(State.ALIGN_TURN, f"source {candidate.source}, {candidate.rule}")
-    yield from turn(context, candidate.joint, f"alignment for source {candidate.source}")
+    yield from face(context, candidate.heading, candidate.joint, f"alignment for source {candidate.source}")
     context.enter(State.CHECK, f"source {candidate.source}")
     after = yield from orientation(context, max(context.settings.unit, context.settings.check))
     visits.count += 1
@@ -133,7 +134,8 @@ def mend(context: Context, estimate: Estimate, source: int, heard: Listening) ->
     When most of them agree on another K, the belief is theirs.
     """
     explorer = context.tools.explorer
-    earlier = [seen for seen in context.observations if abs(difference(seen.heading, heard.heading)) > SPOT]
+    spot = SPOT + heard.spread
+    earlier = [seen for seen in context.observations if abs(difference(seen.heading, heard.heading)) > spot]
     unit = round(context.settings.unit * context.settings.rate)
     starts = range(0, max(heard.samples.shape[1] - unit, 0) + 1, unit)
     takes = [observe(context, Listening(heard.heading, heard.samples[:, start : start + unit])) for start in starts]

@@ -1,0 +1,69 @@
+"""The control law of following: which joint angle keeps the axis at a heading while the base turns."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+
+from ross_payload.angles import wrap, wrap_axis
+from ross_payload.interfaces import Input
+
+STILL = 1e-9  # [rad]: what has turned by less has not turned
+LEAD = 0.15  # [s] that a correction looks ahead: half of a small move, and half of the time until the next one
+TRAIL = 0.1  # [s] over which the rate of the base is taken
+BEARABLE = math.radians(5)  # off the heading at a limit of the joint
+
+
+def base(heard: Input) -> float:
+    """Return the heading at joint angle 0 [rad]."""
+    return heard.heading_end - heard.joint
+
+
+@dataclass(slots=True)
+class Follower:
+    """Keeps one heading, modulo pi; asks for a move when the heading at the joint's goal is off by too much.
+
+    It looks at where the joint is going, not where it is: neither latency nor a move in flight makes it ask twice.
+    With a base at rest it never asks.
+    """
+
+    heading: float  # [rad]
+    goal: float  # joint angle that was asked for last [rad]
+    tolerance: float  # [rad]
+    lower: float  # limits of the joint [rad]
+    upper: float
+    corrected: bool = False
+    trail: deque[tuple[float, float]] = field(default_factory=deque)  # time [s], heading at joint angle 0 [rad]
+
+    def correction(self, time: float, heard: Input) -> float | None:
+        """Take in what was heard until ``time`` [s]; return the next joint angle [rad] when it needs one."""
+        self.trail.append((time, base(heard)))
+        while time - self.trail[0][0] > TRAIL + STILL:
+            self.trail.popleft()
+        wanted = self._wanted()
+        if abs(wanted - self.goal) <= self.tolerance:
+            return None
+        goal = min(max(wanted, self.lower), self.upper)
+        if abs(goal - self.goal) <= STILL:
+            return None
+        self.goal, self.corrected = goal, True
+        return goal
+
+    def unreachable(self) -> bool:
+        """Whether a limit keeps the joint further from the heading than can be borne."""
+        wanted = self._wanted()
+        return max(wanted - self.upper, self.lower - wanted) > BEARABLE
+
+    def there(self, heard: Input) -> bool:
+        """Whether a turn is over: at rest, or near the heading with no large move to come."""
+        if heard.settled or not self.corrected:
+            return heard.settled
+        off = abs(wrap_axis(self.heading - heard.heading_end))
+        return off <= self.tolerance and abs(self.goal - heard.joint) <= 2 * self.tolerance
+
+    def _wanted(self) -> float:
+        """Joint angle [rad] that gives the heading soon, of the branch of the present goal."""
+        (begin, first), (end, last) = self.trail[0], self.trail[-1]
+        rate = wrap(last - first) / (end - begin) if end > begin else 0.0
+        return self.goal + wrap_axis(self.heading - last - rate * LEAD - self.goal)
