@@ -1,0 +1,215 @@
+"""The live mission: idle, a task, idle again, until shutdown; orders come with the Inputs.
+
+Between tasks only a `Memory` is kept, so that a recording which begins there can be replayed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+from ross_payload.config import Config
+from ross_payload.errors import ConfigError
+from ross_payload.events import (
+    Answer,
+    Answered,
+    Event,
+    Finished,
+    OrientationHeard,
+    Outcome,
+    SourcesEstimated,
+    State,
+)
+from ross_payload.interfaces import Input, Mission, Output, Result
+from ross_payload.mission.context import BUSY, NOTHING, Context, Ended, Settings, Step, Tools, exchange
+from ross_payload.mission.tasks import Memory, Refused, perform, refusal
+from ross_payload.orders import Cancel, MeasureNoise, Order, Rearm, Set, Shutdown, Stop, Task
+from ross_payload.parameters import changed
+
+ANSWERS = {Outcome.FAULT: Answer.FAILED, Outcome.NO_TARGET: Answer.FAILED, Outcome.STOPPED: Answer.CANCELLED}
+
+
+@dataclass(frozen=True, slots=True)
+class Kit:
+    """What a task works with; it follows from the configuration."""
+
+    settings: Settings
+    tools: Tools
+
+
+Make = Callable[[Config], Kit]
+
+
+class Session:
+    """One session: its mission, and what it knows between tasks.
+
+    Parameters
+    ----------
+    config
+        What a `Set` order changes.
+    make
+        Makes settings and tools from a configuration.
+    memory
+        What an earlier session knew.
+    """
+
+    def __init__(self, config: Config, make: Make, memory: Memory | None = None) -> None:
+        self.config = config
+        self.busy = False  # a task is going on
+        self._memory = memory or Memory()
+        self._stopped = self._memory.stopped
+        self._make = make
+        self._fault = ""
+        self._waiting: list[Order] = []  # came while no task was going on
+        kit = make(config)
+        self._context = Context(kit.settings, kit.tools, samples=self._memory.samples)
+
+    @property
+    def memory(self) -> Memory:
+        """What a session that goes on from here must know, between tasks."""
+        return replace(self._memory, stopped=self._stopped, samples=self._context.samples)
+
+    def mission(self, first: Task | None = None) -> Mission:
+        """Obey orders until `Shutdown`; nothing turns before a task is ordered.
+
+        Prime it with ``next``; then send one Input for every Output. It returns a Result. ``first`` is a task to
+        begin with, without being asked.
+        """
+        self._enter(State.STOPPED if self._stopped else State.IDLE)
+        order: Order | None = first
+        if first is not None:
+            yield from self._hop()
+        while not isinstance(order, Shutdown):
+            order = (yield from self._task(order)) if isinstance(order, Task) else (yield from self._idle())
+        self._answer(order, Answer.ACCEPTED)
+        yield Output(tuple(self._context.pending), stop=True)
+        return Result(Outcome.STOPPED, "shut down")
+
+    def _hop(self, wish: Output = NOTHING) -> Step[Input]:
+        """Hear one hop between tasks; what it orders waits for its turn."""
+        heard = yield from exchange(self._context, wish)
+        self._waiting += heard.orders
+        if heard.fault and heard.fault != self._fault:
+            self._enter(State.FAULT, heard.fault)
+        self._fault = heard.fault
+        return heard
+
+    def _idle(self) -> Step[Order]:
+        """Wait for a task or the shutdown; obey everything else, in order."""
+        while True:
+            if not self._waiting:
+                yield from self._hop()
+                continue
+            order = self._waiting.pop(0)
+            match order:
+                case Shutdown():
+                    return order
+                case Task() if any(isinstance(later, (Stop, Cancel, Shutdown)) for later in self._waiting):
+                    self._answer(order, Answer.REFUSED, "taken back at once")
+                case Task():
+                    for other in [later for later in self._waiting if isinstance(later, Task)]:
+                        self._waiting.remove(other)
+                        self._answer(other, Answer.REFUSED, BUSY)
+                    return order
+                case Rearm():
+                    yield from self._rearm(order)
+                case Set():
+                    self._change(order)
+                case Stop():
+                    self._stopped = True
+                    self._enter(State.STOPPED, "stopped by command")
+                    self._answer(order, Answer.ACCEPTED)
+                    yield from self._hop(Output(stop=True))
+                case Cancel():
+                    self._answer(order, Answer.ACCEPTED, "nothing is going on")
+
+    def _rearm(self, order: Order) -> Step[None]:
+        heard = yield from self._hop(Output(rearm=True))
+        if heard.fault:
+            self._answer(order, Answer.REFUSED, heard.fault)
+        else:
+            self._stopped = False
+            self._enter(State.IDLE, "armed again")
+            self._answer(order, Answer.ACCEPTED)
+
+    def _task(self, task: Task) -> Step[Order | None]:
+        """Perform one task; return the order that takes its place, if any."""
+        old, kit = self._context, self._make(self.config)
+        self._context = Context(kit.settings, kit.tools, samples=old.samples, last=old.last, pending=old.pending)
+        why = refusal(self._context, self._memory, task, stopped=self._stopped, fault=self._fault)
+        if why:
+            self._answer(task, Answer.REFUSED, why)
+            return None
+        self._answer(task, Answer.ACCEPTED)
+        self.busy = True
+        try:
+            result = yield from self._watched(task)
+        except Refused as refused:
+            self._close(task, Result(Outcome.FAULT, str(refused)), State.DONE)
+        except Ended as ended:
+            return (yield from self._end(task, ended))
+        else:
+            self._close(task, result, State.DONE)
+        finally:
+            self.busy = False
+        return None
+
+    def _end(self, task: Task, ended: Ended) -> Step[Order | None]:
+        """End a task that did not come to its own end; return the order that takes its place."""
+        result, order = Result(ended.outcome, ended.reason), ended.order
+        self._fault = ended.reason if order is None else ""
+        self._stopped = stopped = isinstance(order, (Stop, Shutdown))
+        self._close(task, result, State.FAULT if self._fault else State.STOPPED if stopped else State.DONE)
+        if isinstance(order, (Stop, Cancel)):
+            self._answer(order, Answer.ACCEPTED)
+        yield from self._hop(Output(halt=not stopped, stop=stopped))
+        return order if isinstance(order, (Task, Shutdown)) else None
+
+    def _close(self, task: Task, result: Result, state: State) -> None:
+        """Say how a task ended."""
+        self._waiting += self._context.later
+        self._enter(state, result.reason)
+        self._context.say(Finished(self._context.time, result.outcome, result.reason))
+        self._answer(task, ANSWERS.get(result.outcome, Answer.DONE), result.reason)
+
+    def _watched(self, task: Task) -> Step[Result]:
+        """Perform a task; remember what it finds out and tell how far it is."""
+        step = perform(self._context, self._memory, task)
+        output = next(step)
+        while True:
+            self._remember(output.events)
+            progress = tuple(
+                self._progress(task, event) for event in output.events if isinstance(event, OrientationHeard)
+            )
+            try:
+                output = step.send((yield replace(output, events=output.events + progress)))
+            except StopIteration as end:
+                self._remember(self._context.pending)
+                if isinstance(task, MeasureNoise):
+                    self._memory = replace(self._memory, noise=self._context.lead_in)
+                result: Result = end.value
+                return result
+
+    def _remember(self, events: Iterable[Event]) -> None:
+        for event in events:
+            if isinstance(event, SourcesEstimated) and event.final:
+                self._memory = replace(self._memory, estimate=event.estimate, earth=self._context.here.attitude.known)
+
+    def _progress(self, task: Task, heard: OrientationHeard) -> Answered:
+        share = min(heard.index / self._context.settings.max_rotations, 1.0)
+        return Answered(heard.time, task.number, Answer.PROGRESS, progress=share)
+
+    def _enter(self, state: State, detail: str = "") -> None:
+        self._context.enter(state, detail)
+
+    def _answer(self, order: Order, answer: Answer, reason: str = "") -> None:
+        self._context.say(Answered(self._context.time, order.number, answer, reason))
+
+    def _change(self, order: Set) -> None:
+        """Change a setting; the next task begins with it."""
+        try:
+            self.config = changed(self.config, order.name, order.value)
+        except ConfigError as error:
+            self._answer(order, Answer.REFUSED, str(error))
+        else:
+            self._answer(order, Answer.ACCEPTED)

@@ -1,0 +1,205 @@
+"""The tasks of a live mission: what an operator can order, one at a time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ross_payload.angles import wrap
+from ross_payload.events import Estimate, Outcome, SourceEstimate, SourcesEstimated, State
+from ross_payload.interfaces import Output, Result, Samples
+from ross_payload.mission.align import align
+from ross_payload.mission.context import Context, Ended, Listening, Step, exchange, hop, listen, obey, turn
+from ross_payload.mission.exploit import deliver
+from ross_payload.mission.explore import explore, lead_in
+from ross_payload.mission.pipeline import matched
+from ross_payload.mission.supervise import attempts
+from ross_payload.orders import (
+    Explore,
+    Home,
+    Informed,
+    ListenAt,
+    ListenTo,
+    MeasureNoise,
+    Park,
+    Seek,
+    Task,
+    TurnTo,
+)
+
+TOLD_SIGMA = math.radians(2.0)  # of an azimuth that somebody tells [rad]
+HOMING = 120.0  # [s] that finding the zero may take
+OUTSIDE = "the limits of the joint exclude this heading"
+STILL_FAULTY = (Home,)  # may be ordered while there is a fault
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What outlives a task."""
+
+    estimate: Estimate | None = None
+    earth: bool = False  # the frame of its azimuths
+    noise: Samples | None = None  # heard at rest while nobody talked, (2, n)
+    stopped: bool = False  # by an order, and not armed again
+    samples: int = 0  # heard since the session began
+
+
+class Refused(Exception):
+    """The task turns out to be impossible; says why."""
+
+
+def refusal(context: Context, memory: Memory, task: Task, *, stopped: bool, fault: str) -> str:
+    """Return why a task cannot be begun; empty when it can."""
+    known = _known(context, memory)
+    impossible = {
+        "stopped: re-arm first": stopped,
+        f"fault: {fault}": bool(fault) and not isinstance(task, STILL_FAULTY),
+        "no voice is enrolled to be sought": isinstance(task, (Seek, Informed)) and context.tools.voiceprint is None,
+        "no source is known: explore first": isinstance(task, ListenTo) and known is None,
+        "there is no such source": isinstance(task, ListenTo) and known is not None and not 0 <= task.source < known.k,
+        OUTSIDE: isinstance(task, TurnTo) and _joint_for(context, task.heading) is None,
+    }
+    return next((reason for reason, true in impossible.items() if true), "")
+
+
+def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
+    """Perform one task.
+
+    Raises
+    ------
+    Refused
+        When it turns out to be impossible.
+    Ended
+        When an order or a fault ends it.
+    """
+    context.lead_in = memory.noise
+    match task:
+        case Explore():
+            step = _explore(context)
+        case Seek():
+            step = _seek(context, _known(context, memory), None)
+        case Informed():
+            step = _seek(context, _told(task.azimuths), task.first)
+        case ListenTo() | ListenAt():
+            step = _listen(context, *_whom(context, memory, task))
+        case TurnTo():
+            step = _go(context, _joint_for(context, task.heading), "heading ordered")
+        case Park():
+            step = _go(context, context.settings.park, "parking")
+        case Home():
+            step = _home(context)
+        case MeasureNoise():
+            step = _measure(context, task.seconds)
+        case _:
+            raise Refused(f"{type(task).__name__} is not a task of this payload")
+    return (yield from step)
+
+
+def _explore(context: Context) -> Step[Result]:
+    yield from _quiet(context)
+    estimate, _ = yield from explore(context)
+    return Result(Outcome.COMPLETED, f"{estimate.k} sources found")
+
+
+def _seek(context: Context, known: Estimate | None, first: int | None) -> Step[Result]:
+    yield from _quiet(context)
+    return (yield from attempts(context, known, first))
+
+
+def _known(context: Context, memory: Memory) -> Estimate | None:
+    """The estimate of an earlier task, unless the frame of its azimuths is gone."""
+    if context.last is None or memory.estimate is None or context.last.attitude.known != memory.earth:
+        return None
+    return memory.estimate
+
+
+def _told(azimuths: Sequence[float]) -> Estimate:
+    share = 1 / len(azimuths)
+    told = (SourceEstimate(wrap(a), TOLD_SIGMA, confidence=1.0, resolved=True, weight=share) for a in azimuths)
+    return Estimate(tuple(told), certain=True)
+
+
+def _quiet(context: Context) -> Step[None]:
+    """Listen before anything turns, unless the noise was measured on request."""
+    yield from hop(context)
+    if context.lead_in is None:
+        yield from lead_in(context)
+
+
+def _whom(context: Context, memory: Memory, task: ListenTo | ListenAt) -> tuple[Estimate, int]:
+    """Return an estimate and which of its sources is meant."""
+    known = _known(context, memory)
+    if isinstance(task, ListenTo):
+        if known is None:
+            raise Refused("no source is known: explore first")
+        return known, task.source
+    near = matched([task.azimuth], known) if known is not None else {}
+    if known is not None and near:
+        return known, near[0]
+    others = () if known is None else known.sources
+    estimate = Estimate((*others, *_told([task.azimuth]).sources), certain=True)
+    context.say(SourcesEstimated(context.time, estimate, rotations=0, final=True, informed=True))
+    return estimate, estimate.k - 1
+
+
+def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
+    """Turn to the alignment for a source and listen to it, whoever it is."""
+    yield from _quiet(context)
+    own = next((c for c in align(context, estimate) if c.source == source), None)
+    if own is None:
+        raise Refused(f"no heading within the limits sets source {source} apart")
+    context.enter(State.ALIGN_TURN, f"source {source}, {own.rule}")
+    yield from turn(context, own.joint, f"alignment for source {source}")
+    context.enter(State.RUN, f"source {source}")
+    runs, done = context.settings.runs, 0
+    while runs == 0 or done < runs:
+        start = context.samples
+        samples = yield from listen(context, context.settings.run)
+        deliver(context, estimate, source, start, Listening(context.here.heading_end, samples))
+        done += 1
+    return Result(Outcome.COMPLETED, f"listened to source {source}")
+
+
+def _go(context: Context, joint: float | None, reason: str) -> Step[Result]:
+    if joint is None:
+        raise Refused(OUTSIDE)
+    yield from hop(context)
+    context.enter(State.TURN, reason)
+    yield from turn(context, joint, reason)
+    return Result(Outcome.COMPLETED, f"at heading {math.degrees(wrap(context.here.heading_end)):.1f} deg")
+
+
+def _joint_for(context: Context, heading: float) -> float | None:
+    """Return the joint angle nearest to here that points the axis to a heading [rad], None outside the limits."""
+    settings, here = context.settings, context.here
+    near = here.joint + wrap(heading - here.heading_end)
+    turns = np.arange(-2, 3) * 2 * math.pi
+    fits = [near + t for t in turns if settings.lower <= near + t <= settings.upper]
+    return min(fits, key=lambda joint: abs(joint - here.joint), default=None)
+
+
+def _home(context: Context) -> Step[Result]:
+    """Find the zero and arm again; the fault that made it necessary is still there when it begins."""
+    context.enter(State.TURN, "finding the zero of the joint")
+    end = context.samples + round(HOMING * context.settings.rate)
+    heard = yield from exchange(context, Output(home=True))
+    while not heard.settled and context.samples < end:
+        heard = yield from exchange(context)
+        for order in heard.orders:
+            obey(context, order)
+    heard = yield from exchange(context, Output(rearm=True))
+    if heard.fault:
+        raise Ended(Outcome.FAULT, heard.fault)
+    return Result(Outcome.COMPLETED, "the zero is known")
+
+
+def _measure(context: Context, seconds: float) -> Step[Result]:
+    yield from hop(context)
+    context.enter(State.NOISE)
+    heard = yield from listen(context, seconds or context.settings.lead_in)
+    context.lead_in = heard
+    context.say_noise(quiet=True)
+    return Result(Outcome.COMPLETED, f"noise of {heard.shape[1] / context.settings.rate:g} s heard")
