@@ -1,0 +1,17 @@
+"""Sessions on disk: recorded while the mission goes on, read again for a replay, and deleted in time.
+
+::
+
+    with Recorder(Shelf(folder), config.recording, begin) as recorder, in_background(recorder):
+        runner.observers.append(recorder)             # Inputs and events
+        component.tap(lambda frame: recorder.sent(timebase.usec(), frame))
+        recorder.record(True)
+    Session.open(folder / "0001").inputs(config.audio)
+"""
+
+from ross_payload.recording.manifest import Beginning
+from ross_payload.recording.recorder import Recorder, in_background
+from ross_payload.recording.session import Session
+from ross_payload.recording.shelf import Shelf
+
+__all__ = ["Beginning", "Recorder", "Session", "Shelf", "in_background"]

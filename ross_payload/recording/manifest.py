@@ -1,0 +1,132 @@
+"""What a session folder says about itself: session.json, config.json, memory.npz."""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any, Literal
+
+from ross_payload.config import Config
+from ross_payload.errors import ConfigError
+from ross_payload.recording.files import put, put_json
+from ross_payload.recording.memory import packed
+
+FORMAT = "ross-session"
+VERSION = 1
+PACKAGES = ("ross-payload", "numpy", "scipy", "scikit-learn", "pymavlink", "pydantic")
+Kind = Literal["mission", "session"]
+
+
+@dataclass(frozen=True, slots=True)
+class Beginning:
+    """What a replay must know before the first Input."""
+
+    kind: Kind  # one mission, as of `ross sitl`, or a session that obeys orders, as of `ross run`
+    config: Config  # in force
+    lower: float  # guarded travel of the joint [rad], -inf when continuous
+    upper: float  # [rad]
+    voice: str = ""  # name of the voice that is sought; its print stays where it is
+    memory: Any = None  # what the session knew from earlier tasks: a frozen dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """The content of session.json."""
+
+    version: int
+    kind: str
+    voice: str
+    lower: float  # [rad]
+    upper: float  # [rad]
+    started: str  # UTC, empty: the clock was not set
+    versions: dict[str, str]
+    end: str | None  # why it ended, None: it was cut off
+
+
+def versions() -> dict[str, str]:
+    """Versions of what shapes a result."""
+    found = {"python": platform.python_version()}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:  # a source tree that was never installed
+            found[name] = "unknown"
+    return found
+
+
+def write(folder: Path, begin: Beginning, started: str) -> None:
+    """Write everything that is known at the beginning; session.json comes first: it makes the folder ours."""
+    _write_manifest(folder, begin, started, None)
+    put_json(folder / "config.json", begin.config.model_dump(mode="json"))
+    if begin.memory is not None:
+        put(folder / "memory.npz", packed(begin.memory))
+
+
+def conclude(folder: Path, begin: Beginning, started: str, reason: str) -> None:
+    """Say that the session has come to its end, and why."""
+    _write_manifest(folder, begin, started, reason)
+
+
+def _write_manifest(folder: Path, begin: Beginning, started: str, end: str | None) -> None:
+    travel = (begin.lower, begin.upper)
+    values = {
+        "format": FORMAT,
+        "version": VERSION,
+        "kind": begin.kind,
+        "voice": begin.voice,
+        "travel_rad": [angle if math.isfinite(angle) else None for angle in travel],
+        "started": started,
+        "versions": versions(),
+        "end": end,
+    }
+    put_json(folder / "session.json", values)
+
+
+def is_session(folder: Path) -> bool:
+    """Whether a folder is a session of ours, of any version, and no link to one."""
+    try:
+        return not folder.is_symlink() and _values(folder)["format"] == FORMAT
+    except ConfigError:
+        return False
+
+
+def read(folder: Path) -> Manifest:
+    """Read session.json, also of another version as far as it says the same.
+
+    Raises
+    ------
+    ConfigError
+        When the folder is no session, or says too little to be read.
+    """
+    values = _values(folder)
+    try:
+        lower, upper = values["travel_rad"]
+        return Manifest(
+            version=int(values["version"]),
+            kind=str(values["kind"]),
+            voice=str(values["voice"]),
+            lower=-math.inf if lower is None else float(lower),
+            upper=math.inf if upper is None else float(upper),
+            started=str(values["started"]),
+            versions=dict(values["versions"]),
+            end=values.get("end"),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise ConfigError(f"{folder / 'session.json'}: damaged, or of another version: {error!r}") from error
+
+
+def _values(folder: Path) -> dict[str, Any]:
+    path = folder / "session.json"
+    try:
+        values = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{folder}: not a session folder: session.json: {error.strerror}") from error
+    except ValueError as error:
+        raise ConfigError(f"{path}: damaged: not JSON") from error
+    if not isinstance(values, dict) or values.get("format") != FORMAT:
+        raise ConfigError(f"{folder}: not a session folder: session.json is not ours")
+    return values

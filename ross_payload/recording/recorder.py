@@ -1,0 +1,280 @@
+"""Records a mission while it runs: a queue between the mission and a disk that may be slow, full or gone.
+
+`heard`, `said` and what `noting` hears belong to the mission's thread and only queue; `sent` belongs to the pump and
+only queues; `drain` does the writing, on a thread of its own (`in_background`) or, in simulated time, as a periodic
+call. `record` and `status` may be called from any thread.
+"""
+
+from __future__ import annotations
+
+import errno
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Self
+
+from ross_payload import config
+from ross_payload.errors import RossError
+from ross_payload.events import Event
+from ross_payload.health import RecordingState, RecordingStatus
+from ross_payload.interfaces import Input, Real, Score, VoicePrint
+from ross_payload.recording.manifest import Beginning
+from ross_payload.recording.shelf import GB, Shelf
+from ross_payload.recording.writer import SessionWriter
+
+BACKLOG = 3000  # Inputs and frames that wait for the disk, 30 s of hops: then it is too slow
+DRAIN = 0.2  # [s] between two looks at the queue
+TIDY = 5.0  # [s] of audio between two looks at what is left of the disk
+SLOW = "the disk is too slow: what waits for it has reached 30 s"
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+Begin = Callable[[], Beginning | None]  # None while a task runs
+
+
+@dataclass(slots=True, eq=False)
+class Take:
+    """One recording, as the mission's thread and the disk's both know it."""
+
+    inputs: int = 0  # queued, counted on the mission's thread
+    writer: SessionWriter | None = None  # of the disk's thread alone
+    tidied: float = 0.0  # [s] of audio, when the shelf was looked after last
+    over: bool = False  # set on the disk's thread: nothing more is written
+    failed: bool = False  # and nobody wants another one
+
+
+class Recorder:
+    """Watches a mission and records it when asked to. A context manager.
+
+    Parameters
+    ----------
+    shelf : Shelf
+        Where the sessions lie.
+    limits : config.Recording
+        How much and for how long; with ``always`` the recording begins by itself.
+    begin : Begin
+        Tells what a replay must know before the next Input; None while a task runs, which cannot be replayed from
+        its middle. Called on the mission's thread and by `record`.
+    stamp : Callable[[], str]
+        The time as in ``20261121T145421Z``, empty when the clock is not set.
+    """
+
+    def __init__(
+        self, shelf: Shelf, limits: config.Recording, begin: Begin, stamp: Callable[[], str] = lambda: ""
+    ) -> None:
+        self._shelf = shelf
+        self._limits = limits
+        self._begin = begin
+        self._stamp = stamp
+        self._queue: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._wanted = limits.always
+        self._take: Take | None = None  # what the mission's thread fills
+        self._disk: Take | None = None  # what the disk's thread writes
+        self._status = RecordingStatus()
+
+    def record(self, on: bool) -> str:
+        """Begin or end a recording with the next hop; return '' or why not."""
+        if on and self._take is None and self._begin() is None:
+            return "a task is running, and a recording begins between tasks: cancel it or wait"
+        self._wanted = on
+        return ""
+
+    def status(self) -> RecordingStatus:
+        """Tell how the recording is."""
+        return self._status
+
+    # ------------------------------------------------------------------------------- on the mission's thread
+
+    def heard(self, heard: Input) -> None:
+        """Queue one Input; a recording begins and ends here."""
+        take = self._take
+        if take is not None and take.over:
+            self._take, self._wanted = None, self._wanted and not take.failed
+        if self._wanted != (self._take is not None):
+            self._begin_or_end()
+        if self._take is None:
+            return
+        self._take.inputs += 1
+        self._put(self._take, partial(_hear, heard=heard))
+        if self._queue.qsize() > BACKLOG:
+            self._queue.put(partial(self._fail, self._take, RecordingState.BROKEN, SLOW))
+            self._take, self._wanted = None, False
+
+    def said(self, event: Event, heard: Input) -> None:
+        """Queue an event, unless it answers an Input from before the recording."""
+        if self._take is not None and self._take.inputs > 1:
+            self._put(self._take, partial(_say, event=event))
+
+    def noting(self, voiceprint: VoicePrint) -> VoicePrint:
+        """Return a voice print whose answers are recorded, so that the same mission can be replayed without it."""
+        return Noting(voiceprint, self._scored)
+
+    def _scored(self, score: Score) -> None:
+        if self._take is not None:
+            self._put(self._take, partial(_score, number=self._take.inputs, score=score))
+
+    def _begin_or_end(self) -> None:
+        if self._take is not None:
+            self._put(self._take, partial(self._end, reason="ended by order"))
+            self._take = None
+        elif (begin := self._begin()) is not None:
+            self._take = Take()
+            self._put(self._take, partial(self._start, begin=begin))
+
+    # ---------------------------------------------------------------------------------------- on the pump
+
+    def sent(self, time_usec: int, frame: bytes) -> None:
+        """Queue a frame of telemetry as it went over the wire."""
+        take = self._take
+        if take is not None:
+            self._put(take, partial(_send, time_usec=time_usec, frame=frame))
+
+    # ------------------------------------------------------------------------------------- where it is written
+
+    def drain(self) -> None:
+        """Write what waits."""
+        try:
+            while True:
+                self._queue.get_nowait()()
+        except Empty:
+            return
+
+    def close(self) -> None:
+        """End the recording and write the rest; idempotent."""
+        self._take, self._wanted = None, False
+        self.drain()
+        if self._disk is not None:
+            self._guarded(self._disk, partial(self._end, reason="the program ended"))
+
+    def __enter__(self) -> Self:
+        """Delete what is too old."""
+        try:
+            self._shelf.tidy(self._limits)
+        except (OSError, RossError) as error:
+            self._status = RecordingStatus(RecordingState.BROKEN, reason=_why(error))
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End the recording."""
+        self.close()
+
+    def _put(self, take: Take, job: Callable[[Take], None]) -> None:
+        self._queue.put(partial(self._guarded, take, job))
+
+    def _guarded(self, take: Take, job: Callable[[Take], None]) -> None:
+        """Do a job of a recording that is not over; what goes wrong with the disk ends it, and only it."""
+        if take.over:
+            return
+        try:
+            job(take)
+            self._look_after(take)
+        except (OSError, RossError) as error:
+            cause = error if isinstance(error, OSError) else error.__cause__
+            full = isinstance(cause, OSError) and cause.errno in FULL
+            self._fail(take, RecordingState.FULL if full else RecordingState.BROKEN, _why(error))
+
+    def _start(self, take: Take, begin: Beginning) -> None:
+        self._disk = take
+        stamp = self._stamp()
+        folder = self._shelf.add(stamp)
+        self._status = RecordingStatus(RecordingState.ON, folder.name)
+        take.writer = SessionWriter(folder, begin, stamp)
+        take.tidied = -TIDY
+
+    def _look_after(self, take: Take) -> None:
+        writer = take.writer
+        if writer is None or take.over:
+            return
+        if writer.over:  # what is wanted stays, so that another session begins between tasks
+            self._end(take, "the audio file is full")
+        elif writer.seconds - take.tidied >= TIDY:
+            take.tidied = writer.seconds
+            why = self._shelf.tidy(self._limits, writer.folder)
+            self._status = replace(self._status, seconds=writer.seconds, free_gb=self._shelf.free() / GB)
+            if why:
+                self._fail(take, RecordingState.FULL, why)
+        else:
+            self._status = replace(self._status, seconds=writer.seconds)
+
+    def _end(self, take: Take, reason: str) -> None:
+        take.over, self._disk = True, None
+        self._status = replace(self._status, state=RecordingState.OFF)
+        if take.writer is not None:
+            take.writer.finish(reason)
+
+    def _fail(self, take: Take, state: RecordingState, reason: str) -> None:
+        """Stop for a reason; what is on the disk stays, and the mission goes on."""
+        take.over, take.failed, self._disk = True, True, None
+        if take.writer is not None:
+            _close(take.writer, reason)
+        self._status = replace(self._status, state=state, reason=reason)
+
+
+class Noting:
+    """A voice print that tells its answers."""
+
+    def __init__(self, voiceprint: VoicePrint, tell: Callable[[Score], None]) -> None:
+        self._voiceprint = voiceprint
+        self._tell = tell
+
+    def score(self, voice: Real, rate: int) -> Score:
+        """Score, and tell the answer."""
+        score = self._voiceprint.score(voice, rate)
+        self._tell(score)
+        return score
+
+
+@contextmanager
+def in_background(recorder: Recorder) -> Iterator[None]:
+    """Write on a thread of its own: the mission must not wait for an SD card."""
+    done = threading.Event()
+
+    def work() -> None:
+        while not done.wait(DRAIN):
+            recorder.drain()
+
+    thread = threading.Thread(target=work, name="recorder")
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
+
+
+def _hear(take: Take, heard: Input) -> None:
+    if take.writer is not None:
+        take.writer.heard(heard)
+
+
+def _say(take: Take, event: Event) -> None:
+    if take.writer is not None:
+        take.writer.said(event)
+
+
+def _score(take: Take, number: int, score: Score) -> None:
+    if take.writer is not None:
+        take.writer.scored(number, score)
+
+
+def _send(take: Take, time_usec: int, frame: bytes) -> None:
+    if take.writer is not None:
+        take.writer.sent(time_usec, frame)
+
+
+def _why(error: Exception) -> str:
+    cause = error if isinstance(error, OSError) else error.__cause__
+    return (cause.strerror if isinstance(cause, OSError) else None) or str(error)
+
+
+def _close(writer: SessionWriter, reason: str) -> None:
+    """Finish as far as a full disk allows."""
+    try:
+        writer.finish(reason)
+    except (OSError, RossError):
+        writer.close()

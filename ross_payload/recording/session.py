@@ -1,0 +1,169 @@
+"""Read a session folder, also one that was cut off: what is there is read, what is missing is said."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ross_payload import config
+from ross_payload.config import Config, validated
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Input, Samples, Score
+from ross_payload.recording import journal, manifest
+from ross_payload.recording.manifest import Manifest
+from ross_payload.recording.memory import unpacked
+from ross_payload.recording.wav import WavReader
+
+T = TypeVar("T")
+Calibrate = Callable[[Samples, config.Audio], Samples]
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """What is in a session folder, and what is wrong with it."""
+
+    inputs: int = 0
+    seconds: float = 0.0  # of the Inputs
+    audio: float = 0.0  # of the samples [s]
+    orders: int = 0
+    events: int = 0
+    lost: int = 0  # samples that never came
+    rounded: bool = False  # 24 bits did not hold every sample
+    notes: tuple[str, ...] = ()  # one line each; empty: whole
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """A session folder, opened."""
+
+    path: Path
+    manifest: Manifest
+
+    @classmethod
+    def open(cls, path: Path) -> Session:
+        """Open a session folder.
+
+        Raises
+        ------
+        ConfigError
+            When it is none, or says too little.
+        """
+        return cls(path, manifest.read(path))
+
+    def configuration(self) -> Config:
+        """Return the configuration that was in force.
+
+        Raises
+        ------
+        ConfigError
+            When it is missing, damaged, or of another version.
+        """
+        path = self.path / "config.json"
+        try:
+            values = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise ConfigError(f"{path}: the configuration of this session cannot be read: {error}") from error
+        return validated(Config, values, str(path))
+
+    def memory(self, kind: type[T]) -> T | None:
+        """Return what the session knew at its beginning; None when it knew nothing."""
+        path = self.path / "memory.npz"
+        return unpacked(path, kind) if path.exists() else None
+
+    def inputs(self, audio: config.Audio, calibrate: Calibrate) -> Iterator[Input]:
+        """Read the Inputs up to the first that is damaged or has no samples; gain and polarity are of ``audio``.
+
+        Raises
+        ------
+        ConfigError
+            When there is no audio, or an order is unknown to this program.
+        """
+        wav, start = WavReader(self.path / "audio.wav"), 0
+        for values in self.lines():
+            samples = wav.read(start, values["n"])
+            start += values["n"]
+            if samples.shape[1] < values["n"]:
+                return
+            raw = samples if values.get("raw") else None
+            yield journal.input_of(values, samples if raw is None else calibrate(raw, audio), raw)
+
+    def lines(self) -> Iterator[dict[str, Any]]:
+        """Read the Inputs as they stand, without samples, up to the first that is damaged."""
+        for text in _lines(self.path / "inputs.jsonl"):
+            values = journal.parsed(text)
+            if values is None:
+                return
+            yield values
+
+    def events(self) -> list[str]:
+        """Return the whole lines of events.jsonl."""
+        return [text.decode("utf-8", "replace") for text in _lines(self.path / "events.jsonl") if text.endswith(b"\n")]
+
+    def scores(self) -> list[tuple[int, Score]]:
+        """Return what the voice print has answered, each after how many Inputs."""
+        found = []
+        for text in _lines(self.path / "scores.jsonl"):
+            try:
+                values = json.loads(text)
+                found.append((int(values["input"]), Score(float(values["value"]), bool(values["accepted"]))))
+            except (ValueError, KeyError, TypeError):
+                break
+        return found
+
+    def contents(self) -> Contents:
+        """Read everything once."""
+        found = Contents(events=len(self.events()))
+        samples, rate = 0, self.rate()
+        for values in self.lines():
+            samples += values["n"]
+            found = replace(
+                found,
+                inputs=found.inputs + 1,
+                orders=found.orders + len(values.get("orders", ())),
+                lost=found.lost + values.get("lost", 0),
+                rounded=found.rounded or bool(values.get("rounded")),
+            )
+        length = self._audio_length()
+        notes = tuple(self._notes(found, samples, length))
+        return replace(found, seconds=samples / rate, audio=length / rate, notes=notes)
+
+    def rate(self) -> int:
+        """Return the sampling rate [Hz] of the audio file; 16000 when there is none."""
+        try:
+            return WavReader(self.path / "audio.wav").rate
+        except ConfigError:
+            return 16_000
+
+    def _audio_length(self) -> int:
+        try:
+            return WavReader(self.path / "audio.wav").length
+        except ConfigError:
+            return 0
+
+    def _notes(self, found: Contents, samples: int, length: int) -> Iterator[str]:
+        known, rate = self.manifest, self.rate()
+        if known.version != manifest.VERSION:
+            yield f"session.json: version {known.version}, wanted {manifest.VERSION}: read as far as it goes"
+        if known.end is None:
+            yield "cut off: nothing says how it ended; at most the last second is missing"
+        lines = sum(1 for _ in _lines(self.path / "inputs.jsonl"))
+        if lines > found.inputs:
+            yield f"inputs.jsonl: damaged at line {found.inputs + 1}; {lines - found.inputs} lines are not read"
+        if length < samples:
+            yield f"audio.wav: {(samples - length) / rate:.2f} s shorter than the Inputs"
+        elif length > samples:
+            yield f"audio.wav: {(length - samples) / rate:.2f} s longer than the Inputs, which nobody needs"
+        for name in ("config.json", "events.jsonl", "audio.wav", "inputs.jsonl"):
+            if not (self.path / name).is_file():
+                yield f"{name}: missing"
+        if found.rounded:
+            yield "audio.wav: some samples did not fit into 24 bits: a replay may differ"
+
+
+def _lines(path: Path) -> Iterator[bytes]:
+    if path.is_file():
+        with path.open("rb") as file:
+            yield from file

@@ -1,0 +1,151 @@
+"""The folder of all sessions: which there are, which is being written, and what has to go."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+import shutil
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from ross_payload import config
+from ross_payload.errors import ConfigError
+from ross_payload.recording.manifest import is_session
+
+NAME = re.compile(r"(\d{4,})(-\d{8}T\d{6}Z)?")
+FILES = (
+    "audio.wav", "inputs.jsonl", "events.jsonl", "scores.jsonl", "telemetry.tlog", "memory.npz", "config.json",
+    ".config.json.part", ".memory.npz.part", ".session.json.part", "session.json",
+)  # fmt: skip
+LOCKED = "inputs.jsonl"  # its writer holds a lock on it, which the kernel takes back when the process dies
+GB = 1e9  # [bytes]
+DAY = 86_400.0  # [s]
+SET = 1_577_836_800.0  # [s] since 1970: a file that is older than 2020 comes from a clock that was not set
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """One session on the shelf."""
+
+    path: Path
+    number: int
+    bytes: int
+    modified: float  # [s] since 1970, by the clock of the computer
+    running: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Shelf:
+    """A folder with one folder per session; what else lies there is left alone."""
+
+    folder: Path
+
+    def all(self) -> tuple[Kept, ...]:
+        """Return all sessions, the oldest first."""
+        names = sorted(self.folder.iterdir()) if self.folder.is_dir() else ()
+        found = [kept for path in names if (kept := _kept(path)) is not None]
+        return tuple(sorted(found, key=lambda kept: kept.number))
+
+    def find(self, name: str) -> Kept:
+        """Return the session of a name.
+
+        Raises
+        ------
+        ConfigError
+            When there is none.
+        """
+        for kept in self.all():
+            if kept.path.name == name:
+                return kept
+        raise ConfigError(f"{self.folder}: no session '{name}'; see: ross sessions")
+
+    def add(self, stamp: str) -> Path:
+        """Make the folder of a new session, mode 0700; ``stamp`` is the time in its name, empty when unknown."""
+        self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        numbers = [int(match[1]) for path in self.folder.iterdir() if (match := NAME.fullmatch(path.name))]
+        number = max(numbers, default=0)
+        while True:
+            number += 1
+            path = self.folder / (f"{number:04d}" + (f"-{stamp}" if stamp else ""))
+            try:
+                path.mkdir(mode=0o700)
+            except FileExistsError:  # another payload writes here too
+                continue
+            return path
+
+    def delete(self, kept: Kept) -> None:
+        """Delete a session: the files that we write, then the folder when nothing else is in it.
+
+        Raises
+        ------
+        ConfigError
+            When it is being recorded, or cannot be deleted.
+        """
+        if kept.running:
+            raise ConfigError(f"session '{kept.path.name}' is being recorded: stop the recording first")
+        try:
+            for name in FILES:
+                (kept.path / name).unlink(missing_ok=True)
+            if not any(kept.path.iterdir()):
+                kept.path.rmdir()
+        except OSError as error:
+            raise ConfigError(f"{kept.path}: cannot be deleted: {error.strerror}") from error
+
+    def tidy(self, limits: config.Recording, running: Path | None = None) -> str:
+        """Delete what is too old or too much, the oldest first; return why ``running`` must stop, or ''."""
+        if not self.folder.is_dir():
+            return ""
+        now, kept = _now(self.folder), list(self.all())
+        for session in [one for one in kept if not one.running and _expired(one, now, limits.max_days)]:
+            kept.remove(session)
+            self.delete(session)
+        while sum(one.bytes for one in kept) > limits.max_gb * GB:
+            oldest = next((one for one in kept if not one.running and one.path != running), None)
+            if oldest is None:
+                return "" if running is None else f"the recording has reached max_gb = {limits.max_gb:g}"
+            kept.remove(oldest)
+            self.delete(oldest)
+        free = self.free()
+        if free < limits.min_free_gb * GB:
+            return f"{free / GB:.2f} GB are left on the disk, wanted min_free_gb = {limits.min_free_gb:g}"
+        return ""
+
+    def free(self) -> int:
+        """Return what is left on the disk [bytes]."""
+        return shutil.disk_usage(self.folder).free
+
+
+def _kept(path: Path) -> Kept | None:
+    match = NAME.fullmatch(path.name)
+    if match is None or not is_session(path):
+        return None
+    files = [(path / name).stat() for name in FILES if (path / name).exists()]
+    newest = max(file.st_mtime for file in files)
+    return Kept(path, int(match[1]), sum(file.st_size for file in files), newest, _locked(path / LOCKED))
+
+
+def _locked(path: Path) -> bool:
+    try:
+        handle = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError:
+        return True
+    else:
+        return False
+    finally:
+        os.close(handle)
+
+
+def _expired(session: Kept, now: float, days: float) -> bool:
+    return session.modified > SET and now - session.modified > days * DAY
+
+
+def _now(folder: Path) -> float:
+    """What the computer's clock says, as the file system stamps it."""
+    with tempfile.TemporaryFile(dir=folder) as file:
+        return os.fstat(file.fileno()).st_mtime

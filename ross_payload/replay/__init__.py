@@ -1,0 +1,1 @@
+"""Run a recorded mission again: identically, or with another configuration."""
