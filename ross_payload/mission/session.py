@@ -21,7 +21,7 @@ from ross_payload.events import (
     State,
 )
 from ross_payload.interfaces import Input, Mission, Output, Result
-from ross_payload.mission.context import BUSY, NOTHING, Context, Ended, Settings, Step, Tools, exchange
+from ross_payload.mission.context import BUSY, NOTHING, Context, Ended, FrameChanged, Settings, Step, Tools, exchange
 from ross_payload.mission.tasks import Memory, Refused, perform, refusal
 from ross_payload.orders import Cancel, MeasureNoise, Order, Rearm, Set, Shutdown, Stop, Task
 from ross_payload.parameters import changed
@@ -157,7 +157,7 @@ class Session:
     def _end(self, task: Task, ended: Ended) -> Step[Order | None]:
         """End a task that did not come to its own end; return the order that takes its place."""
         result, order = Result(ended.outcome, ended.reason), ended.order
-        self._fault = ended.reason if order is None else ""
+        self._fault = "" if order is not None or isinstance(ended, FrameChanged) else ended.reason
         self._stopped = stopped = isinstance(order, (Stop, Shutdown))
         self._close(task, result, State.FAULT if self._fault else State.STOPPED if stopped else State.DONE)
         if isinstance(order, (Stop, Cancel)):

@@ -12,9 +12,10 @@ from ross_payload.angles import wrap
 from ross_payload.events import Estimate, Outcome, SourceEstimate, SourcesEstimated, State
 from ross_payload.interfaces import Output, Result, Samples
 from ross_payload.mission.align import align
-from ross_payload.mission.context import Context, Ended, Listening, Step, exchange, hop, listen, obey, turn
+from ross_payload.mission.context import Context, Ended, Step, exchange, hop, listen, obey, turn
 from ross_payload.mission.exploit import deliver
 from ross_payload.mission.explore import explore, lead_in
+from ross_payload.mission.follow import attend, face
 from ross_payload.mission.pipeline import matched
 from ross_payload.mission.supervise import attempts
 from ross_payload.orders import (
@@ -86,9 +87,9 @@ def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
         case ListenTo() | ListenAt():
             step = _listen(context, *_whom(context, memory, task))
         case TurnTo():
-            step = _go(context, _joint_for(context, task.heading), "heading ordered")
+            step = _point(context, task.heading)
         case Park():
-            step = _go(context, context.settings.park, "parking")
+            step = _park(context)
         case Home():
             step = _home(context)
         case MeasureNoise():
@@ -152,24 +153,32 @@ def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
     if own is None:
         raise Refused(f"no heading within the limits sets source {source} apart")
     context.enter(State.ALIGN_TURN, f"source {source}, {own.rule}")
-    yield from turn(context, own.joint, f"alignment for source {source}")
+    yield from face(context, own.heading, own.joint, f"alignment for source {source}")
     context.enter(State.RUN, f"source {source}")
     runs, done = context.settings.runs, 0
     while runs == 0 or done < runs:
         start = context.samples
-        samples = yield from listen(context, context.settings.run)
-        deliver(context, estimate, source, start, Listening(context.here.heading_end, samples))
+        heard = yield from attend(context, context.settings.run)
+        deliver(context, estimate, source, start, heard)
         done += 1
     return Result(Outcome.COMPLETED, f"listened to source {source}")
 
 
-def _go(context: Context, joint: float | None, reason: str) -> Step[Result]:
+def _point(context: Context, heading: float) -> Step[Result]:
+    joint = _joint_for(context, heading)
     if joint is None:
         raise Refused(OUTSIDE)
     yield from hop(context)
-    context.enter(State.TURN, reason)
-    yield from turn(context, joint, reason)
-    return Result(Outcome.COMPLETED, f"at heading {math.degrees(wrap(context.here.heading_end)):.1f} deg")
+    context.enter(State.TURN, "heading ordered")
+    yield from face(context, heading, joint, "heading ordered")
+    return Result(Outcome.COMPLETED, "the heading is reached")
+
+
+def _park(context: Context) -> Step[Result]:
+    yield from hop(context)
+    context.enter(State.TURN, "parking")
+    yield from turn(context, context.settings.park, "parking")
+    return Result(Outcome.COMPLETED, "parked")
 
 
 def _joint_for(context: Context, heading: float) -> float | None:
