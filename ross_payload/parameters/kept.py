@@ -1,0 +1,102 @@
+"""The file that keeps what was set in flight: read whole or not at all, written crash-safe."""
+
+from __future__ import annotations
+
+import math
+import os
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from ross_payload.errors import ConfigError
+
+VERSION = 1
+HEAD = "# Written by ross: what was set in flight, and what the configuration said then.\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """One value set in flight."""
+
+    value: float
+    replaced: float  # what the configuration said then
+
+
+class Unusable(ConfigError):
+    """The file cannot be used; ``word`` says why, for the name under which it is kept."""
+
+    def __init__(self, word: str, reason: str) -> None:
+        super().__init__(reason)
+        self.word = word
+
+
+def read(path: Path) -> dict[str, Kept]:
+    """Return what the file keeps, by name; nothing when there is no file.
+
+    Raises
+    ------
+    Unusable
+        When it is half-written, damaged, or of a newer version.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise Unusable("unreadable", f"{path}: cannot be read: {error.strerror}") from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise Unusable("unreadable", f"{path}: damaged: {error}") from error
+    version, parameters = content.get("version"), content.get("parameters", {})
+    if not isinstance(version, int) or not isinstance(parameters, dict):
+        raise Unusable("unreadable", f"{path}: damaged: no version")
+    if version > VERSION:
+        raise Unusable("newer", f"{path}: of version {version}, wanted {VERSION} at most")
+    return {name: _kept(path, name, entry) for name, entry in parameters.items()}
+
+
+def _kept(path: Path, name: str, entry: Any) -> Kept:
+    match entry:
+        case {"value": float() | int() as value, "replaced": float() | int() as replaced}:
+            if math.isfinite(value) and math.isfinite(replaced):
+                return Kept(float(value), float(replaced))
+    raise Unusable("unreadable", f"{path}: damaged: {name} is not two numbers")
+
+
+def write(path: Path, kept: Mapping[str, Kept]) -> None:
+    """Replace the file: after a crash there is the old one or the new one, whole.
+
+    Raises
+    ------
+    OSError
+        When it cannot be written.
+    """
+    rows = (f"{name} = {{ value = {k.value!r}, replaced = {k.replaced!r} }}\n" for name, k in sorted(kept.items()))
+    text = f"{HEAD}version = {VERSION}\n\n[parameters]\n{''.join(rows)}"
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    fresh = path.with_name(path.name + ".new")
+    with fresh.open("w", encoding="utf-8") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+    fresh.replace(path)
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)  # the new name, too, outlives a power cut
+    finally:
+        os.close(folder)
+
+
+def put_aside(path: Path, word: str) -> Path:
+    """Rename a file that cannot be used, without touching one put aside before; return its name.
+
+    Raises
+    ------
+    OSError
+        When it cannot be renamed.
+    """
+    names = (path.with_name(f"{path.name}.{word}{'' if n == 1 else f'-{n}'}") for n in count(1))
+    free = next(name for name in names if not name.exists())
+    return path.rename(free)
