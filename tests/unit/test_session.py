@@ -378,7 +378,7 @@ def test_arming_fails_while_the_fault_is_there_and_finding_the_zero_clears_it(be
 
 def test_a_setting_holds_from_the_next_task_on(bench):
     bench.hop(Explore(number=1))
-    bench.hop(Set("EXPLORE_UNIT", 9.0, number=2))
+    bench.hop(Set("EXP_UNIT", 9.0, number=2))
     bench.over(1)
     first = bench.hops
     bench.hop(Explore(number=3))
