@@ -5,6 +5,7 @@ Python cannot time steps, so the driver computes every edge in advance and hands
 
 from __future__ import annotations
 
+import struct
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,8 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Port
+from ross_payload.actuators.wires import connect
+from ross_payload.errors import ConfigError, LinkError
+from ross_payload.interfaces import Clock, Port
+
+KEPT = 4096  # segments that a recording port remembers at least, of the newest
+MOST_EDGES = 1_000_000  # of one segment on a wire
 
 EDGE = np.dtype([("time", np.float64), ("line", np.uint8), ("level", np.bool_)])
 Edges = NDArray[np.void]  # of dtype EDGE, sorted by time
@@ -63,11 +68,15 @@ class RecordingPulses:
         self._now = now
         self._waiting: deque[Segment] = deque()
         self._reports: list[Played] = []
-        self.sent: list[Segment] = []
+        self.sent: list[Segment] = []  # the newest
+        self.n_sent = 0
 
     def send(self, frame: Any) -> None:
         """Queue one Segment."""
+        if len(self.sent) >= 2 * KEPT:
+            self.sent = self.sent[-KEPT:]
         self.sent.append(frame)
+        self.n_sent += 1
         self._waiting.append(frame)
 
     def receive(self) -> list[Any]:
@@ -86,14 +95,80 @@ class RecordingPulses:
         """Return at once; what was sent plays to its end, so that a motor is never left at speed."""
 
 
-def open_pulses(url: str, now: Callable[[], float]) -> Port:
-    """Open a pulse port from its URL.
+class PulseCodec:
+    """Segments and reports as bytes: a tag, a fixed head, and 10 bytes per edge; little-endian, all that arrives exact.
 
-    Raises
-    ------
-    ConfigError
-        When the URL names none that exists.
+    >>> codec = PulseCodec()
+    >>> [codec.feed(bytes([byte])) for byte in codec.pack(Played(0.25))][-1]
+    [Played(end=0.25)]
     """
-    if url == "pulses:recording":
-        return RecordingPulses(now)
-    raise ConfigError(f"pulse port '{url}' is unknown; there are: pulses:recording")
+
+    name = "pulses"
+    _SEGMENT = struct.Struct("<cddI")  # tag, start [s], duration [s], number of edges
+    _PLAYED = struct.Struct("<cd")  # tag, end [s]
+    _EDGE = EDGE.newbyteorder("<")
+
+    def __init__(self) -> None:
+        self._held = b""
+
+    def pack(self, frame: Any) -> bytes:
+        """Turn a Segment or a Played into bytes."""
+        if isinstance(frame, Played):
+            return self._PLAYED.pack(b"P", frame.end)
+        head = self._SEGMENT.pack(b"S", frame.start, frame.duration, len(frame.edges))
+        return head + bytes(frame.edges.astype(self._EDGE).tobytes())
+
+    def feed(self, data: bytes) -> list[Segment | Played]:
+        """Return the frames that are complete.
+
+        Raises
+        ------
+        LinkError
+            When the bytes are no frame.
+        """
+        self._held += data
+        frames: list[Segment | Played] = []
+        while (found := self._first()) is not None:
+            frame, size = found
+            frames.append(frame)
+            self._held = self._held[size:]
+        return frames
+
+    def _first(self) -> tuple[Segment | Played, int] | None:
+        tag, held = self._held[:1], len(self._held)
+        if tag not in (b"", b"P", b"S"):
+            raise LinkError(f"not a frame of pulses: {self._held[:8]!r}")
+        if held < (self._PLAYED.size if tag == b"P" else self._SEGMENT.size):
+            return None
+        if tag == b"P":
+            return Played(self._PLAYED.unpack_from(self._held)[1]), self._PLAYED.size
+        _, start, duration, n = self._SEGMENT.unpack_from(self._held)
+        if n > MOST_EDGES:
+            raise LinkError(f"not a frame of pulses: {n} edges")
+        size = self._SEGMENT.size + n * self._EDGE.itemsize
+        if held < size:
+            return None
+        edges = np.frombuffer(self._held, self._EDGE, n, self._SEGMENT.size).astype(EDGE)
+        edges.setflags(write=False)
+        return Segment(start, duration, edges), size
+
+
+class PulseWire:
+    """The scheme ``pulses``."""
+
+    def open(self, url: str, clock: Clock) -> Port:
+        """Open a port for edges.
+
+        Raises
+        ------
+        ConfigError
+            When the URL names none that exists.
+        """
+        if url == "pulses:recording":
+            return RecordingPulses(clock.now)
+        if url.startswith("pulses:tcp:"):
+            return connect(url, PulseCodec(), clock)
+        raise ConfigError(f"pulse port '{url}' is unknown; there are: pulses:recording, pulses:tcp:HOST:PORT")
+
+
+wire = PulseWire()

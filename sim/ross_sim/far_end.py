@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
+from ross_payload import plugins
+from ross_payload.actuators.registry import checked_options
+from ross_payload.config import Config
 from ross_payload.interfaces import Port
 
 
@@ -27,3 +30,15 @@ class FarEndPlugin(Protocol):
 
     def make(self, config: Any) -> FarEnd:
         """Make the far end that fits a back end's ``Config``."""
+
+
+def far_end_of(config: Config) -> FarEnd:
+    """Make the simulated device for the actuator that a configuration names.
+
+    Raises
+    ------
+    ConfigError
+        When there is none, or an option is wrong.
+    """
+    plugin: FarEndPlugin = plugins.load("ross_sim.far_ends", config.actuator.kind)
+    return plugin.make(checked_options(config))

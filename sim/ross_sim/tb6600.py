@@ -90,14 +90,15 @@ class Tb6600FarEnd:
 
     def _collect(self) -> None:
         """Take in the segments sent since the last advance; edges whose time has passed are played at once."""
-        for segment in self.port.sent[self._seen :]:
+        new = self.port.n_sent - self._seen
+        for segment in self.port.sent[-new:] if new else ():
             edges = segment.edges.copy()
             edges["time"] += segment.start
             if len(edges) and edges["time"][0] < self._now - 1e-9:
                 self._inputs.late(self._now - float(edges["time"][0]), float(edges["time"][0]))
                 edges["time"] = np.maximum(edges["time"], self._now)
             self._edges = np.concatenate([self._edges, edges])
-        self._seen = len(self.port.sent)
+        self._seen = self.port.n_sent
 
     def _play(self, edges: Edges, until: float) -> None:
         """Count steps and let the rotor follow; no ENABLE edge within."""

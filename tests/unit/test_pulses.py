@@ -11,9 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.pulses import EDGE, Line, Played, RecordingPulses, Segment, open_pulses
+from ross_payload.actuators.pulses import EDGE, Line, Played, RecordingPulses, Segment
 from ross_payload.actuators.steps import Interface, Wires, after, step_times, train
+from ross_payload.actuators.wires import open_wire
 from ross_payload.errors import ConfigError
+from ross_sim.clock import SimClock
 
 STEP = math.radians(0.1125)
 INTERFACE = Interface(width=10e-6, setup=20e-6, hold=20e-6, period=1 / 15000)
@@ -120,14 +122,16 @@ def test_the_recording_port_reports_a_segment_once_when_its_time_is_over() -> No
 
 
 def test_a_recording_port_with_a_clock_plays_by_itself() -> None:
-    port = open_pulses("pulses:recording", lambda: 2.0)
+    clock = SimClock()
+    clock.sleep(2.0)
+    port = open_wire("pulses:recording", clock)
     port.send(Segment(1.0, 0.5, np.empty(0, dtype=EDGE)))
     assert port.receive() == [Played(1.5)]
 
 
 def test_an_unknown_pulse_port_is_an_error_that_names_those_that_exist() -> None:
     with pytest.raises(ConfigError, match=r"'pulses:gpio17' is unknown; there are: pulses:recording"):
-        open_pulses("pulses:gpio17", lambda: 0.0)
+        open_wire("pulses:gpio17", SimClock())
 
 
 def _times(edges: np.ndarray, line: Line, level: bool) -> np.ndarray:
