@@ -1,0 +1,65 @@
+"""systemd understands the unit, and the unit fits the program."""
+
+import configparser
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+UNIT = Path(__file__).parents[2] / "docs" / "examples" / "ross.service"
+
+
+def analyse(*arguments):
+    if shutil.which("systemd-analyze") is None:
+        pytest.skip("systemd-analyze is missing: apt-get install systemd")
+    return subprocess.run(["systemd-analyze", *arguments], capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def unit(tmp_path):
+    """The unit with a program that exists here in place of /opt/ross/bin/ross."""
+    path = tmp_path / "ross.service"
+    path.write_text(re.sub(r"(?m)^ExecStart=\S+", f"ExecStart={shutil.which('true')}", UNIT.read_text()))
+    return path
+
+
+@pytest.fixture
+def service():
+    parser = configparser.ConfigParser(strict=False, interpolation=None)
+    parser.optionxform = str
+    parser.read(UNIT)
+    return parser["Service"]
+
+
+def test_systemd_finds_no_fault_in_the_unit(unit):
+    verified = analyse("verify", "--man=no", unit)
+    assert verified.returncode == 0, verified.stderr
+    assert not verified.stderr
+
+
+def test_systemd_would_find_a_fault(unit):
+    unit.write_text(unit.read_text().replace("WatchdogSec=", "WatchDogSec="))
+    assert "WatchDogSec" in analyse("verify", "--man=no", unit).stderr
+
+
+def test_the_unit_is_hardened(unit):
+    judged = analyse("security", "--offline=true", "--threshold=30", unit)
+    assert judged.returncode == 0, judged.stdout.splitlines()[-1]
+
+
+def test_a_wrong_configuration_does_not_restart_and_a_crash_does(service):
+    assert service["Restart"] == "on-failure"
+    assert service["RestartPreventExitStatus"] == "2"
+    assert service["SuccessExitStatus"] == "130"
+
+
+def test_the_watchdog_asks_through_notify(service):
+    assert service["Type"] == "notify"
+    assert float(service["WatchdogSec"]) >= 10
+
+
+@pytest.mark.parametrize("setting", ["PrivateDevices", "PrivateNetwork", "MemoryDenyWriteExecute", "RestrictRealtime"])
+def test_what_would_cut_off_sound_wires_or_links_is_not_set(service, setting):
+    assert setting not in service
