@@ -34,10 +34,11 @@ class Packet:
     name: str
     message: Any  # pymavlink's object
     value: Value | None
+    frame: bytes  # as it came
 
 
 class Encoder:
-    """One component's voice: values to MAVLink 2 frames with consecutive sequence numbers.
+    """One component's voice: values and messages to MAVLink 2 frames with consecutive sequence numbers.
 
     >>> from ross_protocols.values import Health, Heartbeat
     >>> encoder = Encoder(system_id=1, component_id=191)
@@ -48,29 +49,37 @@ class Encoder:
     def __init__(self, system_id: int, component_id: int) -> None:
         self._mavlink = ross.MAVLink(None, srcSystem=system_id, srcComponent=component_id)
 
-    def encode(self, value: Value) -> bytes:
-        """Return the frame of a value.
+    def encode(self, said: Any) -> bytes:
+        """Return the frame of a value, or of one of pymavlink's messages.
 
         Raises
         ------
         struct.error
             When a number does not fit into its field.
         """
-        frame = bytes(_BY_VALUE[type(value)].write(value).pack(self._mavlink))
+        frame = bytes(message_of(said).pack(self._mavlink))
         self._mavlink.seq = (self._mavlink.seq + 1) % 256
         return frame
+
+
+def message_of(said: Any) -> Any:
+    """Return pymavlink's message of a value; a message is its own."""
+    layout = _BY_VALUE.get(type(said))
+    return said if layout is None else layout.write(said)
 
 
 class Decoder:
     """One link's ear: bytes in any portions to packets; MAVLink 1 and 2, our messages and the common ones.
 
-    ``skipped`` counts bytes that belong to no frame, ``unknown`` frames of messages that nobody here knows.
+    ``skipped`` counts bytes that belong to no frame, ``bad`` what began like a frame and was none, ``unknown``
+    frames of messages that nobody here knows.
     """
 
     def __init__(self) -> None:
         self._mavlink = ross.MAVLink(None)
         self._buffer = bytearray()
         self.skipped = 0
+        self.bad = 0
         self.unknown = 0
 
     def feed(self, data: bytes) -> list[Packet]:
@@ -84,13 +93,14 @@ class Decoder:
             try:
                 message = self._decode(frame)
             except ross.MAVError:  # it only looked like a frame: a true one may begin one byte later
+                self.bad += 1
                 self._skip(1)
                 continue
             del self._buffer[:size]
             if message is None:
                 self.unknown += 1
             else:
-                yield _packet(message)
+                yield _packet(message, bytes(frame))
 
     def _next_size(self) -> int | None:
         """Skip to a marker; return the size of its frame when all of it is here."""
@@ -132,7 +142,7 @@ def chunks(severity: Severity, text: str, number: int) -> list[Text]:
     return [Text(severity, part, number, index) for index, part in enumerate(parts)]
 
 
-def _packet(message: Any) -> Packet:
+def _packet(message: Any, frame: bytes) -> Packet:
     layout = _BY_ID.get(message.get_msgId())
     return Packet(
         message.get_srcSystem(),
@@ -141,4 +151,5 @@ def _packet(message: Any) -> Packet:
         message.get_type(),
         message,
         layout.read(message) if layout else None,
+        frame,
     )

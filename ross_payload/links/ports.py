@@ -30,6 +30,8 @@ class Counts:
     failed: int = 0  # other errors, and frames for a connection that is gone
     received: int = 0  # bytes
     error: str = ""  # the latest failure, in words
+    up: bool = True  # connected, as far as one can know
+    reconnects: int = 0
 
 
 class LinkPort(Protocol):

@@ -1,6 +1,6 @@
-"""The reporter: what the mission says and how things stand, as MAVLink frames at the right times.
+"""The reporter: what the mission says and how things stand, as MAVLink values at the right times.
 
-It owns no port, no clock and no thread: frames go to ``send``, time comes from ``time_usec`` and ``tick``.
+It owns no port, no clock and no thread: values go to ``send``, time comes from ``time_usec`` and ``tick``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ross_payload.events import (
 from ross_payload.telemetry import scene
 from ross_payload.telemetry.scene import Stamp
 from ross_payload.telemetry.texts import PREFIX, Limiter, line
-from ross_protocols.codec import Encoder, chunks
+from ross_protocols.codec import chunks
 from ross_protocols.values import (
     Alignment,
     CandidateState,
@@ -91,15 +91,13 @@ class Reporter:
 
     def __init__(
         self,
-        encoder: Encoder,
-        send: Callable[[bytes], None],
+        send: Callable[[Value], None],
         time_usec: Callable[[], int],
         information: Information,
         *,
         rotation_max: int,
         criterion: float,
     ) -> None:
-        self._encoder = encoder
         self._send = send
         self._time_usec = time_usec
         self._information = information
@@ -248,4 +246,4 @@ class Reporter:
             self._emit(value)
 
     def _emit(self, value: Value) -> None:
-        self._send(self._encoder.encode(value))
+        self._send(value)

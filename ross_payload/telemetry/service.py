@@ -16,7 +16,6 @@ from ross_payload.interfaces import Actuator, Capabilities, Clock, Feedback, Inp
 from ross_payload.links import Links
 from ross_payload.telemetry.report import Every, Reporter, Snapshot
 from ross_payload.telemetry.tlog import TlogRecorder
-from ross_protocols.codec import Encoder
 from ross_protocols.values import Information
 
 LOOK_PERIOD = 0.050  # [s] between two looks at what is due and at what has arrived
@@ -40,15 +39,16 @@ class Telemetry:
         self._rate = config.audio.rate_hz
         self._looking = Every(LOOK_PERIOD)
         self._open_loop = actuator is not None and actuator.capabilities.feedback is Feedback.MODEL
+        self._component = links.component(config.telemetry.component_id)
         self._reporter = Reporter(
-            Encoder(config.telemetry.system_id, config.telemetry.component_id),
-            self._send,
+            self._component.send,
             self._time_usec,
             information(config, None if actuator is None else actuator.capabilities),
             rotation_max=config.explore.max_rotations,
             criterion=config.exploit.criterion,
         )
         self._tlog = None if tlog is None else TlogRecorder(tlog)
+        self._component.tap(self._record)
 
     def heard(self, heard: Input) -> None:
         """Send what is due; listen to the links."""
@@ -93,8 +93,7 @@ class Telemetry:
     def _time_usec(self) -> int:
         return round(self._clock.now() * 1e6)
 
-    def _send(self, frame: bytes) -> None:
-        self._links.send(frame)
+    def _record(self, frame: bytes) -> None:
         if self._tlog is not None:
             self._tlog.write(self._time_usec(), frame)
 

@@ -91,7 +91,7 @@ def perform(scenario: Scenario, company: Company, view: View, out: OutDir | None
     config = scenario.payload
     clock = SimClock()
     with ExitStack() as stack, threadpool_limits(limits=1):
-        links = stack.enter_context(Links.open(link.url for link in config.links))
+        links = stack.enter_context(Links.open(config.links, clock, system_id=config.telemetry.system_id))
         far_end = far_end_of(config)
         cast = scenario.cast(company.voices)
         world = World(scenario, cast.talkers, far_end, clock, config.seed)

@@ -60,15 +60,15 @@ class Ground:
     def __init__(self, criterion: float = 1.0) -> None:
         self.now = 0.0
         self.snapshot = REST
-        self._decoder = Decoder()
+        self._encoder, self._decoder = Encoder(1, 191), Decoder()
         self.heard: list[tuple[float, Value]] = []
         self.reporter = Reporter(
-            Encoder(1, 191), self._receive, lambda: round(self.now * 1e6), information(Config(), None),
+            self._receive, lambda: round(self.now * 1e6), information(Config(), None),
             rotation_max=12, criterion=criterion,
         )  # fmt: skip
 
-    def _receive(self, frame: bytes) -> None:
-        (packet,) = self._decoder.feed(frame)
+    def _receive(self, value: Value) -> None:
+        (packet,) = self._decoder.feed(self._encoder.encode(value))
         assert packet.value is not None
         self.heard.append((self.now, packet.value))
 
@@ -439,7 +439,7 @@ def hop(index: int = 16000, start: float = 0.0, end: float = 0.01, known: bool =
 
 def record(tmp_path: Path, *heard: Input) -> list[Value | None]:
     path = tmp_path / "mission.tlog"
-    with Links.open([]) as links, Telemetry(Config(), StillClock(), links, path) as telemetry:
+    with Links.open([], StillClock()) as links, Telemetry(Config(), StillClock(), links, path) as telemetry:
         for one in heard:
             telemetry.heard(one)
     return [packet.value for packet in Decoder().feed(path.read_bytes())]
@@ -469,7 +469,7 @@ def test_turning_through_the_back_is_no_jump_in_rate(tmp_path: Path) -> None:
 
 
 def test_a_log_that_cannot_be_made_stops_us_before_the_mission(tmp_path: Path) -> None:
-    with Links.open([]) as links, pytest.raises(ConfigError, match="cannot be written"):
+    with Links.open([], StillClock()) as links, pytest.raises(ConfigError, match="cannot be written"):
         Telemetry(Config(), StillClock(), links, tmp_path / "missing" / "mission.tlog")
 
 

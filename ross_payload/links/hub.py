@@ -1,0 +1,198 @@
+"""The hub: all links on one side, our own components on the other.
+
+What a component sends goes out on the links and to the other components; what arrives goes to every component.
+Everything here happens on the thread that polls, and nothing waits.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from ross_payload.config import Link as LinkConfig
+from ross_payload.interfaces import Clock
+from ross_payload.links.address import parse
+from ross_payload.links.link import Link, LinkStatus
+from ross_payload.links.peers import Sender
+from ross_payload.links.ports import LinkPort, open_port
+from ross_protocols.codec import Decoder, Encoder, Packet, message_of
+
+LOCAL = "local"  # the link and the role of what our own components say
+MOST_LOCAL = 1000  # frames that wait for the next poll
+AUTOPILOT = 1  # component id
+NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID
+UNKNOWN_SYSTEM = 1  # what we call ourselves towards an autopilot whose system id we wait for
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """A packet, the link that it came from, and whether its sender may order something."""
+
+    link: str  # url, or "local"
+    role: str  # ground, autopilot or local
+    packet: Packet
+    may_order: bool
+
+
+class Component:
+    """One of our own components: what it says and what it hears."""
+
+    def __init__(self, component_id: int, send: Callable[[int, Any, str | None], None]) -> None:
+        self.id = component_id
+        self._send = send
+        self._subscribers: list[Callable[[Heard], None]] = []
+        self._taps: list[Callable[[bytes], None]] = []
+
+    def send(self, said: Any, link: str | None = None) -> None:
+        """Send a value or one of pymavlink's messages: on every link, or on the one with this URL.
+
+        A message with a target goes to the links where the target was heard, if it was heard at all. Other local
+        components hear it too.
+        """
+        self._send(self.id, said, link)
+
+    def subscribe(self, call: Callable[[Heard], None]) -> None:
+        """Call ``call`` with everything that arrives; it must look for whom a packet is meant."""
+        self._subscribers.append(call)
+
+    def tap(self, call: Callable[[bytes], None]) -> None:
+        """Call ``call`` with every frame that is sent, once and unsigned: for logs."""
+        self._taps.append(call)
+
+    def hear(self, heard: Heard) -> None:
+        """Tell the subscribers."""
+        for call in tuple(self._subscribers):
+            call(heard)
+
+    def log(self, frame: bytes) -> None:
+        """Tell the taps."""
+        for call in tuple(self._taps):
+            call(frame)
+
+
+class Links:
+    """All links of the payload, for one thread. A context manager."""
+
+    def __init__(self, clock: Clock, system_id: int) -> None:
+        self.system_id = system_id  # 0: until an autopilot tells
+        self._clock = clock
+        self._links: list[Link] = []
+        self._components: dict[int, Component] = {}
+        self._logs: dict[Sender, Encoder] = {}
+        self._decoder = Decoder()  # of what our own components say
+        self._local: deque[tuple[int, bytes]] = deque(maxlen=MOST_LOCAL)
+
+    @classmethod
+    def open(
+        cls,
+        links: Iterable[LinkConfig],
+        clock: Clock,
+        *,
+        system_id: int = 1,
+        state: Path | None = None,
+        patient: bool = False,
+    ) -> Self:
+        """Open every link, or none.
+
+        Raises
+        ------
+        ConfigError
+            When a URL is malformed: before any is opened.
+        LinkError
+            When a port cannot be opened; those before it are closed again.
+        """
+        links = list(links)
+        for link in links:
+            parse(link.url)
+        hub = cls(clock, system_id)
+        with ExitStack() as stack:
+            stack.callback(hub.close)
+            for link in links:
+                hub.attach(link, open_port(link.url))
+            stack.pop_all()
+        return hub
+
+    def attach(self, link: LinkConfig, port: LinkPort) -> None:
+        """Add a link whose port was made elsewhere; it is closed with the others."""
+        self._links.append(Link(link, port, self._clock.now()))
+
+    def component(self, component_id: int) -> Component:
+        """Return our own component with this id; it is made when it is first asked for."""
+        if component_id not in self._components:
+            self._components[component_id] = Component(component_id, self._send)
+        return self._components[component_id]
+
+    def poll(self) -> None:
+        """Tell the components what has arrived since the last call."""
+        for sender, frame in [self._local.popleft() for _ in range(len(self._local))]:
+            for packet in self._decoder.feed(frame):
+                self._dispatch(Heard(LOCAL, LOCAL, packet, may_order=True), but=sender)
+        for link in self._links:
+            for packet in link.receive(self._clock.now()):
+                self._hear(link, packet)
+
+    def status(self) -> tuple[LinkStatus, ...]:
+        """Return how every link is, in the order of their opening."""
+        now = self._clock.now()
+        return tuple(link.status(now) for link in self._links)
+
+    def close(self) -> None:
+        """Close every link; idempotent."""
+        for link in self._links:
+            link.close()
+
+    def __enter__(self) -> Self:
+        """Links are open from the start."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close every link."""
+        self.close()
+
+    def _send(self, component_id: int, said: Any, url: str | None) -> None:
+        message = message_of(said)
+        sender = (self.system_id or UNKNOWN_SYSTEM, component_id)
+        frame = self._logs.setdefault(sender, Encoder(*sender)).encode(message)
+        self._components[component_id].log(frame)
+        if len(self._components) > 1:
+            self._local.append((component_id, frame))
+        now = self._clock.now()
+        for link in self._ways(message, url):
+            link.send(sender, message, len(frame), now)
+
+    def _ways(self, message: Any, url: str | None) -> Iterator[Link]:
+        """Give the links that a message is for."""
+        links = [link for link in self._links if url in (None, link.config.url)]
+        if not self.system_id:
+            links = [link for link in links if link.config.role == "autopilot" and message.get_type() == "HEARTBEAT"]
+        system, component = getattr(message, "target_system", 0), getattr(message, "target_component", 0)
+        if system:
+            if system == self.system_id and component in self._components:
+                return iter(())
+            links = [link for link in links if link.peers.knows(system, component)] or links
+        return iter(links)
+
+    def _hear(self, link: Link, packet: Packet) -> None:
+        if packet.system_id == self.system_id and packet.component_id in self._components:
+            return  # our own voice
+        link.peers.meet(packet, self._clock.now())
+        self._latch(link, packet)
+        self._dispatch(Heard(link.config.url, link.config.role, packet, link.may_order(packet)))
+
+    def _latch(self, link: Link, packet: Packet) -> None:
+        if self.system_id or link.config.role != "autopilot" or packet.component_id != AUTOPILOT:
+            return
+        if packet.name == "HEARTBEAT" and packet.message.autopilot != NO_AUTOPILOT:
+            self.system_id = packet.system_id
+
+    def _dispatch(self, heard: Heard, but: int | None = None) -> None:
+        for component in tuple(self._components.values()):
+            if component.id != but:
+                component.hear(heard)
