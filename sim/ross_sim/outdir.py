@@ -16,7 +16,7 @@ from typing import Any, Self
 from ross_payload.errors import ConfigError, OutputError
 
 OURS = re.compile(
-    r"report\.json|timing\.json|events\.jsonl|mixture\.wav|target\.wav|group-\d+\.wav|mission\.(png|tlog)"
+    r"(report|timing|truth)\.json|events\.jsonl|mixture\.wav|target\.wav|(group|image)-\d+\.wav|mission\.(png|tlog)"
 )
 
 

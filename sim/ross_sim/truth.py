@@ -1,0 +1,133 @@
+"""What a live world knows and the payload does not, written while it lives."""
+
+from __future__ import annotations
+
+import json
+import math
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+import soundfile
+
+from ross_payload.angles import wrap
+from ross_payload.audio.files import WavWriter
+from ross_payload.interfaces import Real
+from ross_sim.clock import QUANTUM
+from ross_sim.outdir import OutDir
+from ross_sim.report import Truth
+from ross_sim.world import Rendered
+
+STILL = 1e-6  # a quantum that turns by less is not worth a line [rad]
+
+
+class TruthWriter:
+    """Writes `mixture.wav`, one `image-K.wav` per talker and, in the end, `truth.json`. A context manager.
+
+    Parameters
+    ----------
+    out
+        Where to; None: nowhere.
+    rate
+        Sampling rate [Hz].
+    n_talkers
+        How many images there are.
+    """
+
+    def __init__(self, out: OutDir | None, rate: int, n_talkers: int) -> None:
+        self._out = out
+        self._files = ExitStack()
+        self._turns = Turns()
+        self._samples = 0
+        names = ["mixture.wav", *(f"image-{index}.wav" for index in range(n_talkers))] if out is not None else []
+        self._writers = [
+            self._files.enter_context(WavWriter(out.staging / name, rate, channels=2)) for name in names if out
+        ]
+
+    def take(self, rendered: Rendered) -> None:
+        """Write a stretch.
+
+        Raises
+        ------
+        OutputError
+            When the disk is full or gone.
+        """
+        self._samples += rendered.mixture.shape[1]
+        self._turns.follow(rendered.headings)
+        tracks = [rendered.mixture, *rendered.images.swapaxes(0, 1)]
+        for writer, track in zip(self._writers, tracks, strict=False):
+            writer.write(track)
+
+    def finish(self, values: dict[str, Any]) -> None:
+        """Write `truth.json`: ``values``, how many samples there are, and every turn."""
+        self._files.close()
+        if self._out is not None:
+            told = values | {"samples": self._samples, "headings_deg": self._turns.points()}
+            self._out.write_json("truth.json", told)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._files.close()
+
+
+class Turns:
+    """The true heading as a broken line, with points only where it turns.
+
+    >>> turns = Turns()
+    >>> turns.follow(np.radians([5, 5, 5, 6, 7, 7, 7]))
+    >>> turns.points()
+    [[0.0, 5.0], [0.02, 5.0], [0.03, 6.0], [0.04, 7.0], [0.06, 7.0]]
+    """
+
+    def __init__(self) -> None:
+        self._points: list[list[float]] = []
+        self._index = 0  # of the newest heading
+        self._last = math.nan
+        self._still = False
+
+    def follow(self, headings: Real) -> None:
+        """Take headings at the ends of quanta [rad]; the first is that of the last end of the stretch before."""
+        if len(headings) and not self._points:
+            self._note(0, float(headings[0]))
+        for heading in headings[1:]:
+            still = abs(float(heading) - self._last) < STILL
+            if not still:
+                if self._still:
+                    self._note(self._index, self._last)
+                self._note(self._index + 1, float(heading))
+            self._index, self._still = self._index + 1, still
+
+    def points(self) -> list[list[float]]:
+        """Return times since the beginning of the sound [s] and headings [deg], mount frame."""
+        end = [[self._time(self._index), self._points[-1][1]]] if self._still else []
+        return [*self._points, *end]
+
+    def _note(self, index: int, heading: float) -> None:
+        self._last = heading
+        self._points.append([self._time(index), round(math.degrees(heading), 4)])
+
+    @staticmethod
+    def _time(index: int) -> float:
+        return round(index * QUANTUM, 2)
+
+
+def read_truth(folder: Path, yaw: float = 0.0) -> Truth:
+    """Read what a world has written; ``yaw`` of the mount [rad] turns its azimuths into the earth frame."""
+    values = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
+    talkers = values["talkers"]
+    tracks = [soundfile.read(folder / f"image-{index}.wav", dtype="float32")[0].T for index in range(len(talkers))]
+    mixture = soundfile.read(folder / "mixture.wav", dtype="float32")[0].T
+    return Truth(
+        names=tuple(talker["name"] for talker in talkers),
+        azimuths=np.array([wrap(math.radians(talker["azimuth_deg"]) + yaw) for talker in talkers]),
+        elevations=np.radians([talker["elevation_deg"] for talker in talkers]),
+        images=np.array([track[0] for track in tracks]).reshape(len(talkers), -1),
+        mixture=mixture[0],
+        target=values["target"],
+    )

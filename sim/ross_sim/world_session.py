@@ -1,0 +1,192 @@
+"""One live world from a scenario to its truth."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import signal
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import click
+from threadpoolctl import threadpool_limits
+
+from ross_payload.actuators.registry import checked_options
+from ross_payload.audio.files import write_wav
+from ross_payload.clock import SystemClock
+from ross_payload.errors import ConfigError
+from ross_sim.casting import company_of
+from ross_sim.clock import SimClock
+from ross_sim.far_end import far_end_of
+from ross_sim.live import waiting
+from ross_sim.live_world import LiveWorld
+from ross_sim.outdir import OutDir
+from ross_sim.outlets import Fifo, Outlet, PcmServer
+from ross_sim.realtime import RealTime
+from ross_sim.scenario import Cast, Scenario
+from ross_sim.truth import TruthWriter
+from ross_sim.wires import WireServer, side_of
+from ross_sim.world import World
+
+_TCP = re.compile(r"tcp:(?P<host>\[[^\[\]]+\]|[^:\[\]]+):(?P<port>\d{1,5})")
+
+
+@dataclass(frozen=True, slots=True)
+class Sockets:
+    """Where the world meets the payload."""
+
+    pcm: str | None  # tcp:HOST:PORT
+    pipe: Path | None
+    form: str  # of the samples
+    wire: str | None  # SCHEME:tcp:HOST:PORT; None: a free local port
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """How the world is to live."""
+
+    at_once: bool  # do not wait for a listener
+    quiet: float  # noise alone before the scenario [s]
+    speech: Path | None
+    enrolment: Path | None  # where to write clean speech of the target
+    as_json: bool
+
+
+def run(scenario: Scenario, sockets: Sockets, wishes: Wishes, out: OutDir | None) -> None:
+    """Live until SIGINT or SIGTERM, then write what was true.
+
+    Raises
+    ------
+    ConfigError
+        When an address or the scenario is wrong.
+    LinkError
+        When a port is taken.
+    """
+    with ending() as end, ExitStack() as stack, threadpool_limits(limits=1):
+        config = scenario.payload
+        with waiting(wishes.as_json, f"{scenario.title}: preparing the voices"):
+            cast = scenario.cast(company_of(scenario, wishes.speech, None).voices)
+        if wishes.enrolment is not None:
+            write_wav(wishes.enrolment, cast.target.enrolment, cast.target.rate)
+        clock, wall, far_end = SimClock(), SystemClock(), far_end_of(config)
+        world = World(later(scenario, wishes.quiet), cast.talkers, far_end, clock, config.seed)
+        truth = stack.enter_context(TruthWriter(out, world.rate, len(cast.talkers)))
+        outlets = _outlets(sockets, world.rate, stack)
+        real_time = RealTime(clock, wall, lambda line: click.echo(f"ross: {line}", err=True))
+        scheme, host, port = _wire(sockets.wire, checked_options(config).port)
+        side = side_of(scheme, far_end.port, real_time.epoch)
+        server = stack.enter_context(WireServer(host, port, side, wall))
+        _tell(sockets, outlets, f"{scheme}:tcp:{host}:{server.port}", scenario, wishes.as_json)
+        live = LiveWorld(world, side, outlets, truth, real_time)
+        doors: list[PcmServer | WireServer]
+        doors = [outlet for outlet in outlets if isinstance(outlet, PcmServer)] or [server]
+        live.live(lambda: wishes.at_once or any(door.used for door in doors), lambda: end.asked)
+        truth.finish(
+            _truth(scenario, cast, wishes)
+            | live.account()
+            | {"complaints": far_end.complaints(), "late_s": round(real_time.worst, 3)}
+        )
+
+
+def later(scenario: Scenario, seconds: float) -> Scenario:
+    """Return the scenario with everybody talking ``seconds`` later."""
+    talkers = tuple(
+        talker.model_copy(
+            update={
+                "start_s": scenario.start(talker) + seconds,
+                "end_s": None if talker.end_s is None else talker.end_s + seconds,
+                "pauses": tuple((begin + seconds, end + seconds) for begin, end in talker.pauses),
+            }
+        )
+        for talker in scenario.talkers
+    )
+    return scenario.model_copy(update={"talkers": talkers})
+
+
+@dataclass(slots=True)
+class End:
+    """Whether somebody has asked for the end."""
+
+    asked: bool = False
+
+
+@contextmanager
+def ending() -> Iterator[End]:
+    """Turn Ctrl-C and SIGTERM into an end between two quanta, with every file closed."""
+    end = End()
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        end.asked = True
+
+    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield end
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _outlets(sockets: Sockets, rate: int, stack: ExitStack) -> list[Outlet]:
+    outlets: list[Outlet] = []
+    if sockets.pcm is not None:
+        outlets.append(stack.enter_context(closing(PcmServer(*_address(sockets.pcm, "--pcm"), rate, sockets.form))))
+    if sockets.pipe is not None:
+        outlets.append(stack.enter_context(closing(Fifo(sockets.pipe, rate, sockets.form))))
+    return outlets
+
+
+def _wire(asked: str | None, port: str) -> tuple[str, str, int]:
+    """Scheme, host and port of the wire; the scheme is that of the actuator's own port."""
+    wanted = port.partition(":")[0]
+    if asked is None:
+        return wanted, "127.0.0.1", 0
+    scheme, _, rest = asked.partition(":")
+    if scheme != wanted:
+        raise ConfigError(f"--wire {asked}: the actuator's wire is {wanted}:tcp:HOST:PORT")
+    return scheme, *_address(rest, "--wire")
+
+
+def _address(text: str, option: str) -> tuple[str, int]:
+    found = _TCP.fullmatch(text)
+    if found is None or int(found["port"]) > 65535:
+        raise ConfigError(f"{option} {text}: wanted tcp:HOST:PORT, an IPv6 host in brackets")
+    return found["host"].strip("[]"), int(found["port"])
+
+
+def _tell(sockets: Sockets, outlets: list[Outlet], wire: str, scenario: Scenario, as_json: bool) -> None:
+    """Say that the world is ready, and what a payload's configuration needs."""
+    pcm = next((outlet.port for outlet in outlets if isinstance(outlet, PcmServer)), None)
+    host = (sockets.pcm or "").rpartition(":")[0]
+    source = None if pcm is None else f"{host}:{pcm}"
+    config = scenario.payload
+    if as_json:
+        pipe = None if sockets.pipe is None else str(sockets.pipe)
+        click.echo(json.dumps({"pcm": source, "pipe": pipe, "wire": wire, "rate_hz": config.audio.rate_hz}))
+        return
+    click.echo(f"{scenario.title}: ready. The payload's configuration:\n\n[audio]")
+    click.echo(f'source = "{source or "device:NAME"}"\nrate_hz = {config.audio.rate_hz}\n\n[actuator]')
+    click.echo(f'kind = "{config.actuator.kind}"\noptions = {{ port = "{wire}" }}')
+
+
+def _truth(scenario: Scenario, cast: Cast, wishes: Wishes) -> dict[str, Any]:
+    people = zip(cast.talkers, scenario.azimuths(), scenario.elevations(), strict=True)
+    return {
+        "title": scenario.title,
+        "rate_hz": scenario.payload.audio.rate_hz,
+        "seed": scenario.payload.seed,
+        "quiet_s": wishes.quiet,
+        "target": cast.target.name,
+        "talkers": [
+            {"name": voice.name, "azimuth_deg": _degrees(azimuth), "elevation_deg": _degrees(elevation)}
+            for voice, azimuth, elevation in people
+        ],
+    }
+
+
+def _degrees(angle: float) -> float:
+    return round(math.degrees(angle), 6)
