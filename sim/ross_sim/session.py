@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ross_payload import plugins
 from ross_payload.actuators.guard import Guard
-from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.actuators.registry import open_actuator
 from ross_payload.angles import wrap
 from ross_payload.audio.files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
@@ -30,7 +29,7 @@ from ross_payload.service import Runner, informed_of, settings_of, tools_of
 from ross_payload.telemetry.service import Telemetry
 from ross_sim.casting import Company
 from ross_sim.clock import SimClock
-from ross_sim.far_end import FarEnd
+from ross_sim.far_end import far_end_of
 from ross_sim.live import View
 from ross_sim.outdir import OutDir
 from ross_sim.picture import draw
@@ -124,13 +123,6 @@ def expected(scenario: Scenario) -> float:
     explore, exploit = scenario.payload.explore, scenario.payload.exploit
     rotations = 0.0 if scenario.payload.informed else (explore.min_rotations + explore.max_rotations) / 2
     return explore.lead_in_s + rotations * (explore.unit_s + 1.0) + 2 * (exploit.check_s + 2.0) + exploit.run_s
-
-
-def far_end_of(config: Config) -> FarEnd:
-    """Make the simulated device for the actuator that a configuration names."""
-    options = checked_options(config)
-    far_end: FarEnd = plugins.load("ross_sim.far_ends", config.actuator.kind).make(options)
-    return far_end
 
 
 def _runner(config: Config, company: Company, world: World, actuator: Guard, clock: SimClock) -> Runner:
