@@ -6,6 +6,7 @@
     ├── ConfigError          a file, an option or an argument is wrong: exit code 2
     │   └── PluginError      a plug-in is unknown, broken, or lacks an extra
     ├── AudioError           no audio, or audio that cannot be used: exit code 2
+    │   └── AudioEnded       a recording has been played to its end: no fault
     ├── ActuatorError        the thing that turns: exit code 1
     │   ├── ActuatorFault    it reports a fault, or the guard does
     │   ├── LimitError       a goal outside the limits
@@ -29,6 +30,10 @@ class PluginError(ConfigError):
 
 class AudioError(RossError):
     """No audio, or audio that cannot be used."""
+
+
+class AudioEnded(AudioError):
+    """A recording has been played to its end."""
 
 
 class ActuatorError(RossError):

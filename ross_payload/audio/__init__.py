@@ -1,1 +1,33 @@
-"""Where audio comes from and where it goes: files and sinks."""
+"""Where audio comes from (sound cards, files, TCP), how it is, and where it goes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ross_payload.audio.capture import SoundCard
+from ross_payload.audio.health import HealthMonitor
+from ross_payload.audio.live import LiveSource, SourceStatus
+from ross_payload.audio.network import PcmClient
+from ross_payload.audio.playback import FileSource
+from ross_payload.audio.wiring import Wiring
+from ross_payload.config import Config
+from ross_payload.interfaces import Clock
+
+__all__ = ["FileSource", "HealthMonitor", "LiveSource", "SourceStatus", "open_source"]
+
+
+def open_source(config: Config, clock: Clock) -> LiveSource | FileSource:
+    """Make the source that [audio] names; enter it to open it.
+
+    Raises
+    ------
+    ConfigError
+        When the channels do not fit together.
+    """
+    audio = config.audio
+    wiring, rate = Wiring.of(audio), audio.rate_hz
+    kind, _, rest = audio.source.partition(":")
+    if kind == "file":
+        return FileSource(Path(rest).expanduser(), rate, wiring, clock)
+    opener = PcmClient(rest, rate, wiring) if kind == "tcp" else SoundCard(rest, audio, wiring)
+    return LiveSource(opener, rate, wiring, audio.buffer_s, clock)

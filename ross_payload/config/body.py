@@ -23,7 +23,9 @@ class Array(Table):
 class Audio(Table):
     """[audio]: rates and frames."""
 
-    source: str = "device:default"  # device:NAME, file:PATH or tcp:HOST:PORT, see `ross devices`
+    source: Annotated[str, Field(pattern=r"^(device|file|tcp):.+")] = (
+        "device:default"  # device:NAME (a part of it), file:PATH or tcp:HOST:PORT, see `ross devices`
+    )
     preset: Literal["", "respeaker-2mic", "respeaker-4mic", "respeaker-usb"] = ""  # channels of known arrays
     channels: tuple[Channel, Channel] | None = (
         None  # of microphones 1 and 2, from 0; absent: the preset's, else 0 and 1

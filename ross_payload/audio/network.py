@@ -1,0 +1,101 @@
+"""PCM over TCP as a feed: the payload connects, a thread copies what comes; see ``ross_protocols.pcm``."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import threading
+
+from ross_payload.audio.live import Hear
+from ross_payload.audio.wiring import Wiring
+from ross_payload.errors import AudioError, ConfigError
+from ross_protocols.pcm import Decoder, PcmError
+
+CONNECT = 3.0  # [s] within which the other end answers and says what it sends
+LARGEST = 65536  # of one read [bytes]
+
+
+def host_and_port(address: str) -> tuple[str, int]:
+    """Split HOST:PORT.
+
+    Raises
+    ------
+    ConfigError
+        When it is something else.
+    """
+    host, _, port = address.rpartition(":")
+    if not host or not port.isdigit() or not 0 < int(port) < 65536:
+        raise ConfigError(f"audio.source = 'tcp:{address}'; wanted tcp:HOST:PORT")
+    return host.strip("[]"), int(port)
+
+
+class PcmClient:
+    """Connects to a server of PCM, each time it is called."""
+
+    def __init__(self, address: str, rate: int, wiring: Wiring) -> None:
+        self._address = host_and_port(address)
+        self._rate = rate
+        self._wiring = wiring
+
+    def __call__(self, hear: Hear) -> Connection:
+        """Connect and read the header.
+
+        Raises
+        ------
+        AudioError
+            When nobody answers, or what they send does not fit.
+        """
+        where = f"tcp:{self._address[0]}:{self._address[1]}"
+        try:
+            sock = socket.create_connection(self._address, CONNECT)
+        except OSError as error:
+            raise AudioError(f"{where}: no audio: {error.strerror or error}") from error
+        try:
+            decoder = self._header(sock)
+        except (OSError, PcmError, AudioError) as error:
+            sock.close()
+            raise AudioError(f"{where}: {error}") from error
+        return Connection(sock, decoder, hear)
+
+    def _header(self, sock: socket.socket) -> Decoder:
+        decoder = Decoder()
+        while decoder.header is None:
+            data = sock.recv(1)  # the samples behind the header are for the thread
+            if not data:
+                raise AudioError("closed before a PCM header came")
+            decoder.feed(data)
+        header = decoder.header
+        if header.rate != self._rate:
+            raise AudioError(f"sends {header.rate} Hz; audio.rate_hz is {self._rate}")
+        if header.channels < self._wiring.needed:
+            raise AudioError(f"sends {header.channels} channels; there is no channel {self._wiring.needed - 1}")
+        return decoder
+
+
+class Connection:
+    """A connection that audio comes through."""
+
+    def __init__(self, sock: socket.socket, decoder: Decoder, hear: Hear) -> None:
+        self._socket = sock
+        self._decoder = decoder
+        self._hear = hear
+        self._thread = threading.Thread(target=self._receive, name="pcm", daemon=True)
+        sock.settimeout(None)
+        self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether frames may still come."""
+        return self._thread.is_alive()
+
+    def close(self) -> None:
+        """Hang up; idempotent."""
+        with contextlib.suppress(OSError):  # the other end hung up first
+            self._socket.shutdown(socket.SHUT_RDWR)
+        self._thread.join()
+        self._socket.close()
+
+    def _receive(self) -> None:
+        with contextlib.suppress(OSError):  # the end, like hanging up: it is opened again
+            while data := self._socket.recv(LARGEST):
+                self._hear(self._decoder.feed(data))

@@ -1,0 +1,108 @@
+"""A recording in the place of the microphones, in real time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+import soundfile
+
+from ross_payload.audio.live import SourceStatus
+from ross_payload.audio.wiring import Wiring
+from ross_payload.errors import AudioEnded, AudioError
+from ross_payload.interfaces import AudioBlock, Clock
+
+
+class FileSource:
+    """An AudioSource that plays a file of at least two channels once, as fast as it was recorded.
+
+    Parameters
+    ----------
+    path
+        WAV, FLAC, or what else libsndfile reads.
+    rate
+        It must have [Hz].
+    wiring
+        Which of the channels are the microphones.
+    clock
+        Paces the reading.
+    """
+
+    def __init__(self, path: Path, rate: int, wiring: Wiring, clock: Clock) -> None:
+        self._path = path
+        self._rate = rate
+        self._wiring = wiring
+        self._clock = clock
+        self._file: soundfile.SoundFile | None = None
+        self._began = 0.0  # [s]
+        self._index = 0
+
+    @property
+    def rate(self) -> int:
+        """Sampling rate [Hz]."""
+        return self._rate
+
+    def read(self, n: int) -> AudioBlock:
+        """Return the next ``n`` samples when their time has come; fewer at the end of the file are not given.
+
+        Raises
+        ------
+        AudioEnded
+            At the end of the file.
+        AudioError
+            When the source is not open, or the file broken.
+        """
+        if self._file is None:
+            raise AudioError(f"{self._path}: not open")
+        try:
+            frames = self._file.read(n, dtype="float32", always_2d=True)
+        except (soundfile.LibsndfileError, RuntimeError) as error:
+            raise AudioError(f"{self._path}: broken after {self._index / self._rate:.2f} s") from error
+        if len(frames) < n:
+            raise AudioEnded(f"{self._path}: end of file after {self._index / self._rate:.2f} s")
+        wired = self._wiring.apply(np.ascontiguousarray(frames[:, list(self._wiring.channels)].T))
+        index, self._index = self._index, self._index + n
+        self._clock.sleep(max(self._began + self._index / self._rate - self._clock.now(), 0.0))
+        return AudioBlock(wired.samples, index, self._began + index / self._rate, flags=wired.flags, raw=wired.raw)
+
+    def status(self) -> SourceStatus:
+        """How the source is: nothing is ever lost."""
+        return SourceStatus()
+
+    def __enter__(self) -> Self:
+        """Open the file; its first sample is heard at this moment.
+
+        Raises
+        ------
+        AudioError
+            When it is missing, not audio, or lacks the rate or the channels.
+        """
+        if not self._path.is_file():
+            raise AudioError(f"{self._path}: no such file")
+        try:
+            file = soundfile.SoundFile(self._path)
+        except (soundfile.LibsndfileError, RuntimeError) as error:
+            raise AudioError(f"{self._path}: not audio that libsndfile can read") from error
+        try:
+            self._check(file)
+        except AudioError:
+            file.close()
+            raise
+        self._file, self._began = file, self._clock.now()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def _check(self, file: soundfile.SoundFile) -> None:
+        if file.samplerate != self._rate:
+            raise AudioError(f"{self._path}: at {file.samplerate} Hz; audio.rate_hz is {self._rate}")
+        if file.channels < self._wiring.needed:
+            raise AudioError(f"{self._path}: {file.channels} channels; there is no channel {self._wiring.needed - 1}")
