@@ -42,9 +42,15 @@ class Heard:
 class Component:
     """One of our own components: what it says and what it hears."""
 
-    def __init__(self, component_id: int, send: Callable[[int, Any, str | None], None]) -> None:
+    def __init__(
+        self,
+        component_id: int,
+        send: Callable[[int, Any, str | None], None],
+        repeat: Callable[[int, Any, str], None],
+    ) -> None:
         self.id = component_id
         self._send = send
+        self._repeat = repeat
         self._subscribers: list[Callable[[Heard], None]] = []
         self._taps: list[Callable[[bytes], None]] = []
 
@@ -55,6 +61,10 @@ class Component:
         components hear it too.
         """
         self._send(self.id, said, link)
+
+    def repeat(self, said: Any, link: str) -> None:
+        """Send on the link with this URL what logs and other local components are told otherwise."""
+        self._repeat(self.id, said, link)
 
     def subscribe(self, call: Callable[[Heard], None]) -> None:
         """Call ``call`` with everything that arrives; it must look for whom a packet is meant."""
@@ -84,6 +94,7 @@ class Links:
         self._links: list[Link] = []
         self._components: dict[int, Component] = {}
         self._logs: dict[Sender, Encoder] = {}
+        self._scale = Encoder(UNKNOWN_SYSTEM, 0)  # tells how long a frame is
         self._decoder = Decoder()  # of what our own components say
         self._local: deque[tuple[int, bytes]] = deque(maxlen=MOST_LOCAL)
 
@@ -124,7 +135,7 @@ class Links:
     def component(self, component_id: int) -> Component:
         """Return our own component with this id; it is made when it is first asked for."""
         if component_id not in self._components:
-            self._components[component_id] = Component(component_id, self._send)
+            self._components[component_id] = Component(component_id, self._send, self._repeat)
         return self._components[component_id]
 
     def poll(self) -> None:
@@ -163,9 +174,16 @@ class Links:
         self._components[component_id].log(frame)
         if len(self._components) > 1:
             self._local.append((component_id, frame))
+        self._give(sender, message, len(frame), url)
+
+    def _repeat(self, component_id: int, said: Any, url: str) -> None:
+        message = message_of(said)
+        self._give((self.system_id or UNKNOWN_SYSTEM, component_id), message, len(self._scale.encode(message)), url)
+
+    def _give(self, sender: Sender, message: Any, size: int, url: str | None) -> None:
         now = self._clock.now()
         for link in self._ways(message, url):
-            link.send(sender, message, len(frame), now)
+            link.send(sender, message, size, now)
 
     def _ways(self, message: Any, url: str | None) -> Iterator[Link]:
         """Give the links that a message is for."""
