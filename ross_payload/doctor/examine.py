@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from ross_payload.config import Config
-from ross_payload.doctor import computer, folders, speed, turning, wires
+from ross_payload.doctor import computer, folders, microphones, speed, turning, wires
 from ross_payload.doctor.finding import Finding, fail
 from ross_payload.doctor.machine import Machine
 from ross_payload.interfaces import Clock
@@ -25,6 +25,7 @@ def examine(config: Config, machine: Machine, clock: Clock, first: Sequence[Chec
     checks: list[tuple[str, Callable[[], Iterator[Finding]]]] = [
         (check.__name__, partial(check, config, machine)) for check in first
     ]
+    checks.append(("microphones", partial(microphones.microphones, config, clock)))
     checks.append(("actuator", partial(turning.actuator, config, machine, clock)))
     checks.append(("speed", partial(speed.headroom, config, clock)))
     for name, check in checks:

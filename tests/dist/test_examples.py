@@ -14,7 +14,7 @@ from ross_payload.service import explorer_of, settings_of, tools_of
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 CONFIGURATIONS = sorted(EXAMPLES.glob("*.toml"))
-RULE = re.compile(r'(SUBSYSTEM|KERNEL|ATTRS?\{\w+\}|ENV\{\w+\})(==|=)"[^"]*"|SYMLINK\+="[\w-]+"')
+RULE = re.compile(r'(SUBSYSTEM|KERNELS?|ATTRS?\{\w+\}|ENV\{\w+\})(==|=)"[^"]*"|SYMLINK\+="[\w-]+"')
 
 
 def test_there_are_three_configurations():
