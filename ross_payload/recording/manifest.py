@@ -14,6 +14,7 @@ from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.recording.files import put, put_json
 from ross_payload.recording.memory import packed
+from ross_payload.voiceprint import VoicePrintModel, save
 
 FORMAT = "ross-session"
 VERSION = 1
@@ -31,6 +32,7 @@ class Beginning:
     upper: float  # [rad]
     voice: str = ""  # name of the voice that is sought; its print stays where it is
     memory: Any = None  # what the session knew from earlier tasks: a frozen dataclass
+    synthetic: VoicePrintModel | None = None  # the print of a talker that no person is: it is kept with the session
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +66,8 @@ def write(folder: Path, begin: Beginning, started: str) -> None:
     put_json(folder / "config.json", begin.config.model_dump(mode="json"))
     if begin.memory is not None:
         put(folder / "memory.npz", packed(begin.memory))
+    if begin.synthetic is not None:
+        save(begin.synthetic, folder / "voice.json")
 
 
 def conclude(folder: Path, begin: Beginning, started: str, reason: str) -> None:

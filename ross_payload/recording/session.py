@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ross_payload import config
-from ross_payload.config import Config, validated
+from ross_payload.audio.wiring import Wiring
+from ross_payload.config import Audio, Config, validated
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Input, Samples, Score
+from ross_payload.interfaces import Input, Score
 from ross_payload.recording import journal, manifest
 from ross_payload.recording.manifest import Manifest
 from ross_payload.recording.memory import unpacked
 from ross_payload.recording.wav import WavReader
 
 T = TypeVar("T")
-Calibrate = Callable[[Samples, config.Audio], Samples]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,22 +72,24 @@ class Session:
         path = self.path / "memory.npz"
         return unpacked(path, kind) if path.exists() else None
 
-    def inputs(self, audio: config.Audio, calibrate: Calibrate) -> Iterator[Input]:
-        """Read the Inputs up to the first that is damaged or has no samples; gain and polarity are of ``audio``.
+    def inputs(self, audio: Audio, *, anew: bool = False) -> Iterator[Input]:
+        """Read the Inputs up to the first that is damaged or has no samples.
+
+        Gain and polarity of ``audio`` are applied where the source did so when it was recorded; ``anew``: everywhere.
 
         Raises
         ------
         ConfigError
             When there is no audio, or an order is unknown to this program.
         """
-        wav, start = WavReader(self.path / "audio.wav"), 0
+        wav, wiring, start = WavReader(self.path / "audio.wav"), Wiring.of(audio), 0
         for values in self.lines():
-            samples = wav.read(start, values["n"])
+            raw = wav.read(start, values["n"])
             start += values["n"]
-            if samples.shape[1] < values["n"]:
+            if raw.shape[1] < values["n"]:
                 return
-            raw = samples if values.get("raw") else None
-            yield journal.input_of(values, samples if raw is None else calibrate(raw, audio), raw)
+            wired = anew or bool(values.get("raw"))
+            yield journal.input_of(values, wiring.apply(raw).samples if wired else raw, raw if wired else None)
 
     def lines(self) -> Iterator[dict[str, Any]]:
         """Read the Inputs as they stand, without samples, up to the first that is damaged."""

@@ -56,10 +56,6 @@ def recording(folder, begin=beginning, **limits):
     return Recorder(Shelf(folder), configured(**limits).recording, begin)
 
 
-def same(samples, audio):
-    return samples
-
-
 def record(folder, inputs, said=(), **limits):
     with recording(folder, **limits) as recorder:
         for index, heard in enumerate(inputs):
@@ -91,7 +87,7 @@ def test_every_input_comes_back_exactly(tmp_path):
     inputs = [input_of(0), input_of(1, fault="it smokes: 3 °C", orders=ORDERS), input_of(2, block=rare, settled=False)]
     inputs += [input_of(k, attitude=Attitude(1 / k, 0.1, -0.2, 1e-300, math.inf, known=False)) for k in range(3, 150)]
     record(tmp_path, inputs)
-    found = list(only(tmp_path).inputs(Config().audio, same))
+    found = list(only(tmp_path).inputs(Config().audio))
     assert len(found) == 150
     assert all(equal(one, other) for one, other in zip(inputs, found, strict=True))
 
@@ -106,12 +102,14 @@ def test_every_float_comes_back_as_it_was(values):
 
 def test_the_audio_is_what_the_microphones_gave_before_gain(tmp_path):
     raw = block_of(5).samples
-    record(tmp_path, [input_of(k, block=replace(block_of(k), samples=raw * 2, raw=raw)) for k in range(60)])
+    record(tmp_path, [input_of(k, block=replace(block_of(k), samples=raw / 2, raw=raw)) for k in range(60)])
     with wave.open(str(only(tmp_path).path / "audio.wav")) as file:
         assert (file.getnchannels(), file.getsampwidth(), file.getframerate()) == (2, 3, 16000)
         assert file.getnframes() == 60 * HOP
-    found = list(only(tmp_path).inputs(Config().audio, lambda samples, audio: samples * 2))
-    assert np.array_equal(found[7].block.samples, raw * 2)
+    audio = Config.model_validate({"audio": {"invert": [True, False]}}).audio
+    found = list(only(tmp_path).inputs(audio))
+    assert np.array_equal(found[7].block.raw, raw)
+    assert np.array_equal(found[7].block.samples, raw * np.array([[-1], [1]], np.float32))
 
 
 def test_samples_that_24_bits_do_not_hold_are_said(tmp_path):
@@ -191,7 +189,7 @@ def test_a_recording_begins_and_ends_with_the_next_input(tmp_path):
             recorder.heard(input_of(index))
             recorder.drain()
             assert recorder.status().state is (RecordingState.ON if 10 <= index < 20 else RecordingState.OFF)
-    assert [heard.block.index for heard in only(tmp_path).inputs(Config().audio, same)] == [
+    assert [heard.block.index for heard in only(tmp_path).inputs(Config().audio)] == [
         HOP * index for index in range(10, 20)
     ]
     assert only(tmp_path).manifest.end == "ended by order"
@@ -212,7 +210,7 @@ def test_a_recording_does_not_begin_in_the_middle_of_a_task(tmp_path):
         busy[0] = None
         assert recorder.record(True) == ""  # it is on already
         recorder.heard(input_of(3))
-    assert [heard.block.index for heard in only(tmp_path).inputs(Config().audio, same)] == [2 * HOP, 3 * HOP]
+    assert [heard.block.index for heard in only(tmp_path).inputs(Config().audio)] == [2 * HOP, 3 * HOP]
 
 
 def test_the_status_tells_what_is_being_recorded(tmp_path):
@@ -259,7 +257,7 @@ print(status.state, status.reason, sep="|")
     assert done.stdout.strip() == "full|" + os.strerror(errno.EFBIG)
     found = only(tmp_path).contents()
     assert 1.0 < found.seconds <= found.audio < 2.5
-    assert len(list(only(tmp_path).inputs(Config().audio, same))) == found.inputs
+    assert len(list(only(tmp_path).inputs(Config().audio))) == found.inputs
 
 
 def test_a_disk_that_has_too_little_left_ends_the_recording(tmp_path):
@@ -315,7 +313,7 @@ def test_inputs_that_are_cut_off_are_read_up_to_the_cut(whole, cut):
     path = whole.path / "inputs.jsonl"
     content = path.read_bytes()
     path.write_bytes(content[:-cut])
-    found = list(whole.inputs(Config().audio, same))
+    found = list(whole.inputs(Config().audio))
     assert len(found) == content[:-cut].count(b"\n") < 100
     assert whole.contents().notes
 
@@ -323,7 +321,7 @@ def test_inputs_that_are_cut_off_are_read_up_to_the_cut(whole, cut):
 def test_a_short_audio_file_ends_the_inputs(whole):
     path = whole.path / "audio.wav"
     os.truncate(path, 44 + 6 * (50 * HOP + 3) + 2)
-    assert len(list(whole.inputs(Config().audio, same))) == 50
+    assert len(list(whole.inputs(Config().audio))) == 50
     assert any("shorter" in note for note in whole.contents().notes)
 
 
@@ -332,7 +330,7 @@ def test_a_damaged_line_in_the_middle_is_said(whole):
     lines = path.read_bytes().splitlines(keepends=True)
     lines[40] = b'{"index": 3}\n'
     path.write_bytes(b"".join(lines))
-    assert len(list(whole.inputs(Config().audio, same))) == 40
+    assert len(list(whole.inputs(Config().audio))) == 40
     assert any("line 41" in note for note in whole.contents().notes)
 
 
@@ -364,7 +362,7 @@ def test_an_order_of_another_version_is_named(whole):
     lines[3] = json.dumps(json.loads(lines[3]) | {"orders": [{"order": "Sing", "number": 1}]}) + "\n"
     path.write_text("".join(lines))
     with pytest.raises(ConfigError, match="Sing"):
-        list(whole.inputs(Config().audio, same))
+        list(whole.inputs(Config().audio))
 
 
 # ------------------------------------------------------------------------------------------------ kill -9
@@ -400,7 +398,7 @@ def check_killed(folder, moments):
     for number, after in enumerate(moments):
         heard = killed(folder / str(number), after)
         found = only(folder / str(number))
-        inputs = list(found.inputs(Config().audio, same))
+        inputs = list(found.inputs(Config().audio))
         assert heard - len(inputs) <= 100
         assert len(inputs) >= 50 or heard < 100
         assert all(equal(one, input_of(index)) for index, one in enumerate(inputs[-3:], len(inputs) - 3))
