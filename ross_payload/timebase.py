@@ -1,0 +1,148 @@
+"""Which time it is: since boot until a UNIX time can be trusted, and how the autopilot's clock lies to ours."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from ross_payload.interfaces import Clock
+from ross_protocols import vehicle
+from ross_protocols.codec import Packet
+from ross_protocols.vehicle import AUTOPILOT, SystemTime, TimeSync
+
+SAMPLES = 16  # round trips kept: the quickest one tells most
+PATIENCE = 1.0  # [s] that an answer may take
+SLACK = 0.005  # [s] that clocks may have drifted apart since an older round trip
+STEP = 0.5  # [s]: a UNIX time that is off by more is set anew, a smaller difference is worked off
+EASE = 0.1  # of a smaller difference, at a time
+PLAUSIBLE = 4_102_444_800.0  # UNIX time of 2100 [s]: a clock that says more is wrong
+
+
+class Hearsay(Protocol):
+    """A packet and how it came."""
+
+    @property
+    def link(self) -> str:
+        """URL of the link."""
+
+    @property
+    def role(self) -> str:
+        """``autopilot`` or ``ground``."""
+
+    @property
+    def packet(self) -> Packet:
+        """What was said, and by whom."""
+
+
+class Voice(Protocol):
+    """A component on the links."""
+
+    def send(self, value: Any, link: str | None = None) -> None:
+        """Send a message on one link, or on all."""
+
+    def subscribe(self, call: Callable[[Any], None]) -> None:
+        """Call with everything that is heard."""
+
+
+class Timebase:
+    """The time for telemetry and files: microseconds that never run backwards.
+
+    Everything but `usec` and `unix` belongs to the pump. Requests of TIMESYNC are answered, whoever asks; every
+    heartbeat of the autopilot (1 Hz) is answered with a request of our own.
+
+    Parameters
+    ----------
+    clock
+        Ours.
+    system
+        Tells the UNIX time [s] of the system's clock, None when that cannot be trusted.
+    system_id
+        Of the vehicle; 0: that of the first autopilot.
+
+    Examples
+    --------
+    >>> from ross_payload.clock import SystemClock
+    >>> Timebase(SystemClock()).unix
+    False
+    """
+
+    def __init__(self, clock: Clock, system: Callable[[], float | None] = lambda: None, *, system_id: int = 0) -> None:
+        self._clock = clock
+        self._system = system
+        self._system_id = system_id
+        self._voice: Voice | None = None
+        self._asked: deque[int] = deque(maxlen=4)  # times of our requests [ns]
+        self._trips: deque[tuple[float, float]] = deque(maxlen=SAMPLES)  # round trip, our clock less theirs [s]
+        self._epoch: float | None = None  # UNIX time at 0 of our clock [s]
+        self._last = 0
+
+    @property
+    def unix(self) -> bool:
+        """Whether `usec` counts from 1970; else since the boot of this computer."""
+        return self._since_1970() is not None
+
+    def usec(self) -> int:
+        """Return the time [us]."""
+        self._last = max(self._last, round((self._clock.now() + (self._since_1970() or 0.0)) * 1e6))
+        return self._last
+
+    def local(self, boot: float) -> float | None:
+        """Return the time on our clock [s] of a time on the autopilot's; None before a round trip has told."""
+        return boot + min(self._trips)[1] if self._trips else None
+
+    def attach(self, voice: Voice) -> None:
+        """Listen and speak as a component."""
+        self._voice = voice
+        voice.subscribe(self.heard)
+
+    def heard(self, heard: Hearsay) -> None:
+        """Take in what any link has heard."""
+        said = vehicle.read(heard.packet.message)
+        if isinstance(said, TimeSync) and said.answered is None:
+            self._send(TimeSync(said.asked, self._nanoseconds()), heard.link)
+        elif not self._from_autopilot(heard):
+            return
+        elif isinstance(said, TimeSync) and said.answered is not None:
+            self._measure(said.asked, said.answered)
+        elif isinstance(said, SystemTime) and said.unix is not None and said.unix < PLAUSIBLE:
+            self._set(said.unix - (self.local(said.boot) or self._clock.now()))
+        elif heard.packet.name == "HEARTBEAT":
+            self._asked.append(self._nanoseconds())
+            self._send(TimeSync(self._asked[-1]), heard.link)
+
+    def _from_autopilot(self, heard: Hearsay) -> bool:
+        packet = heard.packet
+        if heard.role != "autopilot" or packet.component_id != AUTOPILOT:
+            return False
+        self._system_id = self._system_id or packet.system_id
+        return packet.system_id == self._system_id
+
+    def _measure(self, asked: int, answered: int) -> None:
+        """Take the answer to one of our requests for what it says half-way through its round trip."""
+        now, begin = self._nanoseconds() / 1e9, asked / 1e9
+        if asked not in self._asked or not 0 <= now - begin <= PATIENCE:
+            return
+        trip = (now - begin, (begin + now) / 2 - answered / 1e9)
+        if self._trips and abs(trip[1] - min(self._trips)[1]) > (trip[0] + min(self._trips)[0]) / 2 + SLACK:
+            self._trips.clear()  # the autopilot has begun to count anew
+        self._trips.append(trip)
+
+    def _set(self, epoch: float) -> None:
+        if self._epoch is None or abs(epoch - self._epoch) > STEP:
+            self._epoch = epoch
+        else:
+            self._epoch += EASE * (epoch - self._epoch)
+
+    def _since_1970(self) -> float | None:
+        if self._epoch is None:
+            told = self._system()
+            self._epoch = None if told is None else told - self._clock.now()
+        return self._epoch
+
+    def _send(self, value: TimeSync, link: str) -> None:
+        if self._voice is not None:
+            self._voice.send(vehicle.time_sync(value), link)
+
+    def _nanoseconds(self) -> int:
+        return round(self._clock.now() * 1e9)
