@@ -16,6 +16,7 @@ from ross_payload.config import Config, Degrees, Positive, Table, read_toml, val
 from ross_payload.errors import ConfigError
 from ross_sim.room import RoomSpec
 from ross_sim.speech import Voice
+from ross_sim.vehicle import Yaw
 
 LEAD_IN = 2.0  # at least so long does nobody talk, unless the file says so [s]
 
@@ -68,6 +69,25 @@ class Noise(Table):
     motor_db: Decibels = -20.0  # while turning, relative to the mixture
 
 
+class Vehicle(Table):
+    """[vehicle]: what carries the mount; it yaws to and fro, and an autopilot tells the payload over MAVLink.
+
+    The room is that of a mount which points to ``yaw_deg``: azimuths of talkers count from there.
+    """
+
+    yaw_deg: Degrees = 0.0  # the middle, clockwise from north as on a compass
+    amplitude_deg: Annotated[float, Field(ge=0, le=180)] = 0.0  # to either side; 0: at rest
+    rate_deg_s: Annotated[float, Field(gt=0, le=360)] = 10.0  # how fast it yaws
+    attitude_hz: Annotated[float, Field(gt=0, le=100)] = 25.0  # ATTITUDE
+    latency_ms: Annotated[float, Field(ge=0, le=1000)] = 40.0  # of the link, at least
+    jitter_ms: Annotated[float, Field(ge=0, le=1000)] = 20.0  # on top of it, at most
+    silent: tuple[tuple[Seconds, Seconds], ...] = ()  # [[from, to], ...] when the autopilot says nothing
+
+    def motion(self) -> Yaw:
+        """Return how it yaws, in radians, counter-clockwise."""
+        return Yaw(-math.radians(self.yaw_deg), math.radians(self.amplitude_deg), math.radians(self.rate_deg_s))
+
+
 class Scenario(Table):
     """The whole file."""
 
@@ -77,6 +97,7 @@ class Scenario(Table):
     room: Room = Room()
     talkers: tuple[Talker, ...]
     noise: Noise = Noise()
+    vehicle: Vehicle | None = None  # absent: the mount stands still
 
     @model_validator(mode="after")
     def _possible(self) -> Self:

@@ -23,6 +23,7 @@ from ross_sim.responses import Responses
 from ross_sim.scenario import Scenario
 from ross_sim.speech import Voice
 from ross_sim.timeline import Timeline
+from ross_sim.vehicle import Yaw
 
 Counts = NDArray[np.int32]
 
@@ -42,8 +43,9 @@ class Rendered:
 class World:
     """A scene and a plant on one clock.
 
-    In each quantum of 10 ms the far end lives first, then the quantum is rendered with the plant's *true* joint angle
-    at both its ends. Sound begins when the microphones are opened: their first sample is time 0 of the scenario.
+    In each quantum of 10 ms the far end lives first, then the quantum is rendered with the *true* heading at both its
+    ends: the plant's joint angle on a vehicle that may yaw. Sound begins when the microphones are opened: their first
+    sample is time 0 of the scenario.
 
     Every part (one image per talker, the noise) is rounded to the 24-bit grid on its own, so that the parts add up to
     the mixture to the last bit unless it clips. Sensor noise is white, independent at each microphone, and drawn
@@ -88,6 +90,8 @@ class World:
         self._far_end = far_end
         self._offset = scenario.payload.offset
         self._angle = far_end.angle()
+        self._vehicle = Yaw() if scenario.vehicle is None else scenario.vehicle.motion()
+        self._turned = self._vehicle.turned(clock.now())
         self._noise_rms, motor_rms = _noise_levels(scenario)
         sensor, motor = np.random.SeedSequence(seed).spawn(2)
         self._sensor = np.random.Generator(np.random.PCG64(sensor))
@@ -115,6 +119,7 @@ class World:
         begin, angle = self._heading(), self._angle
         self._far_end.advance(now)
         self._angle = self._far_end.angle()
+        self._turned = self._vehicle.turned(now)
         if self._ears is not None:
             self._sound(self._ears, begin, angle)
 
@@ -139,11 +144,11 @@ class World:
         return _joined([_converted(image.sum(axis=1, dtype=np.int32) + noise) for image, noise in pairs], 2)
 
     def headings(self) -> Real:
-        """The true heading at the ends of every quantum since the opening [rad], mount frame, (n_quanta + 1,)."""
+        """The true heading at the ends of every quantum since the opening [rad], frame of the room, (n_quanta + 1,)."""
         return np.asarray(self._headings)
 
     def _heading(self) -> float:
-        return self._angle + self._offset
+        return self._angle + self._offset + self._turned
 
     def _sound(self, ears: Ears, begin: float, angle: float) -> None:
         first = self._quanta * self.rate // round(1 / QUANTUM)
