@@ -87,13 +87,16 @@ class Runner:
         state = self._actuator.state()
         joint = self._joint(end, state)
         still = goal is None and block.time >= self._asked - EARLY and state.settled
+        attitude, after = self._mount.attitude(block.time), self._mount.attitude(end)
+        if after.known != attitude.known:  # one hop is in one frame
+            after = attitude
         heard = Input(
             block=block,
-            heading_start=self._heading(block.time, self._joint(block.time, state)),
-            heading_end=self._heading(end, joint),
+            heading_start=attitude.yaw + self._joint(block.time, state) + self._offset,
+            heading_end=after.yaw + joint + self._offset,
             joint=joint,
             settled=still and self._history.settled(block.time, end),
-            attitude=self._mount.attitude(block.time),
+            attitude=attitude,
             fault=self._fault or ("" if state.healthy else state.fault or "the actuator reports a fault"),
             orders=self._drain(),
         )
@@ -134,9 +137,6 @@ class Runner:
     def _joint(self, time: float, state: ActuatorState) -> float:
         angle = self._history.angle(time)
         return state.angle if angle is None else angle
-
-    def _heading(self, time: float, joint: float) -> float:
-        return self._mount.attitude(time).yaw + joint + self._offset
 
     def _drain(self) -> tuple[Order, ...]:
         orders = []

@@ -20,13 +20,15 @@ from ross_payload.audio.files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.events import Event, Separated
-from ross_payload.interfaces import Input, Result, Services
+from ross_payload.interfaces import Attitude, Input, Mount, Result, Services
 from ross_payload.links import Links
 from ross_payload.mission.supervise import mission
-from ross_payload.mount import mount_of
+from ross_payload.mount import fixed_mount, mount_of
 from ross_payload.orders import Stop
 from ross_payload.service import Runner, informed_of, settings_of, tools_of
 from ross_payload.telemetry.service import Telemetry
+from ross_payload.timebase import Timebase
+from ross_sim.autopilot import board
 from ross_sim.casting import Company
 from ross_sim.clock import SimClock
 from ross_sim.far_end import far_end_of
@@ -97,7 +99,8 @@ def perform(scenario: Scenario, company: Company, view: View, out: OutDir | None
         collector = Collector(_wav(stack, out, config))
         actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
         stack.enter_context(world.source)
-        runner = _runner(config, company, world, actuator, clock)
+        mount = _mount(scenario, clock, links)
+        runner = _runner(scenario, company, world, actuator, mount)
         tlog = out.staging / "mission.tlog" if out is not None else None
         telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
         runner.observers = [collector, telemetry, view, *([Pace(speed)] if speed else [])]
@@ -105,7 +108,7 @@ def perform(scenario: Scenario, company: Company, view: View, out: OutDir | None
         with stop_on_signal(runner):
             result = runner.run()
         done = wall.now()
-    truth = _truth(world, cast, company.target, config)
+    truth = _truth(world, cast, company.target, room_yaw(scenario))
     values = report(collector.story, truth, result, _configuration(scenario, config))
     if far_end.complaints():
         values["complaints"] = far_end.complaints()
@@ -125,14 +128,30 @@ def expected(scenario: Scenario) -> float:
     return explore.lead_in_s + rotations * (explore.unit_s + 1.0) + 2 * (exploit.check_s + 2.0) + exploit.run_s
 
 
-def _runner(config: Config, company: Company, world: World, actuator: Guard, clock: SimClock) -> Runner:
-    travel = actuator.capabilities
+def room_yaw(scenario: Scenario) -> float:
+    """Where the room's first axis points [rad], from which azimuths of talkers count, in the frame of the mount."""
+    if scenario.vehicle is None or scenario.payload.mount.source == "fixed":
+        return fixed_mount(scenario.payload).attitude(0.0).yaw
+    return scenario.vehicle.motion().mean
+
+
+def _mount(scenario: Scenario, clock: SimClock, links: Links) -> Mount:
+    """Make the mount, and the autopilot that tells it where it points."""
+    config, timebase = scenario.payload, Timebase(clock)
+    if scenario.vehicle is not None:
+        board(scenario.vehicle, clock, links, config.seed)
+    timebase.attach(links.component(config.telemetry.component_id))
+    clock.every(POLL, links.poll)
+    return mount_of(config, clock, links, timebase)
+
+
+def _runner(scenario: Scenario, company: Company, world: World, actuator: Guard, mount: Mount) -> Runner:
+    config, travel = scenario.payload, actuator.capabilities
     settings, tools = settings_of(config, travel.lower, travel.upper), tools_of(config, company.voiceprint)
-    mount = mount_of(config)
-    informed = informed_of(config, mount.attitude(0.0))
+    informed = informed_of(config, Attitude(room_yaw(scenario)))
     brain = mission(settings, tools, informed, config.informed.target if config.informed else None)
-    runner = Runner(brain, world.source, actuator, mount, config=config, clock=clock)
-    clock.every(POLL, runner.poll)
+    runner = Runner(brain, world.source, actuator, mount, config=config, clock=world.clock)
+    world.clock.every(POLL, runner.poll)
     return runner
 
 
@@ -142,8 +161,7 @@ def _wav(stack: ExitStack, out: OutDir | None, config: Config) -> WavWriter | No
     return stack.enter_context(WavWriter(out.staging / "mixture.wav", config.audio.rate_hz, channels=2))
 
 
-def _truth(world: World, cast: Cast, target: str, config: Config) -> Truth:
-    yaw = mount_of(config).attitude(0.0).yaw
+def _truth(world: World, cast: Cast, target: str, yaw: float) -> Truth:
     return Truth(
         names=tuple(voice.name for voice in cast.talkers),
         azimuths=np.array([wrap(azimuth + yaw) for azimuth in world.azimuths]),

@@ -12,7 +12,7 @@ from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.errors import PluginError
 from ross_payload.events import Event, Outcome
 from ross_payload.interfaces import AudioBlock, Output, Result, Services
-from ross_payload.mount import FixedMount, mount_of
+from ross_payload.mount import FixedMount, fixed_mount
 from ross_payload.orders import Stop
 from ross_payload.service import Runner, explorer_of, informed_of, settings_of, tools_of
 from ross_sim.clock import SimClock
@@ -148,9 +148,9 @@ def test_an_exception_stops_the_motor(bench):
 
 def test_a_compass_yaw_turns_the_other_way():
     config = Config.model_validate({"mount": {"yaw_deg": 30}})
-    assert mount_of(config).attitude(0.0).yaw == pytest.approx(-math.radians(30))
-    assert mount_of(config).attitude(0.0).known
-    assert not mount_of(Config()).attitude(0.0).known
+    assert fixed_mount(config).attitude(0.0).yaw == pytest.approx(-math.radians(30))
+    assert fixed_mount(config).attitude(0.0).known
+    assert not fixed_mount(Config()).attitude(0.0).known
 
 
 def test_settings_are_in_radians_and_seconds():
@@ -168,7 +168,7 @@ def test_an_unknown_separator_is_named():
 def test_told_azimuths_are_turned_with_the_mount():
     """A base that points east, 90 deg on a compass, has everything 90 deg further clockwise."""
     config = Config.model_validate({"mount": {"yaw_deg": 90}, "informed": {"azimuths_deg": [90, -90, 0]}})
-    told = informed_of(config, mount_of(config).attitude(0.0))
+    told = informed_of(config, fixed_mount(config).attitude(0.0))
     np.testing.assert_allclose([source.azimuth for source in told.sources], [0, np.pi, -np.pi / 2], atol=1e-12)
     assert [source.elevation for source in told.sources] == [None] * 3
 
