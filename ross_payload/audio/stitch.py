@@ -79,12 +79,14 @@ class Stitcher:
             return
         if refused:
             self._resolve(self._clock)
-            self._zeros(refused)
+            given = min(refused, self._owed)
+            self._owed -= given
+            self._zeros(refused - given)
         self._held.append(piece)
         behind = piece.arrived - self._clock.ahead(self._end + self.held)
-        begun = len(self._held) > 1
         self._earliest = min(self._earliest, behind)
-        if behind < (CAUGHT_UP if begun else LATE) or piece.arrived - self._held[0].arrived >= DECIDE:
+        in_time = behind < (LATE if len(self._held) == 1 else CAUGHT_UP)
+        if (in_time and not self._owed) or piece.arrived - self._held[0].arrived >= DECIDE:
             self._resolve(self._clock)
 
     def wait(self, now: float) -> None:

@@ -1,0 +1,222 @@
+"""A sound card that drifts, stalls, loses samples, is pulled out and comes back: counting samples stays counting time."""
+
+import numpy as np
+import pytest
+
+from ross_payload.audio.capture import SoundCard
+from ross_payload.audio.live import LiveSource
+from ross_payload.audio.wiring import Wiring
+from ross_payload.config import Audio
+from ross_payload.errors import AudioError
+from ross_payload.interfaces import AudioFlag
+
+RATE, HOP = 16000, 160
+NEAR = 0.003  # [s] within which a sample's time is right
+
+
+class Done:
+    def join(self):
+        pass
+
+
+def at_once(call):
+    call()
+    return Done()
+
+
+@pytest.fixture
+def listen(moments):
+    def make(card, *, buffer=10.0, name="card", **keys):
+        audio = Audio(**keys)
+        wiring = Wiring.of(audio)
+        opener = SoundCard(name, audio, wiring, card)
+        return LiveSource(opener, audio.rate_hz, wiring, buffer, moments, start=at_once)
+
+    return make
+
+
+@pytest.fixture
+def errors(captured_at):
+    def of(blocks, card):
+        """What the stamped time of every sample that came is off by [s], one per block."""
+        off = []
+        for block in blocks:
+            count = block.samples[0]
+            came = np.flatnonzero(count)
+            if len(came):
+                stamped = block.time + came / RATE
+                off.append(float(np.mean(stamped - captured_at(count[came], block.time, card.true_rate))))
+        return np.array(off)
+
+    return of
+
+
+def read(source, seconds):
+    return [source.read(HOP) for _ in range(round(seconds * RATE / HOP))]
+
+
+def missing(blocks):
+    return sum(int(np.sum(block.samples[0] == 0)) for block in blocks)
+
+
+def test_every_sample_arrives_once_and_in_order(listen, make_card):
+    with listen(make_card(jitter=0.008)) as source:
+        blocks = read(source, 5)
+    counts = np.concatenate([block.samples[0] for block in blocks]).astype(float) * 2**23
+    assert np.all(np.diff(counts) == 1)
+    assert [block.index for block in blocks] == list(range(0, 5 * RATE, HOP))
+
+
+@pytest.mark.parametrize("ppm", [0, 100, -150])
+def test_the_time_of_a_sample_follows_the_card_through_drift_and_jitter(listen, make_card, errors, ppm):
+    card = make_card(ppm=ppm, jitter=0.012)
+    with listen(card) as source:
+        blocks = read(source, 120)
+        measured = source.status().rate
+    assert np.abs(errors(blocks, card)).max() < NEAR
+    assert measured / RATE - 1 == pytest.approx(ppm * 1e-6, abs=20e-6)
+    assert source.status().lost == 0
+
+
+def test_time_never_jumps(listen, make_card):
+    card = make_card(ppm=80, jitter=0.02)
+    with listen(card) as source:
+        times = np.array([block.time for block in read(source, 60)])
+    assert np.diff(times) == pytest.approx(HOP / RATE, rel=0.011)
+
+
+def test_a_stall_of_which_the_driver_keeps_everything_loses_nothing(listen, make_card, moments, errors):
+    card = make_card()
+    with listen(card) as source:
+        begin = moments.now() + 3
+        card.blocked = (begin, begin + 0.4, True)
+        blocks = read(source, 8)
+    assert source.status().lost == 0
+    assert np.abs(errors(blocks, card)).max() < NEAR
+
+
+@pytest.mark.parametrize("length", [0.08, 0.4, 1.5])
+def test_a_gap_that_no_driver_tells_of_becomes_zeros_of_its_length(listen, make_card, moments, errors, length):
+    card = make_card(jitter=0.004)
+    with listen(card) as source:
+        begin = moments.now() + 3
+        card.blocked = (begin, begin + length, False)
+        blocks = read(source, 8)
+    assert missing(blocks) / RATE == pytest.approx(length - 0.01, abs=0.02)
+    assert source.status().lost == missing(blocks)
+    assert np.abs(errors(blocks, card)).max() < 2 * NEAR
+    assert all(bool(block.flags & AudioFlag.MISSING) == bool(np.any(block.samples[0] == 0)) for block in blocks)
+
+
+def test_a_long_stall_that_catches_up_costs_only_what_was_already_given_as_zeros(listen, make_card, moments, errors):
+    card = make_card()
+    with listen(card) as source:
+        begin = moments.now() + 3
+        card.blocked = (begin, begin + 0.9, True)
+        blocks = read(source, 8)
+    assert missing(blocks) / RATE == pytest.approx(0.4, abs=0.05)
+    assert np.abs(errors(blocks, card)).max() < 2 * NEAR
+
+
+def test_a_reader_that_computes_for_less_than_the_buffer_misses_nothing(listen, make_card, moments, errors):
+    card = make_card()
+    with listen(card, buffer=10.0) as source:
+        blocks = read(source, 1)
+        moments.sleep(9.0)
+        assert source.status().waiting == pytest.approx(9.0, abs=0.1)
+        blocks += read(source, 15)
+    assert missing(blocks) == 0
+    assert np.abs(errors(blocks, card)).max() < NEAR
+
+
+def test_a_reader_that_computes_for_longer_finds_zeros_where_samples_had_no_room(listen, make_card, moments, errors):
+    card = make_card()
+    with listen(card, buffer=2.0) as source:
+        blocks = read(source, 1)
+        moments.sleep(5.0)
+        blocks += read(source, 10)
+    assert missing(blocks) / RATE == pytest.approx(3.0, abs=0.05)
+    assert source.status().lost == missing(blocks)
+    assert np.abs(errors(blocks, card)).max() < NEAR
+
+
+def test_a_card_that_is_pulled_out_and_comes_back_is_opened_again_in_step_with_time(listen, make_card, moments, errors):
+    card = make_card()
+    with listen(card) as source:
+        moments.at(moments.now() + 2, card.unplug)
+        moments.at(moments.now() + 9, lambda: card.plug("Other", "Card: USB Audio (hw:2,0)"))
+        begin = moments.now()
+        blocks = read(source, 5)
+        assert moments.now() - begin == pytest.approx(5.0, abs=0.7)  # the mission's clock goes on
+        assert "no microphones named 'card'; there are: none at all" in source.status().trouble
+        blocks += read(source, 15)
+        assert source.status().trouble == ""
+    assert source.status().reopened == 1
+    assert np.abs(errors(blocks[-300:], card)).max() < 2 * NEAR
+    assert 7.0 < missing(blocks) / RATE < 12.0
+
+
+def test_attempts_to_open_become_rarer(listen, make_card, moments):
+    card = make_card()
+    with listen(card) as source:
+        moments.at(moments.now() + 1, card.unplug)
+        read(source, 60)
+    assert 5 <= card.listings - 1 <= 10
+
+
+def test_a_stream_that_says_it_is_active_but_gives_nothing_is_opened_again(listen, make_card, moments):
+    card = make_card()
+    with listen(card) as source:
+        begin = moments.now() + 1
+        card.blocked = (begin, begin + 1e6, False)
+        moments.at(begin + 1, lambda: setattr(card, "blocked", (0.0, 0.0, False)))
+        read(source, 10)
+        assert source.status().reopened == 1
+        assert not source.read(HOP).flags & AudioFlag.MISSING
+
+
+def test_channels_gain_and_polarity_are_as_wired_and_raw_is_as_it_came(listen, make_card):
+    card = make_card()
+    card.channels = 6
+    with listen(card, channels=(4, 2), gain_db=(6.0, 0.0), invert=(False, True)) as source:
+        block = source.read(HOP)
+    assert block.raw[:, 0] == pytest.approx([4 / 64, 2 / 64])
+    assert block.samples[:, 0] == pytest.approx([4 / 64 * 10 ** (6 / 20), -2 / 64], abs=2**-23)
+
+
+@pytest.mark.parametrize(
+    ("name", "keys", "said"),
+    [
+        ("violin", {}, r"no microphones named 'violin'; there are: 'USB one' \(ALSA, 2 channels\), 'USB two'"),
+        ("usb", {}, "'usb' fits more than one device: 'USB one' .* 'USB two'"),
+        ("USB ONE", {"channels": (0, 3)}, r"'USB one' \(ALSA, 2 channels\) has no channel 3"),
+        ("usb two", {"rate_hz": 44100}, "does not record 2 channels at 44100 Hz: Invalid sample rate.*own rate is 48000"),
+    ],
+)
+def test_what_cannot_be_opened_gets_one_clear_line(listen, make_card, name, keys, said):
+    card = make_card(names=("USB one", "USB two"))
+    with pytest.raises(AudioError, match=said), listen(card, name=name, **keys):
+        pass
+
+
+def test_a_card_that_opens_at_another_rate_is_refused_and_closed(listen, make_card):
+    card = make_card()
+    card.opened_rate = 48000.0
+    with pytest.raises(AudioError, match="opened at 48000 Hz, not at 16000 Hz"), listen(card):
+        pass
+    assert not card.streams[0].active
+
+
+def test_a_card_that_stays_silent_is_told_after_some_seconds(listen, make_card):
+    card = make_card()
+    card.blocked = (0.0, 1e9, False)
+    with pytest.raises(AudioError, match="gave no audio within 5 s"), listen(card):
+        pass
+    assert not card.streams[0].active
+
+
+def test_the_default_device_is_the_systems(listen, make_card):
+    card = make_card(names=("first", "second"))
+    card.default.device[0] = 1
+    with listen(card, name="default") as source:
+        assert source.read(HOP).samples.any()
