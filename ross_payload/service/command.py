@@ -1,0 +1,20 @@
+"""``ross run``: the payload as a service."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command("run", short_help="Run the payload that a TOML file describes.")
+@click.argument("file", type=click.Path(path_type=Path))
+def command(file: Path) -> None:
+    """Run the payload that a TOML FILE describes until Ctrl-C or SIGTERM: it hears, obeys orders and reports.
+
+    Nothing turns before it is ordered, unless the file says so ([service] autostart).
+    """
+    from ross_payload.config import load
+    from ross_payload.service.live import live
+
+    live(load(file))

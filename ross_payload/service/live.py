@@ -1,0 +1,158 @@
+"""``ross run``: the payload on real wires, from a file to the shutdown."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import sys
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from types import FrameType
+
+from threadpoolctl import threadpool_limits
+
+from ross_payload import __version__
+from ross_payload.actuators.wires import open_wire
+from ross_payload.audio import LiveSource, open_source
+from ross_payload.clock import SystemClock, synchronised_time
+from ross_payload.config import Config
+from ross_payload.errors import AudioEnded, ConfigError
+from ross_payload.events import Event
+from ross_payload.interfaces import Input, VoicePrint
+from ross_payload.links import Links
+from ross_payload.logs import LogObserver, logging_to
+from ross_payload.mount import mount_of
+from ross_payload.notify import MISSION, Manager, Watchdog
+from ross_payload.orders import Shutdown
+from ross_payload.parameters import Parameters
+from ross_payload.recording.recorder import in_background
+from ross_payload.recording.shelf import Shelf
+from ross_payload.service.payload import Parts, assembled
+from ross_payload.service.runner import Runner
+from ross_payload.timebase import Timebase
+from ross_payload.voiceprint import VoiceStore
+
+PATIENCE = 30.0  # [s] that the mission may compute without hearing a hop
+SWITCH = 0.001  # [s] after which a thread that computes lets the pump have its turn
+
+log = logging.getLogger(__name__)
+
+
+def live(config: Config) -> None:
+    """Run the payload until SIGINT, SIGTERM or the end of its audio.
+
+    Raises
+    ------
+    RossError
+        When a part cannot be opened.
+    """
+    with ExitStack() as stack:
+        stack.enter_context(logging_to(sys.stderr, config.service.log_level, config.service.log_format))
+        stack.enter_context(threadpool_limits(limits=1))
+        sys.setswitchinterval(SWITCH)
+        clock, manager = SystemClock(), Manager.of()
+        watchdog = Watchdog(manager, clock, {MISSION: PATIENCE})
+        parts = stack.enter_context(_parts(config, clock))
+        runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, Pumping(clock))))
+        cancel = watchdog.start()
+        if cancel is not None:
+            stack.callback(cancel)
+        log.info("ross %s: %s on %s", __version__, config.actuator.kind, config.audio.source)
+        manager.ready("idle")
+        _run(runner, manager)
+
+
+def state_folder(config: Config, environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the folder of what outlives a restart, made when it is missing, for its owner alone.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be made.
+    """
+    named = config.service.state_dir or environment.get("STATE_DIRECTORY", "").partition(":")[0]
+    folder = Path(named).expanduser() if named else Path.home() / ".local" / "state" / "ross"
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"service.state_dir: {folder} cannot be made: {error.strerror}") from error
+    return folder
+
+
+class Pumping:
+    """An observer that ends the mission when the pump is dead: nobody would poll the motor's driver."""
+
+    def __init__(self, clock: SystemClock) -> None:
+        self._clock = clock
+
+    def heard(self, heard: Input) -> None:
+        """Look at the pump."""
+        self._clock.check()
+
+    def said(self, event: Event, heard: Input) -> None:
+        """Events say nothing about the pump."""
+
+
+@contextmanager
+def _parts(config: Config, clock: SystemClock) -> Iterator[Parts]:
+    state = state_folder(config)
+    with ExitStack() as stack:
+        parameters = stack.enter_context(Parameters(config, state / "params.toml"))
+        for note in parameters.notes:
+            log.warning(note)
+        links = Links.open(config.links, clock, system_id=config.telemetry.system_id, state=state, patient=True)
+        stack.enter_context(links)
+        timebase = Timebase(clock, synchronised_time, system_id=config.telemetry.system_id)
+        timebase.attach(links.component(config.telemetry.component_id))
+        source = open_source(config, clock)
+        yield Parts(
+            clock=clock,
+            source=source,
+            watched=source if isinstance(source, LiveSource) else None,
+            open_port=lambda url: open_wire(url, clock),
+            links=links,
+            mount=mount_of(config, clock, links, timebase),
+            timebase=timebase,
+            parameters=parameters,
+            shelf=Shelf(
+                Path(config.recording.folder).expanduser() if config.recording.folder else state / "recordings"
+            ),
+            drained=in_background,
+            voiceprint=_enrolled(config),
+            stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",
+        )
+
+
+def _enrolled(config: Config) -> VoicePrint | None:
+    return VoiceStore.default().load(config.service.target) if config.service.target else None
+
+
+def _run(runner: Runner, manager: Manager) -> None:
+    """Run the mission on a thread of its own, so that this one hears signals at once, whatever is computed."""
+    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission, _shutting_down(runner, manager):
+        try:
+            result = mission.submit(runner.run).result()
+        except AudioEnded as ended:
+            log.info("%s", ended)
+        else:
+            log.info("%s", result.reason)
+
+
+@contextmanager
+def _shutting_down(runner: Runner, manager: Manager) -> Iterator[None]:
+    """Turn Ctrl-C and SIGTERM into an orderly shutdown: the motor decelerates before anything else."""
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        runner.order(Shutdown())
+        manager.stopping(signal.Signals(number).name)
+
+    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,113 @@
+"""The payload that lives: everything that hears, turns, speaks and writes, from start to shutdown.
+
+`ross run` gives it real parts, `ross sitl --serve` simulated ones. Live there are three threads: the audio callback,
+the pump (drivers, links, telemetry), and the mission, on which `run` is called. In simulated time there is one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import dataclass
+
+from ross_payload.actuators.guard import Guard
+from ross_payload.actuators.registry import open_actuator
+from ross_payload.audio import HealthMonitor
+from ross_payload.audio.live import Watched
+from ross_payload.config import Config
+from ross_payload.interfaces import AudioSource, Clock, Mount, Port, Services, VoicePrint
+from ross_payload.links import Links
+from ross_payload.mission.session import Kit, Make, Session
+from ross_payload.orders import Explore, Seek, Set, Task
+from ross_payload.parameters import Parameters
+from ross_payload.recording.manifest import Beginning
+from ross_payload.recording.recorder import Recorder
+from ross_payload.recording.shelf import Shelf
+from ross_payload.service.assemble import settings_of, tools_of
+from ross_payload.service.runner import Observer, Runner
+from ross_payload.telemetry.service import Telemetry
+from ross_payload.timebase import Timebase
+
+POLL = 0.010  # [s] of the pump
+FIRST: dict[str, type[Task] | None] = {"nothing": None, "explore": Explore, "seek": Seek}
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """What a payload is made of: the links are open, the source and the actuator are not."""
+
+    clock: Clock
+    source: AudioSource
+    open_port: Callable[[str], Port]  # the wire of the actuator
+    links: Links
+    mount: Mount
+    timebase: Timebase
+    parameters: Parameters
+    shelf: Shelf  # of the recordings
+    drained: Callable[[Recorder], AbstractContextManager[None]]  # has what the recorder queues written
+    watched: Watched | None = None  # the source, where it tells how it is
+    voiceprint: VoicePrint | None = None
+    stamp: Callable[[], str] = lambda: ""  # of a new recording
+
+
+@contextmanager
+def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Runner]:
+    """Open everything; the runner that is given runs the session. What watches it beside the payload's own is told.
+
+    Raises
+    ------
+    RossError
+        When a part cannot be opened; those before it are closed again.
+    """
+    config, clock = parts.parameters.config, parts.clock
+    with ExitStack() as stack:
+        actuator = stack.enter_context(open_actuator(config, Services(clock, parts.open_port)))
+        stack.enter_context(parts.source)
+        recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
+        voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
+        session = Session(config, maker(actuator, voiceprint))
+        first = FIRST[config.service.autostart]
+        mission = session.mission(first() if first is not None else None)
+        runner = Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock)
+        ears = HealthMonitor(config, parts.watched)
+        telemetry = stack.enter_context(_telemetry(parts, actuator, runner, recorder, ears))
+        stack.enter_context(recorder)
+        stack.enter_context(parts.drained(recorder))
+        runner.observers = [ears, telemetry, recorder, *observers]
+        stack.callback(clock.every(POLL, parts.links.poll))
+        stack.callback(clock.every(POLL, runner.poll))
+        yield runner
+
+
+def maker(actuator: Guard, voiceprint: VoicePrint | None) -> Make:
+    """Return what makes the settings and tools of a task; the travel is the guarded one."""
+    travel = actuator.capabilities
+
+    def make(config: Config) -> Kit:
+        return Kit(settings_of(config, travel.lower, travel.upper), tools_of(config, voiceprint))
+
+    return make
+
+
+def beginning(session: Session, actuator: Guard, config: Config) -> Beginning | None:
+    """Return what a replay from here must know; None while a task runs."""
+    if session.busy:
+        return None
+    travel = actuator.capabilities
+    voice = config.service.target
+    return Beginning("session", session.config, travel.lower, travel.upper, voice, session.memory)
+
+
+def _telemetry(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder, ears: HealthMonitor) -> Telemetry:
+    return Telemetry(
+        parts.parameters.config,
+        parts.clock,
+        parts.links,
+        actuator=actuator,
+        give=runner.order,
+        parameters=parts.parameters,
+        changed=lambda name, value: runner.order(Set(name, value)),
+        recorder=recorder,
+        health=ears.health,
+        timebase=parts.timebase,
+    )
