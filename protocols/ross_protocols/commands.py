@@ -1,0 +1,103 @@
+"""The command protocol: commands from either of its messages, acknowledgements, and what a command's degrees mean."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+from ross_protocols.dialect import common
+from ross_protocols.pairs import clockwise
+
+UNKNOWN_PROGRESS = 255
+ALL = 0  # as a target: every system, every component
+
+COMMAND_LONG = common.MAVLINK_MSG_ID_COMMAND_LONG
+COMMAND_INT = common.MAVLINK_MSG_ID_COMMAND_INT
+COMMAND_CANCEL = 80
+
+
+class Result(IntEnum):
+    """What becomes of a command: MAV_RESULT."""
+
+    ACCEPTED = 0
+    TEMPORARILY_REJECTED = 1  # not in this state
+    DENIED = 2  # not with these numbers, or not by you
+    UNSUPPORTED = 3
+    FAILED = 4
+    IN_PROGRESS = 5
+    CANCELLED = 6
+    COMMAND_LONG_ONLY = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command that arrived; the numbers are as on the wire."""
+
+    number: int  # MAV_CMD
+    numbers: tuple[float, ...]  # param1 to param7
+    system_id: int  # target
+    component_id: int  # target
+    long: bool  # COMMAND_LONG: all seven numbers are exact
+    confirmation: int = 0  # above 0: sent again
+
+    @property
+    def to_all(self) -> bool:
+        """Every component, or every system, is meant."""
+        return ALL in (self.system_id, self.component_id)
+
+
+@dataclass(frozen=True, slots=True)
+class CancelRequest:
+    """COMMAND_CANCEL: end a command that is in progress."""
+
+    number: int  # MAV_CMD
+    system_id: int
+    component_id: int
+
+
+def is_for(request: Command | CancelRequest, system_id: int, component_id: int) -> bool:
+    """Tell whether a component is meant, alone or among all."""
+    return request.system_id in (ALL, system_id) and request.component_id in (ALL, component_id)
+
+
+def command_of(message: Any) -> Command | CancelRequest | None:
+    """Return the command that a message carries; None: it carries none."""
+    number = message.get_msgId()
+    if number == COMMAND_LONG:
+        numbers = tuple(getattr(message, f"param{i}") for i in range(1, 8))
+        long, confirmation = True, message.confirmation
+    elif number == COMMAND_INT:
+        numbers = (message.param1, message.param2, message.param3, message.param4, message.x, message.y, message.z)
+        long, confirmation = False, 0
+    elif number == COMMAND_CANCEL:
+        return CancelRequest(message.command, message.target_system, message.target_component)
+    else:
+        return None
+    return Command(
+        message.command, numbers, message.target_system, message.target_component, long=long, confirmation=confirmation
+    )
+
+
+def acknowledgement(
+    number: int, result: Result, system_id: int, component_id: int, progress: float | None = None
+) -> Any:
+    """Return the COMMAND_ACK to whoever sent command ``number``; ``progress`` is 0 to 1, None: not known."""
+    percent = UNKNOWN_PROGRESS if progress is None else round(100 * min(max(progress, 0.0), 1.0))
+    return common.MAVLink_command_ack_message(
+        number,
+        result,
+        progress=percent if result is Result.IN_PROGRESS else 0,
+        target_system=system_id,
+        target_component=component_id,
+    )
+
+
+def direction(degrees: float) -> float:
+    """Return an azimuth or heading of a command [deg, clockwise] as inside [rad, counter-clockwise].
+
+    >>> round(direction(90.0), 4)
+    -1.5708
+    """
+    return clockwise(math.radians(degrees))

@@ -1,0 +1,104 @@
+"""The parameter protocol: every parameter is a REAL32, and whatever a client makes of that is understood."""
+
+from __future__ import annotations
+
+import math
+import struct
+from dataclasses import dataclass
+from typing import Any
+
+from ross_protocols.dialect import common
+
+NAME_SIZE = 16  # characters
+REAL32 = common.MAV_PARAM_TYPE_REAL32
+INTEGERS = {
+    common.MAV_PARAM_TYPE_UINT8: "<B3x",
+    common.MAV_PARAM_TYPE_INT8: "<b3x",
+    common.MAV_PARAM_TYPE_UINT16: "<H2x",
+    common.MAV_PARAM_TYPE_INT16: "<h2x",
+    common.MAV_PARAM_TYPE_UINT32: "<I",
+    common.MAV_PARAM_TYPE_INT32: "<i",
+}  # of what fits into the four bytes of a float
+
+
+@dataclass(frozen=True, slots=True)
+class ListRequest:
+    """PARAM_REQUEST_LIST: every parameter."""
+
+    system_id: int  # target
+    component_id: int  # target
+
+
+@dataclass(frozen=True, slots=True)
+class ReadRequest:
+    """PARAM_REQUEST_READ: one parameter, by its index or, when that is negative, by its name."""
+
+    system_id: int
+    component_id: int
+    name: str
+    index: int
+
+
+@dataclass(frozen=True, slots=True)
+class SetRequest:
+    """PARAM_SET: change one parameter."""
+
+    system_id: int
+    component_id: int
+    name: str
+    value: float
+
+
+def request_of(message: Any) -> ListRequest | ReadRequest | SetRequest | None:
+    """Return what a message asks about parameters; None: nothing."""
+    number = message.get_msgId()
+    if number == common.MAVLINK_MSG_ID_PARAM_REQUEST_LIST:
+        return ListRequest(message.target_system, message.target_component)
+    if number == common.MAVLINK_MSG_ID_PARAM_REQUEST_READ:
+        target = message.target_system, message.target_component
+        return ReadRequest(*target, str(message.param_id), message.param_index)
+    if number == common.MAVLINK_MSG_ID_PARAM_SET:
+        value = number_meant(message.param_value, message.param_type)
+        return SetRequest(message.target_system, message.target_component, str(message.param_id), value)
+    return None
+
+
+def value_message(name: str, value: float, index: int, count: int) -> Any:
+    """Return the PARAM_VALUE of one of ``count`` parameters."""
+    return common.MAVLink_param_value_message(name.encode("ascii"), value, REAL32, count, index)
+
+
+def number_meant(value: float, kind: int) -> float:
+    """Return the number that the float of a PARAM_SET stands for; ``kind`` is its MAV_PARAM_TYPE.
+
+    A client that takes the parameter for an integer sends the integer as a float, or its bytes in the place of a float;
+    the bytes of a small integer are a float next to nothing.
+
+    >>> [number_meant(wire, common.MAV_PARAM_TYPE_INT32) for wire in (12.0, 1.6815581571897805e-44)]
+    [12.0, 12.0]
+    >>> number_meant(0.10000000149011612, REAL32)
+    0.1
+    """
+    layout = INTEGERS.get(kind)
+    if layout is not None and 0 < abs(value) < 1:
+        return float(struct.unpack(layout, struct.pack("<f", value))[0])
+    return shortest(value)
+
+
+def shortest(value: float) -> float:
+    """Return the shortest decimal number that is this float on the wire.
+
+    >>> shortest(2.2999999523162842)
+    2.3
+    """
+    if not math.isfinite(value):
+        return value
+    digits = (float(f"{value:.{size}g}") for size in range(6, 10))
+    return next((number for number in digits if _float32(number) == value), value)
+
+
+def _float32(number: float) -> float:
+    try:
+        return float(struct.unpack("<f", struct.pack("<f", number))[0])
+    except OverflowError:  # rounded up beyond the greatest float
+        return math.inf

@@ -1,0 +1,216 @@
+"""The command server: commands from the links to orders, and what becomes of these back as acknowledgements.
+
+``heard`` takes what arrives, ``said`` what the mission says, ``tick`` the time: all on the thread of the pump. A
+command is answered at once, or within `PATIENCE` when the mission is asked first; what is in progress says so once a
+second.
+
+What is sent again is answered again and not obeyed again: a confirmation above 0, a COMMAND_INT while its like goes on,
+a frame that the network doubled or delayed. Only a stop is obeyed whenever it arrives; what its sender had asked before
+it is refused when it arrives after it. Nothing here arms a vehicle or ends a flight.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import count
+
+from ross_payload.errors import ConfigError
+from ross_payload.events import Answer, Answered, Event
+from ross_payload.links import Heard
+from ross_payload.orders import Cancel, Order, Stop, Task
+from ross_payload.telemetry.allowance import Allowance
+from ross_payload.telemetry.asked import INFORM, READERS, STOP, Record, asked, name_of
+from ross_payload.telemetry.identity import Endpoint
+from ross_payload.telemetry.ledger import Entry, Ledger, Sender
+from ross_payload.telemetry.posture import Posture
+from ross_payload.telemetry.requests import ACCEPTED, Requests, Verdict
+from ross_protocols.commands import CancelRequest, Command, Result, acknowledgement, command_of
+from ross_protocols.dialect import common
+from ross_protocols.values import Severity
+
+PATIENCE = 0.1  # [s] for the mission to answer before the sender hears that it waits
+PROGRESS_PERIOD = 1.0  # [s]
+ACKS_BURST, ACKS_RATE = 40, 20.0  # to one sender at once, and [1/s]
+SENDERS = 64  # that have an allowance of their own
+REBOOT = common.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
+
+FINAL = {
+    Answer.ACCEPTED: Result.ACCEPTED,  # of what is no task
+    Answer.REFUSED: Result.DENIED,
+    Answer.DONE: Result.ACCEPTED,
+    Answer.FAILED: Result.FAILED,
+    Answer.CANCELLED: Result.CANCELLED,
+}
+
+
+class CommandServer:
+    """Answers the commands that are meant for our component.
+
+    Parameters
+    ----------
+    endpoint
+        Who we are.
+    give
+        Hands an order to the runner; a stop takes effect before it returns.
+    record
+        Starts or stops the recording; returns why not, or nothing.
+    say
+        Tells an operator something.
+    requests
+        Obeys the commands that ask for messages.
+    """
+
+    def __init__(
+        self,
+        endpoint: Endpoint,
+        give: Callable[[Order], None],
+        record: Callable[[bool], str],
+        say: Callable[[Severity, str], None],
+        requests: Requests,
+    ) -> None:
+        self._endpoint = endpoint
+        self._give = give
+        self._record = record
+        self._say = say
+        self._requests = requests
+        self._posture = Posture()
+        self._ledger = Ledger()
+        self._open: dict[int, Entry] = {}  # what the mission has, by the number of the order
+        self._numbers = count(1)
+        self._now = 0.0
+        self._allowances: OrderedDict[Sender, Allowance] = OrderedDict()
+        self._texts = Allowance(burst=4, rate=0.5)
+
+    def heard(self, heard: Heard) -> None:
+        """Take a packet; what is no command, or not for us, passes by."""
+        request = command_of(heard.packet.message)
+        if request is None or not self._endpoint.meant(request.system_id, request.component_id):
+            return
+        sender = heard.packet.system_id, heard.packet.component_id
+        if isinstance(request, CancelRequest):
+            if heard.may_order:
+                self._cancel(request, sender)
+        elif heard.may_order and request.number in READERS:
+            self._command(request, sender, heard.packet.sequence)
+        else:
+            verdict = self._other(request, heard)
+            if verdict is ACCEPTED or not request.to_all:  # nobody asked us in particular
+                self._answer(request, sender, verdict)
+
+    def said(self, event: Event) -> None:
+        """Take what the mission says; answers to orders go on to whoever commanded them."""
+        self._posture.said(event)
+        entry = self._open.get(event.order) if isinstance(event, Answered) else None
+        if not isinstance(event, Answered) or entry is None:
+            return
+        if event.answer is Answer.PROGRESS:
+            entry.progress = event.progress
+            self._tell(entry)
+        elif event.answer is Answer.ACCEPTED and isinstance(entry.order, Task):
+            self._tell(entry)
+        else:
+            self._close(entry, event)
+
+    def tick(self, now: float) -> None:
+        """Tell those who wait that their command is in progress."""
+        self._now = now
+        for entry in self._open.values():
+            if now >= entry.due:
+                self._tell(entry)
+
+    def _other(self, command: Command, heard: Heard) -> Verdict:
+        """Obey a command that is not of our dialect, or refuse one."""
+        if not heard.may_order:
+            return Verdict(Result.DENIED)
+        if command.number == REBOOT:
+            return Verdict(Result.DENIED, "the payload does not restart by command")
+        return self._requests.obey(command, heard.link, self._now) or Verdict(Result.UNSUPPORTED)
+
+    def _command(self, command: Command, sender: Sender, sequence: int) -> None:
+        """Obey or refuse a command of our dialect, unless it is only said again."""
+        known = None if command.number == STOP else self._ledger.repeated(command, sender, sequence, self._now)
+        if known is not None:
+            self._acknowledge(known)
+            return
+        entry = Entry(command, sender, sequence, self._now)
+        verdict = self._obey(entry)
+        before = self._ledger.find(sender, command.number)
+        if verdict is None or before is None or before.order is None:
+            self._ledger.note(entry)
+        if verdict is not None:
+            entry.result = verdict.result
+            self._answer(command, sender, verdict)
+        elif before is not None and before.order is not None:
+            self._open.pop(before.order.number, None)  # its end would look like the end of the new one
+
+    def _obey(self, entry: Entry) -> Verdict | None:
+        """Return what becomes of a command; None: the mission has it."""
+        command = entry.command
+        if command.number == INFORM and not command.long:
+            return Verdict(Result.COMMAND_LONG_ONLY)
+        try:
+            wanted = asked(command)
+        except ConfigError as error:
+            return Verdict(Result.DENIED, str(error))
+        if isinstance(wanted, Record):
+            reason = self._record(wanted.on)
+            return Verdict(Result.FAILED, reason) if reason else ACCEPTED
+        if not isinstance(wanted, Stop) and self._ledger.older(entry.sender, STOP, entry.sequence, self._now):
+            return Verdict(Result.TEMPORARILY_REJECTED, "asked before the stop")
+        return self._posture.refusal(wanted) or self._order(entry, wanted)
+
+    def _order(self, entry: Entry, wanted: Order) -> Verdict | None:
+        order = replace(wanted, number=next(self._numbers))
+        self._posture.given(order)
+        self._give(order)
+        if isinstance(order, (Stop, Cancel)):
+            return ACCEPTED
+        entry.order, entry.due = order, self._now + PATIENCE
+        self._open[order.number] = entry
+        return None
+
+    def _cancel(self, request: CancelRequest, sender: Sender) -> None:
+        """End a task in progress, whoever commanded it; one that is over is answered again."""
+        going_on = [e for e in self._open.values() if e.command.number == request.number and isinstance(e.order, Task)]
+        for entry in going_on:
+            if not entry.cancelled:
+                entry.cancelled = True
+                self._order(entry, Cancel())
+        known = self._ledger.find(sender, request.number)
+        if not going_on and known is not None:
+            self._acknowledge(known)
+
+    def _close(self, entry: Entry, event: Answered) -> None:
+        """Tell the sender how its command ended."""
+        del self._open[event.order]
+        entry.order, entry.result, entry.time = None, FINAL[event.answer], self._now
+        self._send(entry)
+        if event.answer is Answer.REFUSED:
+            self._explain(entry.command, event.reason)
+
+    def _tell(self, entry: Entry) -> None:
+        entry.due = self._now + PROGRESS_PERIOD
+        self._send(entry)
+
+    def _answer(self, command: Command, sender: Sender, verdict: Verdict) -> None:
+        self._acknowledge(Entry(command, sender, 0, self._now, verdict.result))
+        if verdict.reason:
+            self._explain(command, verdict.reason)
+
+    def _explain(self, command: Command, reason: str) -> None:
+        if self._texts.take(self._now):
+            self._say(Severity.WARNING, f"{name_of(command)} refused: {reason}")
+
+    def _acknowledge(self, entry: Entry) -> None:
+        """Answer what was just asked, unless its sender asks too often."""
+        allowance = self._allowances.pop(entry.sender, None) or Allowance(ACKS_BURST, ACKS_RATE)
+        self._allowances[entry.sender] = allowance
+        if len(self._allowances) > SENDERS:
+            self._allowances.popitem(last=False)
+        if allowance.take(self._now):
+            self._send(entry)
+
+    def _send(self, entry: Entry) -> None:
+        self._endpoint.send(acknowledgement(entry.command.number, entry.result, *entry.sender, entry.progress))

@@ -1,0 +1,109 @@
+"""The parameter server: the closed table of `ross_payload.parameters` on the links.
+
+``heard`` takes what arrives and ``tick`` the time, both on the thread of the pump. Answers leave one every `PACE`: a
+whole list does not crowd out telemetry, and no parameter waits in line more than once for a link. What a client has
+missed it asks for again.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+from ross_payload.errors import ConfigError
+from ross_payload.links import Heard
+from ross_payload.parameters import TABLE, Parameters
+from ross_payload.telemetry.allowance import Allowance
+from ross_payload.telemetry.identity import Endpoint
+from ross_protocols.params import ListRequest, ReadRequest, SetRequest, request_of, value_message
+from ross_protocols.values import Severity
+
+PACE = 0.04  # [s] between two answers: 25 a second, 925 bytes/s
+EVERYWHERE = None  # as a link: all of them
+MOST = 8 * len(TABLE)  # answers in line
+
+NAMES = tuple(TABLE)
+
+
+class ParameterServer:
+    """Answers what is asked of our component about parameters.
+
+    Parameters
+    ----------
+    endpoint
+        Who we are.
+    parameters
+        What is in force, and keeps what is set.
+    changed
+        Is told the name and the value of everything that is set.
+    say
+        Tells an operator something.
+    """
+
+    def __init__(
+        self,
+        endpoint: Endpoint,
+        parameters: Parameters,
+        changed: Callable[[str, float], None],
+        say: Callable[[Severity, str], None],
+    ) -> None:
+        self._endpoint = endpoint
+        self._parameters = parameters
+        self._changed = changed
+        self._say = say
+        self._waiting: deque[tuple[int, str | None]] = deque()  # index and link
+        self._due = 0.0
+        self._now = 0.0
+        self._notes = deque(parameters.notes)
+        self._trouble = ""
+        self._texts = Allowance(burst=4, rate=0.5)
+
+    def heard(self, heard: Heard) -> None:
+        """Take a packet; what does not ask about our parameters passes by."""
+        request = request_of(heard.packet.message)
+        if request is None or not heard.may_order:
+            return
+        if not self._endpoint.meant(request.system_id, request.component_id):
+            return
+        match request:
+            case ListRequest():
+                for index in range(len(NAMES)):
+                    self._answer(index, heard.link)
+            case ReadRequest():
+                index = NAMES.index(request.name) if request.index < 0 and request.name in TABLE else request.index
+                if 0 <= index < len(NAMES):
+                    self._answer(index, heard.link)
+            case SetRequest() if request.name in TABLE:
+                self._set(request.name, request.value)
+
+    def tick(self, now: float) -> None:
+        """Send the next answer when it is due; tell what there is to tell about the file."""
+        self._now = now
+        if self._waiting and now >= self._due:
+            self._due = now + PACE
+            index, link = self._waiting.popleft()
+            name = NAMES[index]
+            self._endpoint.send(value_message(name, self._parameters.value(name), index, len(NAMES)), link)
+        if self._notes:
+            self._say(Severity.WARNING, self._notes.popleft())
+        if self._parameters.trouble != self._trouble:
+            self._trouble = self._parameters.trouble
+            if self._trouble:
+                self._say(Severity.ERROR, self._trouble)
+
+    def _set(self, name: str, value: float) -> None:
+        """Set a value, or say why not; either way everybody is told which one is in force."""
+        before = self._parameters.value(name)
+        try:
+            self._parameters.set(name, value)
+        except ConfigError as error:
+            if self._texts.take(self._now):
+                self._say(Severity.WARNING, str(error))
+        if self._parameters.value(name) != before:
+            self._changed(name, self._parameters.value(name))
+        self._answer(NAMES.index(name), EVERYWHERE)
+
+    def _answer(self, index: int, link: str | None) -> None:
+        """Put an answer in line, unless it waits there already."""
+        if (index, link) not in self._waiting and len(self._waiting) < MOST:
+            self._waiting.append((index, link))

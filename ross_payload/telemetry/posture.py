@@ -1,0 +1,85 @@
+"""What the pump knows of the mission: enough to refuse at once what the mission would refuse later.
+
+The mission's thread may be computing for seconds; a ground station wants its answer now. The mission has the last
+word: what passes here may still be refused there.
+"""
+
+from __future__ import annotations
+
+from ross_payload.events import Answer, Answered, Event, SourcesEstimated, State, StateChanged
+from ross_payload.mission.context import BUSY
+from ross_payload.orders import Home, ListenTo, Order, Rearm, Stop, Task
+from ross_payload.telemetry.requests import Verdict
+from ross_protocols.commands import Result
+
+RESTING = (State.IDLE, State.DONE, State.STOPPED, State.FAULT)
+ENDED = (Answer.REFUSED, Answer.DONE, Answer.FAILED, Answer.CANCELLED)
+
+
+class Posture:
+    """Follows orders and events, and tells what cannot be ordered at present."""
+
+    def __init__(self) -> None:
+        self._state = State.IDLE
+        self._fault = ""
+        self._known: int | None = None  # sources of the latest estimate, None: there is none
+        self._unanswered: dict[int, Order] = {}
+        self._running: int | None = None  # number of the task that is going on
+
+    def given(self, order: Order) -> None:
+        """Note an order on its way to the mission."""
+        self._unanswered[order.number] = order
+
+    def said(self, event: Event) -> None:
+        """Note what the mission says."""
+        match event:
+            case StateChanged():
+                self._state = event.state
+                self._fault = event.detail if event.state is State.FAULT else ""
+                if event.state in RESTING:
+                    self._running = None
+            case SourcesEstimated(final=True):
+                self._known = event.estimate.k
+            case Answered():
+                self._answered(event)
+
+    def _answered(self, event: Answered) -> None:
+        order = self._unanswered.get(event.order)
+        if event.answer is Answer.ACCEPTED and isinstance(order, Task):
+            self._running = event.order
+        if event.answer is not Answer.PROGRESS:
+            self._unanswered.pop(event.order, None)
+        if event.answer in ENDED and event.order == self._running:
+            self._running = None
+
+    def refusal(self, order: Order) -> Verdict | None:
+        """Return why an order cannot be obeyed at present; None: as far as is known here, it can."""
+        stopping = any(isinstance(other, Stop) for other in self._unanswered.values())
+        if isinstance(order, Rearm):
+            busy = self._running is not None or self._waiting
+            return Verdict(Result.TEMPORARILY_REJECTED, BUSY) if busy and not stopping else None
+        if not isinstance(order, Task):
+            return None
+        reason = self._state_forbids(order, stopping=stopping)
+        if reason:
+            return Verdict(Result.TEMPORARILY_REJECTED, reason)
+        if isinstance(order, ListenTo) and self._known is not None and order.source >= self._known:
+            found = f"source {order.source} of {self._known}, counted from 0"
+            return Verdict(Result.DENIED, f"there is no {found}")
+        return None
+
+    def _state_forbids(self, order: Task, *, stopping: bool) -> str:
+        if stopping or self._state is State.STOPPED:
+            return "stopped: re-arm first"
+        if self._state is State.FAULT and not isinstance(order, Home):
+            return f"fault, re-arm first: {self._fault}"
+        if self._waiting or (self._running is not None and self._state is not State.RUN):
+            return BUSY
+        if isinstance(order, ListenTo) and self._known is None:
+            return "no source is known: explore first"
+        return ""
+
+    @property
+    def _waiting(self) -> bool:
+        """A task is on its way to the mission."""
+        return any(isinstance(order, Task) for order in self._unanswered.values())

@@ -1,0 +1,119 @@
+"""Messages on request: once (512), or more or less often (511, 510).
+
+The streams of every link belong to `ross_payload.telemetry.service`; here they are asked, and asked to change.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, Protocol
+
+from ross_payload.telemetry.allowance import Allowance
+from ross_payload.telemetry.identity import Endpoint, version_message
+from ross_protocols.commands import Command, Result
+from ross_protocols.dialect import common
+
+REQUEST_MESSAGE = common.MAV_CMD_REQUEST_MESSAGE
+SET_INTERVAL = common.MAV_CMD_SET_MESSAGE_INTERVAL
+GET_INTERVAL = common.MAV_CMD_GET_MESSAGE_INTERVAL
+REQUEST_CAPABILITIES = common.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES
+
+USUAL, NEVER = 0, -1  # as intervals on the wire [us]
+SHORTEST = 20_000  # [us]
+LONGEST = 2**31 - 1  # [us]
+LARGEST_ID = 2**16 - 1  # of MESSAGE_INTERVAL
+BURST, RATE = 30, 10.0  # messages on request at once, and [1/s]
+
+
+class Verdict(NamedTuple):
+    """What becomes of a command, and why."""
+
+    result: Result
+    reason: str = ""
+
+
+ACCEPTED = Verdict(Result.ACCEPTED)
+
+
+class Streams(Protocol):
+    """What each link is told regularly; a period is in seconds, infinite: never."""
+
+    def request(self, link: str, message_id: int) -> bool:
+        """Tell a message once more, soon; False: there is nothing of it to tell."""
+
+    def period(self, link: str, message_id: int) -> float | None:
+        """Return how often a message is told; None: there is no such stream."""
+
+    def set_period(self, link: str, message_id: int, period: float | None) -> bool:
+        """Tell a message so often, None: as usual; False: there is no such stream."""
+
+
+class Requests:
+    """Obeys the commands that ask for messages; `CommandServer` acknowledges them."""
+
+    def __init__(self, endpoint: Endpoint, streams: Streams) -> None:
+        self._endpoint = endpoint
+        self._streams = streams
+        self._allowance = Allowance(BURST, RATE)
+        self._made: Mapping[int, Callable[[], Any]] = {common.MAVLINK_MSG_ID_AUTOPILOT_VERSION: version_message}
+        self._commands: Mapping[int, Callable[[Command, str], Verdict]] = {
+            REQUEST_MESSAGE: self._request,
+            SET_INTERVAL: self._set_interval,
+            GET_INTERVAL: self._get_interval,
+            REQUEST_CAPABILITIES: self._capabilities,
+        }
+
+    def obey(self, command: Command, link: str, now: float) -> Verdict | None:
+        """Obey a command that came on a link; None: it is not one of these."""
+        if command.number not in self._commands:
+            return None
+        if not self._allowance.take(now):
+            return Verdict(Result.TEMPORARILY_REJECTED)
+        return self._commands[command.number](command, link)
+
+    def _request(self, command: Command, link: str) -> Verdict:
+        message_id = _message_id(command)
+        if message_id is not None and message_id in self._made:
+            self._endpoint.send(self._made[message_id](), link)
+            return ACCEPTED
+        if message_id is None or self._streams.period(link, message_id) is None:
+            return Verdict(Result.DENIED)
+        return ACCEPTED if self._streams.request(link, message_id) else Verdict(Result.TEMPORARILY_REJECTED)
+
+    def _capabilities(self, command: Command, link: str) -> Verdict:
+        self._endpoint.send(version_message(), link)
+        return ACCEPTED
+
+    def _set_interval(self, command: Command, link: str) -> Verdict:
+        message_id, interval = _message_id(command), command.numbers[1]
+        if message_id is None or self._streams.period(link, message_id) is None:
+            return Verdict(Result.DENIED)
+        periods = {USUAL: None, NEVER: math.inf}
+        if interval not in periods and not SHORTEST <= interval <= LONGEST:
+            wanted = f"{NEVER}, {USUAL}, or {SHORTEST} us at least"
+            return Verdict(Result.DENIED, f"interval: found {interval:g}, wanted {wanted}")
+        if message_id == common.MAVLINK_MSG_ID_HEARTBEAT and interval == NEVER:
+            return Verdict(Result.DENIED, "the heartbeat cannot be silenced")
+        done = self._streams.set_period(link, message_id, periods.get(int(interval), interval / 1e6))
+        return ACCEPTED if done else Verdict(Result.DENIED)
+
+    def _get_interval(self, command: Command, link: str) -> Verdict:
+        message_id = _message_id(command)
+        if message_id is None or message_id > LARGEST_ID:
+            return Verdict(Result.DENIED)
+        interval = _interval(self._streams.period(link, message_id))
+        self._endpoint.send(common.MAVLink_message_interval_message(message_id, interval), link)
+        return ACCEPTED
+
+
+def _message_id(command: Command) -> int | None:
+    number = command.numbers[0]
+    return int(number) if 0 <= number < 2**24 and number % 1 == 0 else None
+
+
+def _interval(period: float | None) -> int:
+    """Return a period as MESSAGE_INTERVAL says it [us]; 0: there is no such message, -1: never."""
+    if period is None:
+        return 0
+    return NEVER if math.isinf(period) else min(round(period * 1e6), LONGEST)
