@@ -10,6 +10,7 @@ from ross_payload.config import Config
 from ross_payload.doctor.finding import Finding, fail, ok, warn
 from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ConfigError
+from ross_payload.service.live import state_path
 from ross_payload.voiceprint import VoiceStore
 
 GB = 1e9
@@ -18,7 +19,7 @@ PRIVATE = 0o077  # nobody else's bits
 
 def state(config: Config, machine: Machine) -> Iterator[Finding]:
     """Whether parameters that are set in flight can be kept."""
-    folder = state_folder(config, machine)
+    folder = state_path(config, machine.environment)
     there = _nearest(machine.path(folder))
     if machine.may_use(there):
         yield ok("state", f"{folder} can be written")
@@ -70,18 +71,10 @@ def voice(config: Config, machine: Machine) -> Iterator[Finding]:
         yield ok("voice", f"{name} is enrolled")
 
 
-def state_folder(config: Config, machine: Machine) -> Path:
-    """Return where the service keeps its state."""
-    if config.service.state_dir:
-        return Path(config.service.state_dir)
-    given = machine.environment.get("STATE_DIRECTORY", "").partition(":")[0]
-    return Path(given) if given else Path.home() / ".local" / "state" / "ross"
-
-
 def recording_folder(config: Config, machine: Machine) -> Path:
     """Return where sessions are recorded."""
     folder = config.recording.folder
-    return Path(folder) if folder else state_folder(config, machine) / "recordings"
+    return Path(folder).expanduser() if folder else state_path(config, machine.environment) / "recordings"
 
 
 def _nearest(path: Path) -> Path:

@@ -36,7 +36,7 @@ from ross_payload.service.runner import Runner
 from ross_payload.timebase import Timebase
 from ross_payload.voiceprint import VoiceStore
 
-PATIENCE = 30.0  # [s] that the mission may compute without hearing a hop
+PATIENCE = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
 SWITCH = 0.001  # [s] after which a thread that computes lets the pump have its turn
 
 log = logging.getLogger(__name__)
@@ -55,7 +55,7 @@ def live(config: Config) -> None:
         stack.enter_context(threadpool_limits(limits=1))
         sys.setswitchinterval(SWITCH)
         clock, manager = SystemClock(), Manager.of()
-        watchdog = Watchdog(manager, clock, {MISSION: PATIENCE})
+        watchdog = Watchdog(manager, clock, {MISSION: PATIENCE * config.audio.buffer_s})
         parts = stack.enter_context(_parts(config, clock))
         runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, Pumping(clock))))
         cancel = watchdog.start()
@@ -66,7 +66,13 @@ def live(config: Config) -> None:
         _run(runner, manager)
 
 
-def state_folder(config: Config, environment: Mapping[str, str] = os.environ) -> Path:
+def state_path(config: Config, environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the folder of what outlives a restart; it need not be there."""
+    named = config.service.state_dir or environment.get("STATE_DIRECTORY", "").partition(":")[0]
+    return Path(named).expanduser() if named else Path.home() / ".local" / "state" / "ross"
+
+
+def state_folder(config: Config) -> Path:
     """Return the folder of what outlives a restart, made when it is missing, for its owner alone.
 
     Raises
@@ -74,8 +80,7 @@ def state_folder(config: Config, environment: Mapping[str, str] = os.environ) ->
     ConfigError
         When it cannot be made.
     """
-    named = config.service.state_dir or environment.get("STATE_DIRECTORY", "").partition(":")[0]
-    folder = Path(named).expanduser() if named else Path.home() / ".local" / "state" / "ross"
+    folder = state_path(config)
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as error:
