@@ -8,10 +8,3 @@
         recorder.record(True)
     Session.open(folder / "0001").inputs(config.audio)
 """
-
-from ross_payload.recording.manifest import Beginning
-from ross_payload.recording.recorder import Recorder, in_background
-from ross_payload.recording.session import Session
-from ross_payload.recording.shelf import Shelf
-
-__all__ = ["Beginning", "Recorder", "Session", "Shelf", "in_background"]

@@ -127,7 +127,7 @@ class Session:
                 lost=found.lost + values.get("lost", 0),
                 rounded=found.rounded or bool(values.get("rounded")),
             )
-        length = self._audio_length()
+        length = self.audio_length()
         notes = tuple(self._notes(found, samples, length))
         return replace(found, seconds=samples / rate, audio=length / rate, notes=notes)
 
@@ -138,7 +138,8 @@ class Session:
         except ConfigError:
             return 16_000
 
-    def _audio_length(self) -> int:
+    def audio_length(self) -> int:
+        """Return how many samples there are."""
         try:
             return WavReader(self.path / "audio.wav").length
         except ConfigError:

@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -115,6 +116,12 @@ class Shelf:
     def free(self) -> int:
         """Return what is left on the disk [bytes]."""
         return shutil.disk_usage(self.folder).free
+
+
+def home(environment: Mapping[str, str] = os.environ) -> Path:
+    """Return where sessions lie when no configuration says otherwise."""
+    state = environment.get("STATE_DIRECTORY", "").partition(":")[0]
+    return (Path(state) if state else Path.home() / ".local" / "state" / "ross") / "recordings"
 
 
 def _kept(path: Path) -> Kept | None:

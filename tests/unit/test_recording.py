@@ -24,9 +24,13 @@ from ross_payload.events import Estimate, Event, SourceEstimate, State, StateCha
 from ross_payload.health import RecordingState
 from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Score
 from ross_payload.orders import Informed, ListenTo, Set, Stop
-from ross_payload.recording import Beginning, Recorder, Session, Shelf, in_background, journal
+from ross_payload.recording import journal
 from ross_payload.recording import recorder as recorder_module
+from ross_payload.recording.manifest import Beginning
 from ross_payload.recording.memory import packed, unpacked
+from ross_payload.recording.recorder import Recorder, in_background
+from ross_payload.recording.session import Session
+from ross_payload.recording.shelf import Shelf
 
 HOP = 160
 GRID = 2.0**-23

@@ -6,8 +6,8 @@ import pytest
 
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
-from ross_payload.recording import Beginning, Shelf
-from ross_payload.recording.shelf import DAY
+from ross_payload.recording.manifest import Beginning
+from ross_payload.recording.shelf import DAY, Shelf
 from ross_payload.recording.writer import SessionWriter
 
 BEGINNING = Beginning("mission", Config(), -1.0, 1.0)

@@ -1,0 +1,95 @@
+"""``ross sessions``: what is recorded, whether it is whole, and its end."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+FOLDER = click.option(
+    "--folder",
+    type=click.Path(path_type=Path),
+    help="Of the sessions; default: as `ross run` without a file keeps them.",
+)
+
+
+@click.group("sessions", short_help="List, check and delete recorded sessions.", invoke_without_command=True)
+@FOLDER
+@click.option("--json", "as_json", is_flag=True, help="For machines.")
+@click.pass_context
+def command(context: click.Context, folder: Path | None, as_json: bool) -> None:
+    """List recorded sessions, the oldest first.
+
+    They are personal data: kept on this computer only, readable by you alone, until they are too old, too many, or
+    deleted.
+    """
+    import json
+
+    from ross_payload.recording.shelf import Shelf, home
+
+    shelf = Shelf(folder or home())
+    context.obj = shelf
+    if context.invoked_subcommand is not None:
+        return
+    rows = [_row(kept.path, kept.bytes, kept.running) for kept in shelf.all()]
+    if as_json:
+        click.echo(json.dumps(rows))
+        return
+    for row in rows:
+        size = f"{row['seconds']:9.1f} s {row['bytes'] / 1e6:9.1f} MB"
+        click.echo(f"{row['name']:<24} {size}  {row['state']}")
+    if not rows:
+        click.echo(f"no sessions in {shelf.folder}")
+
+
+@command.command("delete")
+@click.argument("names", metavar="NAME...", nargs=-1, required=True)
+@click.pass_obj
+def delete(shelf: Any, names: tuple[str, ...]) -> None:
+    """Delete sessions by NAME, as listed."""
+    for kept in [shelf.find(name) for name in names]:
+        shelf.delete(kept)
+        click.echo(f"deleted {kept.path.name}")
+
+
+@command.command("check")
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="For machines.")
+def check(folder: Path, as_json: bool) -> None:
+    """Tell what is in the session folder DIR, and whether it is whole."""
+    import json
+    from dataclasses import asdict
+
+    from ross_payload.recording.session import Session
+
+    session = Session.open(folder)
+    known, found = session.manifest, session.contents()
+    if as_json:
+        click.echo(json.dumps({"manifest": asdict(known), "contents": asdict(found)}))
+        return
+    click.echo(
+        f"{known.kind}, {'looks for ' + known.voice if known.voice else 'looks for nobody'}, {_state(known.end)}"
+    )
+    click.echo(f"{found.inputs} Inputs, {found.seconds:.2f} s, {found.orders} orders, {found.events} events")
+    click.echo(f"{found.audio:.2f} s of audio at {session.rate()} Hz, {found.lost} samples lost")
+    for note in found.notes:
+        click.echo(f"note: {note}")
+    if not found.notes:
+        click.echo("whole")
+
+
+def _row(path: Path, size: int, running: bool) -> dict[str, Any]:
+    from ross_payload.errors import ConfigError
+    from ross_payload.recording.session import Session
+
+    try:
+        session = Session.open(path)
+        seconds, state = session.audio_length() / session.rate(), _state(session.manifest.end)
+    except ConfigError as error:
+        seconds, state = 0.0, str(error)
+    return {"name": path.name, "seconds": seconds, "bytes": size, "state": "recording" if running else state}
+
+
+def _state(end: str | None) -> str:
+    return "cut off" if end is None else end

@@ -1,0 +1,50 @@
+"""Make the recorded mission again, of either kind."""
+
+from __future__ import annotations
+
+import math
+
+from ross_payload.config import Config
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Attitude, Mission, VoicePrint
+from ross_payload.mission.session import Kit
+from ross_payload.mission.session import Session as LiveSession
+from ross_payload.mission.supervise import mission
+from ross_payload.mission.tasks import Memory
+from ross_payload.recording.session import Session
+from ross_payload.service import informed_of, settings_of, tools_of
+from ross_payload.service.payload import FIRST
+
+
+def mission_of(session: Session, config: Config, voiceprint: VoicePrint | None, attitude: Attitude) -> Mission:
+    """Make the mission of a session; ``attitude`` is that of its first Input.
+
+    Raises
+    ------
+    ConfigError
+        When the kind of session is unknown, or what it knew cannot be read.
+    """
+    kinds = {"mission": _single, "session": _live}
+    if session.manifest.kind not in kinds:
+        raise ConfigError(f"session.json: kind '{session.manifest.kind}', wanted one of {', '.join(kinds)}")
+    return kinds[session.manifest.kind](session, config, voiceprint, attitude)
+
+
+def _single(session: Session, config: Config, voiceprint: VoicePrint | None, attitude: Attitude) -> Mission:
+    kit = _kit(session, config, voiceprint)
+    told = config.informed
+    return mission(kit.settings, kit.tools, informed_of(config, attitude), None if told is None else told.target)
+
+
+def _live(session: Session, config: Config, voiceprint: VoicePrint | None, attitude: Attitude) -> Mission:
+    memory = session.memory(Memory) or Memory()
+    task = FIRST[config.service.autostart] if memory.samples == 0 else None  # a recording from the very start
+    live = LiveSession(config, lambda settings: _kit(session, settings, voiceprint), memory)
+    return live.mission(None if task is None else task())
+
+
+def _kit(session: Session, config: Config, voiceprint: VoicePrint | None) -> Kit:
+    """The travel is the recorded one, narrowed by what the configuration allows."""
+    lower = max(session.manifest.lower, math.radians(config.guard.lower_deg))
+    upper = min(session.manifest.upper, math.radians(config.guard.upper_deg))
+    return Kit(settings_of(config, lower, upper), tools_of(config, voiceprint))

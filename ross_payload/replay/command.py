@@ -1,0 +1,35 @@
+"""``ross replay``: a recorded mission again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+EPILOG = """Exit codes: 0 replayed as far as the mission or the recording goes, 3 it ended early because the recorded
+array is not where the mission wants it, 2 bad input, 1 the results could not be written."""
+
+
+@click.command("replay", short_help="Run a recorded mission again.", epilog=EPILOG)
+@click.argument("session", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for events, separated voices and replay.json.")
+@click.option("--config", "file", type=click.Path(path_type=Path), help="TOML file instead of the recorded one.")
+@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change one key; may be given again.")
+@click.option("--json", "as_json", is_flag=True, help="Print replay.json, and nothing else.")
+def command(*, session: Path, out: Path | None, file: Path | None, settings: tuple[str, ...], as_json: bool) -> int:
+    """Run the mission of the folder SESSION again: identically, or with another configuration.
+
+    The mission hears what was recorded with the headings of then: the array does not turn differently. Where another
+    configuration wants it elsewhere, that is said, and the replay goes on as long as the recorded headings serve.
+    """
+    import json
+
+    from ross_payload.replay.performance import in_words, perform
+
+    values = perform(session, out, file, settings)
+    if as_json:
+        click.echo(json.dumps(values, indent=2, allow_nan=False))
+    else:
+        for line in in_words(values):
+            click.echo(line)
+    return 3 if values["ended_early"] else 0

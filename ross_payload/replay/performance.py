@@ -1,0 +1,76 @@
+"""One replay from a session folder to its results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from ross_payload.mission.tasks import Memory
+from ross_payload.recording.session import Session
+from ross_payload.replay import changes, results
+from ross_payload.replay.brains import mission_of
+from ross_payload.replay.course import Course, turns_of
+from ross_payload.replay.feed import Replayed, replay
+from ross_payload.replay.voices import sought
+from ross_payload.voiceprint import VoiceStore
+
+
+def perform(path: Path, out: Path | None, file: Path | None, settings: tuple[str, ...]) -> dict[str, Any]:
+    """Replay a session and write its results; return them.
+
+    Raises
+    ------
+    RossError
+        When the session or the configuration does not serve, or the results cannot be written.
+    """
+    session = Session.open(path)
+    recorded = session.configuration()
+    config = changes.changed(recorded, file, settings)
+    if out is not None:
+        results.prepare(out)
+    rate, memory = config.audio.rate_hz, session.memory(Memory) or Memory()
+    told = Replayed(start=memory.samples / rate)
+    differences = changes.differences(recorded, config)
+    course = Course(turns_of(session.events()), early=config.audio.hop_ms / 2000)
+    who = sought(session, VoiceStore.default(), lambda: told.inputs, same=not differences)
+    anew = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differences)
+    with threadpool_limits(limits=1):
+        inputs = session.inputs(config.audio, anew=anew)
+        replay(lambda attitude: mission_of(session, config, who.voiceprint, attitude), inputs, course, rate, told)
+    values = {
+        "voice": who.how,
+        "changes": differences,
+        "without_effect": list(changes.without_effect(recorded, config)),
+        "notes": list(session.contents().notes),
+    }
+    values = results.report(session, told, course.parted, rate) | values
+    if out is not None:
+        results.write(out, values, told, rate)
+    return values
+
+
+def in_words(values: dict[str, Any]) -> Iterator[str]:
+    """Say how a replay went, line by line."""
+    yield from (f"note: {note}" for note in values["notes"])
+    if values["without_effect"]:
+        yield f"no effect in a replay, the record decides: {', '.join(values['without_effect'])}"
+    if values["voice"]:
+        yield f"looked for {values['voice']}"
+    if values["parted"]:
+        yield f"the missions part: {values['parted']}"
+    if values["ended_early"]:
+        yield f"ended after {values['replayed_s']:.2f} s: {values['ended_early']}"
+    elif values["outcome"] is not None:
+        yield f"{values['outcome'].replace('_', ' ')}: {values['reason']}"
+    found = ", ".join(f"{source['azimuth_deg']:.1f} deg" for source in values["sources"])
+    yield f"replayed {values['replayed_s']:.2f} s, {values['events']} events; sources: {found or 'none'}"
+    first = values["first_difference"]
+    if values["identical"]:
+        yield "identical to the recorded mission"
+    elif first is None:
+        yield "the same events as recorded, as far as both go"
+    else:
+        yield f"first difference: event {first['line']}, recorded {first['recorded']}, replayed {first['replayed']}"
