@@ -5,7 +5,7 @@ from __future__ import annotations
 from ross_payload.events import Doubted, Estimate, Finished, Outcome, SourcesEstimated, State
 from ross_payload.interfaces import Mission, Output, Result
 from ross_payload.mission.align import align
-from ross_payload.mission.context import Context, Ended, Settings, Step, Tools, hop
+from ross_payload.mission.context import Context, Ended, FrameChanged, Settings, Step, Tools, hop
 from ross_payload.mission.exploit import run, search
 from ross_payload.mission.explore import explore, lead_in
 
@@ -42,23 +42,37 @@ def mission(settings: Settings, tools: Tools, informed: Estimate | None = None, 
 
 
 def attempts(context: Context, informed: Estimate | None, target: int | None) -> Step[Result]:
-    """Find the target and listen to it; start again when it is lost."""
+    """Find the target and listen to it; start again when it is lost, or when the frame of the headings changes."""
     dropped = 0
     for left in reversed(range(context.settings.max_restarts + 1)):
-        estimate, source = yield from _where(context, informed)
-        why = ""
-        if source is None:
-            source, why = yield from _who(context, estimate, target)
+        try:
+            source, why, held = yield from _attempt(context, informed, target)
+        except FrameChanged as changed:
+            if not left:
+                raise
+            context.drop_frame()
+            context.say(Doubted(context.time, changed.reason))
+            informed = target = None
+            continue
+        if held:
+            return Result(Outcome.TARGET_FOUND, f"source {source} is the target")
         if source is None and (informed is None or not left):
             return Result(Outcome.NO_TARGET, why)
         if source is not None:
-            if (yield from run(context, estimate, source)):
-                return Result(Outcome.TARGET_FOUND, f"source {source} is the target")
             dropped, why = dropped + 1, "the target's score dropped"
         if informed is not None and left:
             context.say(Doubted(context.time, why))
         informed = target = None
     return Result(Outcome.NO_TARGET, f"the target's score dropped {dropped} times")
+
+
+def _attempt(context: Context, informed: Estimate | None, target: int | None) -> Step[tuple[int | None, str, bool]]:
+    """Return the target's source or why there is none, and whether it was heard to the end."""
+    estimate, source = yield from _where(context, informed)
+    why = ""
+    if source is None:
+        source, why = yield from _who(context, estimate, target)
+    return source, why, source is not None and (yield from run(context, estimate, source))
 
 
 def _where(context: Context, informed: Estimate | None) -> Step[tuple[Estimate, int | None]]:

@@ -106,6 +106,8 @@ def _explore(context: Context) -> Step[Result]:
 
 
 def _seek(context: Context, known: Estimate | None, first: int | None) -> Step[Result]:
+    if known is not None:
+        context.keep_frame()
     yield from _quiet(context)
     return (yield from attempts(context, known, first))
 
@@ -148,6 +150,7 @@ def _whom(context: Context, memory: Memory, task: ListenTo | ListenAt) -> tuple[
 
 def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
     """Turn to the alignment for a source and listen to it, whoever it is."""
+    context.keep_frame()
     yield from _quiet(context)
     own = next((c for c in align(context, estimate) if c.source == source), None)
     if own is None:
@@ -157,9 +160,8 @@ def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
     context.enter(State.RUN, f"source {source}")
     runs, done = context.settings.runs, 0
     while runs == 0 or done < runs:
-        start = context.samples
         heard = yield from attend(context, context.settings.run)
-        deliver(context, estimate, source, start, heard)
+        deliver(context, estimate, source, context.samples - heard.samples.shape[1], heard)
         done += 1
     return Result(Outcome.COMPLETED, f"listened to source {source}")
 
