@@ -27,7 +27,7 @@ INTRODUCTION = """\
 The payload is a MAVLink 2 component: `MAV_TYPE_ONBOARD_CONTROLLER`, no autopilot, component
 `MAV_COMP_ID_ONBOARD_COMPUTER` (191, configurable). It sends
 
-- `HEARTBEAT` every second, and when `system_status` changes. `custom_mode` is the mission's [state](#ross-state);
+- `HEARTBEAT` every second, and when the state changes. `custom_mode` is the mission's [state](#ross-state);
   `system_status` is `BOOT` before the mission speaks, `STANDBY` when it is idle or over, `ACTIVE` while it hears and
   turns, `CRITICAL` after a fault;
 - `STATUSTEXT` when something happens that an operator wants to know;

@@ -7,8 +7,28 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ross_payload.angles import difference, wrap
-from ross_payload.events import AlignmentPlanned, Checked, Estimate, GroupScore, Separated, State
-from ross_protocols.values import Alignment, CandidateState, Health, Phase, Rule, Separation, Source
+from ross_payload.events import (
+    AlignmentPlanned,
+    Checked,
+    Estimate,
+    GroupScore,
+    OrientationHeard,
+    Real,
+    Separated,
+    State,
+)
+from ross_protocols.values import (
+    CURVE_POINTS,
+    Alignment,
+    CandidateState,
+    Density,
+    Health,
+    Isolation,
+    Phase,
+    Rule,
+    Separation,
+    Source,
+)
 
 ONE_AXIS = np.radians(1.0)  # headings within this of each other are one axis
 
@@ -94,7 +114,7 @@ def alignments(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Ali
     ]
 
 
-def separations(event: Checked | Separated, number: int, stamp: Stamp, criterion: float) -> list[Separation]:
+def separations(event: Checked | Separated, number: int, stamp: Stamp, criterion: float | None) -> list[Separation]:
     """Return one value per separated group."""
     checked = isinstance(event, Checked)
     heading = event.candidate.heading if isinstance(event, Checked) else event.heading
@@ -157,3 +177,51 @@ def scored(known: list[Source], groups: tuple[GroupScore, ...], target: int | No
         replace(source, score=scores.get(source.source, source.score), target=source.source == target)
         for source in known
     ]
+
+
+def densities(heard: OrientationHeard, number: int, stamp: Stamp) -> list[Density]:
+    """Return the curve of one orientation of exploration ``number``; none when nothing was heard."""
+    if len(heard.grid) < 2 or not heard.density.max() > 0:
+        return []
+    return [
+        Density(
+            time_usec=stamp.time_usec,
+            exploration=number,
+            rotation=heard.index,
+            heading=heard.heading,
+            earth=stamp.earth,
+            first=float(heard.grid[0]),
+            last=float(heard.grid[-1]),
+            density=shares(heard.density, float(heard.density.max())),
+        )
+    ]
+
+
+def isolations(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Isolation]:
+    """Return one curve per source over the headings of a plan; none when nothing can be isolated."""
+    if len(planned.headings) < 2 or not planned.isolation.max(initial=0.0) > 0:
+        return []
+    maximum = float(planned.isolation.max())
+    return [
+        Isolation(
+            time_usec=stamp.time_usec,
+            plan=number,
+            source=source,
+            earth=stamp.earth,
+            first=float(planned.headings[0]),
+            last=float(planned.headings[-1]),
+            maximum=maximum,
+            isolation=shares(curve, maximum),
+        )
+        for source, curve in enumerate(planned.isolation)
+    ]
+
+
+def shares(curve: Real, maximum: float, points: int = CURVE_POINTS) -> tuple[float, ...]:
+    """Return a curve, (n,), at ``points`` equal steps from its first to its last point, as shares of ``maximum``.
+
+    >>> shares(np.array([0.0, 2.0, 1.0]), 4.0, points=5)
+    (0.0, 0.25, 0.5, 0.375, 0.25)
+    """
+    places = np.linspace(0, len(curve) - 1, points)
+    return tuple((np.interp(places, np.arange(len(curve)), curve) / maximum).tolist())

@@ -1,28 +1,84 @@
-"""The telemetry of one mission: watches it and speaks on every link and into the log."""
+"""The MAVLink component: what the mission says goes out to the ground, what the ground asks comes in.
+
+`heard` and `said` are called on the mission's thread and only leave things where the pump finds them; `poll` runs on
+the pump and does all the rest, so that a separation that computes for seconds delays no heartbeat. In simulated time
+the same calls happen on one thread.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from types import TracebackType
-from typing import Self
+from typing import Protocol, Self, TypeVar
 
 from ross_payload import __version__
-from ross_payload.angles import wrap
 from ross_payload.config import Config
 from ross_payload.dsp.order import MAX_SOURCES
 from ross_payload.events import Event
+from ross_payload.health import AudioHealth, RecordingStatus
 from ross_payload.interfaces import Actuator, Capabilities, Clock, Feedback, Input
-from ross_payload.links import Links
-from ross_payload.telemetry.report import Every, Reporter, Snapshot
+from ross_payload.links import Heard, Links
+from ross_payload.orders import Order
+from ross_payload.parameters import Parameters
+from ross_payload.telemetry import mirrors
+from ross_payload.telemetry.commands import CommandServer
+from ross_payload.telemetry.condition import Condition
+from ross_payload.telemetry.identity import Endpoint
+from ross_payload.telemetry.outlets import Outlets, periods
+from ross_payload.telemetry.params import ParameterServer
+from ross_payload.telemetry.report import Reporter
+from ross_payload.telemetry.requests import Requests
+from ross_payload.telemetry.standing import Moment, Snapshot, standing
+from ross_payload.telemetry.streams import Board, Every, Rank
+from ross_payload.telemetry.texts import Speaker
 from ross_payload.telemetry.tlog import TlogRecorder
-from ross_protocols.values import Information
+from ross_payload.timebase import Timebase
+from ross_protocols.values import DIALECT_VERSION, Information, Severity
 
-LOOK_PERIOD = 0.050  # [s] between two looks at what is due and at what has arrived
+PERIOD = 0.020  # [s] between two polls
+LOOKING = 1.0  # [s] between two looks at the payload itself
+MIRRORING = 0.1  # [s] between two looks into the mirrors
+FLUSHING = 1.0  # [s] at most, until the pump has sent what was said last
+STRANGERS = 16  # that are remembered
+
+Thing = TypeVar("Thing")
+
+
+def no_recorder(on: bool) -> str:
+    """Refuse to record."""
+    return "this payload has no recorder"
+
+
+class Recorder(Protocol):
+    """Records sessions."""
+
+    def record(self, on: bool) -> str:
+        """Begin or end; return '' or why not."""
+
+    def status(self) -> RecordingStatus:
+        """Tell how the recording is."""
 
 
 class Telemetry:
-    """Observes a mission on its own thread. A context manager; the links belong to who opened them.
+    """Observes a mission and speaks for it. A context manager; the links belong to who opened them.
+
+    Parameters
+    ----------
+    tlog
+        File for everything that is sent; None: no file.
+    actuator
+        What turns; None: only what is heard tells the joint angle.
+    give
+        Hands an order to the runner; None: nobody orders anything.
+    parameters, changed
+        What is in force and may be set in flight (None: the configuration, for good), and who is told of a change.
+    recorder, health
+        Tell how the recording and the microphones are; None: nothing is said of them.
+    timebase
+        Tells the time; None: time is since the boot.
 
     Raises
     ------
@@ -31,81 +87,158 @@ class Telemetry:
     """
 
     def __init__(
-        self, config: Config, clock: Clock, links: Links, tlog: Path | None, actuator: Actuator | None = None
+        self,
+        config: Config,
+        clock: Clock,
+        links: Links,
+        tlog: Path | None = None,
+        actuator: Actuator | None = None,
+        *,
+        give: Callable[[Order], None] | None = None,
+        parameters: Parameters | None = None,
+        changed: Callable[[str, float], None] = lambda name, value: None,
+        recorder: Recorder | None = None,
+        health: Callable[[], AudioHealth] | None = None,
+        timebase: Timebase | None = None,
     ) -> None:
+        self._config = config
         self._clock = clock
-        self._links = links
         self._actuator = actuator
-        self._rate = config.audio.rate_hz
-        self._looking = Every(LOOK_PERIOD)
+        self._parameters = parameters
         self._open_loop = actuator is not None and actuator.capabilities.feedback is Feedback.MODEL
-        self._component = links.component(config.telemetry.component_id)
-        self._reporter = Reporter(
-            self._component.send,
-            self._time_usec,
-            information(config, None if actuator is None else actuator.capabilities),
-            rotation_max=config.explore.max_rotations,
-            criterion=config.exploit.criterion,
-        )
+        self._timebase = timebase or Timebase(clock)
+        self._events: SimpleQueue[tuple[Event, Input]] = SimpleQueue()
+        self._lines: SimpleQueue[tuple[Severity, str]] = SimpleQueue()
+        self._latest: Input | None = None
+        self._strangers: set[tuple[int, int]] = set()
+        self._looking, self._mirroring = Every(LOOKING), Every(MIRRORING)
+        self._board = Board()
+        component = links.component(config.telemetry.component_id)
+        self._outlets = Outlets(self._board, links, component, periods(config.telemetry))
+        self._say = Speaker(self._outlets.say, clock.now).say
+        self._reporter = Reporter(self._board, self._say)
+        self._condition = Condition(self._board, self._say, health, None if recorder is None else recorder.status)
+        endpoint = Endpoint(links, component.id)
+        self._commands = None if give is None else self._server(endpoint, give, recorder)
+        self._settings = None if parameters is None else ParameterServer(endpoint, parameters, changed, self._say)
         self._tlog = None if tlog is None else TlogRecorder(tlog)
-        self._component.tap(self._record)
+        component.tap(self._record)
+        component.subscribe(self._hear)
+
+    def _server(self, endpoint: Endpoint, give: Callable[[Order], None], recorder: Recorder | None) -> CommandServer:
+        record = no_recorder if recorder is None else recorder.record
+        return CommandServer(endpoint, give, record, self._say, Requests(endpoint, self._outlets))
+
+    # ------------------------------------------------------------------------------------- from any thread
 
     def heard(self, heard: Input) -> None:
-        """Send what is due; listen to the links."""
-        now = self._clock.now()
-        if self._looking.due(now):
-            self._links.poll()
-            self._reporter.tick(now, self._snapshot(heard))
+        """Keep what was heard last."""
+        self._latest = heard
 
     def said(self, event: Event, heard: Input) -> None:
-        """Tell what the mission has just said."""
-        self._reporter.handle(event, self._snapshot(heard))
+        """Leave what the mission has just said to the pump."""
+        self._events.put((event, heard))
+
+    def say(self, severity: Severity, text: str) -> None:
+        """Tell an operator something, soon."""
+        self._lines.put((severity, text))
+
+    # ------------------------------------------------------------------------------------- on the pump
+
+    def poll(self) -> None:
+        """Take in what was left here, and send what is due."""
+        now = self._clock.now()
+        for event, heard in drained(self._events):
+            self._reporter.handle(event, self._snapshot(heard))
+            if self._commands is not None:
+                self._commands.said(event)
+        for severity, text in drained(self._lines):
+            self._say(severity, text)
+        for part in (self._commands, self._settings):
+            if part is not None:
+                part.tick(now)
+        self._reporter.observe(self._snapshot(self._latest))
+        if self._looking.due(now):
+            self._look()
+        if self._mirroring.due(now):
+            self._mirror(now)
+        self._outlets.flow(now)
 
     def __enter__(self) -> Self:
-        """The log is open from the start."""
+        """Begin to speak."""
+        self._cancel = self._clock.every(PERIOD, self.poll)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Close the log."""
-        if self._tlog is not None:
-            self._tlog.close()
+        """Wait until the pump has sent what was said last, then close the log."""
+        end = self._clock.now() + FLUSHING
+        try:
+            while not (self._events.empty() and self._lines.empty()) and self._clock.now() < end:
+                self._clock.sleep(PERIOD)
+        finally:
+            self._cancel()
+            if self._tlog is not None:
+                self._tlog.close()
 
-    def _snapshot(self, heard: Input) -> Snapshot:
-        seconds = heard.block.samples.shape[1] / self._rate
+    def _hear(self, heard: Heard) -> None:
+        """Take a packet from the links."""
+        if self._commands is not None:
+            self._commands.heard(heard)
+        if self._settings is not None:
+            self._settings.heard(heard)
+        self._meet(heard)
+
+    def _meet(self, heard: Heard) -> None:
+        """Notice another payload that speaks another version of our dialect; say it once."""
+        told, who = heard.packet.value, (heard.packet.system_id, heard.packet.component_id)
+        if not isinstance(told, Information) or told.dialect_version == DIALECT_VERSION or who in self._strangers:
+            return
+        if len(self._strangers) < STRANGERS:
+            self._strangers.add(who)
+            version = f"version {told.dialect_version} of the dialect, ours is {DIALECT_VERSION}"
+            self._say(Severity.WARNING, f"payload {who[0]}/{who[1]} speaks {version}")
+
+    def _look(self) -> None:
+        capabilities = None if self._actuator is None else self._actuator.capabilities
+        self._condition.look(information(self._in_force(), capabilities, self._timebase.usec()))
+
+    def _mirror(self, now: float) -> None:
+        status, sources = self._reporter.status, self._reporter.sources
+        numbers = mirrors.named(status, sources, self._condition.health, now)
+        self._board.put(Rank.MIRROR, [*numbers, mirrors.azimuths(status.time_usec, sources)])
+
+    def _snapshot(self, heard: Input | None) -> Snapshot:
         state = None if self._actuator is None else self._actuator.state()
-        turned = heard.heading_end - heard.heading_start
-        return Snapshot(
-            mission_time=heard.block.index / self._rate + seconds,
-            earth=heard.attitude.known,
-            heading=wrap(heard.heading_end),
-            mount_yaw=heard.attitude.yaw if heard.attitude.known else None,
-            present=True,
-            joint=heard.joint,
-            joint_rate=wrap(turned) / seconds if state is None else state.rate,
-            settled=heard.settled,
-            homed=state is None or state.homed,
-            open_loop=self._open_loop,
-            fault=heard.fault,
-        )
+        moment = Moment(self._timebase.usec(), self._timebase.unix, self._in_force(), self._open_loop)
+        return standing(heard, state, moment)
 
-    def _time_usec(self) -> int:
-        return round(self._clock.now() * 1e6)
+    def _in_force(self) -> Config:
+        return self._config if self._parameters is None else self._parameters.config
 
     def _record(self, frame: bytes) -> None:
         if self._tlog is not None:
-            self._tlog.write(self._time_usec(), frame)
+            self._tlog.write(self._timebase.usec(), frame)
 
 
-def information(config: Config, capabilities: Capabilities | None) -> Information:
+def drained(queue: SimpleQueue[Thing]) -> Iterator[Thing]:
+    """Take everything out of a queue."""
+    try:
+        while True:
+            yield queue.get_nowait()
+    except Empty:
+        return
+
+
+def information(config: Config, capabilities: Capabilities | None, time_usec: int) -> Information:
     """Return who we are; the travel is the actuator's, or the guard's limits when no actuator is given."""
     guard = config.guard
     lower, upper, speed = (math.radians(x) for x in (guard.lower_deg, guard.upper_deg, guard.max_speed_deg_s))
     if capabilities is not None:
         lower, upper, speed = capabilities.lower, capabilities.upper, capabilities.max_speed
     return Information(
-        time_usec=0,
+        time_usec=time_usec,
         spacing=config.array.spacing_m,
         speed_of_sound=config.array.speed_of_sound_m_s,
         axis_offset=config.offset,

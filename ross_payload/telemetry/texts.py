@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ross_payload.events import (
     AlignmentPlanned,
     Checked,
@@ -16,10 +18,18 @@ from ross_payload.events import (
     State,
     StateChanged,
 )
-from ross_protocols.values import Severity
+from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
+from ross_protocols.codec import chunks
+from ross_protocols.values import Severity, Text
 
 PREFIX = "RoSS: "
-SEVERITIES = {Outcome.TARGET_FOUND: Severity.NOTICE, Outcome.FAULT: Severity.CRITICAL}
+SEVERITIES = {
+    Outcome.TARGET_FOUND: Severity.NOTICE,
+    Outcome.COMPLETED: Severity.INFO,
+    Outcome.FAULT: Severity.CRITICAL,
+}
+BURST = 8  # lines
+PERIOD = 2.0  # [s]
 ALWAYS = Severity.ERROR  # this and worse is never held back
 
 Line = tuple[Severity, str]
@@ -49,6 +59,25 @@ def line(event: Event) -> Line | None:
         case Finished():
             said = SEVERITIES.get(event.outcome, Severity.WARNING), f"mission over: {event.reason}"
     return said
+
+
+def ears(before: AudioHealth, now: AudioHealth) -> Line | None:
+    """Return what to tell an operator about the microphones; None: nothing has changed."""
+    if now.trouble == before.trouble:
+        return None
+    if not now.trouble:
+        return Severity.NOTICE, "microphones are well again"
+    names = (trouble.name or "" for trouble in AudioTrouble if trouble and trouble in now.trouble)
+    return Severity.WARNING, f"microphones: {', '.join(name.lower().replace('_', ' ') for name in names)}"
+
+
+def recorder(before: RecordingStatus, now: RecordingStatus) -> Line | None:
+    """Return what to tell an operator about the recorder; None: nothing has changed."""
+    if now.state is before.state:
+        return None
+    if now.state in (RecordingState.FULL, RecordingState.BROKEN):
+        return Severity.WARNING, f"recording stopped: {now.reason}"
+    return Severity.INFO, f"recording {now.name}" if now.state is RecordingState.ON else "recording ended"
 
 
 def _who(group: GroupScore) -> str:
@@ -89,3 +118,19 @@ class Limiter:
             return False
         self._allowance -= 1.0
         return True
+
+
+class Speaker:
+    """Puts lines into words that fit, not too many at once, and hands them on."""
+
+    def __init__(self, give: Callable[[list[Text]], None], now: Callable[[], float]) -> None:
+        self._give = give
+        self._now = now
+        self._limiter = Limiter(BURST, PERIOD)
+        self._count = 0
+
+    def say(self, severity: Severity, text: str) -> None:
+        """Say a line, unless there were too many of late."""
+        if self._limiter.passes(severity, self._now()):
+            self._count += 1
+            self._give(chunks(severity, PREFIX + text, self._count % 65535 + 1))

@@ -2,13 +2,12 @@
 
 import math
 from collections import Counter
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ross_payload.config import Config
-from ross_payload.errors import ConfigError
 from ross_payload.events import (
     AlignmentCandidate,
     AlignmentPlanned,
@@ -28,67 +27,66 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.interfaces import Attitude, AudioBlock, Capabilities, Feedback, Input
-from ross_payload.links import Links
-from ross_payload.telemetry.report import Reporter, Snapshot
-from ross_payload.telemetry.service import Telemetry, information
-from ross_payload.telemetry.texts import PREFIX
-from ross_protocols.codec import Decoder, Encoder
+from ross_payload.telemetry.outlets import periods
+from ross_payload.telemetry.report import Reporter
+from ross_payload.telemetry.standing import Snapshot
+from ross_payload.telemetry.streams import Board, Stream
 from ross_protocols.values import (
+    CURVE_POINTS,
     Alignment,
     CandidateState,
+    Density,
     Health,
     Heartbeat,
-    Information,
+    Isolation,
     Phase,
     Rule,
     Separation,
-    Severity,
     Source,
     Status,
-    Text,
     Value,
 )
 
-REST = Snapshot(0.0, earth=True, heading=0.2, present=True, joint=0.2, joint_rate=0.0, settled=True, homed=True)
+REST = Snapshot(
+    earth=True, heading=0.2, present=True, joint=0.2, joint_rate=0.0, settled=True, homed=True, rotation_max=12,
+    criterion=1.0,
+)  # fmt: skip
 EMPTY = np.zeros(0)
 
 
 class Ground:
-    """A ground station: decodes what is sent, and holds the clock."""
+    """A ground station on a link without limits; it holds the clock."""
 
-    def __init__(self, criterion: float = 1.0) -> None:
+    def __init__(self) -> None:
         self.now = 0.0
         self.snapshot = REST
-        self._encoder, self._decoder = Encoder(1, 191), Decoder()
         self.heard: list[tuple[float, Value]] = []
-        self.reporter = Reporter(
-            self._receive, lambda: round(self.now * 1e6), information(Config(), None),
-            rotation_max=12, criterion=criterion,
-        )  # fmt: skip
-
-    def _receive(self, value: Value) -> None:
-        (packet,) = self._decoder.feed(self._encoder.encode(value))
-        assert packet.value is not None
-        self.heard.append((self.now, packet.value))
+        self._board = Board()
+        self._stream = Stream(periods(Config().telemetry), lambda value: 0)
+        self.reporter = Reporter(self._board, lambda severity, text: None)
 
     def wait(self, seconds: float, step: float = 0.01) -> None:
         for _ in range(round(seconds / step)):
-            self.reporter.tick(self.now, self.snapshot)
+            self.reporter.observe(self._present())
+            self._listen()
             self.now += step
+
+    def _present(self) -> Snapshot:
+        return replace(self.snapshot, time_usec=round(self.now * 1e6))
+
+    def _listen(self) -> None:
+        self.heard += [(self.now, value) for value in self._stream.due(self._board, self.now, math.inf)]
 
     def say(self, *events: Event) -> None:
         for event in events:
-            self.reporter.handle(event, self.snapshot)
+            self.reporter.handle(event, self._present())
+            self._listen()
 
     def all(self, kind: type) -> list:
         return [value for _, value in self.heard if type(value) is kind]
 
     def latest(self, kind: type):
         return self.all(kind)[-1]
-
-    def texts(self) -> list[str]:
-        return [text.text.removeprefix(PREFIX) for text in self.all(Text)]
 
     def forget(self) -> None:
         self.heard.clear()
@@ -127,7 +125,7 @@ def test_what_is_periodic_keeps_its_rate() -> None:
     ground = Ground()
     ground.wait(20.0)
     counts = Counter(type(value) for _, value in ground.heard)
-    assert counts == {Heartbeat: 20, Status: 80, Information: 2}
+    assert counts == {Heartbeat: 20, Status: 80}
 
 
 def test_a_loop_that_was_held_up_does_not_catch_up() -> None:
@@ -135,8 +133,8 @@ def test_a_loop_that_was_held_up_does_not_catch_up() -> None:
     ground.wait(1.0)
     ground.forget()
     ground.now += 60.0
-    ground.reporter.tick(ground.now, REST)
-    assert Counter(type(value) for _, value in ground.heard) == {Heartbeat: 1, Status: 1, Information: 1}
+    ground.wait(0.01)
+    assert Counter(type(value) for _, value in ground.heard) == {Heartbeat: 1, Status: 1}
 
 
 @pytest.mark.parametrize(
@@ -177,7 +175,7 @@ def test_what_was_found_out_is_repeated_with_its_own_time() -> None:
     ground.forget()
     ground.wait(20.0)
     again = [(when, value.source) for when, value in ground.heard if isinstance(value, Source)]
-    assert [who for _, who in again] == [0, 1, 2] * 4
+    assert [who for _, who in again] == [0, 1, 2] * 3
     assert all(value.time_usec == 3_000_000 for value in ground.all(Source))
 
 
@@ -187,8 +185,8 @@ def test_what_was_found_out_is_repeated_with_its_own_time() -> None:
 def test_status_is_how_things_stand() -> None:
     ground = Ground()
     ground.snapshot = Snapshot(
-        12.345, earth=True, heading=-0.5, mount_yaw=1.0, present=True, joint=-1.5, joint_rate=0.25, homed=True,
-        open_loop=True,
+        mission_time=12.345, earth=True, heading=-0.5, mount_yaw=1.0, present=True, joint=-1.5, joint_rate=0.25,
+        homed=True, open_loop=True, rotation_max=12, criterion=1.0,
     )  # fmt: skip
     ground.wait(0.01)
     status = ground.latest(Status)
@@ -212,7 +210,7 @@ def test_every_event_shows_in_status_at_once() -> None:
 
 def test_the_goal_shows_until_the_array_has_settled() -> None:
     ground = Ground()
-    ground.snapshot = Snapshot(0.0, earth=True, heading=0.0, present=True, settled=False)
+    ground.snapshot = Snapshot(earth=True, heading=0.0, present=True, settled=False)
     ground.say(TurnStarted(0.0, 0.5, 0.5, "rotation 1"))
     ground.wait(1.0)
     assert ground.latest(Status).heading_goal == pytest.approx(0.5)
@@ -319,7 +317,7 @@ def test_a_check_that_finds_the_target_tells_group_source_and_score() -> None:
     assert (target.method, target.score, target.criterion, target.si_sdr) == ("gaussian", 4.0, 1.0, None)
     status = ground.latest(Status)
     assert (status.target, status.target_found, status.score) == (1, True, 4.0)
-    assert [(s.target, s.score) for s in ground.all(Source)[-3:]] == [(False, None), (True, 4.0), (False, None)]
+    assert [(s.source, s.target, s.score) for s in ground.all(Source)[3:]] == [(1, True, 4.0)], "only what is new"
 
 
 def test_a_check_without_the_target_says_so_with_its_best_score() -> None:
@@ -365,121 +363,68 @@ def test_a_new_estimate_takes_back_what_was_said_of_the_old_sources() -> None:
     assert all(s.score is None and not s.target for s in ground.all(Source))
 
 
-# ---------------------------------------------------------------------------------------------------- texts
+# ---------------------------------------------------------------------------------------------------- curves
 
 
-def test_an_operator_reads_the_story() -> None:
+def test_what_each_orientation_heard_is_a_curve() -> None:
     ground = Ground()
-    ground.say(StateChanged(0.0, State.LEAD_IN), NoiseMeasured(0.0, None, 2.0), THREE, PLANNED)
-    ground.say(checked(SECOND, 0, GroupScore((1,), 4.04, True)), Finished(0.0, Outcome.TARGET_FOUND, "it is 1"))
-    assert ground.texts() == [
-        "mission started",
-        "no quiet lead-in, the noise is not known",
-        "3 sources found after 12 turns",
-        "2 headings to try",
-        "target recognised: source 1, score 4.0",
-        "mission over: it is 1",
-    ]
+    grid = np.linspace(-2e-4, 2e-4, 161)
+    density = np.exp(-((grid - 1e-4) ** 2) / (2 * 1e-5**2))
+    ground.say(OrientationHeard(0.0, 0, 0.5, 0.5, grid, density, (1e-4,)))
+    (curve,) = ground.all(Density)
+    assert (curve.rotation, curve.heading, curve.first, curve.last) == (0, 0.5, -2e-4, 2e-4)
+    loudest = np.linspace(curve.first, curve.last, CURVE_POINTS)[int(np.argmax(curve.density))]
+    assert loudest == pytest.approx(1e-4, abs=3e-6)
+    assert max(curve.density) == pytest.approx(1.0, abs=0.1)
 
 
-def test_a_fault_is_said_once_and_flagged_while_it_lasts() -> None:
+def test_a_new_exploration_takes_the_curves_of_the_old_one_away() -> None:
     ground = Ground()
-    ground.snapshot = Snapshot(0.0, earth=True, present=True, fault="the motor is hot")
-    ground.wait(5.0)
-    assert [(text.severity, text.text) for text in ground.all(Text)] == [
-        (Severity.ERROR, "RoSS: fault: the motor is hot")
-    ]
-    assert ground.latest(Status).fault
-    ground.snapshot = REST
-    ground.wait(1.0)
-    assert not ground.latest(Status).fault
+    heard = [OrientationHeard(0.0, index, 0.1, 0.1, np.arange(3.0), np.ones(3), ()) for index in (0, 1, 0)]
+    ground.say(*heard)
+    ground.forget()
+    ground.wait(10.0)
+    assert {(curve.exploration, curve.rotation) for curve in ground.all(Density)} == {(2, 0)}
 
 
-def test_texts_do_not_flood_and_faults_are_never_held_back() -> None:
+def test_the_isolation_of_every_source_is_a_curve_over_half_a_turn() -> None:
     ground = Ground()
-    for _ in range(100):
-        ground.say(PLANNED)
-    assert len(ground.texts()) == 8
-    ground.say(Finished(0.0, Outcome.FAULT, "the motor is hot"))
-    assert ground.latest(Text).severity is Severity.CRITICAL
-    ground.now += 100.0
-    ground.say(PLANNED)
-    assert ground.texts()[-1] == "2 headings to try"
+    headings = np.linspace(0, 3.1, 63)
+    isolation = np.array([np.sin(headings) * 2e-4, np.sin(headings) * 1e-4])
+    ground.say(THREE, AlignmentPlanned(0.0, (FIRST,), headings, isolation))
+    first, second = ground.all(Isolation)
+    assert (first.source, second.source, first.plan) == (0, 1, 1)
+    assert (first.first, first.last) == (0.0, 3.1)
+    assert max(first.isolation) * first.maximum == pytest.approx(2e-4, rel=0.01)
+    assert max(second.isolation) * second.maximum == pytest.approx(1e-4, rel=0.01)
 
 
-def test_a_long_text_arrives_whole() -> None:
+def test_silence_has_no_curve() -> None:
     ground = Ground()
-    reason = "the actuator did not arrive: " + "at 1.571 rad, not 3.142, " * 5
-    ground.say(Finished(0.0, Outcome.FAULT, reason))
-    assert "".join(text.text for text in ground.all(Text)) == f"{PREFIX}mission over: {reason}"
-    assert len({text.id for text in ground.all(Text)}) == 1
+    ground.say(OrientationHeard(0.0, 0, 0.5, 0.5, np.arange(3.0), np.zeros(3), ()), THREE, PLANNED)
+    assert ground.all(Density) == ground.all(Isolation) == []
 
 
-# ---------------------------------------------------------------------------------------------------- the observer
+# ---------------------------------------------------------------------------------------------------- task after task
 
 
-class StillClock:
-    def __init__(self) -> None:
-        self.time = 1.0
-
-    def now(self) -> float:
-        return self.time
-
-    def sleep(self, duration: float) -> None:
-        self.time += duration
-
-    def every(self, period: float, call):
-        raise AssertionError("the observer lives on the mission's thread")
+def test_the_outcome_of_one_task_is_forgotten_when_the_next_begins() -> None:
+    ground = Ground()
+    ground.say(StateChanged(0.0, State.RUN), StateChanged(0.0, State.DONE), Finished(0.0, Outcome.COMPLETED, "done"))
+    ground.say(StateChanged(0.0, State.IDLE))
+    assert ground.latest(Status).outcome == Outcome.COMPLETED
+    ground.say(StateChanged(0.0, State.TURN))
+    assert ground.latest(Status).outcome is None
+    ground.say(Finished(0.0, Outcome.STOPPED, "cancelled"), StateChanged(0.0, State.STOPPED))
+    assert ground.latest(Status).outcome == Outcome.STOPPED
+    assert ground.latest(Heartbeat) == Heartbeat(Health.STANDBY, State.STOPPED)
 
 
-def hop(index: int = 16000, start: float = 0.0, end: float = 0.01, known: bool = True) -> Input:
-    block = AudioBlock(np.zeros((2, 160), np.float32), index, index / 16000)
-    return Input(block, start, end, end, settled=False, attitude=Attitude(0.5, known=known))
-
-
-def record(tmp_path: Path, *heard: Input) -> list[Value | None]:
-    path = tmp_path / "mission.tlog"
-    with Links.open([], StillClock()) as links, Telemetry(Config(), StillClock(), links, path) as telemetry:
-        for one in heard:
-            telemetry.heard(one)
-    return [packet.value for packet in Decoder().feed(path.read_bytes())]
-
-
-def test_the_observer_records_what_it_sends(tmp_path: Path) -> None:
-    heartbeat, information_, status = record(tmp_path, hop())
-    assert heartbeat == Heartbeat(Health.BOOT, 0)
-    assert isinstance(information_, Information)
-    assert isinstance(status, Status)
-    assert status.time_usec == 1_000_000
-    assert status.mission_time == pytest.approx(1.01)
-    assert status.joint_rate == pytest.approx(1.0)  # 0.01 rad in a hop of 10 ms
-    assert (status.earth, status.mount_yaw) == (True, 0.5)
-
-
-def test_without_an_attitude_angles_are_in_the_mount_frame(tmp_path: Path) -> None:
-    *_, status = record(tmp_path, hop(known=False))
-    assert isinstance(status, Status)
-    assert (status.earth, status.mount_yaw) == (False, None)
-
-
-def test_turning_through_the_back_is_no_jump_in_rate(tmp_path: Path) -> None:
-    *_, status = record(tmp_path, hop(start=math.pi - 0.005, end=-math.pi + 0.005))
-    assert isinstance(status, Status)
-    assert status.joint_rate == pytest.approx(1.0)
-
-
-def test_a_log_that_cannot_be_made_stops_us_before_the_mission(tmp_path: Path) -> None:
-    with Links.open([], StillClock()) as links, pytest.raises(ConfigError, match="cannot be written"):
-        Telemetry(Config(), StillClock(), links, tmp_path / "missing" / "mission.tlog")
-
-
-def test_information_is_the_configuration() -> None:
-    told = information(Config(), None)
-    assert (told.spacing, told.speed_of_sound, told.rate, told.unit) == (0.05, 343.0, 16000, 3.0)
-    assert (told.joint_lower, told.joint_upper) == pytest.approx((math.radians(-200), math.radians(200)))
-
-
-def test_an_actuator_that_turns_without_end_has_no_travel() -> None:
-    free = Capabilities(-math.inf, math.inf, 4.0, 2.0, 0.002, continuous=True, feedback=Feedback.MEASURED)
-    told = information(Config(), free)
-    assert (told.joint_lower, told.joint_upper, told.joint_speed) == (None, None, 4.0)
+def test_what_an_earlier_task_found_out_is_told_while_the_next_one_turns() -> None:
+    ground = Ground()
+    ground.say(THREE, Finished(0.0, Outcome.COMPLETED, "3 sources"), StateChanged(0.0, State.IDLE))
+    ground.say(StateChanged(0.0, State.TURN))
+    ground.forget()
+    ground.wait(6.0)
+    assert {value.source for value in ground.all(Source)} == {0, 1, 2}
+    assert ground.latest(Status).k == 3

@@ -1,0 +1,65 @@
+"""How the payload itself is: who it is, its ears, its recorder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ross_payload.health import AudioHealth, RecordingStatus
+from ross_payload.telemetry import texts
+from ross_payload.telemetry.streams import Board, Rank
+from ross_protocols.values import Audio, Information, Recording, RecordingState, Severity
+
+
+class Condition:
+    """Puts the condition of the payload on the board and says what changes.
+
+    ``audio`` and ``recording`` tell how these are; None: nothing is said of them.
+    """
+
+    def __init__(
+        self,
+        board: Board,
+        say: Callable[[Severity, str], None],
+        audio: Callable[[], AudioHealth] | None,
+        recording: Callable[[], RecordingStatus] | None,
+    ) -> None:
+        self._board = board
+        self._say = say
+        self._ask_audio = audio
+        self._ask_recording = recording
+        self._health = AudioHealth()
+        self._recording = RecordingStatus()
+
+    @property
+    def health(self) -> AudioHealth | None:
+        """How the microphones are; None: nobody watches them."""
+        return None if self._ask_audio is None else self._health
+
+    def look(self, information: Information) -> None:
+        """Look at everything; ``information`` is who we are at this moment."""
+        self._board.put(Rank.INFORMATION, [information])
+        if self._ask_audio is not None:
+            self._listen(self._ask_audio(), information.time_usec)
+        if self._ask_recording is not None:
+            self._record(self._ask_recording(), information.time_usec)
+
+    def _listen(self, health: AudioHealth, time_usec: int) -> None:
+        told = Audio(
+            time_usec, int(health.trouble), health.level_db, health.peak_db, health.lost, health.reopened,
+            health.waiting, health.rate,
+        )  # fmt: skip
+        said = texts.ears(self._health, health)
+        (self._board.put if said is None else self._board.tell)(Rank.AUDIO, [told])
+        if said is not None:
+            self._say(*said)
+        self._health = health
+
+    def _record(self, status: RecordingStatus, time_usec: int) -> None:
+        free = None if status.free_gb is None else status.free_gb * 1e9
+        state = RecordingState[status.state.name]
+        told = Recording(time_usec, state, status.seconds, free, status.name, status.reason)
+        said = texts.recorder(self._recording, status)
+        (self._board.put if said is None else self._board.tell)(Rank.RECORDING, [told])
+        if said is not None:
+            self._say(*said)
+        self._recording = status
