@@ -54,11 +54,11 @@ def validated(model: type[Model], values: Any, where: str) -> Model:
 
 def _explain(error: ValidationError) -> str:
     first, others = error.errors()[0], error.error_count() - 1
-    key = ".".join(str(part) for part in first["loc"]) or "file"
+    key = ".".join(str(part) for part in first["loc"])
     if first["type"] == "extra_forbidden":
         text = f"unknown key '{key}'"
     else:
-        text = f"{key}: {first['msg'].removeprefix('Value error, ')}"
+        text = f"{key}: " * bool(key) + first["msg"].removeprefix("Value error, ")
         if not isinstance(first["input"], dict):
             text += f" (found {first['input']!r})"
     return text + (f"; and {others} more" if others else "")

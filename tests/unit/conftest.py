@@ -1,0 +1,103 @@
+"""A ground station and a payload's links in one process, with the air between them."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ross_payload.config import Link
+from ross_payload.links import Links
+from ross_payload.links.ports import Counts
+from ross_protocols.codec import Decoder
+from ross_protocols.dialect import ross
+from ross_sim.clock import SimClock
+
+URL = "udpout:127.0.0.1:14550"
+
+
+class Air:
+    """The payload's end of a link on which frames are lost, doubled, delayed and damaged, as often as told."""
+
+    def __init__(self, loss=0.0, doubled=0.0, delayed=0.0, damaged=0.0, seed=1):
+        self.counts = Counts()
+        self.odds = SimpleNamespace(loss=loss, doubled=doubled, delayed=delayed, damaged=damaged)
+        self.random = np.random.default_rng(seed)
+        self.up, self.down, self.late = [], [], []
+
+    def send(self, frame):
+        self.down += self._through(frame)
+
+    def receive(self):
+        arrived, self.up = self.up, []
+        return arrived
+
+    def close(self):
+        pass
+
+    def call(self, frame):
+        """Send a frame up, from the ground."""
+        self.up += self._through(frame)
+
+    def listen(self):
+        """What has come down."""
+        arrived, self.down = self.down, []
+        return arrived
+
+    def _through(self, frame):
+        odds, draw = self.odds, self.random.random
+        frames = [] if draw() < odds.loss else [frame] * (2 if draw() < odds.doubled else 1)
+        if frames and draw() < odds.delayed:
+            self.late += frames
+            return []
+        if frames and draw() < odds.damaged:
+            place = int(self.random.integers(len(frame)))
+            frames[0] = frame[:place] + bytes([frame[place] ^ int(self.random.integers(1, 256))]) + frame[place + 1 :]
+        late = self.late if draw() < 0.5 else []
+        self.late = [] if late else self.late
+        return frames + late
+
+
+class Ground:
+    """A ground station: packs with pymavlink, keeps what it hears."""
+
+    def __init__(self, air, system_id=255, component_id=190):
+        self.air = air
+        self.mavlink = ross.MAVLink(None, srcSystem=system_id, srcComponent=component_id)
+        self.decoder = Decoder()
+        self.heard = []
+
+    def send(self, message):
+        self.air.call(message.pack(self.mavlink))
+        self.mavlink.seq = (self.mavlink.seq + 1) % 256
+
+    def long(self, number, *numbers, target=(1, 191), confirmation=0):
+        padded = [*numbers, *[0.0] * (7 - len(numbers))]
+        self.send(ross.MAVLink_command_long_message(*target, number, confirmation, *padded))
+
+    def int(self, number, *numbers, target=(1, 191)):
+        p1, p2, p3, p4, x, y, z = [*numbers, *[0] * (7 - len(numbers))]
+        self.send(ross.MAVLink_command_int_message(*target, 0, number, 0, 0, p1, p2, p3, p4, x, y, z))
+
+    def listen(self):
+        """What has come down since the last time."""
+        fresh = [packet.message for data in self.air.listen() for packet in self.decoder.feed(data)]
+        self.heard += fresh
+        return fresh
+
+
+@pytest.fixture
+def sky():
+    """Make links of a payload, the air and a ground station: ``sky(loss=0.2).ground``."""
+    opened = []
+
+    def make(accept=(), **odds):
+        air = Air(**odds)
+        clock = SimClock()
+        links = Links(clock, 1)
+        opened.append(links)
+        links.attach(Link(url=URL, accept=accept), air)
+        return SimpleNamespace(clock=clock, links=links, air=air, ground=Ground(air))
+
+    yield make
+    for links in opened:
+        links.close()

@@ -1,0 +1,250 @@
+"""What may change in flight: the table, the pure change, and the file that outlives a restart."""
+
+import math
+import os
+import tomllib
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ross_payload.config import Config, load
+from ross_payload.errors import ConfigError
+from ross_payload.parameters import TABLE, Origin, Parameters, changed, value_of
+
+names = st.sampled_from(list(TABLE))
+
+
+@pytest.fixture
+def file(tmp_path):
+    return tmp_path / "state" / "params.toml"
+
+
+def from_toml(tmp_path: Path, text: str) -> Config:
+    path = tmp_path / "payload.toml"
+    path.write_text(text)
+    return load(path)
+
+
+def set_once(config: Config, file: Path, **values: float) -> None:
+    """One life of a payload in which somebody sets something."""
+    with Parameters(config, file) as parameters:
+        for name, value in values.items():
+            parameters.set(name, value)
+
+
+# ---------------------------------------------------------------------------------------------------- table
+
+
+def test_the_table_is_small_and_its_names_fit_on_the_wire():
+    assert len(TABLE) <= 30
+    assert all(len(name) <= 16 and name.isascii() for name in TABLE)
+
+
+def test_wiring_and_safety_are_not_in_the_table():
+    tables = {parameter.place[0] for parameter in TABLE.values()}
+    assert not tables & {"audio", "array", "actuator", "guard", "links", "service", "recording"}
+
+
+def test_the_default_of_every_parameter_is_within_its_bounds():
+    for parameter in TABLE.values():
+        assert parameter.checked(value_of(Config(), parameter.name)) == value_of(Config(), parameter.name)
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_both_bounds_are_allowed_by_the_configuration(name):
+    wide = changed(changed(Config(), "EXP_MAX_ROT", 24), "EXP_MIN_ROT", 1)
+    for bound in (TABLE[name].lower, TABLE[name].upper):
+        assert value_of(changed(wide, name, bound), name) == bound
+
+
+# ---------------------------------------------------------------------------------------------------- change
+
+
+def test_a_change_changes_one_key_and_nothing_else():
+    before = Config()
+    after = changed(before, "EXP_UNIT", 2.5)
+    assert after.explore.unit_s == 2.5
+    assert after == before.model_copy(update={"explore": before.explore.model_copy(update={"unit_s": 2.5})})
+    assert before.explore.unit_s == 3.0
+
+
+def test_whole_numbers_and_switches_keep_their_type():
+    config = changed(changed(Config(), "EXP_MAX_ROT", 8.0), "EXP_PIPELINED", 1.0)
+    assert (config.explore.max_rotations, type(config.explore.max_rotations)) == (8, int)
+    assert config.explore.pipelined is True
+
+
+@given(names, st.floats(allow_nan=True, allow_infinity=True, width=32))
+def test_any_number_is_taken_as_it_is_or_refused_by_name(name, value):
+    try:
+        after = changed(Config(), name, value)
+    except ConfigError as error:
+        assert str(error).startswith(name)
+    else:
+        assert value_of(after, name) == value
+        assert TABLE[name].lower <= value <= TABLE[name].upper
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "says"),
+    [
+        ("EXP_UNIT", math.nan, "EXP_UNIT: found nan, wanted a number from 0.5 to 60 s"),
+        ("EXP_UNIT", 0.1, "EXP_UNIT: found 0.1, wanted a number from 0.5 to 60 s"),
+        ("EXP_MAX_ROT", 3.5, "EXP_MAX_ROT: found 3.5, wanted a whole number from 1 to 24"),
+        ("EXP_MIN_ROT", 13, "EXP_MIN_ROT: min_rotations = 13 is above max_rotations = 12"),
+        ("GUARD_SPEED", 1, "GUARD_SPEED: no such parameter"),
+    ],
+)
+def test_a_refusal_says_what_was_found_and_what_was_wanted(name, value, says):
+    with pytest.raises(ConfigError) as refused:
+        changed(Config(), name, value)
+    assert str(refused.value).startswith(says)
+
+
+# ---------------------------------------------------------------------------------------------------- memory
+
+
+def test_what_was_set_is_in_force_at_once_and_after_a_restart(file):
+    with Parameters(Config(), file) as parameters:
+        parameters.set("EXP_UNIT", 2.5)
+        assert parameters.config.explore.unit_s == 2.5
+    with Parameters(Config(), file) as again:
+        assert again.value("EXP_UNIT") == 2.5
+        assert again.notes == ()
+
+
+def test_values_that_are_allowed_only_together_come_back_together(file):
+    set_once(Config(), file, EXP_MAX_ROT=20, EXP_MIN_ROT=15)  # EXP_MAX_ROT stands after EXP_MIN_ROT in no order
+    with Parameters(Config(), file) as again:
+        assert (again.value("EXP_MIN_ROT"), again.value("EXP_MAX_ROT")) == (15, 20)
+        assert again.notes == ()
+
+
+def test_the_file_keeps_the_value_that_was_replaced(file):
+    set_once(Config(), file, EXP_UNIT=2.5)
+    assert tomllib.loads(file.read_text()) == {
+        "version": 1,
+        "parameters": {"EXP_UNIT": {"value": 2.5, "replaced": 3.0}},
+    }
+
+
+def test_the_configuration_wins_when_it_has_changed_since_and_says_so(file, tmp_path):
+    set_once(Config(), file, EXP_UNIT=2.5, EXP_STEP=30)
+    with Parameters(from_toml(tmp_path, "[explore]\nunit_s = 5.0\n"), file) as again:
+        assert again.value("EXP_UNIT") == 5.0
+        assert again.value("EXP_STEP") == 30
+        (note,) = again.notes
+    assert note == "EXP_UNIT: the configuration says 5, no longer 3: 2.5 is dropped"
+
+
+def test_setting_back_what_the_configuration_says_leaves_nothing_in_the_file(file):
+    set_once(Config(), file, EXP_UNIT=2.5)
+    set_once(Config(), file, EXP_UNIT=3.0)
+    assert tomllib.loads(file.read_text())["parameters"] == {}
+
+
+def test_the_origin_tells_file_default_and_flight_apart(file, tmp_path):
+    with Parameters(from_toml(tmp_path, "[explore]\nunit_s = 5.0\n"), file) as parameters:
+        parameters.set("EXP_STEP", 30)
+        assert parameters.origin("EXP_UNIT") is Origin.FILE
+        assert parameters.origin("EXP_STEP") is Origin.IN_FLIGHT
+        assert parameters.origin("XPL_RUN") is Origin.DEFAULT
+        parameters.set("EXP_UNIT", 6.0)
+        parameters.set("EXP_UNIT", 5.0)
+        assert parameters.origin("EXP_UNIT") is Origin.FILE
+
+
+def test_what_is_refused_changes_nothing(file):
+    with Parameters(Config(), file) as parameters:
+        with pytest.raises(ConfigError):
+            parameters.set("EXP_UNIT", math.nan)
+        assert parameters.config == Config()
+    assert not file.exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "word"),
+    [
+        (b"", "unreadable"),
+        (b"version = 1\n[parameters]\nEXP_UNIT = { value = 2.5, repl", "unreadable"),
+        (b"\x00\xff\x00", "unreadable"),
+        (b"version = 1\n[parameters]\nEXP_UNIT = { value = nan, replaced = 3.0 }\n", "unreadable"),
+        (b"version = 1\n[parameters]\nEXP_UNIT = 2.5\n", "unreadable"),
+        (b"version = 1\nparameters = 3\n", "unreadable"),
+        (b"version = 2\n[parameters]\nEXP_UNIT = { value = 2.5, replaced = 3.0, by = 'hand' }\n", "newer"),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_kept_aside_and_said_so(file, content, word):
+    file.parent.mkdir()
+    file.write_bytes(content)
+    with Parameters(Config(), file) as parameters:
+        assert parameters.config == Config()
+        (note,) = parameters.notes
+        assert f"kept as params.toml.{word}" in note
+        parameters.set("EXP_UNIT", 2.5)
+    assert file.with_name(f"params.toml.{word}").read_bytes() == content
+    with Parameters(Config(), file) as again:
+        assert again.value("EXP_UNIT") == 2.5
+
+
+def test_a_file_kept_aside_is_not_overwritten_by_the_next(file):
+    file.parent.mkdir()
+    for content in (b"first", b"second"):
+        file.write_bytes(content)
+        Parameters(Config(), file).close()
+    assert file.with_name("params.toml.unreadable").read_bytes() == b"first"
+    assert file.with_name("params.toml.unreadable-2").read_bytes() == b"second"
+
+
+@pytest.mark.parametrize(
+    ("entry", "says"),
+    [
+        ("EXP_UNIT = { value = 900.0, replaced = 3.0 }", "EXP_UNIT: found 900"),
+        ("EXP_GONE = { value = 1.0, replaced = 3.0 }", "EXP_GONE: this version has no such parameter"),
+    ],
+)
+def test_what_this_version_does_not_allow_is_dropped_and_said_so(file, entry, says):
+    file.parent.mkdir()
+    file.write_text(f"version = 1\n[parameters]\n{entry}\nEXP_STEP = {{ value = 30.0, replaced = 15.0 }}\n")
+    with Parameters(Config(), file) as parameters:
+        assert parameters.value("EXP_STEP") == 30
+        assert parameters.value("EXP_UNIT") == 3.0
+        (note,) = parameters.notes
+    assert note.startswith(says)
+
+
+def test_a_disk_that_cannot_be_written_is_trouble_but_the_value_is_in_force(tmp_path):
+    blocked = tmp_path / "state"
+    blocked.write_text("a file where the folder should be")
+    with Parameters(Config(), blocked / "params.toml") as parameters:
+        parameters.set("EXP_UNIT", 2.5)
+        parameters.close()
+        assert parameters.value("EXP_UNIT") == 2.5
+        assert "cannot be written" in parameters.trouble
+
+
+def test_a_crash_while_writing_leaves_the_old_file_whole(file, monkeypatch):
+    set_once(Config(), file, EXP_UNIT=2.5)
+    before = file.read_bytes()
+
+    def crash(*_):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(os, "fsync", crash)  # the moment after the data was handed to the system
+    set_once(Config(), file, EXP_UNIT=4.0)
+    assert file.read_bytes() == before
+
+
+def test_without_a_path_nothing_is_written(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    set_once(Config(), None, EXP_UNIT=2.5)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_many_changes_are_written_last_value_last(file):
+    with Parameters(Config(), file) as parameters:
+        for step in range(1, 91):
+            parameters.set("EXP_STEP", step)
+    assert tomllib.loads(file.read_text())["parameters"]["EXP_STEP"]["value"] == 90
