@@ -24,7 +24,7 @@ FLOOR_DB = -120.0
 FAR_LESS_DB = 30.0  # between a dead microphone and the other; talkers and rooms make a few
 QUIET_DB = -80.0  # below it two channels may be alike by rounding
 ALIKE = 1e-6  # share of power in which two channels of one microphone may differ: every microphone has its own noise
-OFFSET, OFFSET_NOISE = 3e-3, 3.0  # re full scale, and re the quietest tenth of a second
+OFFSET, STEADY = 3e-3, 3.0  # a constant part, re full scale, and re how the means of tenths of a second vary
 LOWEST, HIGHEST = 60.0, 500.0  # [Hz] in which polarity shows, between rumble and
 PHASE = 0.5  # [rad] that sound along the axis turns between the microphones, at most
 OPPOSITE, ALIGNED = -0.6, 0.3  # coherence below which polarity is wrong, above which it is right again
@@ -162,9 +162,9 @@ def _dead(heard: list[Tenth]) -> AudioTrouble:
 def _offset(heard: list[Tenth]) -> AudioTrouble:
     if len(heard) < LONG:
         return AudioTrouble.NONE
-    mean = np.abs(np.mean([tenth.mean for tenth in heard], axis=0))
-    noise = np.sqrt(np.min([tenth.power for tenth in heard], axis=0))
-    found = np.any((mean > OFFSET) & (mean > OFFSET_NOISE * noise))
+    means = np.array([tenth.mean for tenth in heard])
+    mean = np.abs(means.mean(axis=0))
+    found = np.any((mean > OFFSET) & (mean > STEADY * means.std(axis=0)))
     return AudioTrouble.OFFSET if found else AudioTrouble.NONE
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -36,7 +37,7 @@ class FileSource:
         self._wiring = wiring
         self._clock = clock
         self._file: soundfile.SoundFile | None = None
-        self._began = 0.0  # [s]
+        self._began = math.nan  # [s]
         self._index = 0
 
     @property
@@ -77,8 +78,10 @@ class FileSource:
         Raises
         ------
         AudioError
-            When it is missing, not audio, or lacks the rate or the channels.
+            When it is missing, not audio, lacks the rate or the channels, or was opened before.
         """
+        if not math.isnan(self._began):
+            raise AudioError(f"{self._path}: can be opened only once")
         if not self._path.is_file():
             raise AudioError(f"{self._path}: no such file")
         try:

@@ -190,7 +190,11 @@ def test_channels_gain_and_polarity_are_as_wired_and_raw_is_as_it_came(listen, m
         ("violin", {}, r"no microphones named 'violin'; there are: 'USB one' \(ALSA, 2 channels\), 'USB two'"),
         ("usb", {}, "'usb' fits more than one device: 'USB one' .* 'USB two'"),
         ("USB ONE", {"channels": (0, 3)}, r"'USB one' \(ALSA, 2 channels\) has no channel 3"),
-        ("usb two", {"rate_hz": 44100}, "does not record 2 channels at 44100 Hz: Invalid sample rate.*own rate is 48000"),
+        (
+            "usb two",
+            {"rate_hz": 44100},
+            "does not record 2 channels at 44100 Hz: Invalid sample rate.*own rate is 48000",
+        ),
     ],
 )
 def test_what_cannot_be_opened_gets_one_clear_line(listen, make_card, name, keys, said):

@@ -1,0 +1,253 @@
+"""One contract for everything that can be heard with; each kind adds its maker to `KINDS`."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import threading
+import time
+
+import numpy as np
+import pytest
+import soundfile
+
+from ross_payload.audio import FileSource, LiveSource
+from ross_payload.audio.capture import SoundCard
+from ross_payload.audio.network import PcmClient
+from ross_payload.audio.wiring import Wiring
+from ross_payload.clock import SystemClock
+from ross_payload.config import Audio, validated
+from ross_payload.errors import AudioEnded, AudioError
+from ross_protocols.pcm import Header, encode, encode_header
+from ross_sim.clock import SimClock
+from ross_sim.scenario import Scenario
+from ross_sim.world import World
+
+RATE, HOP = 16000, 160
+LATE = 0.6  # [s] after its capture within which a sample is given
+
+
+class Still:
+    """A far end that does not turn."""
+
+    port = None
+
+    def advance(self, now):
+        pass
+
+    def angle(self):
+        return 0.0
+
+
+class Server:
+    """Sends counted samples over TCP in real time, to one client after another; can be told to hang up."""
+
+    def __init__(self, header=None):
+        self._header = encode_header(Header(RATE, 2)) if header is None else header
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.address = f"127.0.0.1:{self._listener.getsockname()[1]}"
+        self._hang_up = threading.Event()
+        self._over = False
+        self._thread = threading.Thread(target=self._serve)
+        self._thread.start()
+
+    def hang_up(self):
+        self._hang_up.set()
+
+    def close(self):
+        self._over = True
+        with contextlib.suppress(OSError):
+            self._listener.shutdown(socket.SHUT_RDWR)
+        self._listener.close()
+        self._thread.join()
+
+    def _serve(self):
+        with contextlib.suppress(OSError):
+            while not self._over:
+                peer, _ = self._listener.accept()
+                with peer, contextlib.suppress(OSError):
+                    self._send(peer)
+                self._hang_up.clear()
+
+    def _send(self, peer):
+        peer.sendall(self._header)
+        begin, count = time.monotonic(), 0
+        while not self._over and not self._hang_up.is_set():
+            due = round((time.monotonic() - begin) * RATE)
+            numbers = np.arange(count, due, dtype=np.float64) / 2**23
+            peer.sendall(encode(np.stack([numbers, -numbers], axis=1).astype(np.float32), "s24le"))
+            count = due
+            time.sleep(0.01)
+
+
+def simulated(stack, tmp_path, request):
+    world = World(validated(Scenario, {"title": "t", "talkers": []}, "t"), [], Still(), SimClock(), 1, cache=tmp_path)
+    return world.source, world.clock
+
+
+def file(stack, tmp_path, request):
+    samples = np.random.default_rng(1).standard_normal((3 * RATE, 2)) * 0.1
+    soundfile.write(tmp_path / "take.flac", samples, RATE, subtype="PCM_24")
+    clock = SimClock()
+    return FileSource(tmp_path / "take.flac", RATE, Wiring.of(Audio()), clock), clock
+
+
+def tcp(stack, tmp_path, request):
+    server = Server()
+    stack.callback(server.close)
+    clock, wiring = SystemClock(), Wiring.of(Audio())
+    return LiveSource(PcmClient(server.address, RATE, wiring), RATE, wiring, 5.0, clock), clock
+
+
+def card(stack, tmp_path, request):
+    module = request.getfixturevalue("make_card")(ppm=50, jitter=0.01)
+    audio = Audio()
+    wiring = Wiring.of(audio)
+    return LiveSource(SoundCard("card", audio, wiring, module), RATE, wiring, 5.0, module.clock), module.clock
+
+
+KINDS = {"simulated": simulated, "file": file, "tcp": tcp, "card": card}
+
+
+@pytest.fixture(params=KINDS)
+def rig(request, tmp_path):
+    with contextlib.ExitStack() as stack:
+        yield KINDS[request.param](stack, tmp_path, request)
+
+
+def test_blocks_are_two_rows_of_float32_on_the_24_bit_grid(rig):
+    source, _ = rig
+    with source:
+        samples = source.read(HOP).samples
+    counts = samples.astype(np.float64) * 2**23
+    assert samples.shape == (2, HOP)
+    assert samples.dtype == np.float32
+    assert np.array_equal(counts, np.rint(counts))
+
+
+def test_blocks_of_any_size_are_consecutive(rig):
+    source, _ = rig
+    with source:
+        blocks = [source.read(n) for n in (160, 77, 1, 320, 160, 1000, 160)]
+    assert [block.index for block in blocks] == [0, 160, 237, 238, 558, 718, 1718]
+    assert [block.samples.shape[1] for block in blocks] == [160, 77, 1, 320, 160, 1000, 160]
+
+
+def test_time_grows_by_the_samples_that_were_read(rig):
+    source, _ = rig
+    with source:
+        times = np.array([source.read(HOP).time for _ in range(100)])
+    assert np.diff(times) == pytest.approx(HOP / RATE, rel=0.011)
+
+
+def test_a_block_is_given_soon_after_it_was_heard_and_not_before(rig):
+    source, clock = rig
+    with source:
+        late = [clock.now() - source.read(HOP).time - HOP / RATE for _ in range(50)]
+    assert min(late) > -0.012
+    assert min(late) < LATE
+
+
+def test_a_reader_that_was_busy_gets_what_was_heard_meanwhile(rig):
+    source, clock = rig
+    with source:
+        before = source.read(HOP)
+        clock.sleep(0.5)
+        after = source.read(HOP)
+    assert after.index == before.index + HOP
+    assert after.time == pytest.approx(before.time + HOP / RATE, abs=0.001)
+    assert not after.flags
+
+
+def test_the_rate_is_the_configurations(rig):
+    assert rig[0].rate == RATE
+
+
+def test_reading_needs_an_open_source(rig):
+    source, _ = rig
+    with pytest.raises(AudioError, match="not open"):
+        source.read(HOP)
+    with source:
+        source.read(HOP)
+    with pytest.raises(AudioError, match="not open"):
+        source.read(HOP)
+
+
+def test_a_source_is_opened_only_once(rig):
+    source, _ = rig
+    with source:
+        source.read(HOP)
+    with pytest.raises(AudioError, match="only once"), source:
+        pass
+
+
+def test_a_file_ends_cleanly_with_every_whole_hop_read(tmp_path):
+    samples = np.random.default_rng(1).integers(-(2**22), 2**22, (2, 1000)) / 2**23
+    soundfile.write(tmp_path / "take.wav", samples.T, RATE, subtype="PCM_24")
+    source = FileSource(tmp_path / "take.wav", RATE, Wiring.of(Audio()), SimClock())
+    heard = []
+    with source, pytest.raises(AudioEnded, match="end of file after 0.06 s"):
+        while True:
+            heard.append(source.read(HOP).samples)
+    assert np.array_equal(np.concatenate(heard, axis=1), samples[:, :960].astype(np.float32))
+
+
+@pytest.mark.parametrize(
+    ("rate", "channels", "said"),
+    [(8000, 2, "at 8000 Hz; audio.rate_hz is 16000"), (16000, 1, "1 channels; there is no channel 1")],
+)
+def test_a_file_that_does_not_fit_is_refused(tmp_path, rate, channels, said):
+    soundfile.write(tmp_path / "take.wav", np.zeros((100, channels)), rate)
+    with pytest.raises(AudioError, match=said), FileSource(tmp_path / "take.wav", RATE, Wiring.of(Audio()), SimClock()):
+        pass
+
+
+def test_a_file_that_is_missing_or_no_audio_is_refused(tmp_path):
+    (tmp_path / "text.wav").write_text("not audio")
+    for name, said in (("none.wav", "no such file"), ("text.wav", "not audio that libsndfile can read")):
+        source = FileSource(tmp_path / name, RATE, Wiring.of(Audio()), SimClock())
+        with pytest.raises(AudioError, match=said), source:
+            pass
+
+
+def test_a_server_that_hangs_up_is_connected_to_again():
+    server = Server()
+    wiring = Wiring.of(Audio())
+    source = LiveSource(PcmClient(server.address, RATE, wiring), RATE, wiring, 5.0, SystemClock())
+    with contextlib.closing(server), source:
+        source.read(HOP)
+        server.hang_up()
+        for _ in range(2000):
+            source.read(HOP)
+            if source.status().reopened and not source.status().trouble:
+                break
+        assert source.status().reopened == 1
+        assert source.read(HOP).samples.any()
+
+
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        (b"GET / HTTP/1.1\n", "not a PCM header: b'GET / HTTP/1.1'; wanted a line like"),
+        (encode_header(Header(48000, 2)), "sends 48000 Hz; audio.rate_hz is 16000"),
+        (encode_header(Header(RATE, 1)), "sends 1 channels; there is no channel 1"),
+        (encode_header(Header(RATE, 2)).replace(b": 1,", b": 2,"), "PCM header of version 2; wanted 1"),
+    ],
+)
+def test_a_server_that_does_not_fit_gets_one_clear_line(header, said):
+    server = Server(header)
+    wiring = Wiring.of(Audio())
+    source = LiveSource(PcmClient(server.address, RATE, wiring), RATE, wiring, 5.0, SystemClock())
+    with contextlib.closing(server), pytest.raises(AudioError, match=said), source:
+        pass
+
+
+def test_a_server_that_is_not_there_gets_one_clear_line():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        address = f"127.0.0.1:{taken.getsockname()[1]}"
+    wiring = Wiring.of(Audio())
+    with (
+        pytest.raises(AudioError, match=f"tcp:{address}: no audio: Connection refused"),
+        LiveSource(PcmClient(address, RATE, wiring), RATE, wiring, 5.0, SystemClock()),
+    ):
+        pass

@@ -1,0 +1,93 @@
+"""Which channels are the microphones, and what is done to them."""
+
+import numpy as np
+import pytest
+
+from ross_payload.audio import FileSource, LiveSource, open_source
+from ross_payload.audio.wiring import PRESETS, Wiring, fitting
+from ross_payload.config import Audio, Config, validated
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import AudioFlag
+from ross_sim.clock import SimClock
+
+
+def pair(*values):
+    return np.array([values, values], np.float32)
+
+
+def test_a_preset_gives_what_the_configuration_does_not_say():
+    wiring = Wiring.of(Audio(preset="respeaker-usb"))
+    assert (wiring.channels, wiring.needed) == (PRESETS["respeaker-usb"].channels, 6)
+    assert Wiring.of(Audio(preset="respeaker-usb", channels=(4, 3))).channels == (4, 3)
+    assert Wiring.of(Audio(channels=(3, 0))).needed == 4
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"channels": (1, 1)}, "two microphones need two channels"),
+        ({"channels": (0, 4), "preset": "respeaker-4mic"}, r"channels = \[0, 4\] but only 4 channels are opened"),
+        ({"channels": (0, 2), "device_channels": 2}, "only 2 channels are opened"),
+    ],
+)
+def test_channels_that_cannot_be_are_refused(keys, said):
+    with pytest.raises(ConfigError, match=said):
+        Wiring.of(Audio(**keys))
+
+
+def test_gain_and_polarity_reach_the_samples_and_not_the_raw():
+    wired = Wiring.of(Audio(gain_db=(20.0, 0.0), invert=(False, True))).apply(pair(0.01, -0.02))
+    assert wired.samples == pytest.approx(np.array([[0.1, -0.2], [-0.01, 0.02]]), abs=2**-22)
+    assert np.array_equal(wired.raw, pair(0.01, -0.02))
+
+
+def test_without_gain_there_is_no_second_copy():
+    assert Wiring.of(Audio()).apply(pair(0.5)).raw is None
+
+
+def test_samples_off_the_grid_are_rounded_to_it():
+    counts = Wiring.of(Audio()).apply(pair(1 / 3)).samples.astype(np.float64) * 2**23
+    assert np.array_equal(counts, np.rint(counts))
+
+
+@pytest.mark.parametrize("full", [1.0, -1.0, 32767 / 32768, 1 - 2**-23])
+def test_full_scale_of_16_and_24_bits_is_clipping(full):
+    assert Wiring.of(Audio()).apply(pair(0.1, full)).flags == AudioFlag.CLIPPED
+
+
+def test_a_gain_that_goes_over_full_scale_clips_and_says_so():
+    wired = Wiring.of(Audio(gain_db=(40.0, 0.0))).apply(pair(0.5))
+    assert wired.samples[0] == pytest.approx(1 - 2**-23)
+    assert wired.flags == AudioFlag.CLIPPED
+
+
+def test_what_is_not_a_number_becomes_zero_and_is_flagged():
+    wired = Wiring.of(Audio()).apply(pair(0.25, np.nan, np.inf))
+    assert np.array_equal(wired.samples, pair(0.25, 0, 0))
+    assert wired.flags == AudioFlag.INVALID
+
+
+def test_presets_are_found_by_name():
+    assert fitting("seeed-2mic-voicecard: bcm2835-i2s-wm8960-hifi (hw:1,0)") == "respeaker-2mic"
+    assert fitting("HDA Intel PCH: ALC257 Analog (hw:0,0)") == ""
+
+
+@pytest.mark.parametrize("source", ["microphone", "device:", "udp:1.2.3.4:5"])
+def test_a_source_of_no_known_kind_is_refused(source):
+    with pytest.raises(ConfigError, match=r"audio\.source"):
+        validated(Config, {"audio": {"source": source}}, "test")
+
+
+@pytest.mark.parametrize("address", ["localhost", "localhost:x", "localhost:0", ":5000", "localhost:70000"])
+def test_an_address_without_host_or_port_is_refused(address):
+    config = validated(Config, {"audio": {"source": f"tcp:{address}"}}, "test")
+    with pytest.raises(ConfigError, match="wanted tcp:HOST:PORT"):
+        open_source(config, SimClock())
+
+
+def test_sources_are_made_by_their_kind():
+    made = [
+        type(open_source(validated(Config, {"audio": {"source": source}}, "test"), SimClock()))
+        for source in ("device:default", "tcp:127.0.0.1:5000", "file:take.wav")
+    ]
+    assert made == [LiveSource, LiveSource, FileSource]
