@@ -33,7 +33,7 @@ def face(context: Context, heading: float, joint: float, reason: str) -> Step[No
     context.say(TurnStarted(context.time, goal, here.heading_end + goal - here.joint, reason))
     context.holding = follower = _follower(context, heading, goal)
     correction: float | None = goal
-    while correction is not None or not follower.there(context.here):
+    while correction is not None or not follower.there(context.time, context.here):
         heard = yield from hop(context, goal=correction)
         correction = follower.correction(context.time, heard)
 

@@ -12,6 +12,7 @@ from ross_payload.interfaces import Input
 STILL = 1e-9  # [rad]: what has turned by less has not turned
 LEAD = 0.15  # [s] that a correction looks ahead: half of a small move, and half of the time until the next one
 TRAIL = 0.1  # [s] over which the rate of the base is taken
+DWELL = 0.2  # [s] near the heading that end a turn: less, and the joint may only be passing by
 BEARABLE = math.radians(5)  # off the heading at a limit of the joint
 
 
@@ -34,6 +35,7 @@ class Follower:
     lower: float  # limits of the joint [rad]
     upper: float
     corrected: bool = False
+    near_since: float = math.inf  # time [s]
     trail: deque[tuple[float, float]] = field(default_factory=deque)  # time [s], heading at joint angle 0 [rad]
 
     def correction(self, time: float, heard: Input) -> float | None:
@@ -41,6 +43,8 @@ class Follower:
         self.trail.append((time, base(heard)))
         while time - self.trail[0][0] > TRAIL + STILL:
             self.trail.popleft()
+        near = abs(wrap_axis(self.heading - heard.heading_end)) <= self.tolerance
+        self.near_since = min(self.near_since, time) if near else math.inf
         wanted = self._wanted()
         if abs(wanted - self.goal) <= self.tolerance:
             return None
@@ -55,12 +59,11 @@ class Follower:
         wanted = self._wanted()
         return max(wanted - self.upper, self.lower - wanted) > BEARABLE
 
-    def there(self, heard: Input) -> bool:
-        """Whether a turn is over: at rest, or near the heading with no large move to come."""
+    def there(self, time: float, heard: Input) -> bool:
+        """Whether a turn is over: at rest, or near the heading for a while with no large move to come."""
         if heard.settled or not self.corrected:
             return heard.settled
-        off = abs(wrap_axis(self.heading - heard.heading_end))
-        return off <= self.tolerance and abs(self.goal - heard.joint) <= 2 * self.tolerance
+        return time - self.near_since >= DWELL and abs(self.goal - heard.joint) <= 2 * self.tolerance
 
     def _wanted(self) -> float:
         """Joint angle [rad] that gives the heading soon, of the branch of the present goal."""
