@@ -82,7 +82,7 @@ class FakePortAudio:
     def InputStream(self, **settings):  # noqa: N802 - its name
         if not self.names or settings["device"] >= len(self._listed):
             raise PortAudioError("Device unavailable [PaErrorCode -9985]")
-        stream = FakeStream(self, **settings)
+        stream = FakeStream(self, settings)
         self.streams.append(stream)
         return stream
 
@@ -99,10 +99,10 @@ class FakePortAudio:
 
 
 class FakeStream:
-    def __init__(self, card, device, channels, dtype, samplerate, latency, callback, finished_callback):
-        self._card, self._channels = card, channels
-        self._callback, self._finished = callback, finished_callback
-        self.samplerate = card.opened_rate or float(samplerate)
+    def __init__(self, card, settings):
+        self._card, self._channels = card, settings["channels"]
+        self._callback, self._finished = settings["callback"], settings["finished_callback"]
+        self.samplerate = card.opened_rate or float(settings["samplerate"])
         self.active = False
         self._count = 0
 

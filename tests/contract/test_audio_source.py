@@ -186,7 +186,7 @@ def test_a_file_ends_cleanly_with_every_whole_hop_read(tmp_path):
     soundfile.write(tmp_path / "take.wav", samples.T, RATE, subtype="PCM_24")
     source = FileSource(tmp_path / "take.wav", RATE, Wiring.of(Audio()), SimClock())
     heard = []
-    with source, pytest.raises(AudioEnded, match="end of file after 0.06 s"):
+    with source, pytest.raises(AudioEnded, match=r"end of file after 0\.06 s"):
         while True:
             heard.append(source.read(HOP).samples)
     assert np.array_equal(np.concatenate(heard, axis=1), samples[:, :960].astype(np.float32))

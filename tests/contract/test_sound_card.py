@@ -1,4 +1,4 @@
-"""A sound card that drifts, stalls, loses samples, is pulled out and comes back: counting samples stays counting time."""
+"""A card that drifts, stalls, loses samples, is pulled out and comes back: counting samples is counting time."""
 
 import numpy as np
 import pytest
