@@ -32,6 +32,7 @@ class Beginning:
     upper: float  # [rad]
     voice: str = ""  # name of the voice that is sought; its print stays where it is
     memory: Any = None  # what the session knew from earlier tasks: a frozen dataclass
+    yaw: float = 0.0  # from which [informed] counts its azimuths in one mission [rad]
     synthetic: VoicePrintModel | None = None  # the print of a talker that no person is: it is kept with the session
 
 
@@ -42,6 +43,7 @@ class Manifest:
     version: int
     kind: str
     voice: str
+    yaw: float  # [rad]
     lower: float  # [rad]
     upper: float  # [rad]
     started: str  # UTC, empty: the clock was not set
@@ -82,6 +84,7 @@ def _write_manifest(folder: Path, begin: Beginning, started: str, end: str | Non
         "version": VERSION,
         "kind": begin.kind,
         "voice": begin.voice,
+        "informed_yaw_rad": begin.yaw,
         "travel_rad": [angle if math.isfinite(angle) else None for angle in travel],
         "started": started,
         "versions": versions(),
@@ -113,6 +116,7 @@ def read(folder: Path) -> Manifest:
             version=int(values["version"]),
             kind=str(values["kind"]),
             voice=str(values["voice"]),
+            yaw=float(values["informed_yaw_rad"]),
             lower=-math.inf if lower is None else float(lower),
             upper=math.inf if upper is None else float(upper),
             started=str(values["started"]),

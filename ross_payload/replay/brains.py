@@ -16,8 +16,8 @@ from ross_payload.service import informed_of, settings_of, tools_of
 from ross_payload.service.payload import FIRST
 
 
-def mission_of(session: Session, config: Config, voiceprint: VoicePrint | None, attitude: Attitude) -> Mission:
-    """Make the mission of a session; ``attitude`` is that of its first Input.
+def mission_of(session: Session, config: Config, voiceprint: VoicePrint | None) -> Mission:
+    """Make the mission of a session.
 
     Raises
     ------
@@ -27,16 +27,16 @@ def mission_of(session: Session, config: Config, voiceprint: VoicePrint | None, 
     kinds = {"mission": _single, "session": _live}
     if session.manifest.kind not in kinds:
         raise ConfigError(f"session.json: kind '{session.manifest.kind}', wanted one of {', '.join(kinds)}")
-    return kinds[session.manifest.kind](session, config, voiceprint, attitude)
+    return kinds[session.manifest.kind](session, config, voiceprint)
 
 
-def _single(session: Session, config: Config, voiceprint: VoicePrint | None, attitude: Attitude) -> Mission:
-    kit = _kit(session, config, voiceprint)
-    told = config.informed
-    return mission(kit.settings, kit.tools, informed_of(config, attitude), None if told is None else told.target)
+def _single(session: Session, config: Config, voiceprint: VoicePrint | None) -> Mission:
+    kit, told = _kit(session, config, voiceprint), config.informed
+    informed = informed_of(config, Attitude(session.manifest.yaw))
+    return mission(kit.settings, kit.tools, informed, None if told is None else told.target)
 
 
-def _live(session: Session, config: Config, voiceprint: VoicePrint | None, attitude: Attitude) -> Mission:
+def _live(session: Session, config: Config, voiceprint: VoicePrint | None) -> Mission:
     memory = session.memory(Memory) or Memory()
     task = FIRST[config.service.autostart] if memory.samples == 0 else None  # a recording from the very start
     live = LiveSession(config, lambda settings: _kit(session, settings, voiceprint), memory)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from itertools import chain
 
-from ross_payload.errors import ConfigError
 from ross_payload.events import Event
-from ross_payload.interfaces import Attitude, Input, Mission, Output, Result
+from ross_payload.interfaces import Input, Mission, Output, Result
 from ross_payload.recording import plain
 from ross_payload.replay.course import Course, Strayed
 from ross_payload.replay.voices import Unanswered
@@ -27,23 +25,10 @@ class Replayed:
     early: str = ""  # why it ended before the recording did, empty: it did not
 
 
-def replay(
-    make: Callable[[Attitude], Mission], inputs: Iterable[Input], course: Course, rate: int, told: Replayed
-) -> None:
-    """Run a mission on recorded Inputs until it, or they, end; ``told`` says at any time how far it is.
-
-    Raises
-    ------
-    ConfigError
-        When there is no Input.
-    """
-    stream = iter(inputs)
-    first = next(stream, None)
-    if first is None:
-        raise ConfigError("the recording holds no Input: nothing to replay")
-    mission = make(first.attitude)
+def replay(mission: Mission, inputs: Iterable[Input], course: Course, rate: int, told: Replayed) -> None:
+    """Run a mission on recorded Inputs until it, or they, end; ``told`` says at any time how far it is."""
     try:
-        _feed(mission, chain([first], stream), course, rate, told)
+        _feed(mission, inputs, course, rate, told)
     except (Strayed, Unanswered) as end:
         told.early = str(end)
     except StopIteration as end:
@@ -54,7 +39,7 @@ def replay(
         mission.close()
 
 
-def _feed(mission: Mission, inputs: Iterator[Input], course: Course, rate: int, told: Replayed) -> None:
+def _feed(mission: Mission, inputs: Iterable[Input], course: Course, rate: int, told: Replayed) -> None:
     """Raise StopIteration with the mission's Result when it ends before the Inputs do."""
     output: Output = next(mission)
     joint = 0.0

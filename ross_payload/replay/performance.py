@@ -8,6 +8,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from ross_payload.errors import ConfigError
 from ross_payload.mission.tasks import Memory
 from ross_payload.recording.session import Session
 from ross_payload.replay import changes, results
@@ -39,7 +40,9 @@ def perform(path: Path, out: Path | None, file: Path | None, settings: tuple[str
     anew = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differences)
     with threadpool_limits(limits=1):
         inputs = session.inputs(config.audio, anew=anew)
-        replay(lambda attitude: mission_of(session, config, who.voiceprint, attitude), inputs, course, rate, told)
+        replay(mission_of(session, config, who.voiceprint), inputs, course, rate, told)
+    if not told.inputs:
+        raise ConfigError(f"{path}: holds no whole Input: nothing to replay")
     values = {
         "voice": who.how,
         "changes": differences,

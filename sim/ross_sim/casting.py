@@ -11,7 +11,7 @@ from typing import Any
 from ross_payload.config import Informed, Link, as_in_paper, validated
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import VoicePrint
-from ross_payload.voiceprint import VoiceStore, enrol
+from ross_payload.voiceprint import VoicePrintModel, VoiceStore, enrol
 from ross_sim.scenario import Scenario, load
 from ross_sim.speech import Voice, load_folder
 from ross_sim.voices import synthetic_voices
@@ -24,6 +24,7 @@ class Company:
     voices: tuple[Voice, ...]
     target: str
     voiceprint: VoicePrint
+    synthetic: VoicePrintModel | None = None  # the same, of a target that is no person
 
 
 def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
@@ -82,7 +83,8 @@ def company_of(scenario: Scenario, speech: Path | None, target: str | None) -> C
             return Company(voices, target, _enrolled(target, voices))
         voice = found
         voices = (voice, *(other for other in voices if other is not voice))
-    return Company(voices, voice.name, enrol(voice.enrolment, voice.rate))
+    voiceprint = enrol(voice.enrolment, voice.rate)
+    return Company(voices, voice.name, voiceprint, voiceprint if speech is None else None)
 
 
 def _enrolled(target: str, voices: tuple[Voice, ...]) -> VoicePrint:

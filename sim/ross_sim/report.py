@@ -6,7 +6,6 @@ import math
 import platform
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from enum import Enum
 from importlib.metadata import version
 from typing import Any
 
@@ -217,35 +216,12 @@ def _groups(story: Story, sources: Sequence[SourceEstimate], truth: Truth) -> li
     ]
 
 
-def plain(event: Event) -> dict[str, Any]:
-    """One event as plain values, for one line of events.jsonl; arrays are rounded, audio is left out."""
-    values: dict[str, Any] = {"event": type(event).__name__}
-    for name in event.__dataclass_fields__:
-        values[name] = None if name == "voices" else _plain(getattr(event, name))
-    values.pop("voices", None)
-    return values
-
-
 def orientations(story: Story) -> list[OrientationHeard]:
     """Return the orientations of the last exploration only."""
     heard: list[OrientationHeard] = []
     for event in story.all(OrientationHeard):
         heard = [event] if event.index == 0 else [*heard, event]
     return heard
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return [float(f"{number:.6g}") for number in value.ravel()] if value.ndim == 1 else [_plain(v) for v in value]
-    if isinstance(value, Enum):
-        return value.name.lower()
-    if isinstance(value, bool | int | str) or value is None:
-        return value
-    if isinstance(value, float | np.floating):
-        return float(f"{value:.9g}") if math.isfinite(value) else None
-    if isinstance(value, tuple | list):
-        return [_plain(item) for item in value]
-    return {name: _plain(getattr(value, name)) for name in value.__dataclass_fields__}
 
 
 def _degrees(angle: float) -> float:

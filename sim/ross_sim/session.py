@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import signal
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -25,6 +25,9 @@ from ross_payload.links import Links
 from ross_payload.mission.supervise import mission
 from ross_payload.mount import fixed_mount, mount_of
 from ross_payload.orders import Stop
+from ross_payload.recording import plain
+from ross_payload.recording.manifest import Beginning
+from ross_payload.recording.recorder import Recorder
 from ross_payload.service import Runner, informed_of, settings_of, tools_of
 from ross_payload.telemetry.service import Telemetry
 from ross_payload.timebase import Timebase
@@ -35,8 +38,9 @@ from ross_sim.far_end import far_end_of
 from ross_sim.live import View
 from ross_sim.outdir import OutDir
 from ross_sim.picture import draw
-from ross_sim.report import Story, Truth, plain, report
+from ross_sim.report import Story, Truth, report
 from ross_sim.scenario import Cast, Scenario
+from ross_sim.tape import taped
 from ross_sim.world import World
 
 POLL = 0.010  # [s] between two polls of drivers and links
@@ -85,8 +89,16 @@ class Pace:
         """Nothing to wait for."""
 
 
-def perform(scenario: Scenario, company: Company, view: View, out: OutDir | None, speed: float | None) -> Finished:
-    """Run one mission in lock-step and write its results."""
+def perform(
+    scenario: Scenario,
+    company: Company,
+    view: View,
+    out: OutDir | None,
+    speed: float | None,
+    *,
+    tape: Path | None = None,
+) -> Finished:
+    """Run one mission in lock-step, write its results, and record it in the folder ``tape``."""
     wall = SystemClock()
     started = wall.now()
     config = scenario.payload
@@ -100,10 +112,12 @@ def perform(scenario: Scenario, company: Company, view: View, out: OutDir | None
         actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
         stack.enter_context(world.source)
         mount = _mount(scenario, clock, links)
-        runner = _runner(scenario, company, world, actuator, mount)
+        recorder = stack.enter_context(taped(tape, _beginning(scenario, company, actuator), clock, links))
+        runner = _runner(scenario, company, world, actuator, mount, recorder=recorder)
         tlog = out.staging / "mission.tlog" if out is not None else None
         telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
         runner.observers = [collector, telemetry, view, *([Pace(speed)] if speed else [])]
+        runner.observers += [] if recorder is None else [recorder]
         ready = wall.now()
         with stop_on_signal(runner):
             result = runner.run()
@@ -145,9 +159,19 @@ def _mount(scenario: Scenario, clock: SimClock, links: Links) -> Mount:
     return mount_of(config, clock, links, timebase)
 
 
-def _runner(scenario: Scenario, company: Company, world: World, actuator: Guard, mount: Mount) -> Runner:
+def _beginning(scenario: Scenario, company: Company, actuator: Guard) -> Beginning:
+    """What a replay must know."""
+    travel, yaw = actuator.capabilities, room_yaw(scenario)
+    config, print_ = scenario.payload, company.synthetic
+    return Beginning("mission", config, travel.lower, travel.upper, company.target, yaw=yaw, synthetic=print_)
+
+
+def _runner(
+    scenario: Scenario, company: Company, world: World, actuator: Guard, mount: Mount, *, recorder: Recorder | None
+) -> Runner:
     config, travel = scenario.payload, actuator.capabilities
-    settings, tools = settings_of(config, travel.lower, travel.upper), tools_of(config, company.voiceprint)
+    voiceprint = company.voiceprint if recorder is None else recorder.noting(company.voiceprint)
+    settings, tools = settings_of(config, travel.lower, travel.upper), tools_of(config, voiceprint)
     informed = informed_of(config, Attitude(room_yaw(scenario)))
     brain = mission(settings, tools, informed, config.informed.target if config.informed else None)
     runner = Runner(brain, world.source, actuator, mount, config=config, clock=world.clock)
@@ -181,7 +205,7 @@ def _write(out: OutDir, story: Story, truth: Truth, values: dict[str, Any], scen
     config = scenario.payload
     rate = config.audio.rate_hz
     out.write_json("report.json", values)
-    out.write_text("events.jsonl", "".join(json.dumps(plain(event), allow_nan=False) + "\n" for event in story.events))
+    out.write_text("events.jsonl", "".join(map(plain.line, story.events)))
     separated: Separated | None = story.last(Separated)
     if separated is not None:
         for index, voice in enumerate(separated.voices):

@@ -44,8 +44,11 @@ def _folder(context: click.Context, parameter: click.Parameter, value: str | Non
 @click.option("--telemetry", "urls", multiple=True, help="URL to send MAVLink to; may be given more than once.")
 @click.option("--speed", default="max", show_default=True, callback=_speed, help="max, or times real time.")
 @click.option("--out", callback=_folder, help="Folder for report, audio, picture and logs.")
+@click.option("--record", callback=_folder, help="Folder to record a session in, for `ross replay`.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON, and nothing else.")
-def command(scenario: str, out: Path | None, speed: float | None, as_json: bool, **changes: Any) -> int:
+def command(
+    scenario: str, out: Path | None, speed: float | None, record: Path | None, as_json: bool, **changes: Any
+) -> int:
     """Run the whole mission in a simulated room, with the real drivers on simulated wires."""
     from contextlib import nullcontext
 
@@ -61,7 +64,7 @@ def command(scenario: str, out: Path | None, speed: float | None, as_json: bool,
             company = company_of(chosen, changes["speech"], changes["target"])
         view = view_of(as_json, expected(chosen))
         try:
-            finished = perform(chosen, company, view, folder, speed)
+            finished = perform(chosen, company, view, folder, speed, tape=record)
         finally:
             view.close()
     show(finished, out, as_json)

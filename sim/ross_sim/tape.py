@@ -1,0 +1,41 @@
+"""Record a simulated mission with the payload's own recorder, in simulated time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ross_payload.errors import OutputError
+from ross_payload.health import RecordingState
+from ross_payload.interfaces import Clock
+from ross_payload.links import Links
+from ross_payload.recording.manifest import Beginning
+from ross_payload.recording.recorder import DRAIN, Recorder
+from ross_payload.recording.shelf import Shelf
+
+
+@contextmanager
+def taped(folder: Path | None, begin: Beginning, clock: Clock, links: Links) -> Iterator[Recorder | None]:
+    """Give a recorder that makes one session in ``folder``, from the first Input to the end; None for no folder.
+
+    Raises
+    ------
+    OutputError
+        At the end, when the disk did not take everything.
+    """
+    if folder is None:
+        yield None
+        return
+    config = begin.config
+    limits = config.recording.model_copy(update={"always": True})
+    first = iter([begin])
+    with Recorder(Shelf(folder), limits, lambda: next(first, None)) as recorder:
+        component = links.component(config.telemetry.component_id)
+        component.tap(lambda frame: recorder.sent(round(clock.now() * 1e6), frame))
+        cancel = clock.every(DRAIN, recorder.drain)
+        yield recorder
+        cancel()
+    status = recorder.status()
+    if status.state in (RecordingState.FULL, RecordingState.BROKEN):
+        raise OutputError(f"--record {folder}: the recording is not whole: {status.reason}")
