@@ -161,7 +161,7 @@ def words(event: Event) -> tuple[int, str]:
     """
     match event:
         case StateChanged():
-            return logging.INFO, f"{event.state.name.lower()} {event.detail}".strip()
+            return logging.INFO, _colon(event.state.name.lower().replace("_", " "), event.detail)
         case TurnStarted():
             where = f"heading {math.degrees(event.heading):.1f} deg, joint {math.degrees(event.joint):.1f} deg"
             return logging.INFO, f"turning to {where}: {event.reason}"
@@ -171,7 +171,7 @@ def words(event: Event) -> tuple[int, str]:
         case Answered():
             level = logging.WARNING if event.answer in (Answer.REFUSED, Answer.FAILED) else logging.INFO
             level = logging.DEBUG if event.answer is Answer.PROGRESS else level
-            return level, f"order {event.order} {event.answer.name.lower()} {event.reason}".strip()
+            return level, _colon(f"order {event.order} {event.answer.name.lower()}", event.reason)
     said = line(event)
     if said is None:
         return logging.DEBUG, type(event).__name__
@@ -188,6 +188,10 @@ def described(event: Event) -> dict[str, Any]:
     plain = {field.name: getattr(event, field.name) for field in fields(event)}
     kept = {name: value for name, value in plain.items() if isinstance(value, (str, int, float, Enum))}
     return {"event": type(event).__name__, **kept}
+
+
+def _colon(what: str, why: str) -> str:
+    return f"{what}: {why}" if why else what
 
 
 def _plain(value: Any) -> Any:

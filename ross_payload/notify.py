@@ -115,7 +115,8 @@ class Watchdog:
     def said(self, event: Event, heard: Input) -> None:
         """Tell the manager what the mission does."""
         if isinstance(event, StateChanged):
-            self._manager.status(f"{event.state.name.lower().replace('_', ' ')} {event.detail}".strip())
+            state = event.state.name.lower().replace("_", " ")
+            self._manager.status(f"{state}: {event.detail}" if event.detail else state)
 
 
 def _line(text: str) -> str:

@@ -75,6 +75,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.enter_context(parts.drained(recorder))
         runner.observers = [ears, telemetry, recorder, *observers]
         stack.callback(clock.every(POLL, parts.links.poll))
+        runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
         stack.callback(clock.every(POLL, runner.poll))
         yield runner
 

@@ -164,7 +164,7 @@ def test_endlessly_many_kinds_take_no_endless_memory():
 
 def test_a_mission_tells_its_states_turns_and_end(written):
     line = written(said(StateChanged(1.0, State.RUN, "source 0")))
-    assert line.endswith("info    mission: run source 0\n")
+    assert line.endswith("info    mission: run: source 0\n")
     line = written(said(TurnStarted(1.0, np.pi / 4, np.pi / 2, "rotation 1")))
     assert "heading 90.0 deg, joint 45.0 deg" in line
     line = written(said(Finished(1.0, Outcome.FAULT, "motor stalled")))

@@ -125,7 +125,7 @@ def test_the_manager_hears_what_the_mission_does(systemd):
     wire, name = systemd
     watchdog = Watchdog(Manager(name), SimClock(), {"mission": 60.0})
     watchdog.said(StateChanged(1.0, State.EXPLORE_TURN, "rotation 2 of 12"), hop())
-    assert words(wire) == ["STATUS=explore turn rotation 2 of 12"]
+    assert words(wire) == ["STATUS=explore turn: rotation 2 of 12"]
 
 
 def test_without_a_watchdog_nothing_is_polled():
