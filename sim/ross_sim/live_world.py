@@ -48,6 +48,8 @@ class LiveWorld:
         """Live until ``stopped``; the sound begins when it is ``wanted``."""
         while not (stopped() or wanted()):
             self._real_time.step(self._side.exchange, self._wait)
+        if stopped():
+            return
         with self._world.source:
             self._began = self._real_time.epoch + self._world.clock.now()
             while not stopped():

@@ -1,0 +1,100 @@
+"""A small payload for the tests of live worlds, in a process of its own: real driver, runner and mission, real time.
+
+``python live_payload.py SCENARIO FOLDER [PIPE]`` starts `ross world` beside it, flies one mission, and prints the
+report of the simulator as JSON. The sound comes over TCP, or through the sound card ``pulse`` that PIPE feeds.
+"""
+
+import json
+import subprocess
+import sys
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from scipy.signal import correlate
+from threadpoolctl import threadpool_limits
+
+from ross_payload.actuators.registry import open_actuator
+from ross_payload.actuators.wires import open_wire
+from ross_payload.audio import open_source
+from ross_payload.clock import SystemClock
+from ross_payload.interfaces import Services
+from ross_payload.mission.supervise import mission
+from ross_payload.mount import FixedMount
+from ross_payload.service import Runner, settings_of, tools_of
+from ross_sim.casting import company_of
+from ross_sim.report import Story, report
+from ross_sim.scenario import load
+from ross_sim.truth import read_truth
+
+
+class Memory:
+    """Keeps what was heard and said."""
+
+    def __init__(self):
+        self.heard_by_hop = []
+        self.story = Story()
+
+    def heard(self, heard):
+        self.heard_by_hop.append(heard.block.samples[0])
+
+    def said(self, event, heard):
+        self.story.events.append(event)
+
+
+def wired(config, source, wire):
+    """The configuration with these two addresses."""
+    actuator = config.actuator.model_copy(update={"options": config.actuator.options | {"port": wire}})
+    audio = config.audio.model_copy(update={"source": source})
+    return config.model_copy(update={"actuator": actuator, "audio": audio})
+
+
+def fly(scenario, config):
+    """One mission in real time; what was kept of it, its result, and how many samples were lost."""
+    clock, memory = SystemClock(), Memory()
+    voiceprint = company_of(scenario, None, None).voiceprint
+    sys.setswitchinterval(0.001)
+    with ExitStack() as stack, threadpool_limits(limits=1):
+        actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: open_wire(url, clock))))
+        audio = stack.enter_context(open_source(config, clock))
+        travel = actuator.capabilities
+        brain = mission(settings_of(config, travel.lower, travel.upper), tools_of(config, voiceprint), None, None)
+        runner = Runner(brain, audio, actuator, FixedMount(), config=config, clock=clock)
+        runner.observers = [memory]
+        runner.poll()
+        stack.callback(clock.every(0.010, runner.poll))
+        result = runner.run()
+        return memory, result, audio.status().lost
+
+
+def judge(scenario, world, memory, result):
+    """The simulator's report, with the truth moved to where the payload began to hear."""
+    heard, truth = np.concatenate(memory.heard_by_hop), read_truth(world)
+    n = min(heard.size, 10 * 16000)
+    lag = int(np.argmax(np.abs(correlate(truth.mixture, heard[:n], mode="valid"))))
+    truth = replace(truth, images=truth.images[:, lag:], mixture=truth.mixture[lag:])
+    n = min(heard.size, truth.mixture.size)
+    values = report(memory.story, truth, result, {"payload": scenario.payload.model_dump(mode="json")})
+    return values | {"differs": float(np.abs(heard[:n] - truth.mixture[:n]).max())}
+
+
+def main(path, folder, pipe=None):
+    scenario, out = load(path), Path(folder) / "world"
+    sound = ["--pcm", "tcp:127.0.0.1:0"] if pipe is None else ["--pipe", pipe, "--format", "f32le"]
+    command = [sys.executable, "-m", "ross_payload.cli", "world", path, "--out", str(out), "--json", "--quiet", "0.5"]
+    with subprocess.Popen([*command, *sound], stdout=subprocess.PIPE, text=True) as world:
+        try:
+            told = json.loads(world.stdout.readline())
+            config = wired(scenario.payload, told["pcm"] or "device:pulse", told["wire"])
+            memory, result, lost = fly(scenario, config)
+        finally:
+            world.terminate()
+            world.communicate(timeout=60)
+    truth = json.loads((out / "truth.json").read_text())
+    told = {"world": world.returncode, "lost": lost, "late_s": truth["late_s"], "complaints": truth["complaints"]}
+    print(json.dumps(judge(scenario, out, memory, result) | told))  # noqa: T201
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
