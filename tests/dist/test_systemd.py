@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from ross_payload.plugins import available
+
 UNIT = Path(__file__).parents[2] / "docs" / "examples" / "ross.service"
 
 
@@ -53,6 +55,12 @@ def test_a_wrong_configuration_does_not_restart_and_a_crash_does(service):
     assert service["Restart"] == "on-failure"
     assert service["RestartPreventExitStatus"] == "2"
     assert service["SuccessExitStatus"] == "130"
+
+
+def test_the_program_of_the_unit_is_a_command(service):
+    program, command, _ = service["ExecStart"].split()
+    assert Path(program).name == "ross"
+    assert command in available("ross_payload.commands")
 
 
 def test_the_watchdog_asks_through_notify(service):

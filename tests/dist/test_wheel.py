@@ -45,6 +45,7 @@ def test_the_wheel_holds_three_packages_and_their_data(wheel):
     assert "ross_protocols/data/mavlink/ross.xml" in names
     assert "ross_sim/data/scenarios/demo.toml" in names
     assert "ross_payload/py.typed" in names
+    assert "ross_payload/data/examples/ross.service" in names
 
 
 def test_the_installed_command_flies_a_mission_outside_the_checkout(installed, tmp_path):
