@@ -44,19 +44,25 @@ class Encoder:
     >>> encoder = Encoder(system_id=1, component_id=191)
     >>> [frame[4] for frame in (encoder.encode(Heartbeat(Health.ACTIVE, state=6)) for _ in range(3))]
     [0, 1, 2]
+
+    With a key it signs.
     """
 
-    def __init__(self, system_id: int, component_id: int) -> None:
+    def __init__(self, system_id: int, component_id: int, key: bytes | None = None, link_id: int = 0) -> None:
         self._mavlink = ross.MAVLink(None, srcSystem=system_id, srcComponent=component_id)
+        self._mavlink.signing.secret_key = key
+        self._mavlink.signing.link_id = link_id
+        self._mavlink.signing.sign_outgoing = key is not None
 
-    def encode(self, said: Any) -> bytes:
-        """Return the frame of a value, or of one of pymavlink's messages.
+    def encode(self, said: Any, timestamp: int = 0) -> bytes:
+        """Return the frame of a value, or of one of pymavlink's messages; ``timestamp`` is for its signature.
 
         Raises
         ------
         struct.error
             When a number does not fit into its field.
         """
+        self._mavlink.signing.timestamp = timestamp
         frame = bytes(message_of(said).pack(self._mavlink))
         self._mavlink.seq = (self._mavlink.seq + 1) % 256
         return frame
@@ -68,49 +74,74 @@ def message_of(said: Any) -> Any:
     return said if layout is None else layout.write(said)
 
 
+class Framer:
+    """Finds what looks like a frame in a stream of bytes; ``skipped`` counts bytes that do not."""
+
+    def __init__(self) -> None:
+        self.buffer = bytearray()
+        self.skipped = 0
+
+    def size(self) -> int | None:
+        """Skip to a marker; return the size of its frame when all of it is here."""
+        starts = (place for marker in (_V1, _V2) if (place := self.buffer.find(marker)) >= 0)
+        self.skip(min(starts, default=len(self.buffer)))
+        if len(self.buffer) < 3:
+            return None
+        marker, length, flags = self.buffer[:3]
+        size = length + _OVERHEAD[marker] + (_SIGNATURE if marker == _V2 and flags & _SIGNED else 0)
+        return size if len(self.buffer) >= size else None
+
+    def skip(self, count: int) -> None:
+        """Drop bytes that belong to no frame."""
+        del self.buffer[:count]
+        self.skipped += count
+
+    def whole(self, data: bytes) -> bytes:
+        """Return the frames that ``data`` completes, one behind the other; keep the one that has begun."""
+        self.buffer += data
+        frames = bytearray()
+        while (size := self.size()) is not None:
+            frames += self.buffer[:size]
+            del self.buffer[:size]
+        return bytes(frames)
+
+
 class Decoder:
     """One link's ear: bytes in any portions to packets; MAVLink 1 and 2, our messages and the common ones.
 
-    ``skipped`` counts bytes that belong to no frame, ``bad`` what began like a frame and was none, ``unknown``
-    frames of messages that nobody here knows.
+    ``bad`` counts what began like a frame and was none, ``unknown`` frames of messages that nobody here knows.
     """
 
     def __init__(self) -> None:
         self._mavlink = ross.MAVLink(None)
-        self._buffer = bytearray()
-        self.skipped = 0
+        self._framer = Framer()
         self.bad = 0
         self.unknown = 0
 
+    @property
+    def skipped(self) -> int:
+        """Bytes that belong to no frame."""
+        return self._framer.skipped
+
     def feed(self, data: bytes) -> list[Packet]:
         """Return the packets that ``data`` completes."""
-        self._buffer += data
+        self._framer.buffer += data
         return list(self._packets())
 
     def _packets(self) -> Iterator[Packet]:
-        while (size := self._next_size()) is not None:
-            frame = self._buffer[:size]
+        while (size := self._framer.size()) is not None:
+            frame = self._framer.buffer[:size]
             try:
                 message = self._decode(frame)
             except ross.MAVError:  # it only looked like a frame: a true one may begin one byte later
                 self.bad += 1
-                self._skip(1)
+                self._framer.skip(1)
                 continue
-            del self._buffer[:size]
+            del self._framer.buffer[:size]
             if message is None:
                 self.unknown += 1
             else:
                 yield _packet(message, bytes(frame))
-
-    def _next_size(self) -> int | None:
-        """Skip to a marker; return the size of its frame when all of it is here."""
-        starts = (place for marker in (_V1, _V2) if (place := self._buffer.find(marker)) >= 0)
-        self._skip(min(starts, default=len(self._buffer)))
-        if len(self._buffer) < 3:
-            return None
-        marker, length, flags = self._buffer[:3]
-        size = length + _OVERHEAD[marker] + (_SIGNATURE if marker == _V2 and flags & _SIGNED else 0)
-        return size if len(self._buffer) >= size else None
 
     def _decode(self, frame: bytearray) -> Any:
         if frame[0] == _V2 and frame[2] & ~_SIGNED:
@@ -118,14 +149,10 @@ class Decoder:
         number = frame[5] if frame[0] == _V1 else int.from_bytes(frame[7:10], "little")
         if number in MESSAGES:
             return self._mavlink.decode(frame)
-        after = self._buffer[len(frame) : len(frame) + 1]
+        after = self._framer.buffer[len(frame) : len(frame) + 1]
         if after and after[0] not in _OVERHEAD:  # its checksum cannot be checked; what follows can
             raise ross.MAVError("not a frame")
         return None
-
-    def _skip(self, count: int) -> None:
-        del self._buffer[:count]
-        self.skipped += count
 
 
 def chunks(severity: Severity, text: str, number: int) -> list[Text]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ross_payload.errors import ConfigError
 
-WANTED = "wanted udpin:host:port, udpout:host:port, tcp:host:port or serial:device:baud"
+WANTED = "wanted udpin:, udpout:, tcp: or tcpin:host:port, or serial:device:baud"
 LOOPBACK = "127.0.0.1"
 
 _NETWORK = re.compile(r"(?P<host>\[[^\[\]]*\]|[^:\[\]]*):(?P<port>[^:]*)")
@@ -24,10 +24,11 @@ class Udp:
 
 @dataclass(frozen=True, slots=True)
 class Tcp:
-    """A TCP server to connect to."""
+    """A TCP port: ``listen`` there for clients, or connect to the server there."""
 
     host: str
     port: int
+    listen: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,21 +36,23 @@ class Serial:
     """A serial device."""
 
     device: str
-    baud: int
+    baud: int | None  # None: found by listening
 
 
 Address = Udp | Tcp | Serial
 
 
 def parse(url: str) -> Address:
-    """Read the URL of a link; an IPv6 host stands in brackets, and an empty host of ``udpin`` is the loopback.
+    """Read the URL of a link; an IPv6 host stands in brackets, and an empty host to listen on is the loopback.
 
     >>> parse("udpout:192.168.1.7:14550")
     Udp(host='192.168.1.7', port=14550, listen=False)
     >>> parse("tcp:[::1]:5760")
-    Tcp(host='::1', port=5760)
+    Tcp(host='::1', port=5760, listen=False)
     >>> parse("serial:/dev/serial/by-path/pci-0000:00:14.0:57600")
     Serial(device='/dev/serial/by-path/pci-0000:00:14.0', baud=57600)
+    >>> parse("serial:/dev/ttyACM0:auto")
+    Serial(device='/dev/ttyACM0', baud=None)
 
     Raises
     ------
@@ -59,22 +62,23 @@ def parse(url: str) -> Address:
     kind, _, rest = url.partition(":")
     if kind == "serial":
         return _serial(url, rest)
-    if kind not in ("udpin", "udpout", "tcp"):
+    if kind not in ("udpin", "udpout", "tcp", "tcpin"):
         raise ConfigError(f"link '{url}': {WANTED}")
     found = _NETWORK.fullmatch(rest)
     if found is None:
         raise ConfigError(f"link '{url}': {WANTED}, an IPv6 host in brackets")
     host, port = found["host"].strip("[]"), _number(url, "port", found["port"], 65535)
-    if not host and kind != "udpin":
+    listen = kind.endswith("in")
+    if not host and not listen:
         raise ConfigError(f"link '{url}': the host is missing; {WANTED}")
-    return Tcp(host, port) if kind == "tcp" else Udp(host or LOOPBACK, port, listen=kind == "udpin")
+    return (Tcp if kind.startswith("tcp") else Udp)(host or LOOPBACK, port, listen)
 
 
 def _serial(url: str, rest: str) -> Serial:
     device, _, baud = rest.rpartition(":")  # a device may have colons in its name
     if not device:
         raise ConfigError(f"link '{url}': {WANTED}")
-    return Serial(device, _number(url, "baud", baud, 20_000_000))
+    return Serial(device, None if baud == "auto" else _number(url, "baud", baud, 20_000_000))
 
 
 def _number(url: str, what: str, text: str, most: int) -> int:

@@ -7,19 +7,24 @@ Everything here happens on the thread that polls, and nothing waits.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 from ross_payload.config import Link as LinkConfig
+from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clock
 from ross_payload.links.address import parse
+from ross_payload.links.echoes import Echoes
 from ross_payload.links.link import Link, LinkStatus
-from ross_payload.links.peers import Sender
-from ross_payload.links.ports import LinkPort, open_port
+from ross_payload.links.opening import open_port
+from ross_payload.links.peers import PRESENT, Sender
+from ross_payload.links.ports import LinkPort
+from ross_payload.links.signing import Guardian, SigningTime, read_key
 from ross_protocols.codec import Decoder, Encoder, Packet, message_of
 
 LOCAL = "local"  # the link and the role of what our own components say
@@ -27,6 +32,11 @@ MOST_LOCAL = 1000  # frames that wait for the next poll
 AUTOPILOT = 1  # component id
 NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID
 UNKNOWN_SYSTEM = 1  # what we call ourselves towards an autopilot whose system id we wait for
+
+
+def unix_time() -> float:
+    """Return what the system believes the UNIX time to be [s]."""
+    return datetime.now(UTC).timestamp()
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,15 +98,22 @@ class Component:
 class Links:
     """All links of the payload, for one thread. A context manager."""
 
-    def __init__(self, clock: Clock, system_id: int) -> None:
+    def __init__(
+        self, clock: Clock, system_id: int = 1, state: Path | None = None, unix: Callable[[], float] = unix_time
+    ) -> None:
         self.system_id = system_id  # 0: until an autopilot tells
         self._clock = clock
+        self._state = state
+        self._unix = unix
+        self._signing: SigningTime | None = None
         self._links: list[Link] = []
         self._components: dict[int, Component] = {}
         self._logs: dict[Sender, Encoder] = {}
         self._scale = Encoder(UNKNOWN_SYSTEM, 0)  # tells how long a frame is
         self._decoder = Decoder()  # of what our own components say
         self._local: deque[tuple[int, bytes]] = deque(maxlen=MOST_LOCAL)
+        self._echoes = Echoes()
+        self._twin: tuple[int, float] | None = None  # component id, when
 
     @classmethod
     def open(
@@ -108,29 +125,38 @@ class Links:
         state: Path | None = None,
         patient: bool = False,
     ) -> Self:
-        """Open every link, or none.
+        """Open every link, or none; ``patient`` links go on trying to reach a peer that is not there yet.
+
+        ``state`` is the folder in which signed links remember the time.
 
         Raises
         ------
         ConfigError
-            When a URL is malformed: before any is opened.
+            When a URL is malformed or a key cannot be used: before any is opened.
         LinkError
             When a port cannot be opened; those before it are closed again.
         """
         links = list(links)
         for link in links:
             parse(link.url)
-        hub = cls(clock, system_id)
+        hub = cls(clock, system_id, state)
+        guardians = [hub._guardian(link) for link in links]
         with ExitStack() as stack:
             stack.callback(hub.close)
-            for link in links:
-                hub.attach(link, open_port(link.url))
+            for link, guardian in zip(links, guardians, strict=True):
+                hub._add(link, open_port(link.url, clock, patient=patient), guardian)
             stack.pop_all()
         return hub
 
     def attach(self, link: LinkConfig, port: LinkPort) -> None:
-        """Add a link whose port was made elsewhere; it is closed with the others."""
-        self._links.append(Link(link, port, self._clock.now()))
+        """Add a link whose port was made elsewhere; it is closed with the others.
+
+        Raises
+        ------
+        ConfigError
+            When its key cannot be used.
+        """
+        self._add(link, port, self._guardian(link))
 
     def component(self, component_id: int) -> Component:
         """Return our own component with this id; it is made when it is first asked for."""
@@ -147,6 +173,13 @@ class Links:
             for packet in link.receive(self._clock.now()):
                 self._hear(link, packet)
 
+    @property
+    def twin(self) -> int | None:
+        """The component id of ours in which somebody else has spoken lately."""
+        if self._twin is None or self._clock.now() - self._twin[1] > PRESENT:
+            return None
+        return self._twin[0]
+
     def status(self) -> tuple[LinkStatus, ...]:
         """Return how every link is, in the order of their opening."""
         now = self._clock.now()
@@ -156,6 +189,8 @@ class Links:
         """Close every link; idempotent."""
         for link in self._links:
             link.close()
+        if self._signing is not None:
+            self._signing.close()
 
     def __enter__(self) -> Self:
         """Links are open from the start."""
@@ -167,9 +202,23 @@ class Links:
         """Close every link."""
         self.close()
 
+    def _guardian(self, link: LinkConfig) -> Guardian | None:
+        if not link.key_file:
+            return None
+        key = read_key(Path(link.key_file).expanduser())
+        if self._state is None:
+            raise ConfigError(f"link '{link.url}': a key_file needs a folder in which to remember the signing time")
+        self._signing = self._signing or SigningTime(self._state, self._unix, self._clock.now())
+        return Guardian(key, self._signing)
+
+    def _add(self, link: LinkConfig, port: LinkPort, guardian: Guardian | None) -> None:
+        self._links.append(Link(link, port, self._clock.now(), len(self._links), guardian))
+
+    def _own(self, component_id: int) -> Sender:
+        return self.system_id or UNKNOWN_SYSTEM, component_id
+
     def _send(self, component_id: int, said: Any, url: str | None) -> None:
-        message = message_of(said)
-        sender = (self.system_id or UNKNOWN_SYSTEM, component_id)
+        message, sender = message_of(said), self._own(component_id)
         frame = self._logs.setdefault(sender, Encoder(*sender)).encode(message)
         self._components[component_id].log(frame)
         if len(self._components) > 1:
@@ -178,29 +227,34 @@ class Links:
 
     def _repeat(self, component_id: int, said: Any, url: str) -> None:
         message = message_of(said)
-        self._give((self.system_id or UNKNOWN_SYSTEM, component_id), message, len(self._scale.encode(message)), url)
+        self._give(self._own(component_id), message, len(self._scale.encode(message)), url)
 
     def _give(self, sender: Sender, message: Any, size: int, url: str | None) -> None:
         now = self._clock.now()
         for link in self._ways(message, url):
-            link.send(sender, message, size, now)
+            if frame := link.send(sender, message, size, now):
+                self._echoes.sent(frame)
 
-    def _ways(self, message: Any, url: str | None) -> Iterator[Link]:
-        """Give the links that a message is for."""
+    def _ways(self, message: Any, url: str | None) -> list[Link]:
+        """Return the links that a message is for."""
         links = [link for link in self._links if url in (None, link.config.url)]
         if not self.system_id:
             links = [link for link in links if link.config.role == "autopilot" and message.get_type() == "HEARTBEAT"]
         system, component = getattr(message, "target_system", 0), getattr(message, "target_component", 0)
-        if system:
-            if system == self.system_id and component in self._components:
-                return iter(())
-            links = [link for link in links if link.peers.knows(system, component)] or links
-        return iter(links)
+        if not system:
+            return links
+        if system == self.system_id and component in self._components:
+            return []
+        return [link for link in links if link.peers.knows(system, component)] or links
 
     def _hear(self, link: Link, packet: Packet) -> None:
-        if packet.system_id == self.system_id and packet.component_id in self._components:
-            return  # our own voice
-        link.peers.meet(packet, self._clock.now())
+        now = self._clock.now()
+        if packet.component_id in self._components and self._own(packet.component_id)[0] == packet.system_id:
+            if not self._echoes.knows(packet.frame):
+                link.twins += 1
+                self._twin = packet.component_id, now
+            return
+        link.peers.meet(packet, now)
         self._latch(link, packet)
         self._dispatch(Heard(link.config.url, link.config.role, packet, link.may_order(packet)))
 

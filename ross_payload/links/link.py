@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from ross_payload.config import Link as LinkConfig
-from ross_payload.links.address import Serial, parse
 from ross_payload.links.budget import Budget
 from ross_payload.links.peers import Peers, Sender
 from ross_payload.links.ports import LinkPort
+from ross_payload.links.signing import Guardian
 from ross_protocols.codec import Decoder, Encoder, Packet
+from ross_protocols.signing import SIGNATURE_SIZE, is_signed
 
 SERIAL_SHARE = 0.5  # of a serial line's bytes that we may use
 BITS_PER_BYTE = 10  # on a serial line: start bit, eight, stop bit
@@ -35,6 +36,7 @@ class LinkStatus:
     bad: int  # what began like a frame and had a wrong checksum
     unknown: int  # frames of messages that nobody here knows
     refused: int  # frames whose signature is missing, wrong or old
+    twins: int  # frames that somebody else has sent in our name
     reconnects: int
     error: str  # the latest failure of the port, in words
 
@@ -42,21 +44,29 @@ class LinkStatus:
 class Link:
     """A port with one parser and one voice per local component."""
 
-    def __init__(self, config: LinkConfig, port: LinkPort, now: float) -> None:
+    def __init__(self, config: LinkConfig, port: LinkPort, now: float, number: int, guardian: Guardian | None) -> None:
         self.config = config
         self.peers = Peers()
+        self.twins = 0
         self._port = port
+        self._number = number % 256  # the link id of our signatures
+        self._guardian = guardian
         self._decoder = Decoder()
         self._encoders: dict[Sender, Encoder] = {}
-        self._budget = Budget(rate_of(config), now)
+        self._baud = port.counts.baud
+        self._budget = Budget(rate_of(config, self._baud), now)
         self._counts = {"sent": 0, "sent_bytes": 0, "dropped": 0, "received": 0, "received_bytes": 0, "refused": 0}
 
     def send(self, sender: Sender, said: Any, size: int, now: float) -> bytes:
-        """Send a value or message that takes ``size`` bytes; return the frame, or nothing when it had no room."""
-        if not self._budget.spend(size, now):
+        """Send a value or message that takes ``size`` bytes unsigned; return the frame, or nothing if it is dropped."""
+        stamp: int | None = 0
+        if self._guardian is not None:
+            size += SIGNATURE_SIZE
+            stamp = self._guardian.time.stamp(now)
+        if stamp is None or not self._budget.spend(size, now):
             self._counts["dropped"] += 1
             return b""
-        frame = self._encoder(sender).encode(said)
+        frame = self._encoder(sender).encode(said, stamp)
         self._port.send(frame)
         self._counts["sent"] += 1
         self._counts["sent_bytes"] += len(frame)
@@ -68,11 +78,18 @@ class Link:
             self._counts["received_bytes"] += len(data)
             for packet in self._decoder.feed(data):
                 self._counts["received"] += 1
-                yield packet
+                if self._guardian is None or self._guardian.believes(packet, now):
+                    yield packet
+                else:
+                    self._counts["refused"] += 1
+        if self._port.counts.baud != self._baud:  # it was found by listening
+            self._baud = self._port.counts.baud
+            self._budget = Budget(rate_of(self.config, self._baud), now)
 
     def may_order(self, packet: Packet) -> bool:
         """Tell whether the sender of a packet may order something."""
-        return not self.config.accept or packet.system_id in self.config.accept
+        accepted = not self.config.accept or packet.system_id in self.config.accept
+        return accepted and (self._guardian is None or is_signed(packet.frame))
 
     def status(self, now: float) -> LinkStatus:
         """Return how the link is."""
@@ -81,7 +98,7 @@ class Link:
         return LinkStatus(
             url=self.config.url, role=self.config.role, up=counts.up, room=self._budget.room(now),
             peers=self.peers.present(now), lost=self.peers.lost, bad=decoder.bad, unknown=decoder.unknown,
-            reconnects=counts.reconnects, error=counts.error, **mine,
+            reconnects=counts.reconnects, twins=self.twins, error=counts.error, **mine,
         )  # fmt: skip
 
     def close(self) -> None:
@@ -90,17 +107,15 @@ class Link:
 
     def _encoder(self, sender: Sender) -> Encoder:
         if sender not in self._encoders:
-            self._encoders[sender] = Encoder(*sender)
+            key = None if self._guardian is None else self._guardian.key
+            self._encoders[sender] = Encoder(*sender, key, self._number)
         return self._encoders[sender]
 
 
-def rate_of(config: LinkConfig) -> float:
-    """Return the budget of a link [bytes/s]; 0 is no limit.
+def rate_of(config: LinkConfig, baud: int) -> float:
+    """Return the budget of a link [bytes/s] on a line with ``baud``, 0 when it is none; 0 is no limit.
 
-    >>> rate_of(LinkConfig(url="serial:/dev/ttyAMA0:57600"))
+    >>> rate_of(LinkConfig(url="serial:/dev/ttyAMA0:57600"), 57600)
     2880.0
     """
-    if config.max_bytes_s:
-        return config.max_bytes_s
-    address = parse(config.url)
-    return SERIAL_SHARE * address.baud / BITS_PER_BYTE if isinstance(address, Serial) else 0.0
+    return config.max_bytes_s or SERIAL_SHARE * baud / BITS_PER_BYTE

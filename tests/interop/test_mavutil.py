@@ -10,7 +10,9 @@ from types import ModuleType
 import pytest
 from pymavlink import mavutil
 
-from ross_payload.links import Links
+from ross_payload.clock import SystemClock
+from ross_payload.config import Link
+from ross_payload.links import Heard, Links
 from ross_payload.telemetry.tlog import TlogRecorder
 from ross_protocols.codec import Encoder
 from ross_protocols.dialect import common, ross
@@ -63,10 +65,9 @@ def test_a_udp_client_reads_the_stream(dialect: ModuleType) -> None:
         sock.bind(("127.0.0.1", 0))
         port = sock.getsockname()[1]
     client = mavutil.mavlink_connection(f"udpin:127.0.0.1:{port}")
-    encoder = Encoder(1, 191)
-    with Links.open([f"udpout:127.0.0.1:{port}"]) as links:
+    with Links.open([Link(url=f"udpout:127.0.0.1:{port}")], SystemClock()) as links:
         for value in STORY:
-            links.send(encoder.encode(value))
+            links.component(191).send(value)
     got = [client.recv_match(blocking=True, timeout=5.0) for _ in STORY]
     client.close()
     assert [message.get_type() for message in got] == names(dialect)
@@ -79,13 +80,14 @@ def test_a_udp_client_that_speaks_first_is_answered(dialect: ModuleType) -> None
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         sock.bind(("127.0.0.1", 0))
         port = sock.getsockname()[1]
-    with Links.open([f"udpin:127.0.0.1:{port}"]) as links:
+    heard: list[Heard] = []
+    with Links.open([Link(url=f"udpin:127.0.0.1:{port}")], SystemClock()) as links:
+        links.component(191).subscribe(heard.append)
         client = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255, source_component=190)
         client.mav.send(common.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
-        heard = []
         while not heard:
-            heard = links.poll()
-        links.send(Encoder(1, 191).encode(STORY[0]))
+            links.poll()
+        links.component(191).send(STORY[0])
         answer = client.recv_match(type="HEARTBEAT", blocking=True, timeout=5.0)
         client.close()
     assert (heard[0].packet.name, heard[0].packet.system_id) == ("HEARTBEAT", 255)

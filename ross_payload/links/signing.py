@@ -1,0 +1,159 @@
+"""Signed links: the key, the signing time that never goes back, and whose frames are believed.
+
+One number on disk, the bound, guards both ways: no timestamp above it is ever used or believed. It is raised in steps
+of a minute before it is needed. After a crash we go on above the bound, so that no timestamp is used twice, and
+believe nothing below it, so that nothing that was recorded before can be played to us again.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Callable
+from concurrent.futures import Future
+from pathlib import Path
+
+from ross_payload.errors import ConfigError
+from ross_payload.links.background import begin
+from ross_protocols.codec import Packet
+from ross_protocols.signing import KEY_SIZE, LATEST, SECOND, is_good, is_signed, link_and_time, timestamp_of
+
+FILE = "signing-time"  # in the state folder
+STEP = 60 * SECOND  # by which the bound is raised
+WINDOW = 60 * SECOND  # that a new stream may be behind us
+STREAMS = 1024  # that one link keeps apart
+UNSIGNED = "RADIO_STATUS"  # a radio has no key
+
+
+def read_key(path: Path) -> bytes:
+    """Read a key: 32 bytes, or 64 hexadecimal digits.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be read, is none, or others can read it too.
+    """
+    try:
+        mode = stat.S_IMODE(path.stat().st_mode)
+        data = path.read_bytes()
+    except OSError as error:
+        raise ConfigError(f"key_file {path}: cannot be read: {error.strerror}") from error
+    if mode & 0o077:
+        raise ConfigError(f"key_file {path}: mode {mode:04o} found, 0600 wanted: chmod 600 {path}")
+    if len(data) == KEY_SIZE:
+        return data
+    try:
+        key = bytes.fromhex(data.decode("ascii"))
+    except ValueError:
+        key = b""
+    if len(key) != KEY_SIZE:
+        raise ConfigError(f"key_file {path}: {len(data)} bytes found, 32 bytes or 64 hexadecimal digits wanted")
+    return key
+
+
+class SigningTime:
+    """The local signing time of all links; `close` saves how far it went.
+
+    Raises
+    ------
+    ConfigError
+        When the saved time cannot be read or saved.
+    """
+
+    def __init__(self, state: Path, unix: Callable[[], float], now: float) -> None:
+        self._path = state / FILE
+        self._unix = unix
+        self.floor = self._read()  # nothing at or below this is believed
+        self._latest = max(self.floor, timestamp_of(unix()))
+        self._origin = self._latest - int(now * SECOND)
+        self._bound = 0
+        self._saving: Future[int] | None = None
+        try:
+            self._bound = self._save(self._latest + STEP)
+        except OSError as error:
+            raise ConfigError(f"{self._path}: the signing time cannot be saved: {error.strerror}") from error
+
+    def stamp(self, now: float) -> int | None:
+        """Return a timestamp that was never used, at ``now`` [s]; None while the disk is behind."""
+        stamp = max(self._latest + 1, self._origin + int(now * SECOND), timestamp_of(self._unix()))
+        if not self.covers(stamp):
+            return None
+        self._latest = stamp
+        return stamp
+
+    def covers(self, timestamp: int) -> bool:
+        """Tell whether a timestamp lies below the bound; sees to it that it soon does."""
+        if self._saving is not None and self._saving.done():
+            saving, self._saving = self._saving, None
+            self._bound = self._bound if saving.exception() else saving.result()
+        if timestamp + STEP // 2 > self._bound and self._saving is None and timestamp < LATEST:
+            self._saving = begin(lambda: self._save(min(timestamp + STEP, LATEST)))
+        return timestamp <= self._bound
+
+    def behind(self, timestamp: int, now: float) -> bool:
+        """Tell whether a timestamp is more than a minute behind ours."""
+        return timestamp + WINDOW < max(self._latest, self._origin + int(now * SECOND))
+
+    def learn(self, timestamp: int) -> None:
+        """Follow a peer that is ahead."""
+        self._latest = max(self._latest, timestamp)
+
+    def close(self) -> None:
+        """Save how far the time went, so that we go on from there."""
+        if self._saving is not None:
+            self._saving.exception()
+        try:
+            self._save(self._latest)
+        except OSError:  # the bound that is on disk holds as well
+            return
+
+    def _read(self) -> int:
+        try:
+            return int(self._path.read_text(encoding="ascii"))
+        except FileNotFoundError:
+            return 0
+        except (OSError, ValueError) as error:
+            raise ConfigError(
+                f"{self._path}: the signing time cannot be read; with a new key on all sides the file can be deleted"
+            ) from error
+
+    def _save(self, bound: int) -> int:
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        fresh = self._path.with_suffix(".new")
+        with fresh.open("w", encoding="ascii") as file:
+            file.write(f"{bound}\n")
+            file.flush()
+            os.fsync(file.fileno())
+        fresh.replace(self._path)
+        folder = os.open(self._path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+        return bound
+
+
+class Guardian:
+    """Believes or refuses what arrives on one signed link."""
+
+    def __init__(self, key: bytes, time: SigningTime) -> None:
+        self.key = key
+        self.time = time
+        self._streams: dict[tuple[int, int, int], int] = {}  # (link id, system, component) -> latest timestamp
+
+    def believes(self, packet: Packet, now: float) -> bool:
+        """Tell whether a packet is signed with our key and newer than what its stream has brought before."""
+        if not is_signed(packet.frame):
+            return packet.name == UNSIGNED
+        link, timestamp = link_and_time(packet.frame)
+        stream = link, packet.system_id, packet.component_id
+        before = self._streams.get(stream)
+        if timestamp <= self.time.floor or (before is not None and timestamp <= before):
+            return False
+        if before is None and (len(self._streams) >= STREAMS or self.time.behind(timestamp, now)):
+            return False
+        if not is_good(packet.frame, self.key) or not self.time.covers(timestamp):
+            return False
+        self._streams[stream] = timestamp
+        self.time.learn(timestamp)
+        return True

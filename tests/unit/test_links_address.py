@@ -1,0 +1,63 @@
+"""Addresses: the URLs of links."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ross_payload.errors import ConfigError
+from ross_payload.links.address import Serial, Tcp, Udp, parse
+
+
+@pytest.mark.parametrize(
+    ("url", "address"),
+    [
+        ("udpin:0.0.0.0:14550", Udp("0.0.0.0", 14550, listen=True)),  # noqa: S104
+        ("udpin::14550", Udp("127.0.0.1", 14550, listen=True)),
+        ("udpout:ground.local:14550", Udp("ground.local", 14550, listen=False)),
+        ("udpout:[fe80::1]:1", Udp("fe80::1", 1, listen=False)),
+        ("tcp:127.0.0.1:65535", Tcp("127.0.0.1", 65535, listen=False)),
+        ("tcpin::5760", Tcp("127.0.0.1", 5760, listen=True)),
+        ("tcpin:0.0.0.0:5760", Tcp("0.0.0.0", 5760, listen=True)),  # noqa: S104
+        ("serial:/dev/ttyUSB0:57600", Serial("/dev/ttyUSB0", 57600)),
+        ("serial:/dev/serial/by-path/pci-0:1:921600", Serial("/dev/serial/by-path/pci-0:1", 921600)),
+        ("serial:/dev/ttyACM0:auto", Serial("/dev/ttyACM0", None)),
+    ],
+)
+def test_a_url_is_read(url: str, address: object) -> None:
+    assert parse(url) == address
+
+
+@pytest.mark.parametrize(
+    ("url", "says"),
+    [
+        ("", "wanted udpin:, udpout:"),
+        ("udp:127.0.0.1:14550", "wanted udpin:, udpout:"),
+        ("127.0.0.1:14550", "wanted udpin:, udpout:"),
+        ("udpout:127.0.0.1", "wanted udpin:, udpout:"),
+        ("udpout::14550", "host is missing"),
+        ("tcp:127.0.0.1:0", "port '0' found, a number from 1 to 65535 wanted"),
+        ("tcp:127.0.0.1:65536", "port '65536' found"),
+        ("tcp:127.0.0.1:-1", "port '-1' found"),
+        ("tcp:127.0.0.1:http", "port 'http' found"),
+        ("tcp:127.0.0.1:", "port '' found"),
+        ("tcp:fe80::1:5760", "IPv6 host in brackets"),
+        ("tcp:[fe80::1:5760", "IPv6 host in brackets"),
+        ("serial:/dev/ttyUSB0", "wanted udpin:, udpout:"),
+        ("serial:/dev/ttyUSB0:fast", "baud 'fast' found"),
+        ("serial:/dev/ttyUSB0:0", "baud '0' found"),
+    ],
+)
+def test_what_is_no_url_is_explained(url: str, says: str) -> None:
+    with pytest.raises(ConfigError) as error:
+        parse(url)
+    assert says in str(error.value)
+    assert f"'{url}'" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@given(st.text(max_size=40))
+def test_any_text_is_an_address_or_a_config_error(text: str) -> None:
+    try:
+        parse(text)
+    except ConfigError as error:
+        assert "wanted" in str(error)

@@ -1,0 +1,180 @@
+"""Links over UDP: real sockets; nothing waits, nothing piles up, nothing is raised in flight."""
+
+import socket
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from ross_payload.clock import SystemClock
+from ross_payload.config import Link
+from ross_payload.errors import LinkError
+from ross_payload.links import Heard, Links, LinkStatus, open_port
+from ross_protocols.codec import Encoder
+from ross_protocols.values import Health, Heartbeat
+
+BEAT = Heartbeat(Health.ACTIVE, 6)
+FRAME = Encoder(255, 190).encode(BEAT)
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        return int(sock.getsockname()[1])
+
+
+def until(true: Callable[[], object], seconds: float = 10.0) -> object:
+    """Wait for the kernel to deliver."""
+    deadline = time.monotonic() + seconds
+    while not (found := true()):
+        assert time.monotonic() < deadline, "nothing came"
+        time.sleep(0.001)
+    return found
+
+
+def links_to(*urls: str, patient: bool = False) -> Links:
+    return Links.open([Link(url=url) for url in urls], SystemClock(), patient=patient)
+
+
+class Ear:
+    """Polls and keeps what a component hears."""
+
+    def __init__(self, links: Links) -> None:
+        self._links = links
+        self.heard: list[Heard] = []
+        links.component(191).subscribe(self.heard.append)
+
+    def poll(self) -> list[Heard]:
+        self._links.poll()
+        return self.heard
+
+
+def status(links: Links) -> LinkStatus:
+    (only,) = links.status()
+    return only
+
+
+@pytest.fixture
+def listener() -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        sock.settimeout(10.0)
+        yield sock
+
+
+def port_of(sock: socket.socket) -> int:
+    return int(sock.getsockname()[1])
+
+
+def test_udpout_sends_one_datagram_per_frame(listener: socket.socket) -> None:
+    with links_to(f"udpout:127.0.0.1:{port_of(listener)}") as links:
+        frames: list[bytes] = []
+        links.component(191).tap(frames.append)
+        for _ in range(2):
+            links.component(191).send(BEAT)
+    assert [listener.recv(1000), listener.recv(1000)] == frames
+
+
+def test_udpout_hears_the_one_it_sends_to_and_no_stranger(listener: socket.socket) -> None:
+    with links_to(f"udpout:127.0.0.1:{port_of(listener)}") as links:
+        ear = Ear(links)
+        links.component(191).send(BEAT)
+        _, payload = listener.recvfrom(1000)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+            stranger.sendto(Encoder(7, 7).encode(BEAT), payload)
+        listener.sendto(FRAME, payload)
+        (heard,) = until(ear.poll)
+    assert (heard.packet.system_id, heard.packet.value) == (255, BEAT)
+
+
+def test_a_udp_port_that_nobody_listens_on_costs_nothing() -> None:
+    port = free_port()
+    with links_to(f"udpout:127.0.0.1:{port}") as links:
+        for _ in range(50):
+            links.component(191).send(BEAT)
+            links.poll()
+        assert status(links).error == ""
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as late:
+            late.bind(("127.0.0.1", port))
+            late.settimeout(10.0)
+            links.component(191).send(BEAT)
+            assert late.recv(1000)[4] == 50, "who comes late misses nothing from then on"
+
+
+def test_udpin_answers_everyone_who_has_spoken() -> None:
+    port = free_port()
+    with links_to(f"udpin::{port}") as links:
+        ear = Ear(links)
+        links.component(191).send(BEAT)  # to nobody yet
+        peers = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(3)]
+        for number, peer in enumerate(peers):
+            peer.settimeout(10.0)
+            peer.sendto(FRAME, ("127.0.0.1", port))
+            until(lambda number=number: len(ear.poll()) > number)
+        links.component(191).send(BEAT)
+        assert [peer.recv(1000)[4] for peer in peers] == [1, 1, 1]
+        for peer in peers:
+            peer.close()
+
+
+def test_udpin_answers_a_bounded_number_of_peers() -> None:
+    port = open_port(f"udpin::{free_port()}", SystemClock())
+    where = port._socket.getsockname()
+    for number in range(40):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
+            peer.sendto(b"hello", where)
+            until(lambda number=number: port.receive() or port.counts.received == 5 * (number + 1))
+    port.send(FRAME)
+    assert port.counts.sent == 16
+    port.close()
+
+
+def test_udpin_listens_on_the_loopback_only() -> None:
+    port = open_port(f"udpin::{free_port()}", SystemClock())
+    assert port._socket.getsockname()[0] == "127.0.0.1"
+    port.close()
+
+
+def test_udp_speaks_ipv6() -> None:
+    try:
+        sock = socket.socket(socket.AF_INET6, socket.SOCK_DGRAM)
+        sock.bind(("::1", 0))
+    except OSError:
+        pytest.skip("this machine has no IPv6 loopback (::1)")
+    with sock, links_to(f"udpout:[::1]:{port_of(sock)}") as links:
+        sock.settimeout(10.0)
+        links.component(191).send(BEAT)
+        assert sock.recv(1000)
+
+
+def test_a_port_in_use_is_one_clear_line_for_the_patient_too(listener: socket.socket) -> None:
+    url = f"udpin::{port_of(listener)}"
+    for patient in (False, True):
+        with pytest.raises(LinkError, match=f"^link '{url}' cannot be opened: Address already in use$"):
+            links_to(url, patient=patient)
+
+
+def test_a_host_that_does_not_exist_is_one_clear_line() -> None:
+    with pytest.raises(LinkError, match=r"^link .udpout:no\.such\.host\.invalid:1. cannot be opened: .+$"):
+        links_to("udpout:no.such.host.invalid:1")
+
+
+def test_a_patient_link_to_a_host_that_is_not_known_yet_says_so_and_goes_on() -> None:
+    with links_to("udpout:no.such.host.invalid:1", patient=True) as links:
+        links.component(191).send(BEAT)
+        until(lambda: links.poll() or status(links).error, seconds=60.0)
+        assert not status(links).up
+        assert status(links).dropped == 1
+
+
+def test_a_patient_link_finds_its_host_by_itself(listener: socket.socket) -> None:
+    with links_to(f"udpout:localhost:{port_of(listener)}", patient=True) as links:
+        until(lambda: links.poll() or status(links).up)
+        links.component(191).send(BEAT)
+        assert listener.recv(1000)
+
+
+def test_closing_twice_is_closing_once(listener: socket.socket) -> None:
+    links = links_to(f"udpout:127.0.0.1:{port_of(listener)}")
+    links.close()
+    links.close()
