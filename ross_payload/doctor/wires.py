@@ -13,11 +13,11 @@ from ross_payload.config import Config, Link
 from ross_payload.doctor.finding import Finding, fail, ok, warn
 from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ConfigError
-from ross_payload.links.address import LOOPBACK, Serial, parse
+from ross_payload.links.address import LOOPBACK, Serial, Tcp, Udp, parse
+from ross_payload.links.signing import read_key
 
 CAN = re.compile(r"(?<![A-Za-z0-9])((?:v|sl)?can[0-9]+)(?![A-Za-z0-9])")
 DEVICES = ("serial/by-id/*", "ttyUSB*", "ttyACM*", "ttyAMA*", "serial[0-9]", "ross-*")
-KEY_BYTES = 32
 IFF_UP = 1
 EXTRAS = {"sounddevice": "capture", "serial": "serial", "can": "can"}
 LOCAL = (LOOPBACK, "localhost", "::1")
@@ -79,7 +79,7 @@ def links(config: Config, machine: Machine) -> Iterator[Finding]:
         except ConfigError as error:
             yield fail("links", str(error), "see docs/reference/configuration")
             continue
-        if getattr(address, "listen", False) or link.url.startswith("tcpin:"):
+        if not isinstance(address, Serial) and address.listen:
             yield from _listener(link, address)
         elif not isinstance(address, Serial):
             yield ok("links", f"{link.url} is an address")
@@ -140,8 +140,8 @@ def _console(device: str, machine: Machine) -> Iterator[Finding]:
         yield fail("console", f"{device} is the system's console", todo)
 
 
-def _listener(link: Link, address: Any) -> Iterator[Finding]:
-    kind = socket.SOCK_STREAM if link.url.startswith("tcpin:") else socket.SOCK_DGRAM
+def _listener(link: Link, address: Udp | Tcp) -> Iterator[Finding]:
+    kind = socket.SOCK_STREAM if isinstance(address, Tcp) else socket.SOCK_DGRAM
     try:
         family, kind, protocol, _, where = socket.getaddrinfo(address.host, address.port, type=kind)[0]
         with socket.socket(family, kind, protocol) as port:
@@ -162,19 +162,13 @@ def _listener(link: Link, address: Any) -> Iterator[Finding]:
 def _key(link: Link, machine: Machine) -> Iterator[Finding]:
     if not link.key_file:
         return
-    path = machine.path(link.key_file)
     try:
-        status = path.stat()
-    except OSError as error:
-        todo = f"head -c {KEY_BYTES} /dev/urandom > {link.key_file}; chmod 600; give the ground station the same"
-        yield fail("keys", f"{link.key_file}: {error.strerror}", todo)
-        return
-    if status.st_mode & 0o077:
-        yield fail("keys", f"{link.key_file} can be read by others", f"chmod 600 {link.key_file}")
-    elif status.st_size != KEY_BYTES:
-        yield fail("keys", f"{link.key_file} has {status.st_size} bytes, wanted {KEY_BYTES}", "make a new key")
-    elif not machine.may_use(path):
-        yield fail("keys", f"{link.key_file} cannot be read by this user", f"sudo chown USER {link.key_file}")
+        read_key(machine.path(link.key_file))
+    except ConfigError as error:
+        todo = (
+            f"32 random bytes, the same at the ground station: chmod 600 {link.key_file}; chown to the service's user"
+        )
+        yield fail("keys", str(error), todo)
     else:
         yield ok("keys", f"{link.key_file} is ours alone")
 

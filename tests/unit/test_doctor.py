@@ -159,6 +159,12 @@ def test_a_port_that_another_program_has_is_found(tmp_path):
     assert said(wires.links(config(links=[link]), machine(tmp_path)))[0] is Verdict.OK
 
 
+def test_a_tcp_port_that_is_served_already_is_found(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        link = {"url": f"tcpin:127.0.0.1:{other.getsockname()[1]}"}
+        assert said(wires.links(config(links=[link]), machine(tmp_path)))[0] is Verdict.FAIL
+
+
 def test_a_listener_for_everybody_without_a_key_is_warned_of(tmp_path):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("", 0))
