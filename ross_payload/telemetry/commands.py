@@ -23,7 +23,7 @@ from ross_payload.orders import Cancel, Order, Stop, Task
 from ross_payload.telemetry.allowance import Allowance
 from ross_payload.telemetry.asked import INFORM, READERS, STOP, Record, asked, name_of
 from ross_payload.telemetry.identity import Endpoint
-from ross_payload.telemetry.ledger import Entry, Ledger, Sender
+from ross_payload.telemetry.ledger import Entry, Ledger, Origin, Places, Sender
 from ross_payload.telemetry.posture import Posture
 from ross_payload.telemetry.requests import ACCEPTED, Requests, Verdict
 from ross_protocols.commands import CancelRequest, Command, Result, acknowledgement, command_of
@@ -76,6 +76,7 @@ class CommandServer:
         self._say = say
         self._requests = requests
         self._posture = Posture()
+        self._places = Places()
         self._ledger = Ledger()
         self._open: dict[int, Entry] = {}  # what the mission has, by the number of the order
         self._numbers = count(1)
@@ -85,19 +86,20 @@ class CommandServer:
 
     def heard(self, heard: Heard) -> None:
         """Take a packet; what is no command, or not for us, passes by."""
-        request = command_of(heard.packet.message)
+        packet = heard.packet
+        origin = self._places.note((packet.system_id, packet.component_id), heard.link, packet.sequence)
+        request = command_of(packet.message)
         if request is None or not self._endpoint.meant(request.system_id, request.component_id):
             return
-        sender = heard.packet.system_id, heard.packet.component_id
         if isinstance(request, CancelRequest):
             if heard.may_order:
-                self._cancel(request, sender)
+                self._cancel(request, origin.sender)
         elif heard.may_order and request.number in READERS:
-            self._command(request, sender, heard.packet.sequence)
+            self._command(request, origin)
         else:
             verdict = self._other(request, heard)
             if verdict is ACCEPTED or not request.to_all:  # nobody asked us in particular
-                self._answer(request, sender, verdict)
+                self._answer(request, origin, verdict)
 
     def said(self, event: Event) -> None:
         """Take what the mission says; answers to orders go on to whoever commanded them."""
@@ -128,20 +130,22 @@ class CommandServer:
             return Verdict(Result.DENIED, "the payload does not restart by command")
         return self._requests.obey(command, heard.link, self._now) or Verdict(Result.UNSUPPORTED)
 
-    def _command(self, command: Command, sender: Sender, sequence: int) -> None:
+    def _command(self, command: Command, origin: Origin) -> None:
         """Obey or refuse a command of our dialect, unless it is only said again."""
-        known = None if command.number == STOP else self._ledger.repeated(command, sender, sequence, self._now)
+        known = None if command.number == STOP else self._ledger.repeated(command, origin, self._now)
         if known is not None:
             self._acknowledge(known)
             return
-        entry = Entry(command, sender, sequence, self._now)
+        if command.number != STOP and self._ledger.before(origin, command.number, self._now):
+            return  # its sender has asked for something else since
+        entry = Entry(command, origin, self._now)
         verdict = self._obey(entry)
-        before = self._ledger.find(sender, command.number)
+        before = self._ledger.find(origin.sender, command.number)
         if verdict is None or before is None or before.order is None:
             self._ledger.note(entry)
         if verdict is not None:
             entry.result = verdict.result
-            self._answer(command, sender, verdict)
+            self._answer(command, origin, verdict)
         elif before is not None and before.order is not None:
             self._open.pop(before.order.number, None)  # its end would look like the end of the new one
 
@@ -157,7 +161,7 @@ class CommandServer:
         if isinstance(wanted, Record):
             reason = self._record(wanted.on)
             return Verdict(Result.FAILED, reason) if reason else ACCEPTED
-        if not isinstance(wanted, Stop) and self._ledger.older(entry.sender, STOP, entry.sequence, self._now):
+        if not isinstance(wanted, Stop) and self._ledger.before(entry.origin, STOP, self._now):
             return Verdict(Result.TEMPORARILY_REJECTED, "asked before the stop")
         return self._posture.refusal(wanted) or self._order(entry, wanted)
 
@@ -194,8 +198,8 @@ class CommandServer:
         entry.due = self._now + PROGRESS_PERIOD
         self._send(entry)
 
-    def _answer(self, command: Command, sender: Sender, verdict: Verdict) -> None:
-        self._acknowledge(Entry(command, sender, 0, self._now, verdict.result))
+    def _answer(self, command: Command, origin: Origin, verdict: Verdict) -> None:
+        self._acknowledge(Entry(command, origin, self._now, verdict.result))
         if verdict.reason:
             self._explain(command, verdict.reason)
 
@@ -205,12 +209,13 @@ class CommandServer:
 
     def _acknowledge(self, entry: Entry) -> None:
         """Answer what was just asked, unless its sender asks too often."""
-        allowance = self._allowances.pop(entry.sender, None) or Allowance(ACKS_BURST, ACKS_RATE)
-        self._allowances[entry.sender] = allowance
+        sender = entry.origin.sender
+        allowance = self._allowances.setdefault(sender, Allowance(ACKS_BURST, ACKS_RATE))
+        self._allowances.move_to_end(sender)
         if len(self._allowances) > SENDERS:
             self._allowances.popitem(last=False)
         if allowance.take(self._now):
             self._send(entry)
 
     def _send(self, entry: Entry) -> None:
-        self._endpoint.send(acknowledgement(entry.command.number, entry.result, *entry.sender, entry.progress))
+        self._endpoint.send(acknowledgement(entry.command.number, entry.result, *entry.origin.sender, entry.progress))

@@ -10,11 +10,44 @@ from ross_payload.orders import Order
 from ross_protocols.commands import Command, Result
 
 RESENT = 5.0  # [s] within which a confirmation above 0 means the same command
-LATE = 2.0  # [s] within which sequence numbers tell which of two frames was sent first
-BEHIND = 64  # sequence numbers
-MOST = 256  # commands that are remembered: random senders cannot fill the memory
+LATE = 30.0  # [s] within which a frame may arrive late; a sender that starts anew counts from 0
+MOST = 256  # commands, and senders, that are remembered: random ids cannot fill the memory
 
 Sender = tuple[int, int]  # system id, component id
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a frame came from, and its place among those that its sender has sent on a link."""
+
+    sender: Sender
+    link: str
+    place: int
+
+    def not_after(self, other: Origin) -> bool:
+        """Tell whether this frame is known to have been sent before another one, or to be the same."""
+        return self.link == other.link and self.place <= other.place
+
+
+class Places:
+    """Counts what every sender sends, beyond the 256 sequence numbers of MAVLink.
+
+    >>> places = Places()
+    >>> [places.note((255, 190), "udp", sequence).place for sequence in (254, 0, 255, 1)]
+    [254, 256, 255, 257]
+    """
+
+    def __init__(self) -> None:
+        self._latest: OrderedDict[tuple[Sender, str], int] = OrderedDict()
+
+    def note(self, sender: Sender, link: str, sequence: int) -> Origin:
+        """Return the origin of a frame; less than half a round ahead of the latest it is new, else it comes late."""
+        latest = self._latest.pop((sender, link), sequence)
+        place = latest + (sequence - latest + 128) % 256 - 128
+        self._latest[sender, link] = max(latest, place)
+        if len(self._latest) > MOST:
+            self._latest.popitem(last=False)
+        return Origin(sender, link, place)
 
 
 @dataclass(slots=True)
@@ -22,8 +55,7 @@ class Entry:
     """The latest command of one number from one sender, and what has become of it."""
 
     command: Command
-    sender: Sender
-    sequence: int  # of its latest frame
+    origin: Origin
     time: float  # of its latest frame, or of its end [s]
     result: Result = Result.IN_PROGRESS
     progress: float | None = None  # 0 to 1
@@ -42,32 +74,31 @@ class Ledger:
         """Return the latest command of a number from a sender."""
         return self._entries.get((sender, number))
 
-    def note(self, entry: Entry) -> Entry | None:
-        """Remember a command in the place of its like; return that one."""
-        key = entry.sender, entry.command.number
-        before = self._entries.pop(key, None)
+    def note(self, entry: Entry) -> None:
+        """Remember a command in the place of its like."""
+        key = entry.origin.sender, entry.command.number
+        self._entries.pop(key, None)
         self._entries[key] = entry
         if len(self._entries) > MOST:
             self._entries.popitem(last=False)
-        return before
 
-    def repeated(self, command: Command, sender: Sender, sequence: int, now: float) -> Entry | None:
+    def repeated(self, command: Command, origin: Origin, now: float) -> Entry | None:
         """Return the entry that a frame only repeats: sent again, or doubled or delayed on its way."""
-        entry = self.find(sender, command.number)
+        entry = self.find(origin.sender, command.number)
         if entry is None or not alike(entry.command, command):
             return None
         age, going_on = now - entry.time, entry.order is not None
         again = command.confirmation > 0 and (going_on or age < RESENT)
         again |= not command.long and going_on and age < RESENT  # it has no confirmation to tell
-        if not again and not (age < LATE and (entry.sequence - sequence) % 256 < BEHIND):
+        if not again and not self.before(origin, command.number, now):
             return None
         entry.time = now
         return entry
 
-    def older(self, sender: Sender, number: int, sequence: int, now: float) -> bool:
-        """Tell whether a frame was sent before the latest command of a number, though it arrives later."""
-        entry = self.find(sender, number)
-        return entry is not None and now - entry.time < LATE and 0 < (entry.sequence - sequence) % 256 < BEHIND
+    def before(self, origin: Origin, number: int, now: float) -> bool:
+        """Tell whether a frame that arrives now was sent before the latest command of a number, or is that one."""
+        entry = self.find(origin.sender, number)
+        return entry is not None and now - entry.time < LATE and origin.not_after(entry.origin)
 
 
 def alike(command: Command, other: Command) -> bool:
