@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from ross_payload.config import Telemetry as TelemetryConfig
@@ -39,31 +39,31 @@ class _Outlet:
 
 
 class Outlets:
-    """Everything that is told, by link; ``periods`` are the usual ones."""
+    """Everything that is told, by link."""
 
-    def __init__(self, board: Board, links: Links, component: Component, periods: Mapping[int, float]) -> None:
+    def __init__(self, board: Board, links: Links, component: Component, config: TelemetryConfig) -> None:
         self._board = board
         self._links = links
         self._component = component
-        self._periods = periods
+        self._periods = periods(config)
         self._scale = Encoder(1, component.id)
         self._wrappers: dict[tuple[str, int], Wrapper] = {}  # by link and system id
-        logs = _Outlet(Stream(periods, lambda value: 0), lambda value: component.send(value, LOGS))
+        logs = _Outlet(Stream(self._periods, lambda value: 0), lambda value: component.send(value, LOGS))
         self._outlets = {LOGS: logs}
+
+    def renew(self, config: TelemetryConfig) -> None:
+        """Take over the usual rates of a configuration."""
+        self._periods |= periods(config)
 
     def say(self, texts: list[v.Text]) -> None:
         """Put the parts of a text in line on every link."""
+        self._rooms()
         for outlet in self._outlets.values():
             outlet.stream.say(texts)
 
     def flow(self, now: float) -> None:
         """Send what is due at ``now`` [s] and has room."""
-        rooms = {LOGS: math.inf}
-        for status in self._links.status():
-            rooms[status.url] = status.room
-            if status.url not in self._outlets:
-                self._outlets[status.url] = self._outlet(status.url, status.role == "autopilot")
-        for url, room in rooms.items():
+        for url, room in self._rooms().items():
             outlet = self._outlets[url]
             for value in outlet.stream.due(self._board, now, room):
                 outlet.send(value)
@@ -84,6 +84,15 @@ class Outlets:
     def request(self, link: str, message_id: int) -> bool:
         """Tell a message once more on a link, soon; False: there is nothing of it to tell."""
         return link in self._outlets and self._outlets[link].stream.request(self._board, message_id)
+
+    def _rooms(self) -> dict[str, float]:
+        """Return how many bytes each link takes; those that are new get their stream."""
+        rooms = {LOGS: math.inf}
+        for status in self._links.status():
+            rooms[status.url] = status.room
+            if status.url not in self._outlets:
+                self._outlets[status.url] = self._outlet(status.url, status.role == "autopilot")
+        return rooms
 
     def _outlet(self, url: str, tunnel: bool) -> _Outlet:
         if not tunnel:

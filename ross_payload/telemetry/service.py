@@ -27,7 +27,7 @@ from ross_payload.telemetry import mirrors
 from ross_payload.telemetry.commands import CommandServer
 from ross_payload.telemetry.condition import Condition
 from ross_payload.telemetry.identity import Endpoint
-from ross_payload.telemetry.outlets import Outlets, periods
+from ross_payload.telemetry.outlets import Outlets
 from ross_payload.telemetry.params import ParameterServer
 from ross_payload.telemetry.report import Reporter
 from ross_payload.telemetry.requests import Requests
@@ -103,6 +103,7 @@ class Telemetry:
     ) -> None:
         self._config = config
         self._clock = clock
+        self._links = links
         self._actuator = actuator
         self._parameters = parameters
         self._open_loop = actuator is not None and actuator.capabilities.feedback is Feedback.MODEL
@@ -111,10 +112,11 @@ class Telemetry:
         self._lines: SimpleQueue[tuple[Severity, str]] = SimpleQueue()
         self._latest: Input | None = None
         self._strangers: set[tuple[int, int]] = set()
+        self._twin: int | None = None
         self._looking, self._mirroring = Every(LOOKING), Every(MIRRORING)
         self._board = Board()
         component = links.component(config.telemetry.component_id)
-        self._outlets = Outlets(self._board, links, component, periods(config.telemetry))
+        self._outlets = Outlets(self._board, links, component, config.telemetry)
         self._say = Speaker(self._outlets.say, clock.now).say
         self._reporter = Reporter(self._board, self._say)
         self._condition = Condition(self._board, self._say, health, None if recorder is None else recorder.status)
@@ -201,8 +203,15 @@ class Telemetry:
             self._say(Severity.WARNING, f"payload {who[0]}/{who[1]} speaks {version}")
 
     def _look(self) -> None:
+        """Look at the payload itself."""
+        config = self._in_force()
+        self._outlets.renew(config.telemetry)
+        twin = self._links.twin
+        if twin is not None and self._twin is None:
+            self._say(Severity.ERROR, f"somebody else speaks as our component {twin}: change one component_id")
+        self._twin = twin
         capabilities = None if self._actuator is None else self._actuator.capabilities
-        self._condition.look(information(self._in_force(), capabilities, self._timebase.usec()))
+        self._condition.look(information(config, capabilities, self._timebase.usec()))
 
     def _mirror(self, now: float) -> None:
         status, sources = self._reporter.status, self._reporter.sources

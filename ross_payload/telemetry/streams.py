@@ -19,6 +19,7 @@ from ross_protocols.values import Text, Value
 MESSAGE_IDS = {layout.value: layout.message.id for layout in LAYOUTS}
 SHORTEST = 0.02  # [s] between two of a kind, however often somebody asks for them
 RESERVE = 130  # bytes left to answers: an acknowledgement is never held back by what repeats itself
+ENOUGH = 1.0  # [s] between two statuses, when there is not room for more
 TEXTS = 24  # that wait for room; then the oldest go
 EARLY = 1e-6  # [s], of rounding
 
@@ -38,6 +39,7 @@ class Rank(IntEnum):
     INFORMATION = 9
     DENSITY = 10
     ISOLATION = 11
+    EXTRA = 12  # a status that nothing new calls for, less than a second after the last one
 
 
 Key = tuple[Rank, int, int]  # rank, message id, place among its like
@@ -124,6 +126,7 @@ class _Told:
 
     news: int
     due: float  # when it is told again [s]
+    last: float  # when it was told [s]
 
 
 class Stream:
@@ -160,7 +163,7 @@ class Stream:
         """Tell a message once more, soon; False: there is nothing of it to tell."""
         keys = [key for key, _ in board.items() if key[1] == message_id]
         for key in keys:
-            self._told[key] = _Told(REQUESTED, -math.inf)
+            self._told[key] = _Told(REQUESTED, -math.inf, -math.inf)
         return bool(keys)
 
     def due(self, board: Board, now: float, room: float) -> list[Value]:
@@ -180,10 +183,18 @@ class Stream:
 
     def _waiting(self, board: Board, now: float) -> Iterator[tuple[Key, Item]]:
         due = [(key, item) for key, item in board.items() if self._is_due(key, item, now)]
-        due.sort(key=lambda pair: (pair[0][0], self._since(*pair)))
-        yield from (pair for pair in due if pair[0][0] < Rank.TEXT)
+        ranked = sorted((*self._urgency(key, item, now), place) for place, (key, item) in enumerate(due))
+        yield from (due[place] for rank, _, place in ranked if rank < Rank.TEXT)
         yield from (((Rank.TEXT, 0, 0), Item(text, 0)) for text in list(self._texts))
-        yield from (pair for pair in due if pair[0][0] > Rank.TEXT)
+        yield from (due[place] for rank, _, place in ranked if rank > Rank.TEXT)
+
+    def _urgency(self, key: Key, item: Item, now: float) -> tuple[Rank, float]:
+        """Return what goes first, and among equals what has waited longest; news have waited for ever."""
+        told = self._told.get(key)
+        if told is None or told.news != item.news:
+            return key[0], -math.inf
+        extra = key[0] is Rank.STATUS and now < told.last + ENOUGH - EARLY
+        return Rank.EXTRA if extra else key[0], told.due
 
     def _is_due(self, key: Key, item: Item, now: float) -> bool:
         told = self._told.get(key)
@@ -193,15 +204,11 @@ class Stream:
             return False
         return told is None or told.news != item.news or now >= told.due - EARLY
 
-    def _since(self, key: Key, item: Item) -> float:
-        """Since when a key waits: among equals the one that has waited longest goes first, news before repeats."""
-        told = self._told.get(key)
-        return -math.inf if told is None or told.news != item.news else told.due
-
     def _note(self, key: Key, item: Item, now: float) -> None:
         told, period = self._told.get(key), self._period(key)
         on_time = told is not None and told.due <= now + EARLY < told.due + period
-        self._told[key] = _Told(item.news, told.due + period if told is not None and on_time else now + period)
+        due = told.due + period if told is not None and on_time else now + period
+        self._told[key] = _Told(item.news, due, now)
 
     def _period(self, key: Key) -> float:
         return self._asked.get(key[1], self._usual[key[1]])
