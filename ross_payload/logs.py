@@ -11,7 +11,7 @@ import logging
 import math
 import os
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields
 from datetime import UTC, datetime
@@ -19,7 +19,9 @@ from enum import Enum
 from typing import Any, TextIO
 
 from ross_payload.events import Answer, Answered, Event, Separated, StateChanged, TurnStarted
+from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.interfaces import Input
+from ross_payload.links import LinkStatus
 from ross_payload.telemetry.texts import line
 from ross_protocols.values import Severity
 
@@ -150,7 +152,63 @@ class LogObserver:
         """Write one line about an event; at level debug about every event."""
         level, text = words(event)
         if self._log.isEnabledFor(level):
-            self._log.log(level, "%s", text, extra={"fields": described(event)})
+            self._log.log(level, text, extra={"fields": described(event)})
+
+
+class Changes:
+    """Writes into the log what no event tells: links that come and go, trouble of the microphones, the recorder.
+
+    Parameters
+    ----------
+    links, ears, recorder
+        Tell how they are; called by `poll`.
+    """
+
+    def __init__(
+        self,
+        links: Callable[[], Iterable[LinkStatus]],
+        ears: Callable[[], AudioHealth],
+        recorder: Callable[[], RecordingStatus],
+    ) -> None:
+        self._links = links
+        self._ears = ears
+        self._recorder = recorder
+        self._links_before: dict[str, tuple[bool, int]] = {}
+        self._trouble = AudioTrouble.NONE
+        self._recording = RecordingState.OFF
+        self._log = logging.getLogger("ross_payload.condition")
+
+    def poll(self) -> None:
+        """Look, and say what has changed since the last look."""
+        for link in self._links():
+            self._link(link)
+        self._microphones(self._ears())
+        self._records(self._recorder())
+
+    def _link(self, now: LinkStatus) -> None:
+        up, twins = self._links_before.get(now.url, (None, 0))
+        if now.up is not up:
+            what = f"link {now.url} is {'up' if now.up else 'down'}"
+            self._log.log(logging.INFO if now.up else logging.WARNING, what if now.up else _colon(what, now.error))
+        if now.twins > twins:
+            self._log.warning("link %s: somebody else speaks with our system and component id", now.url)
+        self._links_before[now.url] = now.up, now.twins
+
+    def _microphones(self, now: AudioHealth) -> None:
+        begun, over = now.trouble & ~self._trouble, self._trouble & ~now.trouble
+        fields = {"level_db": list(now.level_db), "lost": now.lost, "reopened": now.reopened, "waiting_s": now.waiting}
+        if begun:
+            self._log.warning("microphones: %s", _names(begun), extra={"fields": fields})
+        if over:
+            self._log.info("microphones: no more %s", _names(over), extra={"fields": fields})
+        self._trouble = now.trouble
+
+    def _records(self, now: RecordingStatus) -> None:
+        if now.state is not self._recording:
+            bad = now.state in (RecordingState.FULL, RecordingState.BROKEN)
+            what = f"recording is {now.state} {now.name}".rstrip()
+            self._log.log(logging.WARNING if bad else logging.INFO, _colon(what, now.reason))
+        self._recording = now.state
 
 
 def words(event: Event) -> tuple[int, str]:
@@ -190,6 +248,10 @@ def described(event: Event) -> dict[str, Any]:
     return {"event": type(event).__name__, **kept}
 
 
+def _names(trouble: AudioTrouble) -> str:
+    return ", ".join(each.name.lower().replace("_", " ") for each in AudioTrouble if each in trouble and each.name)
+
+
 def _colon(what: str, why: str) -> str:
     return f"{what}: {why}" if why else what
 
@@ -199,6 +261,8 @@ def _plain(value: Any) -> Any:
         return value.name.lower()
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
     return value if value is None or isinstance(value, (bool, int, str)) else str(value)
 
 

@@ -2,6 +2,7 @@ import io
 import json
 import logging
 import os
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -18,8 +19,9 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
+from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.interfaces import Attitude, AudioBlock, Input
-from ross_payload.logs import LogObserver, Repeats, is_journal, logging_to, words
+from ross_payload.logs import Changes, LogObserver, Repeats, is_journal, logging_to, words
 
 LOG = logging.getLogger("ross_payload.links")
 
@@ -198,3 +200,93 @@ def test_what_nobody_needs_is_for_debugging(written):
     event = SourcesEstimated(1.0, Estimate(()), rotations=1, final=False)
     assert written(said(event)) == ""
     assert "SourcesEstimated" in written(said(event), level="debug")
+
+
+@dataclass
+class Way:
+    """What of a LinkStatus is looked at."""
+
+    url: str
+    up: bool
+    error: str
+    twins: int
+
+
+class Payload:
+    """What `Changes` looks at, at one moment."""
+
+    def __init__(self):
+        self.up, self.error, self.twins = True, "", 0
+        self.ears, self.recorder = AudioHealth(), RecordingStatus()
+
+    def links(self):
+        return (Way("tcp:host:1", self.up, self.error, self.twins),)
+
+
+@pytest.fixture
+def watched(written):
+    """Log what a change of the payload makes `Changes` say, after a first look."""
+
+    def look(change, form="text"):
+        payload = Payload()
+        changes = Changes(payload.links, lambda: payload.ears, lambda: payload.recorder)
+        changes.poll()
+
+        def again():
+            change(payload)
+            changes.poll()
+            changes.poll()
+
+        return written(again, form)
+
+    return look
+
+
+def test_nothing_that_stays_as_it_is_is_written(watched):
+    assert watched(lambda payload: None) == ""
+
+
+def test_a_link_that_goes_is_written_once_with_its_error(watched):
+    def go(payload):
+        payload.up, payload.error = False, "connection reset"
+
+    text = watched(go)
+    assert text.count("\n") == 1
+    assert "warning condition: link tcp:host:1 is down: connection reset" in text
+
+
+def test_another_payload_with_our_ids_is_written(watched):
+    def speak(payload):
+        payload.twins += 1
+
+    text = watched(speak)
+    assert text.count("\n") == 1
+    assert "our system and component id" in text
+
+
+def test_different_events_are_not_taken_for_repeats(written):
+    def refused():
+        for order in range(20):
+            said(Answered(1.0, order, Answer.REFUSED, "busy"))()
+
+    assert written(refused).count("\n") == 20
+
+
+def test_trouble_of_the_microphones_is_written_when_it_begins_and_when_it_ends(watched):
+    def clip(payload):
+        payload.ears = AudioHealth(AudioTrouble.CLIPPING | AudioTrouble.DEAD_2, level_db=(-3.0, -120.0))
+
+    line = json.loads(watched(clip, "json"))
+    assert line["message"] == "microphones: clipping, dead 2"
+    assert line["fields"]["level_db"] == [-3.0, -120.0]
+
+
+def test_a_recording_that_begins_and_one_that_the_disk_ends_are_written(watched):
+    def begin(payload):
+        payload.recorder = RecordingStatus(RecordingState.ON, "20261121T150000Z")
+
+    def full(payload):
+        payload.recorder = RecordingStatus(RecordingState.FULL, reason="0.4 GB left")
+
+    assert "info    condition: recording is on 20261121T150000Z" in watched(begin)
+    assert "warning condition: recording is full: 0.4 GB left" in watched(full)
