@@ -86,9 +86,9 @@ class Feed:
         self.committed = begin
         self._rest = train(plan, begin, self._wires, self._interface, self._resolution)
 
-    def top_up(self) -> None:
-        """Hand over segments until two are ahead."""
-        while self.pending and len(self._outstanding) < AHEAD:
+    def top_up(self, now: float) -> None:
+        """Hand over segments until two end after ``now`` [s]; reports come too late to wait for them."""
+        while self.pending and sum(end > now for end in self._outstanding) < AHEAD:
             self._hand_over()
 
     def flush(self) -> None:

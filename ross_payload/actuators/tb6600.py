@@ -160,7 +160,7 @@ class Tb6600:
             self._feed.take_in()
             self._look_for_starvation(now)
             self._obey_requests(now)
-            self._feed.top_up()
+            self._feed.top_up(now)
             self._declare_when_still(now)
         self._publish(now)
 
