@@ -77,7 +77,15 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.callback(clock.every(POLL, parts.links.poll))
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
         stack.callback(clock.every(POLL, runner.poll))
+        _wait_for_report(actuator, config, clock)
         yield runner
+
+
+def _wait_for_report(actuator: Guard, config: Config, clock: Clock) -> None:
+    """Give the actuator the time of the watchdog to say where it is, so that a start is no fault."""
+    end = clock.now() + config.guard.watchdog_s
+    while not actuator.state().healthy and clock.now() < end:
+        clock.sleep(POLL)
 
 
 def maker(actuator: Guard, voiceprint: VoicePrint | None) -> Make:
