@@ -85,7 +85,7 @@ def voices(config: Config, heading: float, seconds: float) -> Samples:
 
 
 def _judged(what: str, cost: float, seconds: float) -> Finding:
-    found = f"{cost:.2f} s per second of audio, {cost * seconds:.1f} s for {seconds:g} s, on one core"
+    found = f"{cost:.2g} s per second of audio, {cost * seconds:.2g} s for {seconds:g} s, on one core"
     if cost <= 1.0:
         return ok(what, found)
     todo = "everything waits for it: a faster computer, a cheaper method, or a lower audio.rate_hz"

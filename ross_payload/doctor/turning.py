@@ -6,12 +6,14 @@ import math
 from collections.abc import Iterator
 from typing import NoReturn
 
-from ross_payload.actuators.registry import describe, open_actuator
+from ross_payload.actuators.registry import checked_options, describe, open_actuator
 from ross_payload.config import Config
 from ross_payload.doctor.finding import Finding, fail, ok, warn
 from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ActuatorError, RossError
 from ross_payload.interfaces import Capabilities, Clock, Services
+
+NOWHERE = "pulses:recording"  # the wire that ends in memory
 
 
 def actuator(config: Config, machine: Machine, clock: Clock) -> Iterator[Finding]:
@@ -23,7 +25,9 @@ def actuator(config: Config, machine: Machine, clock: Clock) -> Iterator[Finding
         yield fail("actuator", str(error), "see `ross actuators` and docs/reference/configuration")
         return
     origin = next((row.origin for row in describe() if row.name == kind), "")
-    if origin.startswith("ross_sim."):
+    if getattr(checked_options(config), "port", "") == NOWHERE:
+        yield warn("actuator", f"{kind} keeps its pulses to itself: nothing will turn", "name a wire: options.port")
+    elif origin.startswith("ross_sim."):
         yield warn("actuator", f"{kind} is simulated: nothing will turn", "choose another actuator.kind")
     else:
         yield ok("actuator", f"{kind}, feedback {capabilities.feedback}")
