@@ -1,7 +1,7 @@
-"""Generate what follows from mavlink/ross.xml: the Python module of the dialect and its reference page.
+"""Generate what follows from the files in mavlink/: Python modules, and the reference page of ross.xml.
 
-``python protocols/generate.py [FOLDER]`` writes ``ross_dialect.py`` and ``mavlink.md``, to their places in the
-checkout or, when a folder is given, there.
+``python protocols/generate.py [FOLDER]`` writes ``ross_dialect.py``, ``standard_dialect.py`` and ``mavlink.md``, to
+their places in the checkout or, when a folder is given, there.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from pymavlink.generator import mavgen, mavparse
 
 HERE = Path(__file__).resolve().parent
 XML = HERE / "mavlink" / "ross.xml"
+STANDARD = HERE / "mavlink" / "standard.xml"
 
 INTRODUCTION = """\
 # MAVLink messages
@@ -47,10 +48,10 @@ fields are only ever added, as extensions at the end; a test holds the checksum 
 """
 
 
-def dialect(folder: Path) -> None:
-    """Write ``ross_dialect.py`` with mavgen: Python, MAVLink 2, units checked against the schema's list."""
+def dialect(folder: Path, xml: Path) -> None:
+    """Write the module of a dialect with mavgen: Python, MAVLink 2, units checked against the schema's list."""
     options = Namespace(
-        output=str(folder / "ross_dialect.py"),
+        output=str(folder / f"{xml.stem}_dialect.py"),
         language="Python3",
         wire_protocol="2.0",
         validate=True,
@@ -58,9 +59,9 @@ def dialect(folder: Path) -> None:
     )
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
-        done = mavgen.mavgen(options, [str(XML)])
+        done = mavgen.mavgen(options, [str(xml)])
     if not done:
-        sys.exit(f"{XML.name} is not a valid dialect:\n{said.getvalue()}")
+        sys.exit(f"{xml.name} is not a valid dialect:\n{said.getvalue()}")
 
 
 def reference(folder: Path) -> None:
@@ -108,5 +109,6 @@ def _anchor(name: str) -> str:
 
 if __name__ == "__main__":
     given = [Path(argument) for argument in sys.argv[1:]]
-    dialect(*given or [HERE / "ross_protocols"])
+    for xml in (XML, STANDARD):
+        dialect(*given or [HERE / "ross_protocols"], xml)
     reference(*given or [HERE.parent / "docs" / "reference"])

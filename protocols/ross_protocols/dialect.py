@@ -1,8 +1,9 @@
 """Our dialect and MAVLink's common one behind one parser.
 
 The generated module ``ross_dialect`` knows our messages only. Here it learns the common ones, with their constants and
-enumerations, so that one parser reads both; pymavlink's own modules stay as they are. To let pymavlink's mavutil, a
-client, read our messages: ``mavutil.mavlink = ross_protocols.dialect.ross``.
+enumerations, so that one parser reads both, and from ``standard_dialect`` those that pymavlink lacks; pymavlink's own
+modules stay as they are. To let pymavlink's mavutil, a client, read our messages:
+``mavutil.mavlink = ross_protocols.dialect.ross``.
 """
 
 from __future__ import annotations
@@ -12,15 +13,16 @@ from typing import Any
 from pymavlink.dialects.v20 import common
 
 from ross_protocols import ross_dialect as ross
+from ross_protocols import standard_dialect as standard
 
-for _id, _message in common.mavlink_map.items():
+for _id, _message in (common.mavlink_map | standard.mavlink_map).items():
     ross.mavlink_map.setdefault(_id, _message)
 for _name, _enum in common.enums.items():
     ross.enums[_name] = _enum | ross.enums.get(_name, {})
-for _name, _thing in vars(common).items():
+for _name, _thing in (vars(standard) | vars(common)).items():
     if _name.startswith(("MAV", "MAVLink_")) and not hasattr(ross, _name):
         setattr(ross, _name, _thing)
 
 MESSAGES: dict[int, Any] = ross.mavlink_map  # by message id, ours and the common ones
 
-__all__ = ["MESSAGES", "common", "ross"]
+__all__ = ["MESSAGES", "common", "ross", "standard"]

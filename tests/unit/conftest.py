@@ -22,13 +22,14 @@ class Air:
         self.counts = Counts()
         self.odds = SimpleNamespace(loss=loss, doubled=doubled, delayed=delayed, damaged=damaged)
         self.random = np.random.default_rng(seed)
-        self.up, self.down, self.late = [], [], []
+        self.up, self.down = [], []
+        self.late = {"up": [], "down": []}
 
     def send(self, frame):
-        self.down += self._through(frame)
+        self.down += self._through(frame, "down")
 
     def receive(self):
-        arrived, self.up = self.up, []
+        arrived, self.up = self.up + self._late("up"), []
         return arrived
 
     def close(self):
@@ -36,25 +37,30 @@ class Air:
 
     def call(self, frame):
         """Send a frame up, from the ground."""
-        self.up += self._through(frame)
+        self.up += self._through(frame, "up")
 
     def listen(self):
         """What has come down."""
-        arrived, self.down = self.down, []
+        arrived, self.down = self.down + self._late("down"), []
         return arrived
 
-    def _through(self, frame):
+    def _late(self, way):
+        """What was delayed until now: a few tenths of a second when looked at every 10 ms."""
+        if not self.late[way] or self.random.random() > 0.03:
+            return []
+        late, self.late[way] = self.late[way], []
+        return late
+
+    def _through(self, frame, way):
         odds, draw = self.odds, self.random.random
         frames = [] if draw() < odds.loss else [frame] * (2 if draw() < odds.doubled else 1)
         if frames and draw() < odds.delayed:
-            self.late += frames
+            self.late[way] += frames
             return []
         if frames and draw() < odds.damaged:
             place = int(self.random.integers(len(frame)))
             frames[0] = frame[:place] + bytes([frame[place] ^ int(self.random.integers(1, 256))]) + frame[place + 1 :]
-        late = self.late if draw() < 0.5 else []
-        self.late = [] if late else self.late
-        return frames + late
+        return frames
 
 
 class Ground:
@@ -85,7 +91,7 @@ class Ground:
         return fresh
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def sky():
     """Make links of a payload, the air and a ground station: ``sky(loss=0.2).ground``."""
     opened = []

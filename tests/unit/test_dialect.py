@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import common
 
 from ross_payload import events, health
 from ross_protocols import values
-from ross_protocols.dialect import MESSAGES, ross
+from ross_protocols.dialect import MESSAGES, ross, standard
 from ross_protocols.layouts import LAYOUTS, Field
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -46,6 +46,7 @@ def test_what_is_checked_in_is_what_the_xml_generates(tmp_path: Path) -> None:
     subprocess.run([sys.executable, ROOT / "protocols" / "generate.py", tmp_path], check=True)
     for made, kept in (
         ("ross_dialect.py", ROOT / "protocols" / "ross_protocols" / "ross_dialect.py"),
+        ("standard_dialect.py", ROOT / "protocols" / "ross_protocols" / "standard_dialect.py"),
         ("mavlink.md", ROOT / "docs" / "reference" / "mavlink.md"),
     ):
         assert (tmp_path / made).read_text() == kept.read_text(), f"{kept} is stale: make protocols"
@@ -55,6 +56,15 @@ def test_no_message_that_has_flown_changes() -> None:
     now = {number: (m.msgname, m.crc_extra) for number, m in MESSAGES.items() if m.msgname.startswith("ROSS_")}
     assert {number: now.get(number) for number in CRC_EXTRA} == CRC_EXTRA
     assert now.keys() == CRC_EXTRA.keys(), "a new message: add its checksum to the table"
+
+
+def test_standard_messages_have_the_checksums_of_mavlink() -> None:
+    """The numbers of MAVLink's own C library."""
+    assert {number: message.crc_extra for number, message in standard.mavlink_map.items()} == {
+        80: 14,
+        300: 217,
+        397: 182,
+    }
 
 
 @pytest.mark.parametrize("layout", OUR_LAYOUTS, ids=lambda layout: layout.message.msgname)
