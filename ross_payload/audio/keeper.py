@@ -6,12 +6,15 @@ the mission goes on meanwhile.
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 from typing import Protocol
 
 from ross_payload.errors import RossError
 from ross_payload.interfaces import Clock
+
+log = logging.getLogger(__name__)
 
 FIRST_WAIT, LONGEST_WAIT = 0.5, 10.0  # [s] between two attempts
 STALE = 2.0  # [s] without a frame: a feed that calls itself alive is not
@@ -74,12 +77,13 @@ class Keeper:
         now = self._clock.now()
         if frames != self._heard[0]:
             self._heard = (frames, now)
-            self.trouble, self._wait = "", FIRST_WAIT
+            self._wait = FIRST_WAIT
+            self._say("")
         if self._busy or now < self._due:
             return
         if self._feed is not None and self._feed.alive and now - self._heard[1] < STALE:
             return
-        self.trouble = self.trouble or "the microphones are gone"
+        self._say(self.trouble or "the microphones are gone")
         self._busy = True
         self._worker = self._start(self._attempt)
 
@@ -95,12 +99,20 @@ class Keeper:
             self._feed = self._opener()
             self.reopened += 1
         except RossError as error:
-            self.trouble = str(error)
+            self._say(str(error))
         finally:
             now = self._clock.now()
             self._heard = (self._heard[0], now)
             self._due, self._wait = now + self._wait, min(2 * self._wait, LONGEST_WAIT)
             self._busy = False
+
+    def _say(self, trouble: str) -> None:
+        """Log what changes, not what goes on."""
+        before, self.trouble = self.trouble, trouble
+        if trouble and trouble != before:
+            log.warning("%s", trouble)
+        elif before and not trouble:
+            log.info("the microphones are back")
 
     def _drop(self) -> None:
         feed, self._feed = self._feed, None

@@ -10,7 +10,6 @@ from typing import Self
 import numpy as np
 import soundfile
 
-from ross_payload.audio.live import SourceStatus
 from ross_payload.audio.wiring import Wiring
 from ross_payload.errors import AudioEnded, AudioError
 from ross_payload.interfaces import AudioBlock, Clock
@@ -67,10 +66,6 @@ class FileSource:
         index, self._index = self._index, self._index + n
         self._clock.sleep(max(self._began + self._index / self._rate - self._clock.now(), 0.0))
         return AudioBlock(wired.samples, index, self._began + index / self._rate, flags=wired.flags, raw=wired.raw)
-
-    def status(self) -> SourceStatus:
-        """How the source is: nothing is ever lost."""
-        return SourceStatus()
 
     def __enter__(self) -> Self:
         """Open the file; its first sample is heard at this moment.

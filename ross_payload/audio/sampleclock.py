@@ -46,6 +46,7 @@ class SampleClock:
         self._earliest = math.inf  # residual of this window [s]
         self._windows = 0
         self._origin = (0, time)  # from which the rate is measured
+        self._measured: float | None = None  # before the last gap [Hz]
 
     def time(self, index: int) -> float:
         """Return when a sample was heard [s]; samples are asked for in their order."""
@@ -64,7 +65,8 @@ class SampleClock:
             self._correct(end)
 
     def coast(self, end: int) -> None:
-        """Go on from ``end`` without corrections: nothing arrives that could tell of another."""
+        """Go on from ``end`` without corrections: what follows is a gap, known only by the time that it takes."""
+        self._measured, self._windows = self.rate, 0
         self._lines.append(_Line(end, self.ahead(end), (1 + self._drift) / self._rate))
         self._earliest = math.inf
 
@@ -72,7 +74,7 @@ class SampleClock:
     def rate(self) -> float | None:
         """Samples per second of the Clock [Hz]; None until it is known."""
         if self._windows < SETTLING + MEASURED:
-            return None
+            return self._measured
         index, time = self._origin
         last = self._lines[-1]
         return (last.index - index) / (last.time - time)

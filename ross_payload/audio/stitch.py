@@ -140,6 +140,7 @@ class Stitcher:
             return
         off = round(self._earliest * self._rate)
         if self._earliest > LATE:
+            clock.coast(self._end)
             self._zeros(off)
         surplus = min(max(-off, 0), self._owed)
         for piece in self._held:

@@ -56,7 +56,7 @@ def read(source, seconds):
 
 
 def missing(blocks):
-    return sum(int(np.sum(block.samples[0] == 0)) for block in blocks)
+    return sum(int(np.sum(block.samples[1] == 0)) for block in blocks)
 
 
 def test_every_sample_arrives_once_and_in_order(listen, make_card):
@@ -95,6 +95,18 @@ def test_a_stall_of_which_the_driver_keeps_everything_loses_nothing(listen, make
     assert np.abs(errors(blocks, card)).max() < NEAR
 
 
+def test_a_gap_does_not_spoil_the_measured_rate(listen, make_card, moments):
+    card = make_card(ppm=100)
+    with listen(card) as source:
+        read(source, 60)
+        begin = moments.now() + 1
+        card.blocked = (begin, begin + 1.5, False)
+        read(source, 5)
+        assert source.status().rate / RATE - 1 == pytest.approx(100e-6, abs=20e-6)
+        read(source, 60)
+        assert source.status().rate / RATE - 1 == pytest.approx(100e-6, abs=20e-6)
+
+
 @pytest.mark.parametrize("length", [0.08, 0.4, 1.5])
 def test_a_gap_that_no_driver_tells_of_becomes_zeros_of_its_length(listen, make_card, moments, errors, length):
     card = make_card(jitter=0.004)
@@ -105,7 +117,7 @@ def test_a_gap_that_no_driver_tells_of_becomes_zeros_of_its_length(listen, make_
     assert missing(blocks) / RATE == pytest.approx(length - 0.01, abs=0.02)
     assert source.status().lost == missing(blocks)
     assert np.abs(errors(blocks, card)).max() < 2 * NEAR
-    assert all(bool(block.flags & AudioFlag.MISSING) == bool(np.any(block.samples[0] == 0)) for block in blocks)
+    assert all(bool(block.flags & AudioFlag.MISSING) == bool(np.any(block.samples[1] == 0)) for block in blocks)
 
 
 def test_a_long_stall_that_catches_up_costs_only_what_was_already_given_as_zeros(listen, make_card, moments, errors):
@@ -154,6 +166,18 @@ def test_a_card_that_is_pulled_out_and_comes_back_is_opened_again_in_step_with_t
     assert source.status().reopened == 1
     assert np.abs(errors(blocks[-300:], card)).max() < 2 * NEAR
     assert 7.0 < missing(blocks) / RATE < 12.0
+
+
+def test_each_change_is_logged_once(listen, make_card, moments, caplog):
+    card = make_card()
+    with caplog.at_level("INFO"), listen(card) as source:
+        moments.at(moments.now() + 1, card.unplug)
+        moments.at(moments.now() + 8, lambda: card.plug("Card"))
+        read(source, 20)
+    said = [record.message for record in caplog.records]
+    assert said[0] == "the microphones are gone"
+    assert said[1].startswith("no microphones named 'card'")
+    assert said[2:] == ["the microphones are back"]
 
 
 def test_attempts_to_open_become_rarer(listen, make_card, moments):
@@ -224,3 +248,20 @@ def test_the_default_device_is_the_systems(listen, make_card):
     card.default.device[0] = 1
     with listen(card, name="default") as source:
         assert source.read(HOP).samples.any()
+
+
+@pytest.mark.soak
+def test_an_hour_of_drift_stalls_and_gaps_stays_in_step_and_every_lost_sample_is_counted(
+    listen, make_card, moments, errors
+):
+    card = make_card(ppm=-70, jitter=0.015)
+    generator, lost = np.random.default_rng(11), 0
+    with listen(card) as source:
+        for _ in range(360):
+            begin, length, keeps = moments.now() + 3, generator.uniform(0.05, 1.5), bool(generator.integers(2))
+            card.blocked = (begin, begin + length, keeps)
+            blocks = read(source, 10)
+            lost += missing(blocks)
+            assert np.abs(errors(blocks[-100:], card)).max() < 2 * NEAR
+        assert source.status().lost == lost
+        assert source.status().waiting < 0.6
