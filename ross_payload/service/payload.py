@@ -17,6 +17,7 @@ from ross_payload.audio.live import Watched
 from ross_payload.config import Config
 from ross_payload.interfaces import AudioSource, Clock, Mount, Port, Services, VoicePrint
 from ross_payload.links import Links
+from ross_payload.logs import Changes
 from ross_payload.mission.session import Kit, Make, Session
 from ross_payload.orders import Explore, Seek, Set, Task
 from ross_payload.parameters import Parameters
@@ -29,6 +30,7 @@ from ross_payload.telemetry.service import Telemetry
 from ross_payload.timebase import Timebase
 
 POLL = 0.010  # [s] of the pump
+LOOK = 1.0  # [s] between two looks for what the log should tell
 FIRST: dict[str, type[Task] | None] = {"nothing": None, "explore": Explore, "seek": Seek}
 
 
@@ -75,6 +77,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.enter_context(parts.drained(recorder))
         runner.observers = [ears, telemetry, recorder, *observers]
         stack.callback(clock.every(POLL, parts.links.poll))
+        stack.callback(clock.every(LOOK, Changes(parts.links.status, ears.health, recorder.status).poll))
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
         stack.callback(clock.every(POLL, runner.poll))
         _wait_for_report(actuator, config, clock)
