@@ -38,7 +38,8 @@ def _single(session: Session, config: Config, voiceprint: VoicePrint | None) -> 
 
 def _live(session: Session, config: Config, voiceprint: VoicePrint | None) -> Mission:
     memory = session.memory(Memory) or Memory()
-    task = FIRST[config.service.autostart] if memory.samples == 0 else None  # a recording from the very start
+    begins = session.configuration().service.autostart if memory.samples == 0 else "nothing"
+    task = FIRST[begins]
     live = LiveSession(config, lambda settings: _kit(session, settings, voiceprint), memory)
     return live.mission(None if task is None else task())
 

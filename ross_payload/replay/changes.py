@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +12,11 @@ from ross_payload.errors import ConfigError
 
 FIXED = (("audio", "rate_hz"), ("audio", "hop_ms"))  # the Inputs are cut so
 RECORDED = (  # what was heard and where the array stood come from the record
-    ("actuator",), ("mount",), ("links",), ("telemetry",), ("service",), ("recording",), ("guard", "max_speed_deg_s"),
+    ("actuator",), ("links",), ("telemetry",), ("service",), ("recording",), ("array", "offset_deg"),
+    ("mount", "source"), ("mount", "yaw_deg"), ("mount", "fresh_s"), ("guard", "max_speed_deg_s"),
     ("guard", "max_acceleration_deg_s2"), ("guard", "max_move_s"), ("guard", "watchdog_s"), ("guard", "on_fault"),
-    ("array", "offset_deg"), ("audio", "source"), ("audio", "preset"), ("audio", "channels"),
-    ("audio", "device_channels"), ("audio", "latency_ms"), ("audio", "buffer_s"),
+    ("audio", "source"), ("audio", "preset"), ("audio", "channels"), ("audio", "device_channels"),
+    ("audio", "latency_ms"), ("audio", "buffer_s"),
 )  # fmt: skip
 Values = dict[str, Any]
 
@@ -50,6 +51,16 @@ def without_effect(recorded: Config, config: Config) -> tuple[str, ...]:
     ('array.offset_deg',)
     """
     return tuple(".".join(path) for path in RECORDED if _at(recorded, path) != _at(config, path))
+
+
+def matters(differing: Iterable[str]) -> bool:
+    """Whether any of some keys can change what the mission does with the record.
+
+    >>> matters(["mount.yaw_deg", "array.offset_deg"]), matters(["exploit.run_s"])
+    (False, True)
+    """
+    decided = tuple(".".join(path) for path in RECORDED)
+    return any(not key.startswith(decided) for key in differing)
 
 
 def differences(recorded: Config, config: Config) -> Values:

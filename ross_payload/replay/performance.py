@@ -8,6 +8,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.mission.tasks import Memory
 from ross_payload.recording.session import Session
@@ -32,41 +33,48 @@ def perform(path: Path, out: Path | None, file: Path | None, settings: tuple[str
     config = changes.changed(recorded, file, settings)
     if out is not None:
         results.prepare(out)
+    differing = changes.differences(recorded, config)
+    told, facts = _played(session, config, tuple(differing))
+    facts |= {
+        "changes": differing,
+        "without_effect": list(changes.without_effect(recorded, config)),
+        "notes": list(session.contents().notes),
+    }
+    values = results.report(session, told, config.audio.rate_hz) | facts
+    if out is not None:
+        results.write(out, values, told, config.audio.rate_hz)
+    return values
+
+
+def _played(session: Session, config: Config, differing: tuple[str, ...]) -> tuple[Replayed, dict[str, Any]]:
+    """Replay a session in a configuration; return what it brought, whom it looked for and where it parted."""
     rate, memory = config.audio.rate_hz, session.memory(Memory) or Memory()
     told = Replayed(start=memory.samples / rate)
-    differences = changes.differences(recorded, config)
     course = Course(turns_of(session.events()), early=config.audio.hop_ms / 2000)
-    who = sought(session, VoiceStore.default(), lambda: told.inputs, same=not differences)
-    anew = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differences)
+    who = sought(session, VoiceStore.default(), lambda: told.inputs, same=not changes.matters(differing))
+    anew = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differing)
     with threadpool_limits(limits=1):
         inputs = session.inputs(config.audio, anew=anew)
         replay(mission_of(session, config, who.voiceprint), inputs, course, rate, told)
     if not told.inputs:
-        raise ConfigError(f"{path}: holds no whole Input: nothing to replay")
-    values = {
-        "voice": who.how,
-        "changes": differences,
-        "without_effect": list(changes.without_effect(recorded, config)),
-        "notes": list(session.contents().notes),
-    }
-    values = results.report(session, told, course.parted, rate) | values
-    if out is not None:
-        results.write(out, values, told, rate)
-    return values
+        raise ConfigError(f"{session.path}: holds no whole Input: nothing to replay")
+    return told, {"voice": who.how, "parted": course.parted}
 
 
 def in_words(values: dict[str, Any]) -> Iterator[str]:
     """Say how a replay went, line by line."""
     yield from (f"note: {note}" for note in values["notes"])
     if values["without_effect"]:
-        yield f"no effect in a replay, the record decides: {', '.join(values['without_effect'])}"
+        yield f"without effect, the record decides: {', '.join(values['without_effect'])}"
     if values["voice"]:
         yield f"looked for {values['voice']}"
     if values["parted"]:
         yield f"the missions part: {values['parted']}"
     if values["ended_early"]:
         yield f"ended after {values['replayed_s']:.2f} s: {values['ended_early']}"
-    elif values["outcome"] is not None:
+    elif values["outcome"] is None:
+        yield "the recording ends here; the mission would go on"
+    else:
         yield f"{values['outcome'].replace('_', ' ')}: {values['reason']}"
     found = ", ".join(f"{source['azimuth_deg']:.1f} deg" for source in values["sources"])
     yield f"replayed {values['replayed_s']:.2f} s, {values['events']} events; sources: {found or 'none'}"

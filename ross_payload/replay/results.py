@@ -27,7 +27,7 @@ def prepare(folder: Path) -> None:
     Raises
     ------
     ConfigError
-        When it cannot be made or written, or is the session itself.
+        When it cannot be made or written, or is a session.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -39,14 +39,13 @@ def prepare(folder: Path) -> None:
         raise ConfigError(f"--out {folder}: cannot be written: permission denied")
 
 
-def report(session: Session, told: Replayed, parted: str, rate: int) -> dict[str, Any]:
+def report(session: Session, told: Replayed, rate: int) -> dict[str, Any]:
     """Everything worth keeping of a replay, as plain values: no paths, the same on every rerun."""
     known, recorded = session.manifest, session.events()
     estimated, separated = last(told.events, SourcesEstimated), last(told.events, Separated)
     return {
         "identical": identical(told.lines, recorded, cut_off=known.end is None),
         "first_difference": difference(told.lines, recorded),
-        "parted": parted,
         "ended_early": told.early,
         "outcome": None if told.result is None else told.result.outcome.name.lower(),
         "reason": "" if told.result is None else told.result.reason,

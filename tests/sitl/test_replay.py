@@ -1,0 +1,308 @@
+"""A recorded mission runs again: the same, or as another configuration would have had it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from ross_payload.actuators.registry import open_actuator
+from ross_payload.config import Config
+from ross_payload.interfaces import Score, Services
+from ross_payload.mission.session import Kit, Session
+from ross_payload.mission.tasks import Memory
+from ross_payload.mount import fixed_mount
+from ross_payload.orders import Explore, Seek, Set, Shutdown, Stop
+from ross_payload.recording.manifest import Beginning
+from ross_payload.recording.recorder import Recorder
+from ross_payload.recording.session import Session as Recorded
+from ross_payload.recording.shelf import Shelf
+from ross_payload.service import Runner, settings_of, tools_of
+from ross_payload.service.payload import FIRST
+from ross_sim.casting import company_of
+from ross_sim.clock import SimClock
+from ross_sim.far_end import far_end_of
+from ross_sim.scenario import load
+from ross_sim.world import World
+
+
+@pytest.fixture(scope="module")
+def taped(tmp_path_factory):
+    """One short mission of `ross sitl --record`: its results and its session."""
+    base = tmp_path_factory.mktemp("taped")
+    (base / "short.toml").write_text(SHORT)
+    done = ross(
+        "sitl", "-s", base / "short.toml", "--seed", 3, "--out", base / "out", "--record", base / "all", "--json"
+    )
+    assert done.returncode in (0, 3), done.stderr
+    return base / "out", base / "all" / "0001"
+
+
+SHORT = """
+title = "a short mission"
+[payload.explore]
+lead_in_s = 1.0
+unit_s = 1.0
+min_rotations = 2
+max_rotations = 3
+[payload.exploit]
+check_s = 1.0
+run_s = 2.0
+max_restarts = 0
+[[talkers]]
+azimuth_deg = 40
+[[talkers]]
+azimuth_deg = 155
+[[talkers]]
+azimuth_deg = -80
+"""
+
+
+def ross(*arguments):
+    command = [sys.executable, "-m", "ross_payload.cli", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=250)
+    assert "Traceback" not in done.stderr, done.stderr
+    return done
+
+
+def replayed(session, out, run, *settings):
+    options = [part for setting in settings for part in ("--set", setting)]
+    code, said, error = run("replay", session, "--out", out, "--json", *options)
+    return code, (json.loads(said) if said else error)
+
+
+def test_a_replay_says_the_same_to_the_byte(taped, tmp_path, run):
+    results, session = taped
+    code, values = replayed(session, tmp_path / "again", run)
+    assert code == 0
+    assert values["identical"]
+    assert values["parted"] == values["ended_early"] == ""
+    again = (tmp_path / "again" / "events.jsonl").read_bytes()
+    assert again == (session / "events.jsonl").read_bytes() == (results / "events.jsonl").read_bytes()
+    assert values["outcome"] == json.loads((results / "report.json").read_text())["outcome"]
+    for voice in results.glob("[tg][ar]*.wav"):
+        assert (tmp_path / "again" / voice.name).read_bytes() == voice.read_bytes()
+
+
+def test_two_replays_write_the_same_bytes(taped, tmp_path, run):
+    _, session = taped
+    for name in ("one", "two"):
+        replayed(session, tmp_path / name, run)
+    files = {path.name for path in (tmp_path / "one").iterdir()}
+    assert {"events.jsonl", "replay.json"} <= files
+    for name in files:
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+
+
+def test_two_recordings_of_one_seed_have_the_same_bytes(taped, tmp_path, run):
+    _, session = taped
+    (tmp_path / "short.toml").write_text(SHORT)
+    run("sitl", "-s", tmp_path / "short.toml", "--seed", 3, "--record", tmp_path / "all", "--json")
+    for path in session.iterdir():
+        assert (tmp_path / "all" / "0001" / path.name).read_bytes() == path.read_bytes(), path.name
+
+
+def test_another_separator_separates_the_same_recording_otherwise(taped, tmp_path, run):
+    _, session = taped
+    code, values = replayed(session, tmp_path / "duet", run, "exploit.separator=duet")
+    assert code in (0, 3)
+    assert not values["identical"]
+    assert values["changes"] == {"exploit.separator": ["auto", "duet"]}
+
+
+def test_shorter_listening_waits_for_the_recorded_turns(taped, tmp_path, run):
+    _, session = taped
+    _, values = replayed(session, tmp_path / "out", run, "explore.unit_s=0.5")
+    assert "this mission turns to joint 15.0 deg at 1.5" in values["parted"]
+    events = [json.loads(line) for line in (tmp_path / "out" / "events.jsonl").read_text().splitlines()]
+    second = [event for event in events if event["event"] == "OrientationHeard"][1]
+    recorded = [json.loads(line) for line in (session / "events.jsonl").read_text().splitlines()]
+    turn = next(event for event in recorded if event["event"] == "TurnStarted")
+    assert second["joint"] == pytest.approx(turn["joint"], abs=2e-3)  # of a stepper
+    assert second["time"] > turn["time"] + 0.5  # heard where and when the recorded array stood there
+
+
+def test_longer_listening_ends_where_the_recorded_array_turns_away(taped, tmp_path, run):
+    _, session = taped
+    code, values = replayed(session, tmp_path / "out", run, "explore.unit_s=3")
+    assert code == 3
+    assert "the recorded mission turns to joint 15.0 deg at 2.0" in values["parted"]
+    assert "turns" in values["ended_early"]
+
+
+def test_a_goal_that_the_record_never_visits_ends_the_replay(taped, tmp_path, run):
+    _, session = taped
+    code, values = replayed(session, tmp_path / "out", run, "explore.step_deg=50")
+    assert code == 3
+    assert "never stands at joint 50.0 deg" in values["ended_early"]
+
+
+def test_what_the_record_decides_has_no_effect_and_is_said(taped, tmp_path, run):
+    _, session = taped
+    code, values = replayed(session, tmp_path / "out", run, "array.offset_deg=7", "links=[]")
+    assert code == 0
+    assert values["without_effect"] == ["array.offset_deg"]
+    assert values["identical"]
+
+
+def test_a_later_correction_of_the_polarity_is_heard(taped, tmp_path, run):
+    _, session = taped
+    _, values = replayed(session, tmp_path / "out", run, "audio.invert=[false, true]")
+    assert not values["identical"]
+    assert values["changes"] == {"audio.invert": [[False, False], [False, True]]}
+
+
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [
+        ("audio.rate_hz=48000", "was recorded with 16000"),
+        ("exploit.bla=1", "unknown key 'exploit.bla'"),
+        ("exploit.run_s", "wanted key=value"),
+        ("exploit.run_s=-1", "greater than or equal to 1"),
+        ("seed.deep=1", "not a table"),
+        ("exploit.separator=karaoke", "'karaoke' is unknown"),
+    ],
+)
+def test_a_wrong_change_gets_one_line(taped, tmp_path, run, setting, words):
+    code, error = replayed(taped[1], tmp_path / "out", run, setting)
+    assert code == 2
+    assert words in error
+    assert error.count("\n") == 1
+
+
+def test_without_the_voice_recorded_answers_serve_the_same_mission_only(taped, tmp_path, run):
+    _, session = taped
+    copied = tmp_path / "0001"
+    subprocess.run(["cp", "-r", session, copied], check=True)
+    (copied / "voice.json").unlink()
+    _, values = replayed(copied, tmp_path / "out", run)
+    assert values["identical"]
+    assert "recorded answers" in values["voice"]
+    code, error = replayed(copied, tmp_path / "out", run, "exploit.separator=duet")
+    assert code == 2
+    assert "not enrolled here" in error
+
+
+def test_results_do_not_go_into_a_session(taped, run):
+    code, error = replayed(taped[1], taped[1], run)
+    assert code == 2
+    assert "this is a session" in error
+
+
+def test_a_folder_that_is_no_session_gets_one_line(tmp_path, run):
+    code, _, error = run("replay", tmp_path)
+    assert code == 2
+    assert "not a session folder" in error
+
+
+# ---------------------------------------------------------------------------------------------- a session of orders
+
+
+class Answers:
+    """Scores that anybody can compute."""
+
+    def score(self, voice, rate):
+        return Score(float(np.mean(np.abs(voice))) * 1e3 - 1, accepted=True)
+
+
+class Operator:
+    """Gives orders at certain hops, and has the recorder begin at one of them."""
+
+    def __init__(self, orders, start):
+        self.orders, self.start, self.hops = orders, start, 0
+
+    def heard(self, heard):
+        self.hops += 1
+        if self.hops in self.orders:
+            self.runner.order(self.orders[self.hops])
+        if self.hops == self.start:
+            assert self.recorder.record(True) == ""
+
+    def said(self, event, heard):
+        pass
+
+
+def live(scenario, folder, orders, start, autostart="nothing"):
+    """A session as `ross run` assembles it, in simulated time."""
+    values = scenario.payload.model_dump(mode="json") | {"service": {"target": "ann", "autostart": autostart}}
+    config = Config.model_validate(values | {"recording": {"always": start == 0, "min_free_gb": 0}})
+    clock, far_end = SimClock(), far_end_of(config)
+    cast = scenario.cast(company_of(scenario, None, None).voices)
+    world = World(scenario, cast.talkers, far_end, clock, 1)
+    with open_actuator(config, Services(clock, lambda url: far_end.port)) as actuator, world.source:
+        travel = actuator.capabilities
+
+        def begin():
+            if session.busy:
+                return None
+            return Beginning("session", session.config, travel.lower, travel.upper, "ann", session.memory)
+
+        with Recorder(Shelf(folder), config.recording, begin) as recorder:
+            clock.every(0.2, recorder.drain)
+            voice = recorder.noting(Answers())
+            make = lambda now: Kit(settings_of(now, travel.lower, travel.upper), tools_of(now, voice))  # noqa: E731
+            session = Session(config, make)
+            first = FIRST[autostart]
+            mission = session.mission(None if first is None else first())
+            runner = Runner(mission, world.source, actuator, fixed_mount(config), config=config, clock=clock)
+            clock.every(0.01, runner.poll)
+            operator = Operator(orders, start)
+            operator.runner, operator.recorder = runner, recorder
+            runner.observers = [recorder, operator]
+            runner.run()
+    return folder / "0001"
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    (tmp_path / "short.toml").write_text(SHORT)
+    return load(str(tmp_path / "short.toml"))
+
+
+def test_a_session_recorded_between_two_tasks_is_replayed_with_what_it_knew(scenario, tmp_path, run):
+    orders = {
+        5: Explore(number=1), 1500: Set(name="RUN_S", value=1.5, number=2), 1510: Seek(number=3),
+        2600: Stop(number=4), 2650: Shutdown(number=5),
+    }  # fmt: skip
+    session = live(scenario, tmp_path / "all", orders, start=1400)
+    memory = Recorded.open(session).memory(Memory)
+    assert memory.estimate is not None
+    assert memory.samples == 1400 * 160
+    code, values = replayed(session, tmp_path / "out", run)
+    assert code == 0
+    assert values["identical"]
+    assert values["events"] > 10
+    assert (tmp_path / "out" / "events.jsonl").read_bytes() == (session / "events.jsonl").read_bytes()
+
+
+def test_a_session_that_starts_with_a_task_is_replayed_from_its_first_hop(scenario, tmp_path, run):
+    session = live(scenario, tmp_path / "all", {900: Shutdown(number=1)}, start=0, autostart="explore")
+    code, values = replayed(session, tmp_path / "out", run)
+    assert (code, values["identical"]) == (0, True)
+    assert len(values["sources"]) > 0
+
+
+# ---------------------------------------------------------------------------------------------- cut off
+
+
+def test_a_killed_simulation_leaves_a_session_that_can_be_replayed(tmp_path, run):
+    (tmp_path / "short.toml").write_text(SHORT)
+    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "-s", tmp_path / "short.toml", "--speed", "4"]
+    with subprocess.Popen([*command, "--record", tmp_path / "all", "--json"], stdout=subprocess.PIPE) as process:
+        inputs = tmp_path / "all" / "0001" / "inputs.jsonl"
+        deadline = time.monotonic() + 120
+        while not (inputs.exists() and inputs.stat().st_size > 60_000) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        os.kill(process.pid, signal.SIGKILL)
+    code, values = replayed(inputs.parent, tmp_path / "out", run)
+    assert code == 0
+    assert values["outcome"] is None
+    assert values["identical"]
+    assert "cut off" in values["notes"][0]
+    code, said, _ = run("sessions", "check", inputs.parent)
+    assert code == 0
+    assert "cut off" in said
