@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import count
 from typing import Any
 
 from ross_protocols.dialect import MESSAGES, ross
@@ -109,7 +110,8 @@ class Framer:
 class Decoder:
     """One link's ear: bytes in any portions to packets; MAVLink 1 and 2, our messages and the common ones.
 
-    ``bad`` counts what began like a frame and was none, ``unknown`` frames of messages that nobody here knows.
+    ``bad`` counts what began like a frame and was none, ``unknown`` frames of messages that nobody here knows;
+    ``behind`` tells that the latest call left something for the next one.
     """
 
     def __init__(self) -> None:
@@ -117,31 +119,42 @@ class Decoder:
         self._framer = Framer()
         self.bad = 0
         self.unknown = 0
+        self.behind = False
 
     @property
     def skipped(self) -> int:
         """Bytes that belong to no frame."""
         return self._framer.skipped
 
-    def feed(self, data: bytes) -> list[Packet]:
-        """Return the packets that ``data`` completes."""
+    def feed(self, data: bytes, most: int | None = None) -> list[Packet]:
+        """Return the packets that ``data`` completes; look at no more than ``most`` that may be one."""
         self._framer.buffer += data
-        return list(self._packets())
+        return list(self._packets(most))
 
-    def _packets(self) -> Iterator[Packet]:
-        while (size := self._framer.size()) is not None:
-            frame = self._framer.buffer[:size]
+    def _packets(self, most: int | None) -> Iterator[Packet]:
+        buffer = self._framer.buffer
+        self.behind = True
+        for _ in count() if most is None else range(most):
+            size = self._framer.size()
+            if size is None:
+                break
+            frame = buffer[:size]
             try:
                 message = self._decode(frame)
             except ross.MAVError:  # it only looked like a frame: a true one may begin one byte later
                 self.bad += 1
                 self._framer.skip(1)
                 continue
-            del self._framer.buffer[:size]
+            if message is None and len(buffer) == size:
+                break  # what follows tells whether it is a frame
+            del buffer[:size]
             if message is None:
                 self.unknown += 1
             else:
                 yield _packet(message, bytes(frame))
+        else:
+            return
+        self.behind = False
 
     def _decode(self, frame: bytearray) -> Any:
         if frame[0] == _V2 and frame[2] & ~_SIGNED:

@@ -14,6 +14,7 @@ from ross_payload.links.signing import Guardian
 from ross_protocols.codec import Decoder, Encoder, Packet
 from ross_protocols.signing import SIGNATURE_SIZE, is_signed
 
+LOOKS = 200  # at what may be a frame, in one call: a flood cannot hold up who polls
 SERIAL_SHARE = 0.5  # of a serial line's bytes that we may use
 BITS_PER_BYTE = 10  # on a serial line: start bit, eight, stop bit
 
@@ -74,14 +75,14 @@ class Link:
 
     def receive(self, now: float) -> Iterator[Packet]:
         """Give what has arrived and may be believed."""
-        for data in self._port.receive():
-            self._counts["received_bytes"] += len(data)
-            for packet in self._decoder.feed(data):
-                self._counts["received"] += 1
-                if self._guardian is None or self._guardian.believes(packet, now):
-                    yield packet
-                else:
-                    self._counts["refused"] += 1
+        data = b"" if self._decoder.behind else b"".join(self._port.receive())
+        self._counts["received_bytes"] += len(data)
+        for packet in self._decoder.feed(data, LOOKS):
+            self._counts["received"] += 1
+            if self._guardian is None or self._guardian.believes(packet, now):
+                yield packet
+            else:
+                self._counts["refused"] += 1
         if self._port.counts.baud != self._baud:  # it was found by listening
             self._baud = self._port.counts.baud
             self._budget = Budget(rate_of(self.config, self._baud), now)

@@ -1,0 +1,365 @@
+"""Signed links: whose frames are believed, that no time is used twice, and that nothing can be played to us again."""
+
+import threading
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pymavlink.dialects.v20 import common
+
+from ross_payload.config import Link
+from ross_payload.errors import ConfigError
+from ross_payload.links import Counts, Heard, Links
+from ross_payload.links.signing import SigningTime, read_key
+from ross_protocols.codec import Encoder
+from ross_protocols.signing import SECOND, is_good, is_signed, link_and_time, timestamp_of
+from ross_protocols.values import Health, Heartbeat
+
+KEY = bytes(range(32))
+OTHER = bytes(32)
+BEAT = Heartbeat(Health.ACTIVE, 6)
+TODAY = 1_795_000_000.0  # UNIX [s]
+
+
+class HandClock:
+    """Stands still until it is moved."""
+
+    time = 0.0
+
+    def now(self) -> float:
+        return self.time
+
+    def sleep(self, duration: float) -> None:
+        self.time += duration
+
+    def every(self, period: float, call: Any) -> Any:
+        raise AssertionError("links are polled, they do not poll")
+
+
+class Wire:
+    """The far end of a link."""
+
+    def __init__(self) -> None:
+        self.counts = Counts()
+        self.coming: list[bytes] = []
+        self.sent: list[bytes] = []
+
+    def send(self, frame: bytes) -> None:
+        self.sent.append(frame)
+
+    def receive(self) -> list[bytes]:
+        coming, self.coming = self.coming, []
+        return coming
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+
+class Payload:
+    """One life of a payload with one signed link; ``die`` is a power cut, leaving the block an orderly end."""
+
+    def __init__(self, state: Path, key_file: Path, unix: float = TODAY) -> None:
+        self.clock = HandClock()
+        self.wire = Wire()
+        self.links = Links(self.clock, 1, state, lambda: unix + self.clock.time)
+        self.links.attach(Link(url="udpin::14550", key_file=str(key_file)), self.wire)
+        self.heard: list[Heard] = []
+        self.links.component(191).subscribe(self.heard.append)
+
+    def hear(self, *frames: bytes) -> int:
+        """Return how many of these frames were believed."""
+        before = len(self.heard)
+        self.wire.coming += frames
+        self.links.poll()
+        return len(self.heard) - before
+
+    def say(self) -> bytes:
+        self.links.component(191).send(BEAT)
+        return self.wire.sent[-1]
+
+    def settle(self) -> None:
+        """Wait until the file is written."""
+        saving = self.links._signing._saving if self.links._signing else None
+        if saving is not None:
+            saving.exception(timeout=20)
+
+    def __enter__(self) -> "Payload":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.links.close()
+
+
+class GroundStation:
+    """pymavlink itself: another implementation of signing."""
+
+    def __init__(self, key: bytes = KEY, unix: float = TODAY, link_id: int = 7) -> None:
+        self.mav = common.MAVLink(None, srcSystem=255, srcComponent=190)
+        self.mav.robust_parsing = True
+        self.mav.signing.secret_key = key
+        self.mav.signing.sign_outgoing = True
+        self.mav.signing.link_id = link_id
+        self.mav.signing.timestamp = timestamp_of(unix)
+
+    def say(self) -> bytes:
+        frame = bytes(common.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3).pack(self.mav))
+        self.mav.seq = (self.mav.seq + 1) % 256
+        return frame
+
+    def believes(self, frame: bytes) -> bool:
+        return [message.get_type() for message in self.mav.parse_buffer(frame) or []] == ["HEARTBEAT"]
+
+
+@pytest.fixture
+def key_file(tmp_path: Path) -> Path:
+    path = tmp_path / "key"
+    path.write_bytes(KEY)
+    path.chmod(0o600)
+    return path
+
+
+@pytest.fixture
+def payload(tmp_path: Path, key_file: Path):
+    with Payload(tmp_path / "state", key_file) as payload:
+        yield payload
+
+
+# ---------------------------------------------------------------------------------------------------- keys
+
+
+def test_a_key_is_32_bytes_or_64_digits(tmp_path: Path, key_file: Path) -> None:
+    assert read_key(key_file) == KEY
+    key_file.write_text(KEY.hex() + "\n")
+    assert read_key(key_file) == KEY
+
+
+@pytest.mark.parametrize("content", [b"", b"short", KEY + b"\n", b"g" * 64, KEY.hex().encode()[:-1]])
+def test_what_is_no_key_says_what_was_found(key_file: Path, content: bytes) -> None:
+    key_file.write_bytes(content)
+    with pytest.raises(ConfigError, match=rf"^key_file .*: {len(content)} bytes found, 32 bytes or 64 hexadecimal"):
+        read_key(key_file)
+
+
+@pytest.mark.parametrize("mode", [0o644, 0o640, 0o604, 0o660])
+def test_a_key_that_others_can_read_is_refused_with_what_to_do(key_file: Path, mode: int) -> None:
+    key_file.chmod(mode)
+    with pytest.raises(ConfigError, match=f"mode {mode:04o} found, 0600 wanted: chmod 600 {key_file}"):
+        read_key(key_file)
+
+
+def test_a_key_that_is_not_there_is_one_clear_line(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="cannot be read: No such file or directory"):
+        Links.open([Link(url="udpin::1", key_file=str(tmp_path / "none"))], HandClock(), state=tmp_path)
+
+
+def test_a_signed_link_needs_a_folder_to_remember_the_time(key_file: Path) -> None:
+    with pytest.raises(ConfigError, match="needs a folder"):
+        Links.open([Link(url="udpin::1", key_file=str(key_file))], HandClock())
+
+
+# ---------------------------------------------------------------------------------------------------- whom to believe
+
+
+def test_both_sides_believe_each_other(payload: Payload) -> None:
+    ground = GroundStation()
+    assert all(ground.believes(payload.say()) for _ in range(10))
+    assert payload.hear(*(ground.say() for _ in range(10))) == 10
+    assert all(heard.may_order for heard in payload.heard)
+
+
+def test_what_is_unsigned_or_signed_with_another_key_is_not_heard(payload: Payload) -> None:
+    assert payload.hear(GroundStation(OTHER).say(), Encoder(255, 190).encode(BEAT)) == 0
+    (status,) = payload.links.status()
+    assert status.refused == 2
+    assert status.peers == ()
+
+
+def test_a_frame_changed_under_way_is_not_heard(payload: Payload) -> None:
+    frame = bytearray(GroundStation().say())
+    frame[-1] ^= 1
+    assert payload.hear(bytes(frame)) == 0
+
+
+def test_a_radio_may_report_unsigned_and_order_nothing(payload: Payload) -> None:
+    radio = Encoder(51, 68)
+    assert payload.hear(radio.encode(common.MAVLink_radio_status_message(90, 90, 100, 20, 20, 0, 0))) == 1
+    assert not payload.heard[0].may_order
+
+
+def test_nothing_is_believed_twice(payload: Payload) -> None:
+    ground = GroundStation()
+    frames = [ground.say() for _ in range(20)]
+    assert payload.hear(*frames) == 20
+    assert payload.hear(*frames, *reversed(frames)) == 0
+
+
+def test_our_own_signed_frames_played_back_are_nothing(payload: Payload) -> None:
+    frames = [payload.say() for _ in range(20)]
+    assert payload.hear(*frames, *frames) == 0
+    assert payload.links.twin is None
+
+
+def test_a_new_stream_may_be_a_minute_behind_and_no_more(payload: Payload) -> None:
+    assert payload.hear(GroundStation(unix=TODAY - 59, link_id=1).say()) == 1
+    assert payload.hear(GroundStation(unix=TODAY - 61, link_id=2).say()) == 0
+
+
+def test_streams_are_told_apart_by_link_and_sender(payload: Payload) -> None:
+    late, early = GroundStation(link_id=1, unix=TODAY), GroundStation(link_id=2, unix=TODAY - 30)
+    assert payload.hear(late.say(), early.say()) == 2
+
+
+def test_a_peer_that_is_ahead_is_followed_as_soon_as_the_disk_has_it(payload: Payload) -> None:
+    ground = GroundStation(unix=TODAY + 3600)
+    assert payload.hear(ground.say()) == 0, "nothing above the saved bound is believed"
+    payload.settle()
+    assert payload.hear(ground.say()) == 1
+    assert link_and_time(payload.say())[1] > timestamp_of(TODAY + 3600)
+
+
+# ---------------------------------------------------------------------------------------------------- time
+
+
+def test_signing_time_only_grows_and_follows_the_clock(payload: Payload) -> None:
+    stamps = []
+    for _ in range(300):
+        payload.clock.time += 1.0
+        stamps.append(link_and_time(payload.say())[1])
+        payload.settle()
+    assert all(after > before for before, after in pairwise(stamps))
+    assert stamps[-1] - stamps[0] == pytest.approx(299 * SECOND, abs=2)
+
+
+def test_two_messages_at_one_moment_have_two_times(payload: Payload) -> None:
+    assert len({link_and_time(payload.say())[1] for _ in range(1000)}) == 1000
+
+
+@pytest.mark.parametrize("unix", [TODAY, 0.0, TODAY - 86400.0], ids=["clock kept", "no clock", "clock of yesterday"])
+@pytest.mark.parametrize("crash", [True, False])
+def test_no_time_is_used_again_after_a_restart(tmp_path: Path, key_file: Path, unix: float, crash: bool) -> None:
+    payload = Payload(tmp_path / "state", key_file)
+    for _ in range(100):
+        payload.clock.time += 1.0
+        last = payload.say()
+        payload.settle()
+    if not crash:
+        payload.links.close()
+    with Payload(tmp_path / "state", key_file, unix) as again:
+        assert link_and_time(again.say())[1] > link_and_time(last)[1]
+
+
+@pytest.mark.parametrize("unix", [TODAY + 100, 0.0], ids=["clock kept", "no clock"])
+@pytest.mark.parametrize("crash", [True, False])
+def test_a_session_cannot_be_played_again_after_a_restart(
+    tmp_path: Path, key_file: Path, unix: float, crash: bool
+) -> None:
+    payload, ground = Payload(tmp_path / "state", key_file), GroundStation()
+    session = []
+    for _ in range(100):
+        payload.clock.time += 1.0
+        ground.mav.signing.timestamp += SECOND
+        session.append(ground.say())
+        assert payload.hear(session[-1]) == 1
+        session.append(payload.say())
+        payload.settle()
+    if not crash:
+        payload.links.close()
+    with Payload(tmp_path / "state", key_file, unix) as again:
+        assert again.hear(*session) == 0
+        for frame in session:
+            again.clock.time += 1.0
+            assert again.hear(frame) == 0
+
+
+def test_a_ground_station_that_was_there_goes_on_after_our_restart(tmp_path: Path, key_file: Path) -> None:
+    payload, ground = Payload(tmp_path / "state", key_file), GroundStation()
+    assert payload.hear(ground.say()) == 1
+    with Payload(tmp_path / "state", key_file, TODAY + 5) as again:  # no orderly end: a minute was reserved
+        assert ground.believes(again.say())
+        assert again.hear(ground.say()) == 1, "it has followed our time, as MAVLink wants it"
+
+
+def test_the_file_is_written_once_a_minute(payload: Payload, tmp_path: Path) -> None:
+    contents = set()
+    for _ in range(600):
+        payload.clock.time += 1.0
+        payload.say()
+        payload.settle()
+        contents.add((tmp_path / "state" / "signing-time").read_text())
+    assert 9 <= len(contents) <= 22
+
+
+def test_the_saved_bound_is_always_above_what_was_used(payload: Payload, tmp_path: Path) -> None:
+    for _ in range(300):
+        payload.clock.time += 0.7
+        used = link_and_time(payload.say())[1]
+        assert int((tmp_path / "state" / "signing-time").read_text()) >= used
+        payload.settle()
+
+
+def test_a_disk_that_is_behind_stops_signing_and_nothing_else(tmp_path: Path) -> None:
+    time = SigningTime(tmp_path / "state", lambda: TODAY, 0.0)
+    assert time.stamp(0.0) is not None
+    (tmp_path / "state").rename(tmp_path / "gone")
+    (tmp_path / "state").write_text("in the way")
+    assert time.stamp(59.0) is not None
+    assert time.stamp(61.0) is None
+    (tmp_path / "state").unlink()
+    for _ in range(2):
+        if time._saving is not None:
+            time._saving.exception(timeout=20)
+        stamp = time.stamp(61.0)
+    if stamp is None and time._saving is not None:
+        time._saving.exception(timeout=20)
+        stamp = time.stamp(61.0)
+    assert stamp is not None, "it goes on when the disk is back"
+    time.close()
+
+
+@pytest.mark.parametrize("content", ["", "yesterday", "12.5"])
+def test_a_broken_time_file_is_one_clear_line(tmp_path: Path, content: str) -> None:
+    (tmp_path / "signing-time").write_text(content)
+    with pytest.raises(ConfigError, match="the signing time cannot be read"):
+        SigningTime(tmp_path, lambda: TODAY, 0.0)
+
+
+def test_a_state_folder_that_takes_nothing_is_one_clear_line(tmp_path: Path) -> None:
+    (tmp_path / "state").write_text("in the way")
+    with pytest.raises(ConfigError, match=r"cannot be (read|saved)"):
+        SigningTime(tmp_path / "state", lambda: TODAY, 0.0)
+
+
+# ---------------------------------------------------------------------------------------------------- frames
+
+
+def test_logs_hear_the_unsigned_frame(payload: Payload) -> None:
+    frames: list[bytes] = []
+    payload.links.component(191).tap(frames.append)
+    signed = payload.say()
+    assert is_signed(signed)
+    assert is_good(signed, KEY)
+    assert not is_good(signed, OTHER)
+    assert not is_signed(frames[0])
+
+
+def test_signatures_count_in_the_budget(tmp_path: Path, key_file: Path) -> None:
+    links = Links(HandClock(), 1, tmp_path, lambda: TODAY)
+    wire = Wire()
+    with links:
+        links.attach(Link(url="udpin::1", key_file=str(key_file), max_bytes_s=10_000), wire)
+        before = links.status()[0].room
+        links.component(191).send(BEAT)
+        assert links.status()[0].room == before - len(wire.sent[0])
+
+
+def test_no_thread_is_left_behind(tmp_path: Path, key_file: Path) -> None:
+    before = set(threading.enumerate())
+    with Payload(tmp_path / "state", key_file) as payload:
+        for _ in range(5):
+            payload.clock.time += 20.0
+            payload.say()
+        begun = set(threading.enumerate()) - before
+    for thread in begun:
+        thread.join(timeout=20)
+    assert not any(thread.is_alive() for thread in begun)
