@@ -59,9 +59,9 @@ def flown(path, folder, *arguments):
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
         assert done.returncode == 0, done.stderr
         report = json.loads(done.stdout)
-        if report["late_s"] < 0.2 and not report["lost"] and "ran out" not in report["reason"]:
+        if not report["lost"] and "ran out" not in report["reason"]:
             return report
-    pytest.skip("this computer is too busy for real time")
+    pytest.skip(f"this computer is too busy for real time: {report['lost']} samples lost, {report['reason']}")
 
 
 def gain(report):

@@ -1,0 +1,135 @@
+"""A live mission through a real sound card path: `ross world` feeds PulseAudio, the payload listens by PortAudio."""
+
+import ctypes.util
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from ross_sim.casting import company_of
+from ross_sim.live import Silent
+from ross_sim.scenario import load
+from ross_sim.session import perform
+
+PAYLOAD = Path(__file__).parents[1] / "sitl" / "live_payload.py"
+PULSE_PLUGIN = "libasound_module_pcm_pulse.so"
+SHORT = """
+title = "a short mission through a sound card"
+[payload.explore]
+lead_in_s = 2.0
+unit_s = 1.5
+min_rotations = 2
+max_rotations = 2
+[payload.exploit]
+check_s = 1.0
+run_s = 3.0
+max_restarts = 0
+[noise]
+snr_db = 25
+[[talkers]]
+azimuth_deg = 40
+[[talkers]]
+azimuth_deg = 155
+[[talkers]]
+azimuth_deg = -80
+"""
+PATIENT = """
+[payload.actuator.options]
+segment_ms = 50
+"""
+SIX = """
+[payload.explore]
+min_rotations = 6
+max_rotations = 6
+"""  # as in lock-step: one rotation more, and another ten seconds are separated
+SCENARIOS = Path(__file__).parents[2] / "sim" / "scenarios"
+
+
+@pytest.fixture
+def sound_card(tmp_path):
+    """A PulseAudio server of our own with one microphone pair, fed by a pipe; gives the pipe and the environment."""
+    lacking = {
+        "pulseaudio": shutil.which("pulseaudio"),
+        "libportaudio2": ctypes.util.find_library("portaudio"),
+        "libasound2-plugins": next(Path("/usr/lib").glob(f"*/alsa-lib/{PULSE_PLUGIN}"), None),
+    }
+    for package, found in lacking.items():
+        if not found:
+            pytest.skip(f"needs a system package: apt-get install {package}")
+    with pulse(tmp_path / "pulse") as (pipe, environment):
+        yield pipe, environment
+
+
+@contextmanager
+def pulse(folder):
+    folder.mkdir(mode=0o700)
+    socket, pipe = folder / "native", folder / "microphones"
+    modules = [
+        f"module-native-protocol-unix socket={socket} auth-anonymous=1",
+        f"module-pipe-source file={pipe} format=float32le rate=16000 channels=2 channel_map=front-left,front-right",
+    ]
+    own = {"HOME": folder, "PULSE_RUNTIME_PATH": folder, "PULSE_STATE_PATH": folder, "XDG_RUNTIME_DIR": folder}
+    environment = os.environ | {name: str(path) for name, path in own.items()}
+    command = ["pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--disable-shm=yes"]
+    loads = [part for module in modules for part in ("-L", module)]
+    with (folder / "log").open("w") as log, subprocess.Popen([*command, *loads], env=environment, stderr=log) as server:
+        try:
+            wait_for(lambda: (pipe.exists() and socket.exists()) or server.poll() is not None)
+            assert server.poll() is None, (folder / "log").read_text()
+            yield pipe, os.environ | {"PULSE_SERVER": f"unix:{socket}"}
+        finally:
+            server.terminate()
+
+
+def wait_for(condition, seconds=20.0):
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.05)
+
+
+def flown(scenario, folder, sound_card):
+    """Fly; once again when this computer was too busy to keep up."""
+    pipe, environment = sound_card
+    for attempt in range(3):
+        command = [sys.executable, PAYLOAD, scenario, folder / str(attempt), pipe]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=280)
+        assert done.returncode == 0, done.stderr
+        report = json.loads(done.stdout)
+        if not report["lost"] and "ran out" not in report["reason"]:
+            return report
+    pytest.skip(f"this computer is too busy for real time: {report['lost']} samples lost, {report['reason']}")
+
+
+def held_against_lock_step(name, live):
+    scenario = load(name)
+    lock_step = perform(scenario, company_of(scenario, None, None), Silent(), None, None).report
+    assert (live["world"], live["complaints"]) == (0, [])
+    assert live["differs"] == 0.0  # not a bit of the sound was lost or changed on the way
+    assert live["outcome"] == lock_step["outcome"] == "target_found"
+    azimuths = [sorted(source["azimuth_deg"] for source in report["sources"]) for report in (live, lock_step)]
+    assert azimuths[0] == pytest.approx(azimuths[1], abs=1.0)
+    assert gain(live) == pytest.approx(gain(lock_step), abs=0.5)
+
+
+def gain(report):
+    return next(group["si_sdri_db"] for group in report["groups"] if group["target"])
+
+
+def test_a_short_mission_through_a_sound_card_is_that_of_lock_step(sound_card, tmp_path):
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT + PATIENT)
+    held_against_lock_step(path, flown(path, tmp_path, sound_card))
+
+
+@pytest.mark.soak
+def test_the_demo_through_a_sound_card_is_that_of_lock_step(sound_card, tmp_path):
+    path = tmp_path / "demo.toml"
+    path.write_text((SCENARIOS / "demo.toml").read_text() + PATIENT + SIX)
+    held_against_lock_step(path, flown(path, tmp_path, sound_card))
