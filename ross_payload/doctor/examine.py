@@ -16,7 +16,7 @@ Check = Callable[[Config, Machine], Iterator[Finding]]
 CHECKS: tuple[Check, ...] = (
     computer.python, computer.clock, computer.heat, computer.power,
     wires.extras, wires.serial, wires.can, wires.links, wires.identity,
-    folders.state, folders.recordings, folders.voice,
+    folders.state, folders.recordings, folders.voice, turning.start,
 )  # fmt: skip
 
 

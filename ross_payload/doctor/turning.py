@@ -34,6 +34,15 @@ def actuator(config: Config, machine: Machine, clock: Clock) -> Iterator[Finding
     yield from _travel(config, capabilities)
 
 
+def start(config: Config, machine: Machine) -> Iterator[Finding]:
+    """Whether something turns without being asked."""
+    if config.service.autostart == "nothing":
+        yield ok("autostart", "nothing turns until somebody asks")
+    else:
+        found = f"'{config.service.autostart}' at every start, also after a crash, whatever was stopped before it"
+        yield warn("autostart", found, "service.autostart = 'nothing', where people may stand near the array")
+
+
 def _closed(url: str) -> NoReturn:
     raise ActuatorError(f"the doctor opens no wire, and was asked for '{url}'")
 

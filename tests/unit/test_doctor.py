@@ -313,6 +313,11 @@ def test_an_array_that_turns_half_a_circle_reaches_every_axis(tmp_path):
     assert "160 deg of travel" in text
 
 
+def test_an_array_that_starts_by_itself_is_warned_of(tmp_path):
+    assert said(turning.start(config(), machine(tmp_path)))[0] is Verdict.OK
+    assert said(turning.start(config(service={"autostart": "explore"}), machine(tmp_path)))[0] is Verdict.WARN
+
+
 def test_a_longest_move_that_the_guard_would_call_a_fault_is_found(tmp_path):
     slow = config(guard={"max_speed_deg_s": 10, "max_move_s": 30})  # 400 deg at 10 deg/s
     verdict, text = said(turning.actuator(slow, machine(tmp_path), SimClock()))
