@@ -8,7 +8,7 @@ from typing import Any
 from ross_payload import __version__
 from ross_payload.links import Links
 from ross_protocols.commands import ALL
-from ross_protocols.dialect import common
+from ross_protocols.dialect import common, standard
 
 CAPABILITIES = (
     common.MAV_PROTOCOL_CAPABILITY_MAVLINK2
@@ -67,3 +67,9 @@ def version_message() -> Any:
         product_id=0,
         uid=0,
     )
+
+
+def protocol_message() -> Any:
+    """Return PROTOCOL_VERSION: MAVLink 2 is spoken, and 1 is understood."""
+    nothing = [0] * 8
+    return standard.MAVLink_protocol_version_message(200, 100, 200, nothing, nothing)

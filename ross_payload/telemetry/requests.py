@@ -10,14 +10,18 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 from ross_payload.telemetry.allowance import Allowance
-from ross_payload.telemetry.identity import Endpoint, version_message
+from ross_payload.telemetry.identity import Endpoint, protocol_message, version_message
 from ross_protocols.commands import Command, Result
-from ross_protocols.dialect import common
+from ross_protocols.dialect import common, standard
 
 REQUEST_MESSAGE = common.MAV_CMD_REQUEST_MESSAGE
 SET_INTERVAL = common.MAV_CMD_SET_MESSAGE_INTERVAL
 GET_INTERVAL = common.MAV_CMD_GET_MESSAGE_INTERVAL
-REQUEST_CAPABILITIES = common.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES
+VERSION, PROTOCOL = common.MAVLINK_MSG_ID_AUTOPILOT_VERSION, standard.MAVLINK_MSG_ID_PROTOCOL_VERSION
+OLD_REQUESTS = {
+    common.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: VERSION,
+    common.MAV_CMD_REQUEST_PROTOCOL_VERSION: PROTOCOL,
+}  # commands from before there was REQUEST_MESSAGE
 
 USUAL, NEVER = 0, -1  # as intervals on the wire [us]
 SHORTEST = 20_000  # [us]
@@ -56,12 +60,12 @@ class Requests:
         self._endpoint = endpoint
         self._streams = streams
         self._allowance = Allowance(BURST, RATE)
-        self._made: Mapping[int, Callable[[], Any]] = {common.MAVLINK_MSG_ID_AUTOPILOT_VERSION: version_message}
+        self._made: Mapping[int, Callable[[], Any]] = {VERSION: version_message, PROTOCOL: protocol_message}
         self._commands: Mapping[int, Callable[[Command, str], Verdict]] = {
             REQUEST_MESSAGE: self._request,
             SET_INTERVAL: self._set_interval,
             GET_INTERVAL: self._get_interval,
-            REQUEST_CAPABILITIES: self._capabilities,
+            **dict.fromkeys(OLD_REQUESTS, self._old_request),
         }
 
     def obey(self, command: Command, link: str, now: float) -> Verdict | None:
@@ -81,8 +85,8 @@ class Requests:
             return Verdict(Result.DENIED)
         return ACCEPTED if self._streams.request(link, message_id) else Verdict(Result.TEMPORARILY_REJECTED)
 
-    def _capabilities(self, command: Command, link: str) -> Verdict:
-        self._endpoint.send(version_message(), link)
+    def _old_request(self, command: Command, link: str) -> Verdict:
+        self._endpoint.send(self._made[OLD_REQUESTS[command.number]](), link)
         return ACCEPTED
 
     def _set_interval(self, command: Command, link: str) -> Verdict:
