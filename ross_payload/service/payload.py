@@ -75,6 +75,8 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         telemetry = stack.enter_context(_telemetry(parts, actuator, runner, recorder, ears))
         stack.enter_context(recorder)
         stack.enter_context(parts.drained(recorder))
+        component = parts.links.component(config.telemetry.component_id)
+        component.tap(lambda frame: recorder.sent(parts.timebase.usec(), frame))
         runner.observers = [ears, telemetry, recorder, *observers]
         stack.callback(clock.every(POLL, parts.links.poll))
         stack.callback(clock.every(LOOK, Changes(parts.links.status, ears.health, recorder.status).poll))
