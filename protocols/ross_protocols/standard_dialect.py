@@ -363,6 +363,7 @@ MAVLINK_MSG_ID_BAD_DATA = -1
 MAVLINK_MSG_ID_UNKNOWN = -2
 MAVLINK_MSG_ID_COMMAND_CANCEL = 80
 MAVLINK_MSG_ID_PROTOCOL_VERSION = 300
+MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC = 396
 MAVLINK_MSG_ID_COMPONENT_METADATA = 397
 
 
@@ -450,6 +451,56 @@ class MAVLink_protocol_version_message(MAVLink_message):
 setattr(MAVLink_protocol_version_message, "name", mavlink_msg_deprecated_name_property())
 
 
+class MAVLink_component_information_basic_message(MAVLink_message):
+    """
+    Who made a component, and which one it is.
+    """
+
+    id = MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC
+    msgname = "COMPONENT_INFORMATION_BASIC"
+    fieldnames = ["time_boot_ms", "capabilities", "time_manufacture_s", "vendor_name", "model_name", "software_version", "hardware_version", "serial_number"]
+    ordered_fieldnames = ["capabilities", "time_boot_ms", "time_manufacture_s", "vendor_name", "model_name", "software_version", "hardware_version", "serial_number"]
+    fieldtypes = ["uint32_t", "uint64_t", "uint32_t", "char", "char", "char", "char", "char"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {}
+    fieldunits_by_name: Dict[str, str] = {"time_boot_ms": "ms", "time_manufacture_s": "s"}
+    native_format = bytearray(b"<QIIccccc")
+    orders = [1, 0, 2, 3, 4, 5, 6, 7]
+    lengths = [1, 1, 1, 1, 1, 1, 1, 1]
+    array_lengths = [0, 0, 0, 32, 32, 24, 24, 32]
+    crc_extra = 50
+    unpacker = struct.Struct("<QII32s32s24s24s32s")
+    instance_field = None
+    instance_offset = -1
+
+    def __init__(self, time_boot_ms: int, capabilities: int, time_manufacture_s: int, vendor_name: bytes, model_name: bytes, software_version: bytes, hardware_version: bytes, serial_number: bytes):
+        MAVLink_message.__init__(self, MAVLink_component_information_basic_message.id, MAVLink_component_information_basic_message.msgname)
+        self._fieldnames = MAVLink_component_information_basic_message.fieldnames
+        self._instance_field = MAVLink_component_information_basic_message.instance_field
+        self._instance_offset = MAVLink_component_information_basic_message.instance_offset
+        self.time_boot_ms = time_boot_ms
+        self.capabilities = capabilities
+        self.time_manufacture_s = time_manufacture_s
+        self._vendor_name_raw = vendor_name
+        self.vendor_name = vendor_name.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+        self._model_name_raw = model_name
+        self.model_name = model_name.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+        self._software_version_raw = software_version
+        self.software_version = software_version.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+        self._hardware_version_raw = hardware_version
+        self.hardware_version = hardware_version.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+        self._serial_number_raw = serial_number
+        self.serial_number = serial_number.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.capabilities, self.time_boot_ms, self.time_manufacture_s, self._vendor_name_raw, self._model_name_raw, self._software_version_raw, self._hardware_version_raw, self._serial_number_raw), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_component_information_basic_message, "name", mavlink_msg_deprecated_name_property())
+
+
 class MAVLink_component_metadata_message(MAVLink_message):
     """
     Where a component keeps the file that describes it.
@@ -494,6 +545,7 @@ setattr(MAVLink_component_metadata_message, "name", mavlink_msg_deprecated_name_
 mavlink_map: Dict[int, Type[MAVLink_message]] = {
     MAVLINK_MSG_ID_COMMAND_CANCEL: MAVLink_command_cancel_message,
     MAVLINK_MSG_ID_PROTOCOL_VERSION: MAVLink_protocol_version_message,
+    MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC: MAVLink_component_information_basic_message,
     MAVLINK_MSG_ID_COMPONENT_METADATA: MAVLink_component_metadata_message,
 }
 
@@ -942,6 +994,38 @@ class MAVLink(object):
 
         """
         self.send(self.protocol_version_encode(version, min_version, max_version, spec_version_hash, library_version_hash), force_mavlink1=force_mavlink1)
+
+    def component_information_basic_encode(self, time_boot_ms: int, capabilities: int, time_manufacture_s: int, vendor_name: bytes, model_name: bytes, software_version: bytes, hardware_version: bytes, serial_number: bytes) -> MAVLink_component_information_basic_message:
+        """
+        Who made a component, and which one it is.
+
+        time_boot_ms              : Time since boot. [ms] (type:uint32_t)
+        capabilities              : What it can do, MAV_PROTOCOL_CAPABILITY. (type:uint64_t)
+        time_manufacture_s        : When it was made, UNIX time; 0: not told. [s] (type:uint32_t)
+        vendor_name               : Who made it. Ends with a zero byte. (type:char)
+        model_name                : What it is. Ends with a zero byte. (type:char)
+        software_version          : Version of its software, for instance 1.2.3. (type:char)
+        hardware_version          : Version of its hardware. (type:char)
+        serial_number             : Serial number; empty: not told. (type:char)
+
+        """
+        return MAVLink_component_information_basic_message(time_boot_ms, capabilities, time_manufacture_s, vendor_name, model_name, software_version, hardware_version, serial_number)
+
+    def component_information_basic_send(self, time_boot_ms: int, capabilities: int, time_manufacture_s: int, vendor_name: bytes, model_name: bytes, software_version: bytes, hardware_version: bytes, serial_number: bytes, force_mavlink1: bool = False) -> None:
+        """
+        Who made a component, and which one it is.
+
+        time_boot_ms              : Time since boot. [ms] (type:uint32_t)
+        capabilities              : What it can do, MAV_PROTOCOL_CAPABILITY. (type:uint64_t)
+        time_manufacture_s        : When it was made, UNIX time; 0: not told. [s] (type:uint32_t)
+        vendor_name               : Who made it. Ends with a zero byte. (type:char)
+        model_name                : What it is. Ends with a zero byte. (type:char)
+        software_version          : Version of its software, for instance 1.2.3. (type:char)
+        hardware_version          : Version of its hardware. (type:char)
+        serial_number             : Serial number; empty: not told. (type:char)
+
+        """
+        self.send(self.component_information_basic_encode(time_boot_ms, capabilities, time_manufacture_s, vendor_name, model_name, software_version, hardware_version, serial_number), force_mavlink1=force_mavlink1)
 
     def component_metadata_encode(self, time_boot_ms: int, file_crc: int, uri: bytes) -> MAVLink_component_metadata_message:
         """
