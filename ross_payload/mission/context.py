@@ -215,8 +215,7 @@ def hop(context: Context, goal: float | None = None) -> Step[Input]:
         When the attitude that the task depends on is lost or found.
     """
     heard = yield from exchange(context, Output(goal=goal))
-    for order in heard.orders:
-        obey(context, order)
+    obey(context, heard.orders)
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)
     if context.earth not in (None, heard.attitude.known):
@@ -224,14 +223,23 @@ def hop(context: Context, goal: float | None = None) -> Step[Input]:
     return heard
 
 
-def obey(context: Context, order: Order) -> None:
-    """Obey an order that comes in the middle of a task.
+def obey(context: Context, orders: Sequence[Order]) -> None:
+    """Obey orders that come in the middle of a task.
 
     Raises
     ------
     Ended
-        When the order ends the task.
+        When one of them ends the task; those behind it wait until it has ended.
     """
+    for place, order in enumerate(orders, start=1):
+        try:
+            _obey(context, order)
+        except Ended:
+            context.later.extend(orders[place:])
+            raise
+
+
+def _obey(context: Context, order: Order) -> None:
     match order:
         case Stop() | Shutdown():
             raise Ended(Outcome.STOPPED, "stopped by command", order)

@@ -133,7 +133,7 @@ class Session:
             self._answer(order, Answer.ACCEPTED)
 
     def _task(self, task: Task) -> Step[Order | None]:
-        """Perform one task; return the order that takes its place, if any."""
+        """Perform one task; return the order that ends the session, if any."""
         old, kit = self._context, self._make(self.config)
         self._context = Context(kit.settings, kit.tools, samples=old.samples, last=old.last, pending=old.pending)
         why = refusal(self._context, self._memory, task, stopped=self._stopped, fault=self._fault)
@@ -155,7 +155,7 @@ class Session:
         return None
 
     def _end(self, task: Task, ended: Ended) -> Step[Order | None]:
-        """End a task that did not come to its own end; return the order that takes its place."""
+        """End a task that did not come to its own end; return the order that ends the session, too."""
         result, order = Result(ended.outcome, ended.reason), ended.order
         self._fault = "" if order is not None or isinstance(ended, FrameChanged) else ended.reason
         self._stopped = stopped = isinstance(order, (Stop, Shutdown))
@@ -163,7 +163,9 @@ class Session:
         if isinstance(order, (Stop, Cancel)):
             self._answer(order, Answer.ACCEPTED)
         yield from self._hop(Output(halt=not stopped, stop=stopped))
-        return order if isinstance(order, (Task, Shutdown)) else None
+        if isinstance(order, Task):
+            self._waiting.insert(0, order)  # what came behind it may take it back
+        return order if isinstance(order, Shutdown) else None
 
     def _close(self, task: Task, result: Result, state: State) -> None:
         """Say how a task ended."""

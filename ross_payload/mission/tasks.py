@@ -199,8 +199,7 @@ def _home(context: Context) -> Step[Result]:
     heard = yield from exchange(context, Output(home=True))
     while not heard.settled and context.samples < end:
         heard = yield from exchange(context)
-        for order in heard.orders:
-            obey(context, order)
+        obey(context, heard.orders)
     heard = yield from exchange(context, Output(rearm=True))
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)

@@ -435,3 +435,25 @@ def test_a_stop_outlives_a_fault(bench):
     bench.hop(Park(number=1))
     assert bench.over(1).answer is Answer.REFUSED
     assert "re-arm" in bench.reason(1)
+
+
+def test_what_comes_with_the_order_that_ends_a_task_is_obeyed_after_it(bench):
+    bench.hop(TurnTo(1.0, number=1))
+    bench.hop()
+    bench.hop(Stop(number=2), Rearm(number=3))
+    bench.over(1)
+    bench.hops_until(lambda e: isinstance(e, Answered) and e.order == 3)
+    assert bench.answers(1)[-1] is Answer.CANCELLED
+    assert bench.answers(2) == bench.answers(3) == [Answer.ACCEPTED]
+    assert bench.state() is State.IDLE
+
+
+def test_a_stop_that_comes_with_a_task_in_place_of_another_is_obeyed():
+    bench = Bench(memory=Memory(estimate()))
+    bench.hop(ListenTo(0, number=1))
+    bench.hops_until(lambda e: isinstance(e, StateChanged) and e.state is State.RUN)
+    bench.hop(TurnTo(1.0, number=2), Stop(number=3))
+    bench.hops_until(lambda e: isinstance(e, Answered) and e.order == 3)
+    assert bench.answers(1)[-1] is Answer.CANCELLED
+    assert bench.answers(2) == [Answer.REFUSED]
+    assert bench.state() is State.STOPPED
