@@ -18,6 +18,7 @@ from ross_payload.mission.context import Context, Listening, Step, hop
 from ross_payload.mission.follower import STILL, Follower, base
 
 MARGIN = math.radians(20)  # to the limits of the joint, where there is a choice: room to follow
+PATIENCE = 20.0  # [s] that a turn may take on a vehicle that does not let it end
 MOST_BACK = 3  # times that one listening period begins again
 
 
@@ -33,7 +34,10 @@ def face(context: Context, heading: float, joint: float, reason: str) -> Step[No
     context.say(TurnStarted(context.time, goal, here.heading_end + goal - here.joint, reason))
     context.holding = follower = _follower(context, heading, goal)
     correction: float | None = goal
+    latest = context.time + PATIENCE
     while correction is not None or not follower.there(context.time, context.here):
+        if follower.corrected and context.time >= latest:
+            return
         heard = yield from hop(context, goal=correction)
         correction = follower.correction(context.time, heard)
 

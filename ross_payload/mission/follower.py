@@ -12,6 +12,7 @@ from ross_payload.interfaces import Input
 STILL = 1e-9  # [rad]: what has turned by less has not turned
 LEAD = 0.15  # [s] that a correction looks ahead: half of a small move, and half of the time until the next one
 TRAIL = 0.1  # [s] over which the rate of the base is taken
+NEAR = math.radians(2)  # off the heading, or the tolerance when that is wider, when a turn ends
 DWELL = 0.2  # [s] near the heading that end a turn: less, and the joint may only be passing by
 BEARABLE = math.radians(5)  # off the heading at a limit of the joint
 
@@ -43,7 +44,7 @@ class Follower:
         self.trail.append((time, base(heard)))
         while time - self.trail[0][0] > TRAIL + STILL:
             self.trail.popleft()
-        near = abs(wrap_axis(self.heading - heard.heading_end)) <= self.tolerance
+        near = abs(wrap_axis(self.heading - heard.heading_end)) <= max(self.tolerance, NEAR)
         self.near_since = min(self.near_since, time) if near else math.inf
         wanted = self._wanted()
         if abs(wanted - self.goal) <= self.tolerance:
@@ -63,7 +64,7 @@ class Follower:
         """Whether a turn is over: at rest, or near the heading for a while with no large move to come."""
         if heard.settled or not self.corrected:
             return heard.settled
-        return time - self.near_since >= DWELL and abs(self.goal - heard.joint) <= 2 * self.tolerance
+        return time - self.near_since >= DWELL and abs(self.goal - heard.joint) <= 2 * max(self.tolerance, NEAR)
 
     def _wanted(self) -> float:
         """Joint angle [rad] that gives the heading soon, of the branch of the present goal."""

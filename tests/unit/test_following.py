@@ -259,3 +259,18 @@ def test_a_yaw_that_passes_south_is_no_jump():
     for time, yaw in enumerate((3.0, 3.1, 3.1 + 0.1 - 2 * np.pi)):
         goal = follower.correction(time * DT, Heard(yaw + follower.goal, follower.goal))
         assert goal is None or abs(goal) < 2.0
+
+
+def test_a_vehicle_that_spins_faster_than_the_joint_does_not_hold_the_mission_up():
+    spinning = Yaw(amplitude=np.deg2rad(3600), speed=np.deg2rad(400))
+    one = vehicle(yaw=spinning, explorer=base.ThreeTalkers(certain=False))
+    one.run()
+    assert len(one.said(OrientationHeard)) == base.SETTINGS.max_rotations + 1
+    assert one.hops * DT < 21 * len(one.said(TurnStarted)) + 30
+
+
+@pytest.mark.parametrize("degrees", [0.1, 45])
+def test_any_tolerance_of_the_configuration_ends_its_turns(degrees):
+    one = vehicle(settings=replace(base.SETTINGS, follow=np.deg2rad(degrees)))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert one.hops * DT < 30
