@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -40,6 +37,7 @@ from ross_sim.outdir import OutDir
 from ross_sim.picture import draw
 from ross_sim.report import Story, Truth, report
 from ross_sim.scenario import Cast, Scenario
+from ross_sim.signals import on_signal
 from ross_sim.tape import taped
 from ross_sim.world import World
 
@@ -111,7 +109,8 @@ def perform(
         collector = Collector(_wav(stack, out, config))
         actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
         stack.enter_context(world.source)
-        mount = _mount(scenario, clock, links)
+        mount, _ = aboard(scenario, clock, links)
+        clock.every(POLL, links.poll)
         recorder = stack.enter_context(taped(tape, _beginning(scenario, company, actuator), clock, links))
         runner = _runner(scenario, company, world, actuator, mount, recorder=recorder)
         tlog = out.staging / "mission.tlog" if out is not None else None
@@ -119,7 +118,7 @@ def perform(
         runner.observers = [collector, telemetry, view, *([Pace(speed)] if speed else [])]
         runner.observers += [] if recorder is None else [recorder]
         ready = wall.now()
-        with stop_on_signal(runner):
+        with on_signal(lambda: runner.order(Stop())):
             result = runner.run()
         done = wall.now()
     truth = _truth(world, cast, company.target, room_yaw(scenario))
@@ -149,14 +148,13 @@ def room_yaw(scenario: Scenario) -> float:
     return scenario.vehicle.motion().mean
 
 
-def _mount(scenario: Scenario, clock: SimClock, links: Links) -> Mount:
-    """Make the mount, and the autopilot that tells it where it points."""
+def aboard(scenario: Scenario, clock: SimClock, links: Links) -> tuple[Mount, Timebase]:
+    """Make the mount, the time, and the autopilot that tells them, if there is one."""
     config, timebase = scenario.payload, Timebase(clock)
     if scenario.vehicle is not None:
         board(scenario.vehicle, clock, links, config.seed)
     timebase.attach(links.component(config.telemetry.component_id))
-    clock.every(POLL, links.poll)
-    return mount_of(config, clock, links, timebase)
+    return mount_of(config, clock, links, timebase), timebase
 
 
 def _beginning(scenario: Scenario, company: Company, actuator: Guard) -> Beginning:
@@ -214,18 +212,3 @@ def _write(out: OutDir, story: Story, truth: Truth, values: dict[str, Any], scen
     unit = config.array.spacing_m / config.array.speed_of_sound_m_s
     with out.writing("mission.png") as path:
         draw(path, story, truth, rate=rate, unit=unit, title=scenario.title)
-
-
-@contextmanager
-def stop_on_signal(runner: Runner) -> Iterator[None]:
-    """Turn Ctrl-C and SIGTERM into a stop command: the motor decelerates and the files are closed."""
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        runner.order(Stop())
-
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

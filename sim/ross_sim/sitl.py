@@ -12,7 +12,8 @@ EPILOG = """Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 s
 URLs are udpin:host:port, udpout:host:port, tcp:host:port or serial:device:baud."""
 
 
-def _speed(context: click.Context, parameter: click.Parameter, value: str) -> float | None:
+def _speed(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
+    value = value or ("1" if context.params.get("serving") else "max")
     if value == "max":
         return None
     try:
@@ -42,12 +43,20 @@ def _folder(context: click.Context, parameter: click.Parameter, value: str | Non
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
 @click.option("--target", help="Name of the talker to look for, or of an enrolled voice.")
 @click.option("--telemetry", "urls", multiple=True, help="URL to send MAVLink to; may be given more than once.")
-@click.option("--speed", default="max", show_default=True, callback=_speed, help="max, or times real time.")
+@click.option("--serve", "serving", is_flag=True, is_eager=True, help="Obey orders from --telemetry until Ctrl-C.")
+@click.option("--speed", callback=_speed, help="max, or times real time; default: max, with --serve 1.")
 @click.option("--out", callback=_folder, help="Folder for report, audio, picture and logs.")
 @click.option("--record", callback=_folder, help="Folder to record a session in, for `ross replay`.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON, and nothing else.")
 def command(
-    scenario: str, out: Path | None, speed: float | None, record: Path | None, as_json: bool, **changes: Any
+    *,
+    scenario: str,
+    out: Path | None,
+    speed: float | None,
+    record: Path | None,
+    serving: bool,
+    as_json: bool,
+    **changes: Any,
 ) -> int:
     """Run the whole mission in a simulated room, with the real drivers on simulated wires."""
     from contextlib import nullcontext
@@ -55,6 +64,7 @@ def command(
     from ross_sim.casting import company_of, directed
     from ross_sim.live import view_of, waiting
     from ross_sim.outdir import OutDir
+    from ross_sim.serve import serve
     from ross_sim.session import expected, perform
     from ross_sim.summary import show
 
@@ -64,6 +74,9 @@ def command(
             company = company_of(chosen, changes["speech"], changes["target"])
         view = view_of(as_json, expected(chosen))
         try:
+            if serving:
+                serve(chosen, company, view, out=folder, speed=speed, tape=record)
+                return 0
             finished = perform(chosen, company, view, folder, speed, tape=record)
         finally:
             view.close()

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 from ross_payload.errors import OutputError
@@ -33,9 +33,20 @@ def taped(folder: Path | None, begin: Beginning, clock: Clock, links: Links) -> 
     with Recorder(Shelf(folder), limits, lambda: next(first, None)) as recorder:
         component = links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.sent(round(clock.now() * 1e6), frame))
-        cancel = clock.every(DRAIN, recorder.drain)
-        yield recorder
-        cancel()
+        with drained(clock)(recorder):
+            yield recorder
     status = recorder.status()
     if status.state in (RecordingState.FULL, RecordingState.BROKEN):
         raise OutputError(f"--record {folder}: the recording is not whole: {status.reason}")
+
+
+def drained(clock: Clock) -> Callable[[Recorder], AbstractContextManager[None]]:
+    """Return what has a recorder write in simulated time."""
+
+    @contextmanager
+    def draining(recorder: Recorder) -> Iterator[None]:
+        cancel = clock.every(DRAIN, recorder.drain)
+        yield
+        cancel()
+
+    return draining

@@ -18,6 +18,7 @@ from ross_payload.interfaces import Real
 from ross_sim.clock import QUANTUM
 from ross_sim.outdir import OutDir
 from ross_sim.report import Truth
+from ross_sim.scenario import Cast, Scenario
 from ross_sim.world import Rendered
 
 STILL = 1e-6  # a quantum that turns by less is not worth a line [rad]
@@ -117,6 +118,21 @@ class Turns:
         return round(index * QUANTUM, 2)
 
 
+def facts(scenario: Scenario, cast: Cast) -> dict[str, Any]:
+    """Return who talks where, as plain values."""
+    people = zip(cast.talkers, scenario.azimuths(), scenario.elevations(), strict=True)
+    return {
+        "title": scenario.title,
+        "rate_hz": scenario.payload.audio.rate_hz,
+        "seed": scenario.payload.seed,
+        "target": cast.target.name,
+        "talkers": [
+            {"name": voice.name, "azimuth_deg": _degrees(azimuth), "elevation_deg": _degrees(elevation)}
+            for voice, azimuth, elevation in people
+        ],
+    }
+
+
 def read_truth(folder: Path, yaw: float = 0.0) -> Truth:
     """Read what a world has written; ``yaw`` of the mount [rad] turns its azimuths into the earth frame."""
     values = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
@@ -131,3 +147,7 @@ def read_truth(folder: Path, yaw: float = 0.0) -> Truth:
         mixture=mixture[0],
         target=values["target"],
     )
+
+
+def _degrees(angle: float) -> float:
+    return round(math.degrees(angle), 6)

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import json
-import math
 import re
-import signal
-from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+import threading
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
-from typing import Any
 
 import click
 from threadpoolctl import threadpool_limits
@@ -28,8 +24,9 @@ from ross_sim.live_world import LiveWorld
 from ross_sim.outdir import OutDir
 from ross_sim.outlets import Fifo, Outlet, PcmServer
 from ross_sim.realtime import RealTime
-from ross_sim.scenario import Cast, Scenario
-from ross_sim.truth import TruthWriter
+from ross_sim.scenario import Scenario
+from ross_sim.signals import on_signal
+from ross_sim.truth import TruthWriter, facts
 from ross_sim.wires import WireServer, side_of
 from ross_sim.world import World
 
@@ -67,7 +64,8 @@ def run(scenario: Scenario, sockets: Sockets, wishes: Wishes, out: OutDir | None
     LinkError
         When a port is taken.
     """
-    with ending() as end, ExitStack() as stack, threadpool_limits(limits=1):
+    ended = threading.Event()
+    with on_signal(ended.set), ExitStack() as stack, threadpool_limits(limits=1):
         config = scenario.payload
         with waiting(wishes.as_json, f"{scenario.title}: preparing the voices"):
             cast = scenario.cast(company_of(scenario, wishes.speech, None).voices)
@@ -85,11 +83,15 @@ def run(scenario: Scenario, sockets: Sockets, wishes: Wishes, out: OutDir | None
         live = LiveWorld(world, side, outlets, truth, real_time)
         doors: list[PcmServer | WireServer]
         doors = [outlet for outlet in outlets if isinstance(outlet, PcmServer)] or [server]
-        live.live(lambda: wishes.at_once or any(door.used for door in doors), lambda: end.asked)
+        live.live(lambda: wishes.at_once or any(door.used for door in doors), ended.is_set)
         truth.finish(
-            _truth(scenario, cast, wishes)
+            facts(scenario, cast)
             | live.account()
-            | {"complaints": far_end.complaints(), "late_s": round(real_time.worst, 3)}
+            | {
+                "quiet_s": wishes.quiet,
+                "late_s": round(real_time.worst, 3),
+                "complaints": far_end.complaints(),
+            }
         )
 
 
@@ -106,29 +108,6 @@ def later(scenario: Scenario, seconds: float) -> Scenario:
         for talker in scenario.talkers
     )
     return scenario.model_copy(update={"talkers": talkers})
-
-
-@dataclass(slots=True)
-class End:
-    """Whether somebody has asked for the end."""
-
-    asked: bool = False
-
-
-@contextmanager
-def ending() -> Iterator[End]:
-    """Turn Ctrl-C and SIGTERM into an end between two quanta, with every file closed."""
-    end = End()
-
-    def ask(number: int, frame: FrameType | None) -> None:
-        end.asked = True
-
-    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield end
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _outlets(sockets: Sockets, rate: int, stack: ExitStack) -> list[Outlet]:
@@ -171,22 +150,3 @@ def _tell(sockets: Sockets, outlets: list[Outlet], wire: str, scenario: Scenario
     click.echo(f"{scenario.title}: ready. The payload's configuration:\n\n[audio]")
     click.echo(f'source = "{source or "device:NAME"}"\nrate_hz = {config.audio.rate_hz}\n\n[actuator]')
     click.echo(f'kind = "{config.actuator.kind}"\noptions = {{ port = "{wire}" }}')
-
-
-def _truth(scenario: Scenario, cast: Cast, wishes: Wishes) -> dict[str, Any]:
-    people = zip(cast.talkers, scenario.azimuths(), scenario.elevations(), strict=True)
-    return {
-        "title": scenario.title,
-        "rate_hz": scenario.payload.audio.rate_hz,
-        "seed": scenario.payload.seed,
-        "quiet_s": wishes.quiet,
-        "target": cast.target.name,
-        "talkers": [
-            {"name": voice.name, "azimuth_deg": _degrees(azimuth), "elevation_deg": _degrees(elevation)}
-            for voice, azimuth, elevation in people
-        ],
-    }
-
-
-def _degrees(angle: float) -> float:
-    return round(math.degrees(angle), 6)

@@ -1,0 +1,101 @@
+"""``ross sitl --serve``: the living payload in a simulated room, on real sockets, until it is told to go."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from threadpoolctl import threadpool_limits
+
+from ross_payload.errors import ConfigError
+from ross_payload.events import Event
+from ross_payload.interfaces import Input
+from ross_payload.links import Links
+from ross_payload.orders import Shutdown
+from ross_payload.parameters import Parameters
+from ross_payload.recording.shelf import Shelf
+from ross_payload.service import Observer
+from ross_payload.service.payload import Parts, assembled
+from ross_sim.casting import Company
+from ross_sim.clock import SimClock
+from ross_sim.far_end import far_end_of
+from ross_sim.live import View
+from ross_sim.live_world import STRETCH
+from ross_sim.outdir import OutDir
+from ross_sim.scenario import Scenario
+from ross_sim.session import Pace, aboard
+from ross_sim.signals import on_signal
+from ross_sim.tape import drained
+from ross_sim.truth import TruthWriter, facts
+from ross_sim.world import World
+
+
+def serve(
+    scenario: Scenario, company: Company, view: View, *, out: OutDir | None, speed: float | None, tape: Path | None
+) -> None:
+    """Live until SIGINT or SIGTERM; nothing turns before somebody orders it.
+
+    Parameters
+    ----------
+    out
+        Folder for the truth.
+    speed
+        Times real time; None: as fast as the computer can.
+    tape
+        Folder for recordings, which are made from start to end; None: on request, into a folder that goes with us.
+
+    Raises
+    ------
+    ConfigError
+        When there is no link, so that nobody could order anything.
+    """
+    config = scenario.payload
+    if not config.links:
+        raise ConfigError("--serve: wanted --telemetry URL, where orders come in")
+    clock = SimClock()
+    with ExitStack() as stack, threadpool_limits(limits=1):
+        state = Path(stack.enter_context(TemporaryDirectory(prefix="ross-sitl-")))
+        if tape is not None:
+            always = config.recording.model_copy(update={"always": True})
+            config = config.model_copy(update={"recording": always})
+        links = stack.enter_context(Links.open(config.links, clock, system_id=config.telemetry.system_id, state=state))
+        far_end, cast = far_end_of(config), scenario.cast(company.voices)
+        world = World(scenario, cast.talkers, far_end, clock, config.seed)
+        truth = stack.enter_context(TruthWriter(out, world.rate, len(cast.talkers)))
+        mount, timebase = aboard(scenario, clock, links)
+        parts = Parts(
+            clock=clock,
+            source=world.source,
+            open_port=lambda url: far_end.port,
+            links=links,
+            mount=mount,
+            timebase=timebase,
+            parameters=stack.enter_context(Parameters(config, state / "params.toml")),
+            shelf=Shelf(tape or state / "recordings"),
+            drained=drained(clock),
+            voiceprint=company.voiceprint,
+        )
+        observers: list[Observer] = [view, Following(world, truth), *([Pace(speed)] if speed else [])]
+        with assembled(parts, tuple(observers)) as runner, on_signal(lambda: runner.order(Shutdown())):
+            runner.run()
+        truth.take(world.take())
+        truth.finish(facts(scenario, cast) | {"complaints": far_end.complaints()})
+
+
+class Following:
+    """Writes what is true while the payload lives, so that nothing grows."""
+
+    def __init__(self, world: World, truth: TruthWriter) -> None:
+        self._world = world
+        self._truth = truth
+        self._hops = 0
+
+    def heard(self, heard: Input) -> None:
+        """Take a stretch of the world now and then."""
+        self._hops += 1
+        if self._hops % STRETCH == 0:
+            self._truth.take(self._world.take())
+
+    def said(self, event: Event, heard: Input) -> None:
+        """What is said is not about the world."""
