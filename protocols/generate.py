@@ -29,8 +29,8 @@ The payload is a MAVLink 2 component: `MAV_TYPE_ONBOARD_CONTROLLER`, no autopilo
 `MAV_COMP_ID_ONBOARD_COMPUTER` (191, configurable). It sends
 
 - `HEARTBEAT` every second, and when the state changes. `custom_mode` is the mission's [state](#ross-state);
-  `system_status` is `BOOT` before the mission speaks, `STANDBY` when it is idle or over, `ACTIVE` while it hears and
-  turns, `CRITICAL` after a fault;
+  `system_status` is `BOOT` before the mission speaks, `CALIBRATING` while it measures the noise, `STANDBY` when it is
+  idle or over, `ACTIVE` while it hears and turns, `CRITICAL` after a fault;
 - `STATUSTEXT` when something happens that an operator wants to know;
 - the messages below. Their dialect is `protocols/mavlink/ross.xml`; it needs no other file.
 
@@ -95,8 +95,15 @@ def _enum(enum: Any) -> str:
         f"({_anchor(enum.name)})=\n### {enum.name}\n\n{_line(enum.description)}{' Bitmask.' * bool(enum.bitmask)}\n\n"
     )
     entries = [entry for entry in enum.entry if not entry.name.endswith("_ENUM_END")]
-    rows = "".join(f"| {entry.value} | `{entry.name}` | {_line(entry.description)} |\n" for entry in entries)
+    rows = "".join(f"| {entry.value} | `{entry.name}` | {_meaning(entry)} |\n" for entry in entries)
     return f"{head}| value | name | meaning |\n|---|---|---|\n{rows}"
+
+
+def _meaning(entry: Any) -> str:
+    """Say what an entry means; of a command also what its numbers are."""
+    numbers = [p for p in entry.param if p.label]
+    said = (f"{p.index}: {p.label}{f' [{p.units}]' if p.units else ''}. {_line(p.description)}" for p in numbers)
+    return "<br>".join([_line(entry.description), *said])
 
 
 def _line(text: str) -> str:

@@ -34,6 +34,7 @@ ONE_AXIS = np.radians(1.0)  # headings within this of each other are one axis
 
 RULES = {rule.name.lower(): rule for rule in Rule}
 RESTING = (State.IDLE, State.DONE, State.STOPPED)
+MEASURING = (State.LEAD_IN, State.NOISE)  # the noise, for what comes later
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +51,8 @@ def health(state: State | None) -> Health:
         return Health.BOOT
     if state is State.FAULT:
         return Health.CRITICAL
+    if state in MEASURING:
+        return Health.CALIBRATING
     return Health.STANDBY if state in RESTING else Health.ACTIVE
 
 

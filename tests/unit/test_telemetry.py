@@ -141,7 +141,7 @@ def test_a_loop_that_was_held_up_does_not_catch_up() -> None:
     ("state", "health"),
     [
         (State.IDLE, Health.STANDBY),
-        (State.LEAD_IN, Health.ACTIVE),
+        (State.LEAD_IN, Health.CALIBRATING),
         (State.EXPLORE_TURN, Health.ACTIVE),
         (State.EXPLORE_LISTEN, Health.ACTIVE),
         (State.ALIGN_TURN, Health.ACTIVE),
