@@ -16,11 +16,12 @@ from pathlib import Path
 from ross_payload.errors import ConfigError
 from ross_payload.links.background import begin
 from ross_protocols.codec import Packet
-from ross_protocols.signing import KEY_SIZE, LATEST, SECOND, is_good, is_signed, link_and_time, timestamp_of
+from ross_protocols.signing import KEY_SIZE, SECOND, is_good, is_signed, link_and_time, timestamp_of
 
 FILE = "signing-time"  # in the state folder
 STEP = 60 * SECOND  # by which the bound is raised
 WINDOW = 60 * SECOND  # that a new stream may be behind us
+RETRY = 1.0  # after the disk has refused [s]
 STREAMS = 1024  # that one link keeps apart
 UNSIGNED = "RADIO_STATUS"  # a radio has no key
 
@@ -67,6 +68,7 @@ class SigningTime:
         self._latest = max(self.floor, timestamp_of(unix()))
         self._origin = self._latest - int(now * SECOND)
         self._bound = 0
+        self._next = now
         self._saving: Future[int] | None = None
         try:
             self._bound = self._save(self._latest + STEP)
@@ -76,18 +78,21 @@ class SigningTime:
     def stamp(self, now: float) -> int | None:
         """Return a timestamp that was never used, at ``now`` [s]; None while the disk is behind."""
         stamp = max(self._latest + 1, self._origin + int(now * SECOND), timestamp_of(self._unix()))
-        if not self.covers(stamp):
+        if not self.covers(stamp, now):
             return None
         self._latest = stamp
         return stamp
 
-    def covers(self, timestamp: int) -> bool:
+    def covers(self, timestamp: int, now: float) -> bool:
         """Tell whether a timestamp lies below the bound; sees to it that it soon does."""
         if self._saving is not None and self._saving.done():
             saving, self._saving = self._saving, None
-            self._bound = self._bound if saving.exception() else saving.result()
-        if timestamp + STEP // 2 > self._bound and self._saving is None and timestamp < LATEST:
-            self._saving = begin(lambda: self._save(min(timestamp + STEP, LATEST)))
+            if saving.exception() is None:
+                self._bound = saving.result()
+            else:
+                self._next = now + RETRY
+        if timestamp + STEP // 2 > self._bound and self._saving is None and now >= self._next:
+            self._saving = begin(lambda: self._save(timestamp + STEP))
         return timestamp <= self._bound
 
     def behind(self, timestamp: int, now: float) -> bool:
@@ -152,7 +157,7 @@ class Guardian:
             return False
         if before is None and (len(self._streams) >= STREAMS or self.time.behind(timestamp, now)):
             return False
-        if not is_good(packet.frame, self.key) or not self.time.covers(timestamp):
+        if not is_good(packet.frame, self.key) or not self.time.covers(timestamp, now):
             return False
         self._streams[stream] = timestamp
         self.time.learn(timestamp)

@@ -14,6 +14,7 @@ from ross_payload.links.background import Backoff, begin
 from ross_payload.links.ports import MOST, PEERS, Counts, noted
 
 LARGEST = 2048  # of one datagram [bytes]
+DATAGRAMS = 256  # at most, of one call
 
 
 class UdpPort:
@@ -35,7 +36,7 @@ class UdpPort:
     def receive(self) -> list[bytes]:
         """Return the datagrams that have arrived."""
         datagrams: list[bytes] = []
-        while sum(map(len, datagrams)) < MOST and len(datagrams) < MOST // 16:
+        while sum(map(len, datagrams)) < MOST and len(datagrams) < DATAGRAMS:
             try:
                 data, peer = self._socket.recvfrom(LARGEST)
             except BlockingIOError:
@@ -45,7 +46,8 @@ class UdpPort:
                 break
             self._meet(peer)
             datagrams.append(data)
-        self.counts = replace(self.counts, received=self.counts.received + sum(map(len, datagrams)))
+        if datagrams:
+            self.counts = replace(self.counts, received=self.counts.received + sum(map(len, datagrams)))
         return datagrams
 
     def close(self) -> None:

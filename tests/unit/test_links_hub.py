@@ -1,4 +1,4 @@
-"""The hub: our own components, who hears what, where it goes, how much of it, and whose word counts."""
+"""The hub: our own components, who hears what, where it goes, how much of it, and what is counted."""
 
 import math
 from typing import Any
@@ -9,11 +9,10 @@ from ross_payload.config import Link
 from ross_payload.links import Counts, Heard, Links
 from ross_protocols.codec import Decoder, Encoder, Packet
 from ross_protocols.dialect import common
-from ross_protocols.values import Health, Heartbeat, Severity, Text
+from ross_protocols.values import Health, Heartbeat
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 VEHICLE = common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3)
-LONELY = common.MAVLink_heartbeat_message(18, 8, 0, 0, 4, 3)  # no autopilot
 ATTITUDE = common.MAVLink_attitude_message(0, 0.1, 0.2, 0.3, 0, 0, 0)
 
 
@@ -294,113 +293,3 @@ def test_the_largest_frame_fits_even_a_tiny_budget() -> None:
     bench = Bench(Link(url="udpin::1", max_bytes_s=1))
     bench.payload.send(common.MAVLink_tunnel_message(0, 0, 32768, 128, [1] * 128))
     assert len(bench.wires["udpin::1"].sent) == 1
-
-
-# ---------------------------------------------------------------------------------------------------- whose word counts
-
-
-def test_only_accepted_systems_may_order_and_the_others_are_heard() -> None:
-    bench = Bench(Link(url="udpin::1", accept=(255, 254)))
-    bench.say("udpin::1", command(1, 191), system=255, component=190)
-    bench.say("udpin::1", command(1, 191), system=7, component=190)
-    bench.say("udpin::1", ATTITUDE, system=7)
-    assert [(heard.packet.system_id, heard.may_order) for heard in bench.heard] == [(255, True), (7, False), (7, False)]
-
-
-def test_the_system_id_is_taken_from_the_autopilot() -> None:
-    bench = Bench(GROUND, PILOT, system_id=0)
-    bench.say(PILOT.url, VEHICLE, system=9)
-    assert bench.links.system_id == 9
-    bench.payload.send(BEAT)
-    assert [packet.system_id for packet in bench.wires[GROUND.url].packets()] == [9]
-
-
-@pytest.mark.parametrize(
-    ("url", "component", "message"),
-    [
-        pytest.param(GROUND.url, 1, VEHICLE, id="on a ground link"),
-        pytest.param(PILOT.url, 190, VEHICLE, id="not component 1"),
-        pytest.param(PILOT.url, 1, LONELY, id="no autopilot"),
-        pytest.param(PILOT.url, 1, ATTITUDE, id="no heartbeat"),
-    ],
-)
-def test_the_system_id_is_taken_from_nobody_else(url: str, component: int, message: Any) -> None:
-    bench = Bench(GROUND, PILOT, system_id=0)
-    bench.say(url, message, system=9, component=component)
-    assert bench.links.system_id == 0
-
-
-def test_the_system_id_is_taken_once() -> None:
-    bench = Bench(PILOT, system_id=0)
-    bench.say(PILOT.url, VEHICLE, system=9)
-    bench.say(PILOT.url, VEHICLE, system=8)
-    assert bench.links.system_id == 9
-
-
-def test_a_configured_system_id_stays() -> None:
-    bench = Bench(PILOT, system_id=3)
-    bench.say(PILOT.url, VEHICLE, system=9)
-    assert bench.links.system_id == 3
-
-
-def test_until_the_vehicle_is_known_only_heartbeats_go_out_and_only_to_the_autopilot() -> None:
-    bench = Bench(GROUND, PILOT, system_id=0)
-    bench.payload.send(BEAT)
-    bench.payload.send(Text(Severity.INFO, "hello"))
-    assert bench.wires[GROUND.url].sent == []
-    assert [packet.name for packet in bench.wires[PILOT.url].packets()] == ["HEARTBEAT"]
-
-
-# ---------------------------------------------------------------------------------------------------- echoes and twins
-
-
-def test_our_own_voice_is_not_heard_when_it_comes_back_on_any_link() -> None:
-    bench = Bench(GROUND, PILOT)
-    bench.links.component(154)
-    for _ in range(20):
-        bench.payload.send(ATTITUDE)
-        bench.links.component(154).send(BEAT)
-    bench.links.poll()
-    bench.heard.clear()
-    for frame in [*bench.wires[GROUND.url].sent, *bench.wires[PILOT.url].sent]:
-        bench.hear(PILOT.url, frame)
-    assert bench.heard == []
-    assert bench.links.twin is None
-    assert [status.twins for status in bench.links.status()] == [0, 0]
-
-
-def test_a_loop_of_two_links_comes_to_rest() -> None:
-    """What goes out on one comes in on the other."""
-    bench = Bench(GROUND, PILOT)
-    bench.payload.subscribe(lambda heard: bench.payload.send(heard.packet.message))
-    bench.payload.send(ATTITUDE)
-    for _ in range(10):
-        bench.wires[GROUND.url].coming, bench.wires[PILOT.url].coming = (
-            list(bench.wires[PILOT.url].sent),
-            list(bench.wires[GROUND.url].sent),
-        )
-        bench.links.poll()
-    assert [len(wire.sent) for wire in bench.wires.values()] == [1, 1]
-
-
-def test_somebody_else_with_our_ids_is_noticed_and_not_obeyed() -> None:
-    bench = Bench(GROUND)
-    bench.payload.send(BEAT)
-    bench.say(GROUND.url, BEAT, system=1, component=191, sequence=77)
-    assert bench.heard == []
-    assert bench.links.twin == 191
-    assert bench.links.status()[0].twins == 1
-
-
-def test_a_twin_that_has_left_is_forgotten() -> None:
-    bench = Bench(GROUND)
-    bench.say(GROUND.url, BEAT, system=1, component=191, sequence=77)
-    bench.clock.time += 11.0
-    assert bench.links.twin is None
-
-
-def test_our_component_id_in_another_system_is_no_twin() -> None:
-    bench = Bench(GROUND)
-    bench.say(GROUND.url, BEAT, system=2, component=191)
-    assert bench.links.twin is None
-    assert bench.names() == ["HEARTBEAT"]

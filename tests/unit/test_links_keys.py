@@ -1,0 +1,95 @@
+"""What a signed link keeps on disk: its key, and how far the signing time went."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ross_payload.config import Link
+from ross_payload.errors import ConfigError
+from ross_payload.links import Links
+from ross_payload.links.signing import SigningTime, read_key
+
+KEY = bytes(range(32))
+TODAY = 1_795_000_000.0  # UNIX [s]
+
+
+class HandClock:
+    """Stands still."""
+
+    def now(self) -> float:
+        return 0.0
+
+    def sleep(self, duration: float) -> None:
+        raise AssertionError("nobody waits here")
+
+    def every(self, period: float, call: Any) -> Any:
+        raise AssertionError("links are polled, they do not poll")
+
+
+@pytest.fixture
+def key_file(tmp_path: Path) -> Path:
+    path = tmp_path / "key"
+    path.write_bytes(KEY)
+    path.chmod(0o600)
+    return path
+
+
+def test_a_key_is_32_bytes_or_64_digits(tmp_path: Path, key_file: Path) -> None:
+    assert read_key(key_file) == KEY
+    key_file.write_text(KEY.hex() + "\n")
+    assert read_key(key_file) == KEY
+
+
+@pytest.mark.parametrize("content", [b"", b"short", KEY + b"\n", b"g" * 64, KEY.hex().encode()[:-1]])
+def test_what_is_no_key_says_what_was_found(key_file: Path, content: bytes) -> None:
+    key_file.write_bytes(content)
+    with pytest.raises(ConfigError, match=rf"^key_file .*: {len(content)} bytes found, 32 bytes or 64 hexadecimal"):
+        read_key(key_file)
+
+
+@pytest.mark.parametrize("mode", [0o644, 0o640, 0o604, 0o660])
+def test_a_key_that_others_can_read_is_refused_with_what_to_do(key_file: Path, mode: int) -> None:
+    key_file.chmod(mode)
+    with pytest.raises(ConfigError, match=f"mode {mode:04o} found, 0600 wanted: chmod 600 {key_file}"):
+        read_key(key_file)
+
+
+def test_a_key_that_is_not_there_is_one_clear_line(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="cannot be read: No such file or directory"):
+        Links.open([Link(url="udpin::1", key_file=str(tmp_path / "none"))], HandClock(), state=tmp_path)
+
+
+def test_a_signed_link_needs_a_folder_to_remember_the_time(key_file: Path) -> None:
+    with pytest.raises(ConfigError, match="needs a folder"):
+        Links.open([Link(url="udpin::1", key_file=str(key_file))], HandClock())
+
+
+def test_a_disk_that_is_behind_stops_signing_and_nothing_else(tmp_path: Path) -> None:
+    time = SigningTime(tmp_path / "state", lambda: TODAY, 0.0)
+    assert time.stamp(0.0) is not None
+    (tmp_path / "state").rename(tmp_path / "gone")
+    (tmp_path / "state").write_text("in the way")
+    assert time.stamp(59.0) is not None
+    assert time.stamp(61.0) is None
+    (tmp_path / "state").unlink()
+    stamp = None
+    for now in (61.0, 62.5, 64.0):
+        if time._saving is not None:
+            time._saving.exception(timeout=20)
+        stamp = time.stamp(now) or stamp
+    assert stamp is not None, "it goes on when the disk is back"
+    time.close()
+
+
+@pytest.mark.parametrize("content", ["", "yesterday", "12.5"])
+def test_a_broken_time_file_is_one_clear_line(tmp_path: Path, content: str) -> None:
+    (tmp_path / "signing-time").write_text(content)
+    with pytest.raises(ConfigError, match="the signing time cannot be read"):
+        SigningTime(tmp_path, lambda: TODAY, 0.0)
+
+
+def test_a_state_folder_that_takes_nothing_is_one_clear_line(tmp_path: Path) -> None:
+    (tmp_path / "state").write_text("in the way")
+    with pytest.raises(ConfigError, match=r"cannot be (read|saved)"):
+        SigningTime(tmp_path / "state", lambda: TODAY, 0.0)
