@@ -1,0 +1,86 @@
+"""`ross sitl --serve`: a payload that lives on its sockets, for a ground station that is not ours."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+
+import pytest
+import soundfile
+from pymavlink import mavutil
+
+EXPLORE, RECORD = 54000, 54008
+ACCEPTED, IN_PROGRESS = 0, 5
+
+
+@contextmanager
+def serving(scenario, *arguments):
+    """A served payload and the ground station that it speaks to."""
+    ground = mavutil.mavudp("127.0.0.1:0", input=True, source_system=255)
+    try:
+        url = f"udpout:127.0.0.1:{ground.port.getsockname()[1]}"
+        command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--serve", "--scenario", scenario]
+        command += ["--telemetry", url, "--speed", "4", "--json", *arguments]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as payload:
+            try:
+                yield payload, ground
+            finally:
+                payload.send_signal(signal.SIGINT)
+                payload.said, payload.erred = payload.communicate(timeout=60)
+    finally:
+        ground.close()
+
+
+def wait(ground, kind, fits=lambda message: True, seconds=60):
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        message = ground.recv_match(type=kind, blocking=True, timeout=1)
+        if message is not None and fits(message):
+            return message
+    raise AssertionError(f"no such {kind} in {seconds} s")
+
+
+def order(ground, number, *values):
+    filled = [*values, *[0] * (7 - len(values))]
+    ground.mav.command_long_send(1, 191, number, 0, *filled)
+    return wait(ground, "COMMAND_ACK", lambda ack: ack.command == number).result
+
+
+def test_it_idles_until_ordered_explores_and_ends_with_the_truth(short, tmp_path):
+    out = tmp_path / "out"
+    with serving(short, "--out", out) as (payload, ground):
+        heartbeat = wait(ground, "HEARTBEAT", lambda message: message.get_srcComponent() == 191)
+        assert heartbeat.custom_mode == 0
+        assert order(ground, EXPLORE) == IN_PROGRESS
+        wait(ground, "COMMAND_ACK", lambda ack: (ack.command, ack.result) == (EXPLORE, ACCEPTED))
+        heartbeat = wait(ground, "HEARTBEAT", lambda message: message.get_srcComponent() == 191)
+        assert payload.poll() is None
+    assert (payload.returncode, payload.erred) == (0, "")
+    truth = json.loads((out / "truth.json").read_text())
+    assert max(angle for _, angle in truth["headings_deg"]) > 10
+    assert soundfile.info(out / "mixture.wav").frames == truth["samples"]
+
+
+def test_what_it_records_on_request_is_in_the_folder(short, tmp_path):
+    with serving(short, "--record", tmp_path / "tapes") as (payload, ground):
+        wait(ground, "HEARTBEAT", lambda message: message.get_srcComponent() == 191)
+        assert order(ground, RECORD, 0) == ACCEPTED
+    assert payload.returncode == 0, payload.erred
+    (session,) = (tmp_path / "tapes").iterdir()
+    assert soundfile.info(session / "audio.wav").channels == 2
+
+
+def test_without_a_link_nobody_could_order_anything(run, short):
+    code, out, err = run("sitl", "--scenario", short, "--serve")
+    assert (code, out) == (2, "")
+    assert "--telemetry" in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("speed", ["0", "fast"])
+def test_a_speed_that_is_none_is_refused(run, speed):
+    code, _, err = run("sitl", "--serve", "--speed", speed, "--telemetry", "udpout:127.0.0.1:9")
+    assert code == 2
+    assert "neither max nor a number" in err
