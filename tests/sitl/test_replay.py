@@ -2,10 +2,13 @@
 
 import json
 import os
+import re
+import shlex
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -284,6 +287,24 @@ def test_a_session_that_starts_with_a_task_is_replayed_from_its_first_hop(scenar
     code, values = replayed(session, tmp_path / "out", run)
     assert (code, values["identical"]) == (0, True)
     assert len(values["sources"]) > 0
+
+
+# ---------------------------------------------------------------------------------------------- the guide
+
+
+def test_the_guide_works_as_printed(tmp_path):
+    page = (Path(__file__).parents[2] / "docs" / "how-to" / "record-and-replay.md").read_text(encoding="utf-8")
+    lines = [line for block in re.findall(r"```sh\n(.*?)```", page, re.DOTALL) for line in block.splitlines()]
+    assert len(lines) == 6
+    said = ""
+    for line in lines:
+        command = [sys.executable, "-m", "ross_payload.cli", *shlex.split(line)[1:]]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=250)
+        assert done.returncode == 0, done.stderr
+        said += done.stdout
+    assert "identical to the recorded mission" in said
+    assert "deleted 0001" in said
+    assert not (tmp_path / "tapes" / "0001").exists()
 
 
 # ---------------------------------------------------------------------------------------------- cut off

@@ -264,6 +264,34 @@ print(status.state, status.reason, sep="|")
     assert len(list(only(tmp_path).inputs(Config().audio))) == found.inputs
 
 
+@pytest.fixture
+def tiny_disk(tmp_path):
+    """A disk of 1 MB, where the system lets us have one."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=1m", "none", folder], capture_output=True, check=False
+    )
+    if mounted.returncode:
+        pytest.skip("needs root and mount (apt install mount)")
+    yield folder
+    subprocess.run(["umount", "-l", folder], check=True)
+
+
+def test_a_disk_that_runs_full_ends_the_recording_and_not_the_mission(tiny_disk):
+    with recording(tiny_disk) as recorder:
+        for index in range(2000):
+            recorder.heard(input_of(index))
+            recorder.said(Event(index / 100), None)
+            recorder.sent(index, b"telemetry")
+            recorder.drain()
+        status = recorder.status()
+    assert (status.state, status.reason) == (RecordingState.FULL, os.strerror(errno.ENOSPC))
+    found = only(tiny_disk)
+    assert 5.0 < found.contents().seconds <= found.contents().audio < 11.0
+    assert len(list(found.inputs(Config().audio))) == found.contents().inputs
+
+
 def test_a_disk_that_has_too_little_left_ends_the_recording(tmp_path):
     recorder = record(tmp_path, [input_of(k) for k in range(100)], min_free_gb=9999)
     assert recorder.status().state is RecordingState.FULL
