@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ross_payload.audio.capture import SoundCard
+from ross_payload.audio.capture import SETTLING, SoundCard
 from ross_payload.audio.health import HealthMonitor
 from ross_payload.audio.live import LiveSource, SourceStatus
 from ross_payload.audio.network import PcmClient
@@ -29,5 +29,7 @@ def open_source(config: Config, clock: Clock) -> LiveSource | FileSource:
     kind, _, rest = audio.source.partition(":")
     if kind == "file":
         return FileSource(Path(rest).expanduser(), rate, wiring, clock)
-    opener = PcmClient(rest, rate, wiring) if kind == "tcp" else SoundCard(rest, audio, wiring)
-    return LiveSource(opener, rate, wiring, audio.buffer_s, clock)
+    if kind == "tcp":
+        return LiveSource(PcmClient(rest, rate, wiring), rate, wiring, audio.buffer_s, clock)
+    card = SoundCard(rest, audio, wiring)
+    return LiveSource(card, rate, wiring, audio.buffer_s, clock, settling=SETTLING)

@@ -13,6 +13,8 @@ from ross_payload.interfaces import Real
 
 TOLERANCE = 0.01  # share by which the rate that a card says it has may differ; a crystal is better by far
 
+SETTLING = 0.3  # [s] in which a card that was switched on pops
+
 
 class SoundCard:
     """Opens the device that a configuration names, each time it is called.

@@ -58,6 +58,8 @@ class LiveSource:
         Audio that can wait to be read [s].
     clock
         Stamps what arrives.
+    settling
+        Not heard at the start [s], while filters of a sound card settle.
     start
         Runs the attempts to open the feed again.
     """
@@ -70,13 +72,14 @@ class LiveSource:
         buffer: float,
         clock: Clock,
         *,
+        settling: float = 0.0,
         start: Callable[[Callable[[], None]], Worker] = in_thread,
     ) -> None:
         self._rate = rate
         self._wiring = wiring
         self._clock = clock
         self._ring = Ring(round(buffer * rate))
-        self._stitcher = Stitcher(rate)
+        self._stitcher = Stitcher(rate, settling)
         self._keeper = Keeper(lambda: opener(self._hear), clock, start)
         self._index = 0
         self._open = False

@@ -21,7 +21,7 @@ LATE = 0.040  # [s] behind the Clock: held back
 CAUGHT_UP = 0.020  # [s] behind the Clock: nothing is missing
 DECIDE = 0.3  # [s] until what did not catch up is a gap
 PATIENCE = 0.5  # [s] without a sample until zeros take their place
-WARM_UP = 0.5  # [s] at the start: the clock is learnt, and the sound card's filters settle
+WARM_UP = 0.5  # [s] at the start, in which the clock is learnt
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,11 +36,17 @@ class Stretch:
 class Stitcher:
     """Takes pieces, gives consecutive samples; belongs to the reader.
 
-    Sample 0 is the first after the warm-up, which nobody hears.
+    Parameters
+    ----------
+    rate
+        Of what arrives [Hz].
+    settling
+        What nobody hears at the start [s], at most `WARM_UP`: sample 0 is the first after it.
     """
 
-    def __init__(self, rate: int) -> None:
+    def __init__(self, rate: int, settling: float = 0.0) -> None:
         self._rate = rate
+        self._unheard = round(settling * rate)
         self._clock: SampleClock | None = None
         self._held: list[Piece] = []
         self._earliest = math.inf  # residual of those held [s]
@@ -131,8 +137,10 @@ class Stitcher:
         for held in self._held:
             end += held.samples.shape[1]
             earliest = min(earliest, held.arrived - end / self._rate)
+        self._clock = SampleClock(self._rate, earliest + self._unheard / self._rate)
+        begun = np.concatenate([held.samples for held in self._held], axis=1)
+        self._append(begun[:, self._unheard :])
         self._held.clear()
-        self._clock = SampleClock(self._rate, earliest + end / self._rate)
 
     def _resolve(self, clock: SampleClock) -> None:
         """Let go of what is held, after zeros for what is missing or without what zeros stand for already."""

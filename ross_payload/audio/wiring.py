@@ -82,9 +82,8 @@ class Wiring:
             raw, flags = np.where(np.isfinite(raw), raw, np.float32(0)), AudioFlag.INVALID
         factors = np.array(self.factors, np.float32)[:, None]
         same = self.factors == (1.0, 1.0)
-        loud = raw if same else raw * factors
-        counts = np.rint(loud * np.float32(FULL_SCALE))
-        samples = np.clip(counts, -FULL_SCALE, FULL_SCALE - 1) / np.float32(FULL_SCALE)
+        raw = _on_grid(raw)  # first, so that a 24-bit recording of it gives the same samples again
+        samples = raw if same else _on_grid(raw * factors)
         if max(_peak(raw), _peak(samples)) >= CLIPPED:
             flags |= AudioFlag.CLIPPED
         return Wired(samples, None if same else raw, flags)
@@ -98,6 +97,13 @@ def fitting(name: str) -> str:
     """
     words = name.lower()
     return next((key for key, preset in PRESETS.items() if any(part in words for part in preset.names)), "")
+
+
+def _on_grid(samples: Samples) -> Samples:
+    """Round to 24 bits; what lies beyond full scale is clipped."""
+    counts = np.clip(np.rint(samples * np.float32(FULL_SCALE)), -FULL_SCALE, FULL_SCALE - 1)
+    grid: Samples = counts / np.float32(FULL_SCALE)
+    return grid
 
 
 def _peak(samples: Samples) -> float:

@@ -26,11 +26,11 @@ def at_once(call):
 
 @pytest.fixture
 def listen(moments):
-    def make(card, *, buffer=10.0, name="card", **keys):
+    def make(card, *, buffer=10.0, name="card", settling=0.0, **keys):
         audio = Audio(**keys)
         wiring = Wiring.of(audio)
         opener = SoundCard(name, audio, wiring, card)
-        return LiveSource(opener, audio.rate_hz, wiring, buffer, moments, start=at_once)
+        return LiveSource(opener, audio.rate_hz, wiring, buffer, moments, settling=settling, start=at_once)
 
     return make
 
@@ -65,6 +65,16 @@ def test_every_sample_arrives_once_and_in_order(listen, make_card):
     counts = np.concatenate([block.samples[0] for block in blocks]).astype(float) * 2**23
     assert np.all(np.diff(counts) == 1)
     assert [block.index for block in blocks] == list(range(0, 5 * RATE, HOP))
+
+
+@pytest.mark.parametrize("settling", [0.0, 0.3])
+def test_the_first_sample_is_the_first_that_the_card_gave_after_it_settled(listen, make_card, moments, settling):
+    card, begin = make_card(), moments.now()
+    with listen(card, settling=settling) as source:
+        block = source.read(HOP)
+    assert block.index == 0
+    assert block.time == pytest.approx(begin + settling, abs=NEAR)
+    assert block.samples[0, 0] * 2**23 == pytest.approx((begin + settling) * RATE, abs=1)
 
 
 @pytest.mark.parametrize("ppm", [0, 100, -150])
