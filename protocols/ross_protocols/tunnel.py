@@ -10,7 +10,6 @@ from typing import Any
 
 from ross_protocols.codec import Decoder, Encoder, Packet
 from ross_protocols.dialect import common, ross
-from ross_protocols.values import Value
 
 TYPE = ross.ROSS_TUNNEL_TYPE_FRAME
 SIZE = 128  # bytes that a TUNNEL carries
@@ -29,9 +28,9 @@ class Wrapper:
     def __init__(self, system_id: int, component_id: int) -> None:
         self._encoder = Encoder(system_id, component_id)
 
-    def wrap(self, value: Value) -> Any:
-        """Return the TUNNEL message, to everybody, that carries a value of our dialect."""
-        frame = self._encoder.encode(value)
+    def wrap(self, said: Any) -> Any:
+        """Return the TUNNEL message, to everybody, that carries a value or message of our dialect."""
+        frame = self._encoder.encode(said)
         return common.MAVLink_tunnel_message(0, 0, TYPE, len(frame), list(frame.ljust(SIZE, b"\0")))
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from ross_payload.config import Telemetry as TelemetryConfig
 from ross_payload.links import Component, Links
 from ross_payload.telemetry.streams import MESSAGE_IDS, Board, Stream
 from ross_protocols import values as v
-from ross_protocols.codec import Encoder
+from ross_protocols.codec import Encoder, message_of
 from ross_protocols.tunnel import Wrapper
 
 LOGS = "local"  # the link on which only logs and our own components listen
@@ -38,6 +39,12 @@ class _Outlet:
     send: Callable[[v.Value], None]
 
 
+class _Form(NamedTuple):
+    value: v.Value  # kept, so that its identity stays its own
+    message: Any  # pymavlink's
+    size: int  # of its frame, signed [bytes]
+
+
 class Outlets:
     """Everything that is told, by link."""
 
@@ -48,7 +55,10 @@ class Outlets:
         self._periods = periods(config)
         self._scale = Encoder(1, component.id)
         self._wrappers: dict[tuple[str, int], Wrapper] = {}  # by link and system id
-        logs = _Outlet(Stream(self._periods, lambda value: 0), lambda value: component.send(value, LOGS))
+        self._forms: dict[int, _Form] = {}  # by the identity of a value that is on its way
+        logs = _Outlet(
+            Stream(self._periods, lambda value: 0), lambda value: component.send(self._form(value).message, LOGS)
+        )
         self._outlets = {LOGS: logs}
 
     def renew(self, config: TelemetryConfig) -> None:
@@ -61,12 +71,19 @@ class Outlets:
         for outlet in self._outlets.values():
             outlet.stream.say(texts)
 
+    def quiet(self, now: float) -> bool:
+        """Tell whether there is nothing to send at ``now`` [s]."""
+        return all(outlet.stream.quiet(self._board, now) for outlet in self._outlets.values())
+
     def flow(self, now: float) -> None:
         """Send what is due at ``now`` [s] and has room."""
+        if self.quiet(now):
+            return
         for url, room in self._rooms().items():
             outlet = self._outlets[url]
             for value in outlet.stream.due(self._board, now, room):
                 outlet.send(value)
+        self._forms.clear()
 
     def set_period(self, link: str, message_id: int, period: float | None) -> bool:
         """Tell a message on a link every ``period`` [s] (infinite: never, None: as usual); False: impossible.
@@ -95,21 +112,31 @@ class Outlets:
         return rooms
 
     def _outlet(self, url: str, tunnel: bool) -> _Outlet:
-        if not tunnel:
-            return _Outlet(Stream(self._periods, self._size), lambda value: self._component.repeat(value, url))
-        return _Outlet(Stream(self._periods, self._size_inside), lambda value: self._send_inside(value, url))
+        if tunnel:
+            return _Outlet(Stream(self._periods, self._size_inside), lambda value: self._send_inside(value, url))
+        return _Outlet(Stream(self._periods, self._size), lambda value: self._send(value, url))
+
+    def _form(self, value: v.Value) -> _Form:
+        """Return what a value looks like on the wire: the same on every link, and made once."""
+        if id(value) not in self._forms:
+            message = message_of(value)
+            self._forms[id(value)] = _Form(value, message, len(self._scale.encode(message)) + SIGNATURE)
+        return self._forms[id(value)]
 
     def _size(self, value: v.Value) -> int:
-        return len(self._scale.encode(value)) + SIGNATURE
+        return self._form(value).size
 
     def _size_inside(self, value: v.Value) -> int:
-        return self._size(value) + (AROUND if type(value) in OURS else 0)
+        return self._form(value).size + (AROUND if type(value) in OURS else 0)
+
+    def _send(self, value: v.Value, url: str) -> None:
+        self._component.repeat(self._form(value).message, url)
 
     def _send_inside(self, value: v.Value, url: str) -> None:
         """Send a value on the link of an autopilot, which drops what it does not know."""
-        if type(value) in OURS:
-            who = self._links.system_id or 1
-            wrapper = self._wrappers.setdefault((url, who), Wrapper(who, self._component.id))
-            self._component.repeat(wrapper.wrap(value), url)
-        else:
-            self._component.repeat(value, url)
+        if type(value) not in OURS:
+            self._send(value, url)
+            return
+        who = self._links.system_id or 1
+        wrapper = self._wrappers.setdefault((url, who), Wrapper(who, self._component.id))
+        self._component.repeat(wrapper.wrap(self._form(value).message), url)

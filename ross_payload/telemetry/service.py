@@ -39,6 +39,7 @@ from ross_payload.timebase import Timebase
 from ross_protocols.values import DIALECT_VERSION, Information, Severity
 
 PERIOD = 0.020  # [s] between two polls
+OBSERVING = 0.1  # [s] between two looks at the array, when nothing is to be sent
 LOOKING = 1.0  # [s] between two looks at the payload itself
 MIRRORING = 0.1  # [s] between two looks into the mirrors
 FLUSHING = 1.0  # [s] at most, until the pump has sent what was said last
@@ -113,7 +114,7 @@ class Telemetry:
         self._latest: Input | None = None
         self._strangers: set[tuple[int, int]] = set()
         self._twin: int | None = None
-        self._looking, self._mirroring = Every(LOOKING), Every(MIRRORING)
+        self._observing, self._looking, self._mirroring = Every(OBSERVING), Every(LOOKING), Every(MIRRORING)
         self._board = Board()
         component = links.component(config.telemetry.component_id)
         self._outlets = Outlets(self._board, links, component, config.telemetry)
@@ -159,6 +160,10 @@ class Telemetry:
         for part in (self._commands, self._settings):
             if part is not None:
                 part.tick(now)
+        if self._observing.due(now) or not self._outlets.quiet(now):
+            self._observe(now)
+
+    def _observe(self, now: float) -> None:
         self._reporter.observe(self._snapshot(self._latest))
         if self._looking.due(now):
             self._look()

@@ -88,7 +88,7 @@ class Board:
 
     def __init__(self) -> None:
         self._items: dict[Key, Item] = {}  # the most important first
-        self._news = 0
+        self.news = 0  # grows with everything that is new
 
     def put(self, rank: Rank, values: Iterable[Value]) -> None:
         """Let ``values`` be all there is of a rank; they are told when their time comes."""
@@ -108,8 +108,8 @@ class Board:
             key = rank, MESSAGE_IDS[type(value)], place
             before = self._items.get(key)
             if before is None or differs(before.value, value):
-                self._news += 1
-                placed[key] = Item(value, self._news)
+                self.news += 1
+                placed[key] = Item(value, self.news)
             else:
                 placed[key] = Item(value, before.news)
         old = [key for key in self._items if key[0] is rank]
@@ -138,10 +138,17 @@ class Stream:
         self._size = size
         self._told: dict[Key, _Told] = {}
         self._texts: deque[Text] = deque(maxlen=TEXTS)
+        self._seen = -1  # news of the board when everything had been told
+        self._quiet_until = -math.inf  # [s], unless there are news
 
     def say(self, texts: Iterable[Text]) -> None:
         """Put texts in line; of too many the oldest are lost."""
         self._texts.extend(texts)
+        self._seen = -1
+
+    def quiet(self, board: Board, now: float) -> bool:
+        """Tell whether nothing is due at ``now`` [s]: most of the time, and much cheaper to know."""
+        return self._seen == board.news and now < self._quiet_until - EARLY
 
     def set_period(self, message_id: int, period: float | None) -> bool:
         """Tell a message every ``period`` [s] (infinite: never, None: as usual); False: there is no such stream."""
@@ -153,6 +160,7 @@ class Stream:
         for key, told in self._told.items():
             if key[1] == message_id:
                 told.due = -math.inf
+        self._seen = -1
         return True
 
     def period(self, message_id: int) -> float | None:
@@ -164,6 +172,7 @@ class Stream:
         keys = [key for key, _ in board.items() if key[1] == message_id]
         for key in keys:
             self._told[key] = _Told(REQUESTED, -math.inf, -math.inf)
+        self._seen = -1
         return bool(keys)
 
     def due(self, board: Board, now: float, room: float) -> list[Value]:
@@ -172,14 +181,20 @@ class Stream:
         for key, item in self._waiting(board, now):
             size = self._size(item.value)
             if size > room - (0 if key[0] is Rank.HEARTBEAT else RESERVE):
-                break
+                return chosen
             room -= size
             chosen.append(item.value)
             if isinstance(item.value, Text):
                 self._texts.popleft()
             else:
                 self._note(key, item, now)
+        self._rest(board)
         return chosen
+
+    def _rest(self, board: Board) -> None:
+        """Everything has been told: note when the next thing is due."""
+        told = (self._told[key].due for key, _ in board.items() if key in self._told and self._period(key) < math.inf)
+        self._seen, self._quiet_until = board.news, min(told, default=math.inf)
 
     def _waiting(self, board: Board, now: float) -> Iterator[tuple[Key, Item]]:
         due = [(key, item) for key, item in board.items() if self._is_due(key, item, now)]
