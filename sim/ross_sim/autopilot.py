@@ -112,7 +112,7 @@ class Autopilot:
     def _hear(self, name: str, packet: Packet, now: float) -> None:
         way = self._router.way(name, packet)
         for other in way.links:
-            self._plugs[other].port.send(bytes(packet.message.get_msgbuf()))
+            self._plugs[other].port.send(packet.frame)
         if way.ours:
             self._obey(self._plugs[name], packet, now)
 

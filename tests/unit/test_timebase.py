@@ -1,0 +1,157 @@
+"""Which time it is, and how the autopilot's clock lies to ours."""
+
+import pytest
+
+from ross_payload.timebase import Timebase
+from ross_protocols import vehicle
+from ross_protocols.codec import Decoder, Encoder
+from ross_protocols.dialect import common
+from ross_protocols.vehicle import SystemTime, TimeSync
+from ross_sim.clock import SimClock
+
+UNIX = 1_795_000_000.0  # [s]
+
+
+class Heard:
+    def __init__(self, message, role="autopilot", system_id=1, component_id=1):
+        self.link, self.role = "udpin:autopilot:1", role
+        (self.packet,) = Decoder().feed(Encoder(system_id, component_id).encode(message))
+
+
+class Voice:
+    """Remembers what was sent."""
+
+    def __init__(self):
+        self.sent = []
+
+    def send(self, value, link=None):
+        self.sent.append((vehicle.read(value), link))
+
+    def subscribe(self, call):
+        self.call = call
+
+
+def heartbeat():
+    return common.MAVLink_heartbeat_message(2, 3, 0, 0, 3, 3)
+
+
+@pytest.fixture
+def bench():
+    clock, voice = SimClock(), Voice()
+    clock.sleep(5.0)
+    timebase = Timebase(clock)
+    timebase.attach(voice)
+    return clock, voice, timebase
+
+
+def trip(bench, there, back, ahead):
+    """One round trip to a clock that is `ahead` [s] of ours."""
+    clock, voice, _ = bench
+    voice.call(Heard(heartbeat()))
+    asked = voice.sent[-1][0].asked
+    clock.sleep(there)
+    answered = round((clock.now() + ahead) * 1e9)
+    clock.sleep(back)
+    voice.call(Heard(vehicle.time_sync(TimeSync(asked, answered))))
+
+
+def test_time_counts_from_the_boot_until_a_clock_can_be_trusted(bench):
+    clock, voice, timebase = bench
+    assert (timebase.usec(), timebase.unix) == (5_000_000, False)
+    voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=UNIX))))
+    assert timebase.unix
+    assert timebase.usec() == pytest.approx(UNIX * 1e6)
+    clock.sleep(2.0)
+    assert timebase.usec() == pytest.approx((UNIX + 2.0) * 1e6)
+
+
+@pytest.mark.parametrize("unix", [None, 12.0, 1_000_000_000.0, 5_000_000_000.0])
+def test_an_autopilot_without_a_time_is_not_believed(bench, unix):
+    _, voice, timebase = bench
+    voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=unix))))
+    assert not timebase.unix
+
+
+@pytest.mark.parametrize("changes", [{"role": "ground"}, {"component_id": 191}, {"system_id": 9}])
+def test_only_the_autopilot_tells_the_time(bench, changes):
+    _, voice, timebase = bench
+    voice.call(Heard(heartbeat()))
+    voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=UNIX)), **changes))
+    assert not timebase.unix
+
+
+def test_a_systems_clock_that_is_synchronised_serves_at_once():
+    clock = SimClock()
+    assert Timebase(clock, lambda: UNIX).usec() == round(UNIX * 1e6)
+    assert not Timebase(clock, lambda: None).unix
+
+
+def test_time_never_runs_backwards(bench):
+    clock, voice, timebase = bench
+    times = []
+    for unix in (UNIX, UNIX - 100.0, UNIX + 3.0, UNIX + 2.9, UNIX - 50.0):
+        voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=unix))))
+        clock.sleep(0.1)
+        times.append(timebase.usec())
+    assert times == sorted(times)
+
+
+def test_a_small_difference_is_worked_off_and_not_jumped(bench):
+    _, voice, timebase = bench
+    voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=UNIX))))
+    before = timebase.usec()
+    voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=UNIX + 0.2))))
+    assert 0 < timebase.usec() - before < 0.05e6
+
+
+def test_a_request_is_answered_to_whoever_asks_where_it_came_from(bench):
+    clock, voice, _ = bench
+    voice.call(Heard(vehicle.time_sync(TimeSync(asked=77)), role="ground", system_id=255, component_id=190))
+    assert voice.sent == [(TimeSync(77, round(clock.now() * 1e9)), "udpin:autopilot:1")]
+
+
+def test_an_answer_is_not_answered(bench):
+    _, voice, _ = bench
+    voice.call(Heard(vehicle.time_sync(TimeSync(asked=77, answered=99))))
+    assert not voice.sent
+
+
+def test_a_round_trip_tells_how_the_clocks_lie_to_each_other(bench):
+    clock, _voice, timebase = bench
+    assert timebase.local(100.0) is None
+    trip(bench, there=0.02, back=0.02, ahead=95.0)
+    assert timebase.local(clock.now() + 95.0) == pytest.approx(clock.now(), abs=1e-6)
+
+
+def test_the_quickest_of_many_round_trips_counts(bench):
+    clock, _voice, timebase = bench
+    for there, back in ((0.02, 0.3), (0.01, 0.01), (0.2, 0.02)):
+        trip(bench, there, back, ahead=95.0)
+    assert timebase.local(clock.now() + 95.0) == pytest.approx(clock.now(), abs=0.002)
+
+
+def test_an_answer_to_what_was_never_asked_tells_nothing(bench):
+    _, voice, timebase = bench
+    voice.call(Heard(heartbeat()))
+    voice.call(Heard(vehicle.time_sync(TimeSync(asked=123, answered=456))))
+    assert timebase.local(0.0) is None
+
+
+def test_an_answer_that_comes_after_a_second_tells_nothing(bench):
+    _clock, _voice, timebase = bench
+    trip(bench, there=0.6, back=0.6, ahead=95.0)
+    assert timebase.local(0.0) is None
+
+
+def test_an_autopilot_that_has_rebooted_counts_anew(bench):
+    clock, _voice, timebase = bench
+    for ahead in (95.0, 95.0, -3.0):
+        trip(bench, 0.02, 0.02, ahead)
+    assert timebase.local(clock.now() - 3.0) == pytest.approx(clock.now(), abs=1e-6)
+
+
+def test_we_ask_once_for_every_heartbeat_and_no_more(bench):
+    _, voice, _ = bench
+    for _ in range(3):
+        voice.call(Heard(heartbeat()))
+    assert [value.answered for value, _ in voice.sent] == [None] * 3
