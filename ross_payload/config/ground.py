@@ -18,8 +18,8 @@ class Link(Table):
     role: Literal["ground", "autopilot"] = (
         "ground"  # autopilot: attitude and system id come from it; ROSS_* ride in TUNNEL
     )
-    key_file: str = ""  # 32 bytes, mode 0600: sign what is sent, accept only what is signed with it
-    accept: tuple[SystemId, ...] = ()  # system ids that may order something; empty: all
+    key_file: str = ""  # 32 bytes or 64 hex digits, mode 0600: sign what is sent, hear only what is signed with it
+    accept: tuple[SystemId, ...] = ()  # system ids that may order something, others are heard only; empty: all
     max_bytes_s: Annotated[int, Field(ge=0)] = (
         0  # budget of what is sent [bytes/s]; 0: half of a serial baud rate, else none
     )
