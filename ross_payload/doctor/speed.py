@@ -18,7 +18,7 @@ from ross_payload.interfaces import Clock, Samples
 from ross_payload.mission.context import Context, Listening
 from ross_payload.mission.orient import observe
 from ross_payload.mission.recognise import separate
-from ross_payload.service import settings_of, tools_of
+from ross_payload.service.assemble import settings_of, tools_of
 
 AZIMUTHS = (-1.2, 0.3, 1.9)  # of the made-up voices [rad]
 SYLLABLE = 0.2  # [s]

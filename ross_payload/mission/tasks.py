@@ -32,6 +32,7 @@ from ross_payload.orders import (
 )
 
 TOLD_SIGMA = math.radians(2.0)  # of an azimuth that somebody tells [rad]
+LEAST_NOISE = 0.5  # [s] that tell anything about a noise
 HOMING = 120.0  # [s] that finding the zero may take
 OUTSIDE = "the limits of the joint exclude this heading"
 STILL_FAULTY = (Home,)  # may be ordered while there is a fault
@@ -209,7 +210,7 @@ def _home(context: Context) -> Step[Result]:
 def _measure(context: Context, seconds: float) -> Step[Result]:
     yield from hop(context)
     context.enter(State.NOISE)
-    heard = yield from listen(context, seconds or context.settings.lead_in)
+    heard = yield from listen(context, max(seconds or context.settings.lead_in, LEAST_NOISE))
     context.lead_in = heard
     context.say_noise(quiet=True)
     return Result(Outcome.COMPLETED, f"noise of {heard.shape[1] / context.settings.rate:g} s heard")

@@ -12,7 +12,7 @@ from ross_payload.mission.session import Session as LiveSession
 from ross_payload.mission.supervise import mission
 from ross_payload.mission.tasks import Memory
 from ross_payload.recording.session import Session
-from ross_payload.service import informed_of, settings_of, tools_of
+from ross_payload.service.assemble import informed_of, settings_of, tools_of
 from ross_payload.service.payload import FIRST
 
 

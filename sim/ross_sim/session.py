@@ -25,7 +25,8 @@ from ross_payload.orders import Stop
 from ross_payload.recording import plain
 from ross_payload.recording.manifest import Beginning
 from ross_payload.recording.recorder import Recorder
-from ross_payload.service import Runner, informed_of, settings_of, tools_of
+from ross_payload.service.assemble import informed_of, settings_of, tools_of
+from ross_payload.service.runner import Runner
 from ross_payload.telemetry.service import Telemetry
 from ross_payload.timebase import Timebase
 from ross_sim.autopilot import board

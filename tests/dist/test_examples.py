@@ -10,7 +10,7 @@ from ross_payload import plugins
 from ross_payload.actuators.registry import GROUP, check_options
 from ross_payload.config import Config, load, read_toml, validated
 from ross_payload.links.address import parse
-from ross_payload.service import explorer_of, settings_of, tools_of
+from ross_payload.service.assemble import explorer_of, settings_of, tools_of
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 CONFIGURATIONS = sorted(EXAMPLES.glob("*.toml"))

@@ -22,7 +22,8 @@ from ross_payload.clock import SystemClock
 from ross_payload.interfaces import Services
 from ross_payload.mission.supervise import mission
 from ross_payload.mount import FixedMount
-from ross_payload.service import Runner, settings_of, tools_of
+from ross_payload.service.assemble import settings_of, tools_of
+from ross_payload.service.runner import Runner
 from ross_sim.casting import company_of
 from ross_sim.report import Story, report
 from ross_sim.scenario import load

@@ -24,8 +24,9 @@ from ross_payload.recording.manifest import Beginning
 from ross_payload.recording.recorder import Recorder
 from ross_payload.recording.session import Session as Recorded
 from ross_payload.recording.shelf import Shelf
-from ross_payload.service import Runner, settings_of, tools_of
+from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.payload import FIRST
+from ross_payload.service.runner import Runner
 from ross_sim.casting import company_of
 from ross_sim.clock import SimClock
 from ross_sim.far_end import far_end_of

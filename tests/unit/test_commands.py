@@ -31,7 +31,7 @@ from ross_payload.orders import (
     TurnTo,
 )
 from ross_payload.parameters import Parameters
-from ross_payload.service import settings_of
+from ross_payload.service.assemble import settings_of
 from ross_payload.telemetry.commands import CommandServer
 from ross_payload.telemetry.identity import Endpoint
 from ross_payload.telemetry.params import ParameterServer

@@ -187,7 +187,7 @@ def test_it_is_a_plug_in(name: str) -> None:
 
 @pytest.mark.parametrize(("setting", "t60"), [(1, 0.0), (2, 0.45), (3, 0.7)])
 def test_the_paper_preset_has_the_papers_numbers(setting: int, t60: float) -> None:
-    from ross_payload.service import tools_of
+    from ross_payload.service.assemble import tools_of
     from ross_sim.scenario import load
 
     scenario = load(f"paper-setting-{setting}")

@@ -14,7 +14,8 @@ from ross_payload.events import Event, Outcome
 from ross_payload.interfaces import AudioBlock, Output, Result, Services
 from ross_payload.mount import FixedMount, fixed_mount
 from ross_payload.orders import Stop
-from ross_payload.service import Runner, explorer_of, informed_of, settings_of, tools_of
+from ross_payload.service.assemble import explorer_of, informed_of, settings_of, tools_of
+from ross_payload.service.runner import Runner
 from ross_sim.clock import SimClock
 from ross_sim.session import far_end_of
 
