@@ -26,10 +26,10 @@ from ross_payload.recording.manifest import Beginning
 from ross_payload.recording.shelf import GB, Shelf
 from ross_payload.recording.writer import SessionWriter
 
-BACKLOG = 3000  # Inputs and frames that wait for the disk, 30 s of hops: then it is too slow
+BACKLOG = 30.0  # [s] of audio that wait for the disk: then it is too slow
 DRAIN = 0.2  # [s] between two looks at the queue
 TIDY = 5.0  # [s] of audio between two looks at what is left of the disk
-SLOW = "the disk is too slow: what waits for it has reached 30 s"
+SLOW = f"the disk is too slow: {BACKLOG:.0f} s of audio wait for it"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 Begin = Callable[[], Beginning | None]  # None while a task runs
@@ -39,7 +39,9 @@ Begin = Callable[[], Beginning | None]  # None while a task runs
 class Take:
     """One recording, as the mission's thread and the disk's both know it."""
 
+    hop: float  # of an Input [s]
     inputs: int = 0  # queued, counted on the mission's thread
+    written: int = 0  # taken from the queue, counted on the disk's thread
     writer: SessionWriter | None = None  # of the disk's thread alone
     tidied: float = 0.0  # [s] of audio, when the shelf was looked after last
     over: bool = False  # set on the disk's thread: nothing more is written
@@ -99,8 +101,9 @@ class Recorder:
             return
         self._take.inputs += 1
         self._put(self._take, partial(_hear, heard=heard))
-        if self._queue.qsize() > BACKLOG:
-            self._queue.put(partial(self._fail, self._take, RecordingState.BROKEN, SLOW))
+        if (self._take.inputs - self._take.written) * self._take.hop > BACKLOG:
+            self._status = replace(self._status, state=RecordingState.BROKEN, reason=SLOW)
+            self._put(self._take, partial(self._fail, state=RecordingState.BROKEN, reason=SLOW))
             self._take, self._wanted = None, False
 
     def said(self, event: Event, heard: Input) -> None:
@@ -121,7 +124,7 @@ class Recorder:
             self._put(self._take, partial(self._end, reason="ended by order"))
             self._take = None
         elif (begin := self._begin()) is not None:
-            self._take = Take()
+            self._take = Take(begin.config.audio.hop_ms / 1000)
             self._put(self._take, partial(self._start, begin=begin))
 
     # ---------------------------------------------------------------------------------------- on the pump
@@ -248,6 +251,7 @@ def in_background(recorder: Recorder) -> Iterator[None]:
 
 
 def _hear(take: Take, heard: Input) -> None:
+    take.written += 1
     if take.writer is not None:
         take.writer.heard(heard)
 

@@ -18,6 +18,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ross_payload.audio.wiring import Wiring
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, Event, SourceEstimate, State, StateChanged
@@ -114,6 +115,17 @@ def test_the_audio_is_what_the_microphones_gave_before_gain(tmp_path):
     found = list(only(tmp_path).inputs(audio))
     assert np.array_equal(found[7].block.raw, raw)
     assert np.array_equal(found[7].block.samples, raw * np.array([[-1], [1]], np.float32))
+
+
+def test_what_a_gain_made_of_any_samples_comes_back(tmp_path):
+    audio = Config.model_validate({"audio": {"gain_db": [7.3, -2.1], "invert": [True, False]}}).audio
+    device = np.random.default_rng(4).normal(0, 0.3, (60, 2, HOP)).astype(np.float32)  # finer than 24 bits, and clipped
+    wired = [Wiring.of(audio).apply(samples) for samples in device]
+    blocks = [AudioBlock(one.samples, k * HOP, 0.0, flags=one.flags, raw=one.raw) for k, one in enumerate(wired)]
+    record(tmp_path, [input_of(k, block=block) for k, block in enumerate(blocks)])
+    found = list(only(tmp_path).inputs(audio))
+    assert all(np.array_equal(one.block.samples, was.samples) for one, was in zip(found, wired, strict=True))
+    assert only(tmp_path).contents().notes == ()
 
 
 def test_samples_that_24_bits_do_not_hold_are_said(tmp_path):
@@ -322,13 +334,15 @@ def test_a_folder_that_cannot_be_made_is_said(tmp_path):
 
 
 def test_a_disk_that_stalls_for_too_long_ends_the_recording(tmp_path, monkeypatch):
-    monkeypatch.setattr(recorder_module, "BACKLOG", 100)
+    monkeypatch.setattr(recorder_module, "BACKLOG", 1.0)
     with recording(tmp_path) as recorder:
         for index in range(150):  # nobody drains
             recorder.heard(input_of(index))
-        recorder.drain()
         assert recorder.status().state is RecordingState.BROKEN
         assert "slow" in recorder.status().reason
+        recorder.drain()
+        assert recorder.status().state is RecordingState.BROKEN
+    assert only(tmp_path).contents().inputs == 101  # what had waited is there
 
 
 # ------------------------------------------------------------------------------------------------ torn files
@@ -429,6 +443,8 @@ def killed(folder, after):
 def check_killed(folder, moments):
     for number, after in enumerate(moments):
         heard = killed(folder / str(number), after)
+        if heard < 100 and not Shelf(folder / str(number)).all():
+            continue  # killed before the first write: the last second is all there was
         found = only(folder / str(number))
         inputs = list(found.inputs(Config().audio))
         assert heard - len(inputs) <= 100
