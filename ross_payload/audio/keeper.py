@@ -17,6 +17,7 @@ from ross_payload.interfaces import Clock
 log = logging.getLogger(__name__)
 
 FIRST_WAIT, LONGEST_WAIT = 0.5, 10.0  # [s] between two attempts
+LEAVE = 5.0  # [s] that a driver which hangs may take at the end
 STALE = 2.0  # [s] without a frame: a feed that calls itself alive is not
 
 
@@ -34,8 +35,8 @@ class Feed(Protocol):
 class Worker(Protocol):
     """Something that runs elsewhere."""
 
-    def join(self) -> None:
-        """Wait until it is over."""
+    def join(self, timeout: float) -> None:
+        """Wait until it is over, at most so long [s]."""
 
 
 def in_thread(call: Callable[[], None]) -> Worker:
@@ -90,7 +91,7 @@ class Keeper:
     def close(self) -> None:
         """Close for good."""
         if self._worker is not None:
-            self._worker.join()
+            self._worker.join(LEAVE)
         self._drop()
 
     def _attempt(self) -> None:

@@ -15,7 +15,7 @@ NEAR = 0.003  # [s] within which a sample's time is right
 
 
 class Done:
-    def join(self):
+    def join(self, timeout):
         pass
 
 
