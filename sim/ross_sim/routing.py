@@ -1,8 +1,8 @@
 """How an ArduPilot passes on what it hears, after its MAVLink_routing.
 
 A link is learned when anything is heard on it, a component when it is heard. What has a target goes where that
-component was heard (of another vehicle or a ground station: any component), the rest to every learned link; nothing goes back to where it came from, and messages that the
-autopilot does not know go nowhere.
+component was heard (of another vehicle or a ground station: any component), the rest to every learned link; nothing
+goes back to where it came from, and messages that the autopilot does not know go nowhere.
 """
 
 from __future__ import annotations
