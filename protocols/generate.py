@@ -31,8 +31,13 @@ The payload is a MAVLink 2 component: `MAV_TYPE_ONBOARD_CONTROLLER`, no autopilo
 - `HEARTBEAT` every second, and when the state changes. `custom_mode` is the mission's [state](#ross-state);
   `system_status` is `BOOT` before the mission speaks, `CALIBRATING` while it measures the noise, `STANDBY` when it is
   idle or over, `ACTIVE` while it hears and turns, `CRITICAL` after a fault;
-- `STATUSTEXT` when something happens that an operator wants to know;
-- the messages below. Their dialect is `protocols/mavlink/ross.xml`; it needs no other file.
+- `STATUSTEXT` when something happens that an operator wants to know, not more often than once in 2 s in the long run;
+- `NAMED_VALUE_FLOAT` and `DEBUG_FLOAT_ARRAY` with the most important numbers, for
+  [ground stations](../how-to/ground-stations.md) without our dialect;
+- the messages below. Their dialect is `protocols/mavlink/ross.xml`; it needs no other file. On links with the role
+  `autopilot` each rides in a `TUNNEL` of the type [ROSS_TUNNEL_TYPE_FRAME](#ross-tunnel-type): one whole frame.
+
+Rates are those of a link with room for all; `MAV_CMD_SET_MESSAGE_INTERVAL` changes them on the link that it comes from.
 
 **Angles** are radians, clockwise seen from above and in (-pi, pi], from north in `ROSS_FRAME_EARTH` and from the zero
 of the mount in `ROSS_FRAME_MOUNT`; joint angles are clockwise too but not wrapped. Inside the payload angles are
