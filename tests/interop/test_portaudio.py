@@ -29,7 +29,7 @@ from ross_payload.interfaces import AudioFlag
 
 asked = json.loads(sys.argv[1])
 config = validated(Config, {"audio": asked["audio"]}, "test")
-blocks, statuses = [], []
+blocks = []
 try:
     with open_source(config, SystemClock()) as source:
         print("open", flush=True)
