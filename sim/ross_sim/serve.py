@@ -15,8 +15,8 @@ from ross_payload.links import Links
 from ross_payload.orders import Shutdown
 from ross_payload.parameters import Parameters
 from ross_payload.recording.shelf import Shelf
-from ross_payload.service import Observer
 from ross_payload.service.payload import Parts, assembled
+from ross_payload.service.runner import Observer
 from ross_sim.casting import Company
 from ross_sim.clock import SimClock
 from ross_sim.far_end import far_end_of
@@ -50,7 +50,8 @@ def serve(
     ConfigError
         When there is no link, so that nobody could order anything.
     """
-    config = scenario.payload
+    service = scenario.payload.service.model_copy(update={"target": company.target})
+    config = scenario.payload.model_copy(update={"service": service})
     if not config.links:
         raise ConfigError("--serve: wanted --telemetry URL, where orders come in")
     clock = SimClock()
