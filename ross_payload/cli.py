@@ -59,7 +59,7 @@ def check(file: Path) -> None:
     """Check a payload's TOML FILE: keys, values, and the options of the actuator it names."""
     from ross_payload.actuators.registry import check_options
     from ross_payload.config import load, read_toml
-    from ross_payload.service import explorer_of
+    from ross_payload.service.assemble import explorer_of
 
     if "talkers" in read_toml(file):
         raise ConfigError(f"{file}: this is a scenario of the simulator: ross sitl --scenario {file}")
@@ -69,6 +69,19 @@ def check(file: Path) -> None:
     if loaded.exploit.separator not in plugins.available("ross_payload.separators"):
         plugins.load("ross_payload.separators", loaded.exploit.separator)
     click.echo(f"{file}: good")
+
+
+@config.command("show")
+@click.argument("file", type=click.Path(path_type=Path))
+def show(file: Path) -> None:
+    """Show every key of a payload's TOML FILE as it is in force, and why: file, default, or set in flight."""
+    from ross_payload.config import load
+    from ross_payload.parameters import listing
+    from ross_payload.service.live import state_path
+
+    loaded = load(file)
+    for line in listing(loaded, state_path(loaded) / "params.toml"):
+        click.echo(line)
 
 
 @ross.command(short_help="Make or delete the voice print of NAME.")

@@ -4,7 +4,8 @@ Wiring and safety ([audio], [array], [actuator], [guard], [links]) are not in th
 """
 
 from ross_payload.parameters.kept import Kept
+from ross_payload.parameters.listing import listing
 from ross_payload.parameters.store import Origin, Parameters
 from ross_payload.parameters.table import TABLE, Parameter, changed, value_of
 
-__all__ = ["TABLE", "Kept", "Origin", "Parameter", "Parameters", "changed", "value_of"]
+__all__ = ["TABLE", "Kept", "Origin", "Parameter", "Parameters", "changed", "listing", "value_of"]

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from ross_payload.config import Config, load
 from ross_payload.errors import ConfigError
-from ross_payload.parameters import TABLE, Origin, Parameters, changed, value_of
+from ross_payload.parameters import TABLE, Origin, Parameters, changed, listing, value_of
 
+ROOT = Path(__file__).parents[2]
 names = st.sampled_from(list(TABLE))
 
 
@@ -57,6 +58,16 @@ def test_both_bounds_are_allowed_by_the_configuration(name):
     wide = changed(changed(Config(), "EXP_MAX_ROT", 24), "EXP_MIN_ROT", 1)
     for bound in (TABLE[name].lower, TABLE[name].upper):
         assert value_of(changed(wide, name, bound), name) == bound
+
+
+def test_the_page_lists_every_parameter_as_it_is():
+    page = (ROOT / "docs" / "reference" / "parameters.md").read_text(encoding="utf-8")
+    rows = [line for line in page.splitlines() if line.startswith("| `")]
+    assert rows == [
+        f"| `{p.name}` | `{p.key}` | {p.lower:g} | {p.upper:g} | {p.unit} | {value_of(Config(), p.name):g} | "
+        f"{p.about} |"
+        for p in TABLE.values()
+    ]
 
 
 # ---------------------------------------------------------------------------------------------------- change
@@ -248,3 +259,63 @@ def test_many_changes_are_written_last_value_last(file):
         for step in range(1, 91):
             parameters.set("EXP_STEP", step)
     assert tomllib.loads(file.read_text())["parameters"]["EXP_STEP"]["value"] == 90
+
+
+# ---------------------------------------------------------------------------------------------------- listing
+
+
+def shown(config: Config, file: Path) -> dict[str, str]:
+    """The origin of every key that is listed, by table.key."""
+    found, table = {}, ""
+    for line in listing(config, file):
+        if line.startswith("["):
+            table = line.strip("[]") + "."
+        elif " = " in line and not line.startswith("#"):
+            found[table + line.split(" = ")[0]] = line.rsplit("# ", 1)[1]
+    return found
+
+
+def test_the_listing_tells_value_and_origin_of_every_key(file, tmp_path):
+    config = from_toml(tmp_path, '[explore]\nunit_s = 5.0\nstep_deg = 20.0\n[[links]]\nurl = "udpout:h:1"\n')
+    set_once(config, file, EXP_STEP=30)
+    origins = shown(config, file)
+    assert origins["explore.unit_s"] == "file"
+    assert origins["explore.step_deg"] == "in flight, instead of 20"
+    assert origins["exploit.run_s"] == "default"
+    assert origins["links.url"] == "file"
+    assert origins["seed"] == "default"
+    assert "step_deg = 30.0" in "\n".join(listing(config, file))
+
+
+def test_the_listing_is_a_file_that_means_the_same(file, tmp_path):
+    text = (
+        '[audio]\nsource = "file:a \\"b\\".wav"\nchannels = [2, 0]\n[informed]\nazimuths_deg = [10, -50.5]\n'
+        '[actuator]\nkind = "tb6600"\noptions = { "steps per turn" = 200, pins = [1, 2], port = "x" }\n'
+        '[[links]]\nurl = "udpout:h:1"\naccept = [255]\n[[links]]\nurl = "udpout:h:2"\n'
+    )
+    config = from_toml(tmp_path, text)
+    assert from_toml(tmp_path, "\n".join(listing(config, file))) == config
+
+
+def test_the_listing_only_looks_at_a_damaged_file(file):
+    file.parent.mkdir()
+    file.write_text("half a fi")
+    assert "damaged" in next(iter(listing(Config(), file)))
+    assert file.read_text() == "half a fi"
+    assert list(file.parent.iterdir()) == [file]
+
+
+def test_ross_config_show_prints_what_is_in_force(file, tmp_path, monkeypatch):
+    from click.testing import CliRunner
+
+    from ross_payload.cli import ross
+
+    monkeypatch.setenv("STATE_DIRECTORY", str(file.parent))
+    config = tmp_path / "payload.toml"
+    config.write_text("[explore]\nunit_s = 5.0\n")
+    set_once(load(config), file, XPL_RUN=20)
+    shown = CliRunner().invoke(ross, ["config", "show", str(config)])
+    assert shown.exit_code == 0
+    assert [line.split()[-1] for line in shown.output.splitlines() if line.startswith("unit_s = 5.0")] == ["file"]
+    assert "run_s = 20.0" in shown.output
+    assert "in flight, instead of 10" in shown.output

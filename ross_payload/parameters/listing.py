@@ -1,0 +1,65 @@
+"""Every key that is in force, with its origin, as a TOML file that could be read again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from ross_payload.config import Config, Table
+from ross_payload.parameters.kept import Kept, Unusable, read
+from ross_payload.parameters.store import Origin, recall
+from ross_payload.parameters.table import TABLE
+
+WIDTH = 40  # of key and value, in front of the origin
+
+
+def listing(config: Config, path: Path) -> Iterator[str]:
+    """Give the lines: what the file of a configuration says, the defaults, and what ``path`` keeps; it is only read."""
+    kept, notes = _looked_at(path)
+    in_force, held, more = recall(config, kept)
+    yield from (f"# {note}" for note in [*notes, *more])
+    origins = {TABLE[name].place: f"{Origin.IN_FLIGHT}, instead of {entry.replaced:g}" for name, entry in held.items()}
+    values = {name: getattr(in_force, name) for name in Config.model_fields}
+    yield from _plain(config, {name: value for name, value in values.items() if _is_plain(value)})
+    for name, value in values.items():
+        if isinstance(value, Table):
+            own = {key: origin for (table, key), origin in origins.items() if table == name}
+            yield from ("", f"[{name}]", *_plain(getattr(config, name), dict(value), own))
+        elif isinstance(value, tuple):
+            for row in value:
+                yield from ("", f"[[{name}]]", *_plain(row, dict(row)))
+
+
+def _looked_at(path: Path) -> tuple[dict[str, Kept], list[str]]:
+    try:
+        return read(path), []
+    except Unusable as unusable:
+        return {}, [str(unusable)]
+
+
+def _is_plain(value: Any) -> bool:
+    return not isinstance(value, (Table, tuple))
+
+
+def _plain(said: Table, values: Mapping[str, Any], in_flight: Mapping[str, str] | None = None) -> Iterator[str]:
+    """Give the lines of one table; ``said`` is what the file says."""
+    for key, value in values.items():
+        origin = Origin.FILE if key in said.model_fields_set else Origin.DEFAULT
+        line = f"# {key} is absent" if value is None else f"{key} = {toml(value)}"
+        yield f"{line:<{WIDTH}} # {(in_flight or {}).get(key, origin)}"
+
+
+def toml(value: Any) -> str:
+    """Return a value as TOML.
+
+    >>> print(toml({"port": "can0", "ids": (1, 2), "wrap": True}))
+    { port = "can0", ids = [1, 2], wrap = true }
+    """
+    if isinstance(value, Mapping):
+        pairs = ", ".join(f"{json.dumps(k) if not k.isidentifier() else k} = {toml(v)}" for k, v in value.items())
+        return f"{{ {pairs} }}" if pairs else "{}"
+    if isinstance(value, (tuple, list)):
+        return f"[{', '.join(map(toml, value))}]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, (str, bool)) else repr(value)
