@@ -158,11 +158,11 @@ class Session:
         """End a task that did not come to its own end; return the order that ends the session, too."""
         result, order = Result(ended.outcome, ended.reason), ended.order
         self._fault = "" if order is not None or isinstance(ended, FrameChanged) else ended.reason
-        self._stopped = stopped = isinstance(order, (Stop, Shutdown))
-        self._close(task, result, State.FAULT if self._fault else State.STOPPED if stopped else State.DONE)
+        self._stopped = isinstance(order, Stop)
+        self._close(task, result, State.FAULT if self._fault else State.STOPPED if self._stopped else State.DONE)
         if isinstance(order, (Stop, Cancel)):
             self._answer(order, Answer.ACCEPTED)
-        yield from self._hop(Output(halt=not stopped, stop=stopped))
+        yield from self._hop(Output(halt=not self._stopped, stop=self._stopped))
         if isinstance(order, Task):
             self._waiting.insert(0, order)  # what came behind it may take it back
         return order if isinstance(order, Shutdown) else None

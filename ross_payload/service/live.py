@@ -31,6 +31,7 @@ from ross_payload.orders import Shutdown
 from ross_payload.parameters import Parameters
 from ross_payload.recording.recorder import in_background
 from ross_payload.recording.shelf import Shelf
+from ross_payload.service.latch import StopLatch
 from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Runner
 from ross_payload.timebase import Timebase
@@ -56,8 +57,9 @@ def live(config: Config) -> None:
         sys.setswitchinterval(SWITCH)
         clock, manager = SystemClock(), Manager.of()
         watchdog = Watchdog(manager, clock, {MISSION: PATIENCE * config.audio.buffer_s})
-        parts = stack.enter_context(_parts(config, clock))
-        runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, Pumping(clock))))
+        latch = StopLatch(state_folder(config) / "stopped")
+        parts = stack.enter_context(_parts(config, clock, latch))
+        runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, Pumping(clock), latch)))
         cancel = watchdog.start()
         if cancel is not None:
             stack.callback(cancel)
@@ -103,7 +105,7 @@ class Pumping:
 
 
 @contextmanager
-def _parts(config: Config, clock: SystemClock) -> Iterator[Parts]:
+def _parts(config: Config, clock: SystemClock, latch: StopLatch) -> Iterator[Parts]:
     state = state_folder(config)
     with ExitStack() as stack:
         parameters = stack.enter_context(Parameters(config, state / "params.toml"))
@@ -128,6 +130,7 @@ def _parts(config: Config, clock: SystemClock) -> Iterator[Parts]:
             ),
             drained=in_background,
             voiceprint=_enrolled(config),
+            stopped=latch.closed,
             stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",
         )
 

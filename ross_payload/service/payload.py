@@ -19,6 +19,7 @@ from ross_payload.interfaces import AudioSource, Clock, Mount, Port, Services, V
 from ross_payload.links import Links
 from ross_payload.logs import Changes
 from ross_payload.mission.session import Kit, Make, Session
+from ross_payload.mission.tasks import Memory
 from ross_payload.orders import Explore, Seek, Set, Task
 from ross_payload.parameters import Parameters
 from ross_payload.recording.manifest import Beginning
@@ -50,6 +51,7 @@ class Parts:
     watched: Watched | None = None  # the source, where it tells how it is
     voiceprint: VoicePrint | None = None
     stamp: Callable[[], str] = lambda: ""  # of a new recording
+    stopped: bool = False  # by an order, before it was started again
 
 
 @contextmanager
@@ -67,7 +69,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.enter_context(parts.source)
         recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
         voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
-        session = Session(config, maker(actuator, voiceprint))
+        session = Session(config, maker(actuator, voiceprint), Memory(stopped=parts.stopped))
         first = FIRST[config.service.autostart]
         mission = session.mission(first() if first is not None else None)
         runner = Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock)
@@ -83,6 +85,8 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
         stack.callback(clock.every(POLL, runner.poll))
         _wait_for_report(actuator, config, clock)
+        if parts.stopped:
+            actuator.stop()
         yield runner
 
 

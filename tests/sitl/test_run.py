@@ -149,3 +149,30 @@ def test_a_ground_station_sees_it_and_its_order_is_obeyed(folder):
             process.terminate()
         assert "stopped" in process.stderr.read()
     assert process.returncode == 0
+
+
+def commanded(folder, number, *parameters, links):
+    """Start the payload, give one command, return its answer and the log."""
+    port = int(links.rpartition(":")[2].strip("'"))
+    path = written(folder, source="file:long.wav", links=f"[[links]]\n{links}")
+    with subprocess.Popen([*ROSS, "run", path], cwd=folder, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            wait_for(process, "ross 0")
+            ground = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255)
+            ground.mav.command_long_send(1, 191, number, 0, *parameters, *[0] * (7 - len(parameters)))
+            ack = ground.recv_match(type="COMMAND_ACK", condition="COMMAND_ACK.result!=5", blocking=True, timeout=20)
+            ground.close()
+        finally:
+            process.terminate()
+        return ack.result, process.stderr.read()
+
+
+def test_a_stop_outlives_a_restart_until_armed_again(folder):
+    links = f"url = 'udpin:127.0.0.1:{20000 + Path(folder).stat().st_ino % 20000}'"
+    assert commanded(folder, 54004, links=links)[0] == 0  # stop
+    assert (folder / "state" / "stopped").exists()
+    result, said = commanded(folder, 54006, links=links)  # park
+    assert result != 0
+    assert "turning" not in said
+    assert commanded(folder, 54009, links=links)[0] == 0  # re-arm
+    assert not (folder / "state" / "stopped").exists()
