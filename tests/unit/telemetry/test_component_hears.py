@@ -1,0 +1,187 @@
+"""The MAVLink component on its links: what the ground asks, and how things stand."""
+
+from dataclasses import replace
+
+import pytest
+
+from ross_payload.config import Config, Link
+from ross_payload.events import Answer, Answered
+from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
+from ross_payload.interfaces import ActuatorState, Capabilities, Feedback
+from ross_payload.parameters import TABLE, Parameters
+from ross_payload.telemetry.service import information
+from ross_payload.timebase import Timebase
+from ross_protocols import values as v
+from ross_protocols.codec import Encoder
+from ross_protocols.dialect import common, ross
+from ross_sim.clock import SimClock
+
+GROUND = Link(url="udpout:127.0.0.1:14550")
+RADIO = Link(url="udpout:127.0.0.1:14551", max_bytes_s=350)
+
+
+# ---------------------------------------------------------------------------------------------------- what comes in
+
+
+def test_a_command_becomes_an_order_and_its_answer_an_acknowledgement(aloft) -> None:
+    orders: list = []
+    with aloft(GROUND, give=orders.append) as sky:
+        sky.ports[0].call(common.MAVLink_command_long_message(1, 191, ross.MAV_CMD_ROSS_EXPLORE, 0, *[0] * 7))
+        sky.live(0.05)
+        sky.telemetry.said(Answered(0.0, orders[0].number, Answer.ACCEPTED), sky.hop())
+        sky.live(0.1)
+        sky.telemetry.said(Answered(0.0, orders[0].number, Answer.DONE), sky.hop())
+        sky.live(0.1)
+    results = [ack.result for ack in sky.ports[0].messages("COMMAND_ACK")]
+    assert results[0] == common.MAV_RESULT_IN_PROGRESS
+    assert results[-1] == common.MAV_RESULT_ACCEPTED
+
+
+def test_parameters_are_listed_and_a_rate_is_set_in_flight(aloft) -> None:
+    told: list = []
+    with (
+        Parameters(Config()) as parameters,
+        aloft(GROUND, parameters=parameters, changed=lambda *change: told.append(change)) as sky,
+    ):
+        sky.ports[0].call(common.MAVLink_param_request_list_message(1, 191))
+        sky.live(3.0)
+        assert len({value.param_id for value in sky.ports[0].messages("PARAM_VALUE")}) == len(TABLE)
+        sky.ports[0].call(common.MAVLink_param_set_message(1, 191, b"TLM_STATUS_HZ", 1.0, 9))
+        sky.ports[0].call(common.MAVLink_param_set_message(1, 191, b"XPL_CRITERION", 2.5, 9))
+        sky.live(2.0)
+        sky.ports[0].packets.clear()
+        sky.live(10.0)
+    assert told == [("TLM_STATUS_HZ", 1.0), ("XPL_CRITERION", 2.5)]
+    assert len(sky.ports[0].values(v.Status)) == pytest.approx(10, abs=1)
+    assert sky.ports[0].values(v.Status)[-1].criterion == 2.5
+
+
+def test_each_link_is_told_as_often_as_it_asks_for(aloft) -> None:
+    with aloft(GROUND, RADIO, give=lambda order: None) as sky:
+        sky.live(1.0)
+        interval = common.MAVLink_command_long_message(1, 191, 511, 0, 54001, 1e6, 0, 0, 0, 0, 0)
+        sky.ports[1].call(interval)
+        sky.live(1.0)
+        for port in sky.ports:
+            port.packets.clear()
+        sky.live(10.0)
+    rich, radio = (len(port.values(v.Status)) for port in sky.ports)
+    assert (rich, radio) == (pytest.approx(40, abs=1), pytest.approx(10, abs=1))
+
+
+def test_nobody_can_silence_a_heartbeat(aloft) -> None:
+    with aloft(GROUND, give=lambda order: None) as sky:
+        sky.live(1.0)
+        for interval in (-1, 3.6e9):
+            sky.ports[0].call(common.MAVLink_command_long_message(1, 191, 511, 0, 0, interval, 0, 0, 0, 0, 0))
+        sky.live(1.0)
+        sky.ports[0].packets.clear()
+        sky.live(10.0)
+    assert len(sky.ports[0].values(v.Heartbeat)) >= 9
+
+
+def test_a_payload_with_another_dialect_is_named_once(aloft) -> None:
+    stranger = replace(information(Config(), None, 0), dialect_version=99)
+    with aloft(GROUND) as sky:
+        for _ in range(3):
+            sky.ports[0].call(None, Encoder(2, 191).encode(stranger))
+            sky.ports[0].call(None, Encoder(3, 191).encode(information(Config(), None, 0)))
+            sky.live(0.5)
+    said = [text for text in sky.ports[0].texts() if "speaks" in text]
+    assert said == ["RoSS: payload 2/191 speaks version 99 of the diale"]
+
+
+def test_somebody_else_with_our_component_id_is_said_once(aloft) -> None:
+    with aloft(GROUND) as sky:
+        twin = Encoder(1, 191)
+        for _ in range(5):
+            sky.ports[0].call(None, twin.encode(v.Heartbeat(v.Health.ACTIVE, 6)))
+            sky.live(1.0)
+    said = "".join(sky.ports[0].texts())
+    assert said == "RoSS: somebody else speaks as our component 191: change one component_id"
+
+
+# ---------------------------------------------------------------------------------------------------- how things stand
+
+
+class Motor:
+    """An actuator that stands where it is put."""
+
+    capabilities = Capabilities(-2.0, 2.0, 4.0, 2.0, 0.002, continuous=False, feedback=Feedback.MODEL)
+
+    def __init__(self) -> None:
+        self.now = ActuatorState(0.01, 0.0, settled=True, homed=True, healthy=True, time=0.0)
+
+    def state(self) -> ActuatorState:
+        return self.now
+
+
+def test_before_anything_was_heard_the_actuator_speaks(aloft) -> None:
+    motor = Motor()
+    with aloft(GROUND, actuator=motor) as sky:
+        sky.clock.sleep(0.5)
+    status = sky.ports[0].values(v.Status)[-1]
+    assert (status.actuator_present, status.homed, status.open_loop) == (True, True, True)
+    assert (status.joint, status.heading) == (pytest.approx(0.01), None)
+
+
+def test_while_the_mission_computes_the_array_is_seen_to_turn(aloft) -> None:
+    motor = Motor()
+    with aloft(GROUND, actuator=motor) as sky:
+        sky.telemetry.heard(sky.hop(start=0.51, end=0.51))
+        sky.clock.sleep(0.5)
+        motor.now = replace(motor.now, angle=0.61, rate=1.5)
+        sky.clock.sleep(0.5)
+    status = sky.ports[0].values(v.Status)[-1]
+    assert (status.joint, status.joint_rate) == pytest.approx((0.61, 1.5))
+    assert status.heading == pytest.approx(0.61), "0.1 rad on from what was heard, at joint angle 0.51"
+
+
+def test_a_fault_is_said_once_and_flagged_while_it_lasts(aloft) -> None:
+    with aloft(GROUND) as sky:
+        sky.telemetry.heard(sky.hop(fault="the motor is hot"))
+        sky.clock.sleep(3.0)
+        assert sky.ports[0].texts() == ["RoSS: fault: the motor is hot"]
+        assert sky.ports[0].values(v.Status)[-1].fault
+        sky.telemetry.heard(sky.hop())
+        sky.clock.sleep(0.5)
+    assert not sky.ports[0].values(v.Status)[-1].fault
+
+
+def test_ears_and_recorder_are_told_and_trouble_is_said(aloft) -> None:
+    health = [AudioHealth(level_db=(-40.0, -41.0), rate=16000.5)]
+    recorder = Recorder()
+    with aloft(GROUND, health=lambda: health[-1], recorder=recorder) as sky:
+        sky.live(2.0)
+        health.append(AudioHealth(AudioTrouble.CLIPPING, lost=160))
+        recorder.now = RecordingStatus(RecordingState.FULL, "take-1", 12.0, 0.25, "the disk is full")
+        sky.live(2.0)
+    first, last = sky.ports[0].values(v.Audio)[0], sky.ports[0].values(v.Audio)[-1]
+    assert (first.level, first.rate, first.trouble) == ((-40.0, -41.0), 16000.5, 0)
+    assert (last.trouble, last.lost) == (AudioTrouble.CLIPPING, 160)
+    told = sky.ports[0].values(v.Recording)[-1]
+    assert (told.state, told.name, told.duration) == (v.RecordingState.FULL, "take-1", 12.0)
+    assert told.free == pytest.approx(0.25e9, rel=1e-6)
+    assert sky.ports[0].texts() == ["RoSS: microphones: clipping", "RoSS: recording stopped: the disk is full"]
+
+
+class Recorder:
+    """Records nothing."""
+
+    now = RecordingStatus()
+
+    def record(self, on: bool) -> str:
+        return ""
+
+    def status(self) -> RecordingStatus:
+        return self.now
+
+
+@pytest.mark.parametrize("epoch", [None, 1.7e9])
+def test_time_is_flagged_as_unix_or_since_boot(aloft, epoch: float | None) -> None:
+    clock = SimClock()
+    with aloft(GROUND, timebase=Timebase(clock, lambda: epoch)) as sky:
+        sky.live(0.5)
+    status = sky.ports[0].values(v.Status)[-1]
+    assert status.time_unix is (epoch is not None)
+    assert (status.time_usec > 1e15) is (epoch is not None)
