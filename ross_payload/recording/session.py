@@ -100,8 +100,13 @@ class Session:
             yield values
 
     def events(self) -> list[str]:
-        """Return the whole lines of events.jsonl."""
-        return [text.decode("utf-8", "replace") for text in _lines(self.path / "events.jsonl") if text.endswith(b"\n")]
+        """Return the lines of events.jsonl up to the first that is damaged."""
+        found = []
+        for text in _lines(self.path / "events.jsonl"):
+            if not text.endswith(b"\n") or not _is_event(text):
+                break
+            found.append(text.decode("utf-8"))
+        return found
 
     def scores(self) -> list[tuple[int, Score]]:
         """Return what the voice print has answered, each after how many Inputs."""
@@ -151,9 +156,10 @@ class Session:
             yield f"session.json: version {known.version}, wanted {manifest.VERSION}: read as far as it goes"
         if known.end is None:
             yield "cut off: nothing says how it ended; at most the last second is missing"
-        lines = sum(1 for _ in _lines(self.path / "inputs.jsonl"))
-        if lines > found.inputs:
-            yield f"inputs.jsonl: damaged at line {found.inputs + 1}; {lines - found.inputs} lines are not read"
+        for name, read in (("inputs.jsonl", found.inputs), ("events.jsonl", found.events)):
+            lines = sum(1 for _ in _lines(self.path / name))
+            if lines > read:
+                yield f"{name}: damaged at line {read + 1}; {lines - read} lines are not read"
         if length < samples:
             yield f"audio.wav: {(samples - length) / rate:.2f} s shorter than the Inputs"
         elif length > samples:
@@ -166,6 +172,18 @@ class Session:
 
 
 def _lines(path: Path) -> Iterator[bytes]:
-    if path.is_file():
+    if not path.is_file():
+        return
+    try:
         with path.open("rb") as file:
             yield from file
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+
+
+def _is_event(text: bytes) -> bool:
+    try:
+        values = json.loads(text)
+    except ValueError:
+        return False
+    return isinstance(values, dict) and {"event", "time"} <= values.keys()

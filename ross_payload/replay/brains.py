@@ -16,18 +16,19 @@ from ross_payload.service.assemble import informed_of, settings_of, tools_of
 from ross_payload.service.payload import FIRST
 
 
-def mission_of(session: Session, config: Config, voiceprint: VoicePrint | None) -> Mission:
-    """Make the mission of a session.
+def mission_of(session: Session, recorded: Config, config: Config, voiceprint: VoicePrint | None) -> Mission:
+    """Make the mission of a session in a configuration, begun as in the recorded one.
 
     Raises
     ------
     ConfigError
         When the kind of session is unknown, or what it knew cannot be read.
     """
-    kinds = {"mission": _single, "session": _live}
-    if session.manifest.kind not in kinds:
-        raise ConfigError(f"session.json: kind '{session.manifest.kind}', wanted one of {', '.join(kinds)}")
-    return kinds[session.manifest.kind](session, config, voiceprint)
+    if session.manifest.kind == "mission":
+        return _single(session, config, voiceprint)
+    if session.manifest.kind == "session":
+        return _live(session, recorded, config, voiceprint)
+    raise ConfigError(f"session.json: kind '{session.manifest.kind}', wanted 'mission' or 'session'")
 
 
 def _single(session: Session, config: Config, voiceprint: VoicePrint | None) -> Mission:
@@ -36,9 +37,9 @@ def _single(session: Session, config: Config, voiceprint: VoicePrint | None) -> 
     return mission(kit.settings, kit.tools, informed, None if told is None else told.target)
 
 
-def _live(session: Session, config: Config, voiceprint: VoicePrint | None) -> Mission:
+def _live(session: Session, recorded: Config, config: Config, voiceprint: VoicePrint | None) -> Mission:
     memory = session.memory(Memory) or Memory()
-    begins = session.configuration().service.autostart if memory.samples == 0 else "nothing"
+    begins = recorded.service.autostart if memory.samples == 0 else "nothing"
     task = FIRST[begins]
     live = LiveSession(config, lambda settings: _kit(session, settings, voiceprint), memory)
     return live.mission(None if task is None else task())

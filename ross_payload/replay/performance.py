@@ -8,7 +8,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from ross_payload.config import Config
+from ross_payload.config import Config, load
 from ross_payload.errors import ConfigError
 from ross_payload.mission.tasks import Memory
 from ross_payload.recording.session import Session
@@ -29,12 +29,12 @@ def perform(path: Path, out: Path | None, file: Path | None, settings: tuple[str
         When the session or the configuration does not serve, or the results cannot be written.
     """
     session = Session.open(path)
-    recorded = session.configuration()
+    recorded = _recorded(session, file)
     config = changes.changed(recorded, file, settings)
     if out is not None:
         results.prepare(out)
     differing = changes.differences(recorded, config)
-    told, facts = _played(session, config, tuple(differing))
+    told, facts = _played(session, recorded, config, tuple(differing))
     facts |= {
         "changes": differing,
         "without_effect": list(changes.without_effect(recorded, config)),
@@ -46,7 +46,19 @@ def perform(path: Path, out: Path | None, file: Path | None, settings: tuple[str
     return values
 
 
-def _played(session: Session, config: Config, differing: tuple[str, ...]) -> tuple[Replayed, dict[str, Any]]:
+def _recorded(session: Session, file: Path | None) -> Config:
+    """The recorded configuration; when it cannot be read, a file that is given stands for it."""
+    try:
+        return session.configuration()
+    except ConfigError as error:
+        if file is None:
+            raise ConfigError(f"{error}; --config FILE can take its place") from error
+        return load(file)
+
+
+def _played(
+    session: Session, recorded: Config, config: Config, differing: tuple[str, ...]
+) -> tuple[Replayed, dict[str, Any]]:
     """Replay a session in a configuration; return what it brought, whom it looked for and where it parted."""
     rate, memory = config.audio.rate_hz, session.memory(Memory) or Memory()
     told = Replayed(start=memory.samples / rate)
@@ -55,7 +67,7 @@ def _played(session: Session, config: Config, differing: tuple[str, ...]) -> tup
     anew = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differing)
     with threadpool_limits(limits=1):
         inputs = session.inputs(config.audio, anew=anew)
-        replay(mission_of(session, config, who.voiceprint), inputs, course, rate, told)
+        replay(mission_of(session, recorded, config, who.voiceprint), inputs, course, rate, told)
     if not told.inputs:
         raise ConfigError(f"{session.path}: holds no whole Input: nothing to replay")
     return told, {"voice": who.how, "parted": course.parted}

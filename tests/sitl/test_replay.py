@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -181,7 +182,7 @@ def test_a_wrong_change_gets_one_line(taped, tmp_path, run, setting, words):
 def test_without_the_voice_recorded_answers_serve_the_same_mission_only(taped, tmp_path, run):
     _, session = taped
     copied = tmp_path / "0001"
-    subprocess.run(["cp", "-r", session, copied], check=True)
+    shutil.copytree(session, copied)
     (copied / "voice.json").unlink()
     _, values = replayed(copied, tmp_path / "out", run)
     assert values["identical"]
@@ -189,6 +190,23 @@ def test_without_the_voice_recorded_answers_serve_the_same_mission_only(taped, t
     code, error = replayed(copied, tmp_path / "out", run, "exploit.separator=duet")
     assert code == 2
     assert "not enrolled here" in error
+
+
+def test_a_file_stands_for_a_configuration_of_another_version(taped, tmp_path, run):
+    copied = tmp_path / "0001"
+    shutil.copytree(taped[1], copied)
+    values = json.loads((copied / "config.json").read_text())
+    (copied / "config.json").write_text(json.dumps(values | {"telepathy": {}}))
+    code, error = replayed(copied, tmp_path / "out", run)
+    assert code == 2
+    assert "unknown key 'telepathy'" in error
+    assert "--config FILE" in error
+    (tmp_path / "own.toml").write_text(
+        "[explore]\nlead_in_s = 1.0\nunit_s = 1.0\nmax_rotations = 2\nmin_rotations = 1\n"
+    )
+    code, said, _ = run("replay", copied, "--config", tmp_path / "own.toml", "--json")
+    assert code in (0, 3)
+    assert json.loads(said)["events"] > 5
 
 
 def test_results_do_not_go_into_a_session(taped, run):

@@ -380,6 +380,16 @@ def test_a_damaged_line_in_the_middle_is_said(whole):
     assert any("line 41" in note for note in whole.contents().notes)
 
 
+def test_events_are_read_up_to_the_first_that_is_damaged(tmp_path):
+    record(tmp_path, [input_of(k) for k in range(5)], said=[Event(1.0)])
+    whole = only(tmp_path)
+    path = whole.path / "events.jsonl"
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(lines[0] + b"\x00\x00\xff\n" + lines[1] + lines[2][:9])
+    assert whole.events() == [lines[0].decode()]
+    assert any(note.startswith("events.jsonl: damaged at line 2") for note in whole.contents().notes)
+
+
 @pytest.mark.parametrize("name", ["events.jsonl", "config.json", "audio.wav", "inputs.jsonl"])
 def test_a_missing_file_is_said(whole, name):
     (whole.path / name).unlink()
