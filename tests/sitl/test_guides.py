@@ -2,6 +2,8 @@
 
 import os
 import re
+import signal
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -34,3 +36,20 @@ def test_the_guide_reads_the_log_of_a_mission(tmp_path):
     assert int(index) == 0
     assert float(confidence) > 0.5
     assert abs(float(azimuth)) < 360
+
+
+def test_the_guide_commands_a_simulated_payload(tmp_path):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    served = [sys.executable, "-m", "ross_payload.cli", "sitl", "--serve", "--scenario", "one-talker"]
+    ground = [sys.executable, "-c", block("command-the-payload.md", "python"), f"udpin:127.0.0.1:{port}"]
+    with subprocess.Popen([*served, "--telemetry", f"udpout:127.0.0.1:{port}"], cwd=tmp_path) as payload:
+        try:
+            environment = os.environ | {"MAVLINK20": "1"}
+            done = subprocess.run(ground, env=environment, capture_output=True, text=True, check=False, timeout=200)
+        finally:
+            payload.send_signal(signal.SIGINT)
+            payload.wait(60)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "turned"
