@@ -27,15 +27,20 @@ _SIGNED, _SIGNATURE = 1, 13
 
 @dataclass(frozen=True, slots=True)
 class Packet:
-    """A message that arrived, from whom, and its value when it is one of ours."""
+    """A message that arrived, and from whom."""
 
     system_id: int
     component_id: int
     sequence: int
     name: str
     message: Any  # pymavlink's object
-    value: Value | None
     frame: bytes  # as it came
+
+    @property
+    def value(self) -> Value | None:
+        """The value of the message when it is one that we can say too."""
+        layout = _BY_ID.get(self.message.get_msgId())
+        return None if layout is None else layout.read(self.message)
 
 
 class Encoder:
@@ -183,13 +188,11 @@ def chunks(severity: Severity, text: str, number: int) -> list[Text]:
 
 
 def _packet(message: Any, frame: bytes) -> Packet:
-    layout = _BY_ID.get(message.get_msgId())
     return Packet(
         message.get_srcSystem(),
         message.get_srcComponent(),
         message.get_seq(),
         message.get_type(),
         message,
-        layout.read(message) if layout else None,
         frame,
     )

@@ -75,7 +75,12 @@ class Link:
 
     def receive(self, now: float) -> Iterator[Packet]:
         """Give what has arrived and may be believed."""
+        if self._port.counts.baud != self._baud:  # it was found by listening
+            self._baud = self._port.counts.baud
+            self._budget = Budget(rate_of(self.config, self._baud), now)
         data = b"" if self._decoder.behind else b"".join(self._port.receive())
+        if not data and not self._decoder.behind:
+            return
         self._counts["received_bytes"] += len(data)
         for packet in self._decoder.feed(data, LOOKS):
             self._counts["received"] += 1
@@ -83,9 +88,6 @@ class Link:
                 yield packet
             else:
                 self._counts["refused"] += 1
-        if self._port.counts.baud != self._baud:  # it was found by listening
-            self._baud = self._port.counts.baud
-            self._budget = Budget(rate_of(self.config, self._baud), now)
 
     def may_order(self, packet: Packet) -> bool:
         """Tell whether the sender of a packet may order something."""

@@ -29,8 +29,8 @@ class Stream:
         self._handle = handle
         self._empty_is_end = empty_is_end  # reading nothing: TCP is over, serial is silent
         self._rest = b""
-        self._hangup = select.poll()
-        self._hangup.register(handle.fileno(), 0)
+        self._news = select.poll()
+        self._news.register(handle.fileno(), select.POLLIN)
 
     def send(self, frame: bytes) -> bool:
         """Send one frame; tell whether the stream took it."""
@@ -51,11 +51,14 @@ class Stream:
 
     def read(self, most: int) -> bytes:
         """Return what has arrived."""
+        news = self._news.poll(0)
+        if not news:
+            return b""
         try:
             data = os.read(self._handle.fileno(), most)
         except BlockingIOError:
             return b""
-        if not data and (self._empty_is_end or self._hangup.poll(0)):
+        if not data and (self._empty_is_end or news[0][1] & (select.POLLHUP | select.POLLERR)):
             raise ConnectionResetError(0, "the other side closed the connection")
         return data
 

@@ -86,6 +86,8 @@ class TcpServer:
 
     def __init__(self, sock: socket.socket) -> None:
         self._socket = sock
+        self._news = select.poll()
+        self._news.register(sock, select.POLLIN)
         self._clients: list[tuple[Stream, Framer]] = []
         self.counts = Counts()
 
@@ -102,8 +104,11 @@ class TcpServer:
 
     def receive(self) -> list[bytes]:
         """Return the frames that clients have completed; let new clients in."""
-        self._accept()
+        if self._news.poll(0):
+            self._accept()
         pieces = [piece for client in tuple(self._clients) if (piece := self._read(client))]
+        if not pieces:
+            return []
         self.counts = replace(self.counts, received=self.counts.received + sum(map(len, pieces)))
         return pieces
 
