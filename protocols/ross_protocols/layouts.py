@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 from ross_protocols import values as v
 from ross_protocols.dialect import common, ross
 from ross_protocols.pairs import (
-    BOOT_MILLI,
     DIRECTION,
     FRAME,
     INTEGER,
@@ -30,6 +29,7 @@ from ross_protocols.pairs import (
     SHARES,
     TURNED,
     WRAPPED16,
+    WRAPPED32,
     Pair,
     member,
     text,
@@ -196,8 +196,9 @@ AUDIO = Layout(
     v.Audio,
     ross.MAVLink_ross_audio_message,
     TIME
-    | _same(INTEGER, "trouble", "lost")
+    | _same(INTEGER, "trouble")
     | _same(WRAPPED16, "reopened")
+    | _same(WRAPPED32, "lost")
     | _same(NUMBERS, "level", "peak")
     | _same(NUMBER, "waiting")
     | _same(MAYBE_NUMBER, "rate"),
@@ -238,10 +239,21 @@ ISOLATION = Layout(
     | {"heading_first": Field("first", TURNED), "heading_last": Field("last", TURNED)},
     constant={},
 )
+LINK = Layout(
+    v.LinkReport,
+    ross.MAVLink_ross_link_message,
+    TIME
+    | _same(WRAPPED32, "sent", "dropped", "received", "lost", "bad", "refused")
+    | _same(WRAPPED16, "reconnects")
+    | _same(INTEGER, "link", "count")
+    | _same(text(60), "url")
+    | {"flags": {"up": 1, "autopilot": 2}},
+    constant={},
+)
 NAMED = Layout(
     v.Named,
     common.MAVLink_named_value_float_message,
-    {"time_boot_ms": Field("time", BOOT_MILLI), "name": Field("name", text(10)), "value": Field("value", NUMBER)},
+    {"time_boot_ms": Field("time", MILLI), "name": Field("name", text(10)), "value": Field("value", NUMBER)},
     constant={},
 )
 ARRAY = Layout(
@@ -252,6 +264,6 @@ ARRAY = Layout(
 )
 
 LAYOUTS = (
-    HEARTBEAT, TEXT, INFORMATION, STATUS, SOURCE, ALIGNMENT, SEPARATION, AUDIO, RECORDING, DENSITY, ISOLATION, NAMED,
-    ARRAY,
+    HEARTBEAT, TEXT, INFORMATION, STATUS, SOURCE, ALIGNMENT, SEPARATION, AUDIO, RECORDING, DENSITY, ISOLATION, LINK,
+    NAMED, ARRAY,
 )  # fmt: skip

@@ -544,6 +544,16 @@ enums["ROSS_RECORDING_STATE"][3] = EnumEntry("ROSS_RECORDING_STATE_BROKEN", """S
 ROSS_RECORDING_STATE_ENUM_END = 4
 enums["ROSS_RECORDING_STATE"][4] = EnumEntry("ROSS_RECORDING_STATE_ENUM_END", """""")
 
+# ROSS_LINK_FLAGS
+enums["ROSS_LINK_FLAGS"] = Enum()
+enums["ROSS_LINK_FLAGS"].bitmask = True
+ROSS_LINK_FLAGS_UP = 1
+enums["ROSS_LINK_FLAGS"][1] = EnumEntry("ROSS_LINK_FLAGS_UP", """Connected, as far as the payload can know.""")
+ROSS_LINK_FLAGS_AUTOPILOT = 2
+enums["ROSS_LINK_FLAGS"][2] = EnumEntry("ROSS_LINK_FLAGS_AUTOPILOT", """It leads to the autopilot: ROSS_* messages ride in TUNNEL there.""")
+ROSS_LINK_FLAGS_ENUM_END = 3
+enums["ROSS_LINK_FLAGS"][3] = EnumEntry("ROSS_LINK_FLAGS_ENUM_END", """""")
+
 # ROSS_TUNNEL_TYPE
 enums["ROSS_TUNNEL_TYPE"] = Enum()
 enums["ROSS_TUNNEL_TYPE"].bitmask = False
@@ -694,6 +704,7 @@ MAVLINK_MSG_ID_ROSS_AUDIO = 54005
 MAVLINK_MSG_ID_ROSS_RECORDING = 54006
 MAVLINK_MSG_ID_ROSS_DENSITY = 54007
 MAVLINK_MSG_ID_ROSS_ISOLATION = 54008
+MAVLINK_MSG_ID_ROSS_LINK = 54009
 
 
 class MAVLink_ross_information_message(MAVLink_message):
@@ -1147,6 +1158,57 @@ class MAVLink_ross_isolation_message(MAVLink_message):
 setattr(MAVLink_ross_isolation_message, "name", mavlink_msg_deprecated_name_property())
 
 
+class MAVLink_ross_link_message(MAVLink_message):
+    """
+    How one link of the payload is, and what went through it since the
+    start; one message per link. Sent every 5 s.
+    """
+
+    id = MAVLINK_MSG_ID_ROSS_LINK
+    msgname = "ROSS_LINK"
+    fieldnames = ["time_usec", "sent", "dropped", "received", "lost", "bad", "refused", "reconnects", "link", "count", "flags", "url"]
+    ordered_fieldnames = ["time_usec", "sent", "dropped", "received", "lost", "bad", "refused", "reconnects", "link", "count", "flags", "url"]
+    fieldtypes = ["uint64_t", "uint32_t", "uint32_t", "uint32_t", "uint32_t", "uint32_t", "uint32_t", "uint16_t", "uint8_t", "uint8_t", "uint8_t", "char"]
+    fielddisplays_by_name: Dict[str, str] = {"flags": "bitmask"}
+    fieldenums_by_name: Dict[str, str] = {"flags": "ROSS_LINK_FLAGS"}
+    fieldunits_by_name: Dict[str, str] = {"time_usec": "us"}
+    native_format = bytearray(b"<QIIIIIIHBBBc")
+    orders = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]
+    lengths = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]
+    array_lengths = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 60]
+    crc_extra = 14
+    unpacker = struct.Struct("<QIIIIIIHBBB60s")
+    instance_field = "link"
+    instance_offset = 34
+
+    def __init__(self, time_usec: int, sent: int, dropped: int, received: int, lost: int, bad: int, refused: int, reconnects: int, link: int, count: int, flags: int, url: bytes):
+        MAVLink_message.__init__(self, MAVLink_ross_link_message.id, MAVLink_ross_link_message.msgname)
+        self._fieldnames = MAVLink_ross_link_message.fieldnames
+        self._instance_field = MAVLink_ross_link_message.instance_field
+        self._instance_offset = MAVLink_ross_link_message.instance_offset
+        self.time_usec = time_usec
+        self.sent = sent
+        self.dropped = dropped
+        self.received = received
+        self.lost = lost
+        self.bad = bad
+        self.refused = refused
+        self.reconnects = reconnects
+        self.link = link
+        self.count = count
+        self.flags = flags
+        self._url_raw = url
+        self.url = url.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.sent, self.dropped, self.received, self.lost, self.bad, self.refused, self.reconnects, self.link, self.count, self.flags, self._url_raw), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_ross_link_message, "name", mavlink_msg_deprecated_name_property())
+
+
 mavlink_map: Dict[int, Type[MAVLink_message]] = {
     MAVLINK_MSG_ID_ROSS_INFORMATION: MAVLink_ross_information_message,
     MAVLINK_MSG_ID_ROSS_STATUS: MAVLink_ross_status_message,
@@ -1157,6 +1219,7 @@ mavlink_map: Dict[int, Type[MAVLink_message]] = {
     MAVLINK_MSG_ID_ROSS_RECORDING: MAVLink_ross_recording_message,
     MAVLINK_MSG_ID_ROSS_DENSITY: MAVLink_ross_density_message,
     MAVLINK_MSG_ID_ROSS_ISOLATION: MAVLink_ross_isolation_message,
+    MAVLINK_MSG_ID_ROSS_LINK: MAVLink_ross_link_message,
 }
 
 
@@ -1920,3 +1983,45 @@ class MAVLink(object):
 
         """
         self.send(self.ross_isolation_encode(time_usec, heading_first, heading_last, maximum, plan, source, frame, isolation), force_mavlink1=force_mavlink1)
+
+    def ross_link_encode(self, time_usec: int, sent: int, dropped: int, received: int, lost: int, bad: int, refused: int, reconnects: int, link: int, count: int, flags: int, url: bytes) -> MAVLink_ross_link_message:
+        """
+        How one link of the payload is, and what went through it since the
+        start; one message per link. Sent every 5 s.
+
+        time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
+        sent                      : Frames sent; wraps, like all counts here. (type:uint32_t)
+        dropped                   : Frames that had no room or no connection. (type:uint32_t)
+        received                  : Frames received. (type:uint32_t)
+        lost                      : Frames that are missing in the sequences of those heard. (type:uint32_t)
+        bad                       : What began like a frame and had a wrong checksum. (type:uint32_t)
+        refused                   : Frames whose signature is missing, wrong or old. (type:uint32_t)
+        reconnects                : Connections after the first one; wraps. (type:uint16_t)
+        link                      : Index of the link in the configuration, from 0. (type:uint8_t)
+        count                     : Number of links. (type:uint8_t)
+        flags                     : How it is. (type:uint8_t, values:ROSS_LINK_FLAGS)
+        url                       : Its URL. (type:char)
+
+        """
+        return MAVLink_ross_link_message(time_usec, sent, dropped, received, lost, bad, refused, reconnects, link, count, flags, url)
+
+    def ross_link_send(self, time_usec: int, sent: int, dropped: int, received: int, lost: int, bad: int, refused: int, reconnects: int, link: int, count: int, flags: int, url: bytes, force_mavlink1: bool = False) -> None:
+        """
+        How one link of the payload is, and what went through it since the
+        start; one message per link. Sent every 5 s.
+
+        time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
+        sent                      : Frames sent; wraps, like all counts here. (type:uint32_t)
+        dropped                   : Frames that had no room or no connection. (type:uint32_t)
+        received                  : Frames received. (type:uint32_t)
+        lost                      : Frames that are missing in the sequences of those heard. (type:uint32_t)
+        bad                       : What began like a frame and had a wrong checksum. (type:uint32_t)
+        refused                   : Frames whose signature is missing, wrong or old. (type:uint32_t)
+        reconnects                : Connections after the first one; wraps. (type:uint16_t)
+        link                      : Index of the link in the configuration, from 0. (type:uint8_t)
+        count                     : Number of links. (type:uint8_t)
+        flags                     : How it is. (type:uint8_t, values:ROSS_LINK_FLAGS)
+        url                       : Its URL. (type:char)
+
+        """
+        self.send(self.ross_link_encode(time_usec, sent, dropped, received, lost, bad, refused, reconnects, link, count, flags, url), force_mavlink1=force_mavlink1)

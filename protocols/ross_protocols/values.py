@@ -253,6 +253,25 @@ class Isolation:
 
 
 @dataclass(frozen=True, slots=True)
+class LinkReport:
+    """How one link is, and what went through it since the start: ROSS_LINK."""
+
+    time_usec: int  # [us]
+    link: int  # index
+    count: int  # of links
+    url: str  # at most 60 characters
+    up: bool
+    autopilot: bool
+    sent: int = 0  # frames
+    dropped: int = 0  # frames
+    received: int = 0  # frames
+    lost: int = 0  # frames
+    bad: int = 0
+    refused: int = 0  # frames
+    reconnects: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class Named:
     """One number with a name, for ground stations that do not know our dialect: NAMED_VALUE_FLOAT."""
 
@@ -273,5 +292,5 @@ class Array:
 
 Value = (
     Heartbeat | Text | Information | Status | Source | Alignment | Separation | Audio | Recording | Density | Isolation
-    | Named | Array
+    | LinkReport | Named | Array
 )  # fmt: skip

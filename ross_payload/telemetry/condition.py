@@ -1,13 +1,14 @@
-"""How the payload itself is: who it is, its ears, its recorder."""
+"""How the payload itself is: who it is, its links, its ears, its recorder."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from ross_payload.health import AudioHealth, RecordingStatus
+from ross_payload.links import LinkStatus
 from ross_payload.telemetry import texts
 from ross_payload.telemetry.streams import Board, Rank
-from ross_protocols.values import Audio, Information, Recording, RecordingState, Severity
+from ross_protocols.values import Audio, Information, LinkReport, Recording, RecordingState, Severity
 
 
 class Condition:
@@ -35,9 +36,10 @@ class Condition:
         """How the microphones are; None: nobody watches them."""
         return None if self._ask_audio is None else self._health
 
-    def look(self, information: Information) -> None:
+    def look(self, information: Information, links: Sequence[LinkStatus]) -> None:
         """Look at everything; ``information`` is who we are at this moment."""
         self._board.put(Rank.INFORMATION, [information])
+        self._board.put(Rank.LINK, reports(links, information.time_usec))
         if self._ask_audio is not None:
             self._listen(self._ask_audio(), information.time_usec)
         if self._ask_recording is not None:
@@ -63,3 +65,14 @@ class Condition:
         if said is not None:
             self._say(*said)
         self._recording = status
+
+
+def reports(links: Sequence[LinkStatus], time_usec: int) -> list[LinkReport]:
+    """Return one value per link."""
+    return [
+        LinkReport(
+            time_usec, index, len(links), link.url, link.up, link.role == "autopilot", link.sent, link.dropped,
+            link.received, link.lost, link.bad, link.refused, link.reconnects,
+        )
+        for index, link in enumerate(links)
+    ]  # fmt: skip

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from types import TracebackType
-from typing import Protocol, Self, TypeVar
+from typing import Protocol, Self
 
 from ross_payload import __version__
 from ross_payload.config import Config
@@ -44,8 +44,6 @@ LOOKING = 1.0  # [s] between two looks at the payload itself
 MIRRORING = 0.1  # [s] between two looks into the mirrors
 FLUSHING = 1.0  # [s] at most, until the pump has sent what was said last
 STRANGERS = 16  # that are remembered
-
-Thing = TypeVar("Thing")
 
 
 def no_recorder(on: bool) -> str:
@@ -110,7 +108,6 @@ class Telemetry:
         self._open_loop = actuator is not None and actuator.capabilities.feedback is Feedback.MODEL
         self._timebase = timebase or Timebase(clock)
         self._events: SimpleQueue[tuple[Event, Input]] = SimpleQueue()
-        self._lines: SimpleQueue[tuple[Severity, str]] = SimpleQueue()
         self._latest: Input | None = None
         self._strangers: set[tuple[int, int]] = set()
         self._twin: int | None = None
@@ -142,10 +139,6 @@ class Telemetry:
         """Leave what the mission has just said to the pump."""
         self._events.put((event, heard))
 
-    def say(self, severity: Severity, text: str) -> None:
-        """Tell an operator something, soon."""
-        self._lines.put((severity, text))
-
     # ------------------------------------------------------------------------------------- on the pump
 
     def poll(self) -> None:
@@ -155,8 +148,6 @@ class Telemetry:
             self._reporter.handle(event, self._snapshot(heard))
             if self._commands is not None:
                 self._commands.said(event)
-        for severity, text in drained(self._lines):
-            self._say(severity, text)
         for part in (self._commands, self._settings):
             if part is not None:
                 part.tick(now)
@@ -182,7 +173,7 @@ class Telemetry:
         """Wait until the pump has sent what was said last, then close the log."""
         end = self._clock.now() + FLUSHING
         try:
-            while not (self._events.empty() and self._lines.empty()) and self._clock.now() < end:
+            while not self._events.empty() and self._clock.now() < end:
                 self._clock.sleep(PERIOD)
         finally:
             self._cancel()
@@ -216,7 +207,7 @@ class Telemetry:
             self._say(Severity.ERROR, f"somebody else speaks as our component {twin}: change one component_id")
         self._twin = twin
         capabilities = None if self._actuator is None else self._actuator.capabilities
-        self._condition.look(information(config, capabilities, self._timebase.usec()))
+        self._condition.look(information(config, capabilities, self._timebase.usec()), self._links.status())
 
     def _mirror(self, now: float) -> None:
         status, sources = self._reporter.status, self._reporter.sources
@@ -236,7 +227,7 @@ class Telemetry:
             self._tlog.write(self._timebase.usec(), frame)
 
 
-def drained(queue: SimpleQueue[Thing]) -> Iterator[Thing]:
+def drained(queue: SimpleQueue[tuple[Event, Input]]) -> Iterator[tuple[Event, Input]]:
     """Take everything out of a queue."""
     try:
         while True:

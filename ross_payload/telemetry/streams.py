@@ -36,10 +36,11 @@ class Rank(IntEnum):
     SEPARATION = 6
     AUDIO = 7
     RECORDING = 8
-    INFORMATION = 9
-    DENSITY = 10
-    ISOLATION = 11
-    EXTRA = 12  # a status that nothing new calls for, less than a second after the last one
+    LINK = 9
+    INFORMATION = 10
+    DENSITY = 11
+    ISOLATION = 12
+    EXTRA = 13  # a status that nothing new calls for, less than a second after the last one
 
 
 Key = tuple[Rank, int, int]  # rank, message id, place among its like

@@ -31,6 +31,7 @@ CRC_EXTRA = {
     54006: ("ROSS_RECORDING", 125),
     54007: ("ROSS_DENSITY", 53),
     54008: ("ROSS_ISOLATION", 111),
+    54009: ("ROSS_LINK", 14),
 }
 
 

@@ -21,6 +21,7 @@ from ross_protocols.values import (
     Heartbeat,
     Information,
     Isolation,
+    LinkReport,
     Named,
     Phase,
     Recording,
@@ -91,6 +92,7 @@ VALUES = st.one_of(
     st.builds(
         Isolation, whole[64], whole[16], whole[8], flag, numbers, numbers, seconds, curves,
     ),
+    st.builds(LinkReport, whole[64], whole[8], whole[8], words(60), flag, flag, *[whole[32]] * 6, whole[16]),
     st.builds(Named, whole[32].map(lambda ms: ms / 1000), words(10), numbers),
     st.builds(Array, whole[64], words(10), whole[16], st.lists(numbers.filter(bool), max_size=58).map(tuple)),
 )  # fmt: skip

@@ -164,9 +164,21 @@ def test_the_log_holds_everything_once_however_many_links_there_are(aloft, tmp_p
         with aloft(*links, tlog=tmp_path / name) as sky:
             sky.telemetry.said(THREE, sky.hop())
             sky.live(5.0)
-    assert (tmp_path / "none").read_bytes() == (tmp_path / "two").read_bytes()
+    none, two = (
+        [value for value in logged(tmp_path / name) if type(value) is not v.LinkReport] for name in ("none", "two")
+    )
+    assert none == two
     sequence = [packet.sequence for packet in Decoder().feed((tmp_path / "two").read_bytes())]
     assert sequence == list(range(len(sequence)))
+
+
+def test_every_link_is_reported(aloft) -> None:
+    with aloft(GROUND, AUTOPILOT) as sky:
+        sky.live(7.0)
+    ground, autopilot = sky.ports[0].values(v.LinkReport)[-2:]
+    assert (ground.url, ground.link, ground.count, ground.up, ground.autopilot) == (GROUND.url, 0, 2, True, False)
+    assert (autopilot.url, autopilot.link, autopilot.autopilot) == (AUTOPILOT.url, 1, True)
+    assert 0 < ground.sent <= len(sky.ports[0].packets)
 
 
 def test_without_an_attitude_angles_are_in_the_mount_frame(aloft, tmp_path: Path) -> None:
