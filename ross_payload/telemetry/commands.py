@@ -11,6 +11,7 @@ it is refused when it arrives after it. Nothing here arms a vehicle or ends a fl
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import replace
@@ -32,7 +33,8 @@ from ross_protocols.values import Severity
 
 PATIENCE = 0.1  # [s] for the mission to answer before the sender hears that it waits
 PROGRESS_PERIOD = 1.0  # [s]
-ACKS_BURST, ACKS_RATE = 40, 20.0  # to one sender at once, and [1/s]
+BURST, RATE = 40, 20.0  # commands of one sender at once, and [1/s]; what is more is not even answered
+STOP_PERIOD = 0.1  # [s] between two stops that reach the mission: a flood of them is one
 SENDERS = 64  # that have an allowance of their own
 REBOOT = common.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
 
@@ -81,6 +83,7 @@ class CommandServer:
         self._open: dict[int, Entry] = {}  # what the mission has, by the number of the order
         self._numbers = count(1)
         self._now = 0.0
+        self._next_stop = -math.inf  # [s]
         self._allowances: OrderedDict[Sender, Allowance] = OrderedDict()
         self._texts = Allowance(burst=4, rate=0.5)
 
@@ -94,6 +97,10 @@ class CommandServer:
         if isinstance(request, CancelRequest):
             if heard.may_order:
                 self._cancel(request, origin.sender)
+        elif heard.may_order and request.number == STOP:
+            self._stop(request, origin)
+        elif not self._allowed(origin.sender):
+            return
         elif heard.may_order and request.number in READERS:
             self._command(request, origin)
         else:
@@ -130,13 +137,23 @@ class CommandServer:
             return Verdict(Result.DENIED, "the payload does not restart by command")
         return self._requests.obey(command, heard.link, self._now) or Verdict(Result.UNSUPPORTED)
 
+    def _stop(self, command: Command, origin: Origin) -> None:
+        """Stop, whatever was said before, and however often."""
+        entry = Entry(command, origin, self._now, Result.ACCEPTED)
+        self._ledger.note(entry)
+        if self._now >= self._next_stop:
+            self._order(Stop())
+            self._next_stop = self._now + STOP_PERIOD
+        if self._allowed(origin.sender):
+            self._send(entry)
+
     def _command(self, command: Command, origin: Origin) -> None:
         """Obey or refuse a command of our dialect, unless it is only said again."""
-        known = None if command.number == STOP else self._ledger.repeated(command, origin, self._now)
+        known = self._ledger.repeated(command, origin, self._now)
         if known is not None:
-            self._acknowledge(known)
+            self._send(known)
             return
-        if command.number != STOP and self._ledger.before(origin, command.number, self._now):
+        if self._ledger.before(origin, command.number, self._now):
             return  # its sender has asked for something else since
         entry = Entry(command, origin, self._now)
         verdict = self._obey(entry)
@@ -161,19 +178,25 @@ class CommandServer:
         if isinstance(wanted, Record):
             reason = self._record(wanted.on)
             return Verdict(Result.FAILED, reason) if reason else ACCEPTED
-        if not isinstance(wanted, Stop) and self._ledger.before(entry.origin, STOP, self._now):
+        if self._ledger.before(entry.origin, STOP, self._now):
             return Verdict(Result.TEMPORARILY_REJECTED, "asked before the stop")
-        return self._posture.refusal(wanted) or self._order(entry, wanted)
+        return self._posture.refusal(wanted) or self._hand_over(entry, wanted)
 
-    def _order(self, entry: Entry, wanted: Order) -> Verdict | None:
-        order = replace(wanted, number=next(self._numbers))
-        self._posture.given(order)
-        self._give(order)
-        if isinstance(order, (Stop, Cancel)):
+    def _hand_over(self, entry: Entry, wanted: Order) -> Verdict | None:
+        order = self._order(wanted)
+        if isinstance(order, Cancel):
             return ACCEPTED
         entry.order, entry.due = order, self._now + PATIENCE
         self._open[order.number] = entry
         return None
+
+    def _order(self, wanted: Order) -> Order:
+        """Give an order a number and give it to the mission."""
+        order = replace(wanted, number=next(self._numbers))
+        self._next_stop = -math.inf
+        self._posture.given(order)
+        self._give(order)
+        return order
 
     def _cancel(self, request: CancelRequest, sender: Sender) -> None:
         """End a task in progress, whoever commanded it; one that is over is answered again."""
@@ -181,10 +204,10 @@ class CommandServer:
         for entry in going_on:
             if not entry.cancelled:
                 entry.cancelled = True
-                self._order(entry, Cancel())
+                self._order(Cancel())
         known = self._ledger.find(sender, request.number)
-        if not going_on and known is not None:
-            self._acknowledge(known)
+        if not going_on and known is not None and self._allowed(sender):
+            self._send(known)
 
     def _close(self, entry: Entry, event: Answered) -> None:
         """Tell the sender how its command ended."""
@@ -199,7 +222,7 @@ class CommandServer:
         self._send(entry)
 
     def _answer(self, command: Command, origin: Origin, verdict: Verdict) -> None:
-        self._acknowledge(Entry(command, origin, self._now, verdict.result))
+        self._send(Entry(command, origin, self._now, verdict.result))
         if verdict.reason:
             self._explain(command, verdict.reason)
 
@@ -207,15 +230,13 @@ class CommandServer:
         if self._texts.take(self._now):
             self._say(Severity.WARNING, f"{name_of(command)} refused: {reason}")
 
-    def _acknowledge(self, entry: Entry) -> None:
-        """Answer what was just asked, unless its sender asks too often."""
-        sender = entry.origin.sender
-        allowance = self._allowances.setdefault(sender, Allowance(ACKS_BURST, ACKS_RATE))
+    def _allowed(self, sender: Sender) -> bool:
+        """Tell whether a sender may be answered once more; it may not ask too often."""
+        allowance = self._allowances.setdefault(sender, Allowance(BURST, RATE))
         self._allowances.move_to_end(sender)
         if len(self._allowances) > SENDERS:
             self._allowances.popitem(last=False)
-        if allowance.take(self._now):
-            self._send(entry)
+        return allowance.take(self._now)
 
     def _send(self, entry: Entry) -> None:
         self._endpoint.send(acknowledgement(entry.command.number, entry.result, *entry.origin.sender, entry.progress))

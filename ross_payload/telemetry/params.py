@@ -21,6 +21,7 @@ from ross_protocols.values import Severity
 PACE = 0.04  # [s] between two answers: 25 a second, 925 bytes/s
 EVERYWHERE = None  # as a link: all of them
 MOST = 8 * len(TABLE)  # answers in line
+BURST, RATE = 40, 20.0  # values that are set at once, and [1/s]; what is more is as if lost
 
 NAMES = tuple(TABLE)
 
@@ -57,6 +58,7 @@ class ParameterServer:
         self._notes = deque(parameters.notes)
         self._trouble = ""
         self._texts = Allowance(burst=4, rate=0.5)
+        self._settable = Allowance(BURST, RATE)
 
     def heard(self, heard: Heard) -> None:
         """Take a packet; what does not ask about our parameters passes by."""
@@ -73,7 +75,7 @@ class ParameterServer:
                 index = NAMES.index(request.name) if request.index < 0 and request.name in TABLE else request.index
                 if 0 <= index < len(NAMES):
                     self._answer(index, heard.link)
-            case SetRequest() if request.name in TABLE:
+            case SetRequest() if request.name in TABLE and self._settable.take(self._now):
                 self._set(request.name, request.value)
 
     def tick(self, now: float) -> None:

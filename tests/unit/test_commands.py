@@ -181,8 +181,8 @@ def _near(given, order):
 
 
 def test_orders_have_numbers_of_their_own(payload):
-    for _ in range(3):
-        payload.command(STOP, seconds=0.05)
+    for command in (STOP, REARM, PARK):
+        payload.command(command, seconds=0.1)
     assert len({order.number for order in payload.given} - {0}) == 3
 
 
@@ -672,3 +672,25 @@ def test_five_thousand_commands_a_second_are_not_all_answered(payload):
         acks += Counter(m.target_system for m in payload.wait(0.01) if m.get_type() == "COMMAND_ACK")
     assert acks[254] <= 80
     assert payload.command(STOP, seconds=0.05)[-1] == ACCEPTED
+
+
+def test_of_a_flood_of_stops_the_mission_hears_a_few_and_the_last_one_counts(payload):
+    for _ in range(100):
+        for _ in range(50):
+            payload.ground.long(STOP)
+        payload.wait(0.01)
+    assert 1 <= len(payload.given) <= 12
+    payload.wait(3.0)
+    assert payload.command(REARM, seconds=0.1) == [ACCEPTED]
+    payload.ground.long(STOP)
+    payload.wait(0.01)
+    assert payload.stopped
+
+
+def test_a_stop_right_after_a_re_arming_is_not_taken_for_the_one_before(payload):
+    payload.ground.long(STOP)
+    payload.ground.long(REARM)
+    payload.ground.long(STOP)
+    payload.wait(0.1)
+    assert [type(order) for order in payload.given] == [Stop, Rearm, Stop]
+    assert payload.stopped

@@ -192,6 +192,17 @@ def test_an_operator_hears_once_that_nothing_can_be_saved(sky, tmp_path):
     assert len([text for text in payload.texts if "cannot be written" in text]) == 1
 
 
+def test_of_a_flood_of_values_the_mission_hears_a_trickle(payload):
+    for step in range(100):
+        for value in range(2, 52):
+            payload.ground.send(ross.MAVLink_param_set_message(1, 191, b"EXP_UNIT", value + step % 2, 9))
+        payload.wait(0.01)
+    assert 20 <= len(payload.changes) <= 60
+    payload.wait(1.0)
+    (answer,) = payload.set("EXP_UNIT", 5.5)
+    assert answer.param_value == 5.5
+
+
 # ------------------------------------------------------------------------------------------- bad links
 
 ODDS = [
