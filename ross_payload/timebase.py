@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
@@ -12,6 +13,7 @@ from ross_protocols.codec import Packet
 from ross_protocols.vehicle import AUTOPILOT, SystemTime, TimeSync
 
 SAMPLES = 16  # round trips kept: the quickest one tells most
+PAUSE = 0.02  # [s] between two answers of ours: nobody needs more
 PATIENCE = 1.0  # [s] that an answer may take
 SLACK = 0.005  # [s] that clocks may have drifted apart since an older round trip
 STEP = 0.5  # [s]: a UNIX time that is off by more is set anew, a smaller difference is worked off
@@ -72,6 +74,7 @@ class Timebase:
         self._system = system
         self._system_id = system_id
         self._voice: Voice | None = None
+        self._answered = -math.inf  # when a request was answered last [s]
         self._asked: deque[int] = deque(maxlen=4)  # times of our requests [ns]
         self._trips: deque[tuple[float, float]] = deque(maxlen=SAMPLES)  # round trip, our clock less theirs [s]
         self._epoch: float | None = None  # UNIX time at 0 of our clock [s]
@@ -100,7 +103,7 @@ class Timebase:
         """Take in what any link has heard."""
         said = vehicle.read(heard.packet.message)
         if isinstance(said, TimeSync) and said.answered is None:
-            self._send(TimeSync(said.asked, self._nanoseconds()), heard.link)
+            self._answer(said, heard.link)
         elif not self._from_autopilot(heard):
             return
         elif isinstance(said, TimeSync) and said.answered is not None:
@@ -110,6 +113,12 @@ class Timebase:
         elif heard.packet.name == "HEARTBEAT":
             self._asked.append(self._nanoseconds())
             self._send(TimeSync(self._asked[-1]), heard.link)
+
+    def _answer(self, request: TimeSync, link: str) -> None:
+        now = self._clock.now()
+        if now - self._answered >= PAUSE:
+            self._answered = now
+            self._send(TimeSync(request.asked, self._nanoseconds()), link)
 
     def _from_autopilot(self, heard: Hearsay) -> bool:
         packet = heard.packet

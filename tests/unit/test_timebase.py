@@ -110,6 +110,15 @@ def test_a_request_is_answered_to_whoever_asks_where_it_came_from(bench):
     assert voice.sent == [(TimeSync(77, round(clock.now() * 1e9)), "udpin:autopilot:1")]
 
 
+def test_a_flood_of_requests_is_not_answered_by_a_flood(bench):
+    clock, voice, _ = bench
+    for _ in range(100):
+        for number in range(50):
+            voice.call(Heard(vehicle.time_sync(TimeSync(asked=number + 1))))
+        clock.sleep(0.01)
+    assert 40 <= len(voice.sent) <= 51
+
+
 def test_an_answer_is_not_answered(bench):
     _, voice, _ = bench
     voice.call(Heard(vehicle.time_sync(TimeSync(asked=77, answered=99))))

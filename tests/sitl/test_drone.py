@@ -1,0 +1,97 @@
+"""A drone that yaws under its payload: the real links, mount and driver, on simulated wires."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+import ross_sim
+
+SCENARIO = (Path(ross_sim.__file__).parents[1] / "scenarios" / "drone-yaw.toml").read_text(encoding="utf-8")
+REST = SCENARIO.replace("amplitude_deg = 15", "amplitude_deg = 0")
+
+
+SHORT = """
+[payload.explore]
+unit_s = 1.0
+max_rotations = 4
+[payload.exploit]
+run_s = 2.0
+check_s = 1.0
+"""
+
+
+@pytest.fixture
+def fly(run, tmp_path):
+    def flown(text, seed, name="out"):
+        path = tmp_path / f"{name}.toml"
+        path.write_text(text)
+        _, said, _ = run("sitl", "--scenario", path, "--seed", seed, "--out", tmp_path / name, "--json")
+        return json.loads(said)
+
+    return flown
+
+
+def azimuths(report):
+    return {source["azimuth_true_deg"]: source["azimuth_deg"] for source in report["sources"]}
+
+
+def gain(report):
+    return next(group["si_sdri_db"] for group in report["groups"] if group["target"])
+
+
+def compare(fly, seed):
+    """Differences of the azimuths between yawing and rest [deg], and both gains [dB]."""
+    rest, yaw = fly(REST, seed, f"rest-{seed}"), fly(SCENARIO, seed, f"yaw-{seed}")
+    assert rest["outcome"] == yaw["outcome"] == "target_found"
+    assert azimuths(rest).keys() == azimuths(yaw).keys() == {10.0, 125.0, -110.0}  # 30 deg clockwise of the file's
+    apart = [(azimuths(yaw)[true] - found + 180) % 360 - 180 for true, found in azimuths(rest).items()]
+    return np.abs(apart), gain(rest), gain(yaw)
+
+
+def test_a_yawing_drone_hears_everyone_where_they_are_from_north(fly):
+    apart, rest, yaw = compare(fly, 1)
+    assert apart.max() < 2.0
+    assert yaw > rest - 4.0  # the motor of the joint is heard now
+
+
+def test_a_drone_that_nobody_follows_hears_talkers_who_are_not_there(fly):
+    """What following is for: the azimuths swing with the vehicle when nobody says that it yaws."""
+    report = fly(SCENARIO.replace('source = "autopilot"', 'source = "fixed"\nyaw_deg = 30') + SHORT, 1)
+    errors = [abs(source["azimuth_error_deg"] or 0.0) for source in report["sources"]]
+    assert report["k"] != report["k_true"] or max(errors) > 2.0
+
+
+def test_a_rerun_in_the_air_gives_the_same_bytes(fly, tmp_path):
+    for name in ("one", "two"):
+        fly(SCENARIO + SHORT, 3, name)
+    for name in ("events.jsonl", "report.json", "mixture.wav"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
+
+
+def test_an_autopilot_that_falls_silent_makes_the_mission_begin_again_in_the_other_frame(fly, tmp_path):
+    text = (
+        (SCENARIO + SHORT)
+        .replace("[vehicle]", "[vehicle]\nsilent = [[4.0, 1000.0]]")
+        .replace("amplitude_deg = 15", "amplitude_deg = 0")
+    )
+    report = fly(text, 3)
+    events = [json.loads(line) for line in (tmp_path / "out" / "events.jsonl").read_text().splitlines()]
+    doubted = next(event for event in events if event["event"] == "Doubted")
+    assert "attitude" in doubted["reason"]
+    assert 4.0 < doubted["time"] < 5.0
+    after = [event for event in events if event["event"] == "OrientationHeard" and event["time"] > doubted["time"]]
+    assert after[0]["index"] == 0
+    mount_frame = {-80.0, 40.0, 155.0}  # as in the file: nobody knows where north is
+    found = {source["azimuth_deg"] for source in report["sources"]}
+    assert all(min(abs(one - true) for true in mount_frame) < 8 for one in found)
+    assert soundfile.info(tmp_path / "out" / "mixture.wav").frames > 0
+
+
+@pytest.mark.soak
+def test_ten_flights_are_within_two_degrees_of_ten_at_rest(fly):
+    found = [compare(fly, seed) for seed in range(1, 11)]
+    assert max(apart.max() for apart, _, _ in found) < 2.0
+    assert np.mean([yaw - rest for _, rest, yaw in found]) > -4.0
