@@ -12,9 +12,10 @@ from typing import Any, Literal
 
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
+from ross_payload.recording import voice
 from ross_payload.recording.files import put, put_json
 from ross_payload.recording.memory import packed
-from ross_payload.voiceprint import VoicePrintModel, save
+from ross_payload.voiceprint import VoicePrintModel
 
 FORMAT = "ross-session"
 VERSION = 1
@@ -69,7 +70,7 @@ def write(folder: Path, begin: Beginning, started: str) -> None:
     if begin.memory is not None:
         put(folder / "memory.npz", packed(begin.memory))
     if begin.synthetic is not None:
-        save(begin.synthetic, folder / "voice.json")
+        put(folder / voice.NAME, voice.kept(begin.synthetic))
 
 
 def conclude(folder: Path, begin: Beginning, started: str, reason: str) -> None:

@@ -17,8 +17,8 @@ from ross_payload.recording.manifest import is_session
 
 NAME = re.compile(r"(\d{4,})(-\d{8}T\d{6}Z)?")
 FILES = (
-    "audio.wav", "inputs.jsonl", "events.jsonl", "scores.jsonl", "telemetry.tlog", "memory.npz", "voice.json",
-    "config.json", ".config.json.part", ".memory.npz.part", ".session.json.part", "session.json",
+    "audio.wav", "inputs.jsonl", "events.jsonl", "scores.jsonl", "telemetry.tlog", "memory.npz", "voice.npz",
+    "config.json", ".config.json.part", ".memory.npz.part", ".voice.npz.part", ".session.json.part", "session.json",
 )  # fmt: skip
 LOCKED = "inputs.jsonl"  # its writer holds a lock on it, which the kernel takes back when the process dies
 GB = 1e9  # [bytes]

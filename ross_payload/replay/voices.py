@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real, Score, VoicePrint
 from ross_payload.recording.session import Session
-from ross_payload.voiceprint import VoiceStore, load
+from ross_payload.recording.voice import NAME, restored
+from ross_payload.voiceprint import VoiceStore
 
 
 class Unanswered(Exception):
@@ -52,7 +53,7 @@ def sought(session: Session, store: VoiceStore, inputs: Callable[[], int], *, sa
     ConfigError
         When the voice is neither enrolled here nor kept with the session, and the configuration is another one.
     """
-    name, kept = session.manifest.voice, session.path / "voice.json"
+    name, kept = session.manifest.voice, session.path / NAME
     if not name:
         return Sought(None, "")
     if name in store.names():
@@ -60,7 +61,7 @@ def sought(session: Session, store: VoiceStore, inputs: Callable[[], int], *, sa
     if same:
         return Sought(Answers(iter(session.scores()), inputs), f"recorded answers: no voice '{name}' is enrolled here")
     if kept.exists():
-        return Sought(load(kept), f"the synthetic voice '{name}', kept with the session")
+        return Sought(restored(kept), f"the synthetic voice '{name}', kept with the session")
     raise ConfigError(
         f"the session looks for the voice '{name}', which is not enrolled here: "
         "ross enroll it, or replay the recorded configuration"

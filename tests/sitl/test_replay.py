@@ -119,6 +119,15 @@ def test_another_separator_separates_the_same_recording_otherwise(taped, tmp_pat
     assert values["changes"] == {"exploit.separator": ["auto", "duet"]}
 
 
+def test_what_another_configuration_does_not_touch_stays_the_same(taped, tmp_path, run):
+    _, session = taped
+    _, values = replayed(session, tmp_path / "out", run, "exploit.run_s=1")
+    assert values["voice"].startswith("the synthetic voice")
+    same = values["first_difference"]["line"] - 1
+    recorded = (session / "events.jsonl").read_text().splitlines()
+    assert any(json.loads(line)["event"] == "Checked" for line in recorded[:same])
+
+
 def test_shorter_listening_waits_for_the_recorded_turns(taped, tmp_path, run):
     _, session = taped
     _, values = replayed(session, tmp_path / "out", run, "explore.unit_s=0.5")
@@ -183,7 +192,7 @@ def test_without_the_voice_recorded_answers_serve_the_same_mission_only(taped, t
     _, session = taped
     copied = tmp_path / "0001"
     shutil.copytree(session, copied)
-    (copied / "voice.json").unlink()
+    (copied / "voice.npz").unlink()
     _, values = replayed(copied, tmp_path / "out", run)
     assert values["identical"]
     assert "recorded answers" in values["voice"]
