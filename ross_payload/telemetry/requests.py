@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Protocol
 
 from ross_payload.telemetry.allowance import Allowance
 from ross_payload.telemetry.identity import Endpoint, protocol_message, version_message
+from ross_payload.telemetry.metadata import files, metadata_message
 from ross_protocols.commands import Command, Result
 from ross_protocols.dialect import common, standard
 
@@ -18,6 +19,7 @@ REQUEST_MESSAGE = common.MAV_CMD_REQUEST_MESSAGE
 SET_INTERVAL = common.MAV_CMD_SET_MESSAGE_INTERVAL
 GET_INTERVAL = common.MAV_CMD_GET_MESSAGE_INTERVAL
 VERSION, PROTOCOL = common.MAVLINK_MSG_ID_AUTOPILOT_VERSION, standard.MAVLINK_MSG_ID_PROTOCOL_VERSION
+METADATA = standard.MAVLINK_MSG_ID_COMPONENT_METADATA
 OLD_REQUESTS = {
     common.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: VERSION,
     common.MAV_CMD_REQUEST_PROTOCOL_VERSION: PROTOCOL,
@@ -60,7 +62,13 @@ class Requests:
         self._endpoint = endpoint
         self._streams = streams
         self._allowance = Allowance(BURST, RATE)
-        self._made: Mapping[int, Callable[[], Any]] = {VERSION: version_message, PROTOCOL: protocol_message}
+        self._now = 0.0
+        content = files()
+        self._made: Mapping[int, Callable[[], Any]] = {
+            VERSION: version_message,
+            PROTOCOL: protocol_message,
+            METADATA: lambda: metadata_message(content, self._now),
+        }
         self._commands: Mapping[int, Callable[[Command, str], Verdict]] = {
             REQUEST_MESSAGE: self._request,
             SET_INTERVAL: self._set_interval,
@@ -72,6 +80,7 @@ class Requests:
         """Obey a command that came on a link; None: it is not one of these."""
         if command.number not in self._commands:
             return None
+        self._now = now
         if not self._allowance.take(now):
             return Verdict(Result.TEMPORARILY_REJECTED)
         return self._commands[command.number](command, link)

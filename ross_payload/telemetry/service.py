@@ -26,7 +26,9 @@ from ross_payload.parameters import Parameters
 from ross_payload.telemetry import mirrors
 from ross_payload.telemetry.commands import CommandServer
 from ross_payload.telemetry.condition import Condition
+from ross_payload.telemetry.files import FileServer
 from ross_payload.telemetry.identity import Endpoint
+from ross_payload.telemetry.metadata import files
 from ross_payload.telemetry.outlets import Outlets
 from ross_payload.telemetry.params import ParameterServer
 from ross_payload.telemetry.report import Reporter
@@ -121,6 +123,7 @@ class Telemetry:
         endpoint = Endpoint(links, component.id)
         self._commands = None if give is None else self._server(endpoint, give, recorder)
         self._settings = None if parameters is None else ParameterServer(endpoint, parameters, changed, self._say)
+        self._files = None if give is None else FileServer(endpoint, files())
         self._tlog = None if tlog is None else TlogRecorder(tlog)
         component.tap(self._record)
         component.subscribe(self._hear)
@@ -148,7 +151,7 @@ class Telemetry:
             self._reporter.handle(event, self._snapshot(heard))
             if self._commands is not None:
                 self._commands.said(event)
-        for part in (self._commands, self._settings):
+        for part in (self._commands, self._settings, self._files):
             if part is not None:
                 part.tick(now)
         if self._observing.due(now) or not self._outlets.quiet(now):
@@ -182,10 +185,9 @@ class Telemetry:
 
     def _hear(self, heard: Heard) -> None:
         """Take a packet from the links."""
-        if self._commands is not None:
-            self._commands.heard(heard)
-        if self._settings is not None:
-            self._settings.heard(heard)
+        for part in (self._commands, self._settings, self._files):
+            if part is not None:
+                part.heard(heard)
         self._meet(heard)
 
     def _meet(self, heard: Heard) -> None:

@@ -1,89 +1,167 @@
-import os
-from pathlib import Path
+"""Files over the air: component metadata, read by hand and by pymavlink's own client."""
+
+import json
+import struct
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import soundfile
+from pymavlink import mavftp
 
-from ross_payload.audio.files import WavWriter, read_mono, write_wav
-from ross_payload.errors import AudioError, OutputError
-
-
-def test_written_samples_come_back_on_the_24_bit_grid(tmp_path):
-    samples = np.random.default_rng(1).uniform(-1, 1, (2, 1000))
-    write_wav(tmp_path / "a.wav", samples, 16000)
-    back, rate = soundfile.read(tmp_path / "a.wav", always_2d=True)
-    assert rate == 16000
-    np.testing.assert_allclose(back.T, samples, atol=2.0**-23)
+from ross_payload.parameters import TABLE
+from ross_payload.telemetry.files import FileServer
+from ross_payload.telemetry.identity import Endpoint
+from ross_payload.telemetry.metadata import GENERAL, PARAMETERS, files, metadata_message
+from ross_protocols.dialect import ross
+from ross_protocols.ftp import Error, Opcode, Packet, checksum, message_of, packet_of
+from ross_protocols.params import NAME_SIZE
 
 
-def test_same_samples_make_the_same_bytes(tmp_path):
-    samples = np.random.default_rng(2).uniform(-1, 1, 500)
-    write_wav(tmp_path / "a.wav", samples, 16000)
-    write_wav(tmp_path / "b.wav", samples, 16000)
-    assert (tmp_path / "a.wav").read_bytes() == (tmp_path / "b.wav").read_bytes()
+class Payload:
+    """A file server, and time in steps of 10 ms."""
+
+    def __init__(self, sky, content):
+        self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
+        self.server = FileServer(Endpoint(self.links, 191), content)
+        self.links.component(191).subscribe(self.server.heard)
+
+    def wait(self, seconds):
+        """Let time pass; return the messages that the ground station hears."""
+        heard = []
+        for _ in range(round(seconds * 100)):
+            self.clock.advance()
+            self.links.poll()
+            self.server.tick(self.clock.now())
+            heard += self.ground.listen()
+        return heard
+
+    def ask(self, opcode, data=b"", seconds=0.05, target=(1, 191), **fields):
+        request = Packet(7, opcode, data=data, **({"size": len(data)} | fields))
+        self.ground.send(message_of(request, *target))
+        return [packet_of(message) for message in self.wait(seconds)]
 
 
-def test_a_file_appears_only_when_closed(tmp_path):
-    path = tmp_path / "a.wav"
-    path.write_bytes(b"the good old one")
-    writer = WavWriter(path, 16000, 1)
-    writer.write(np.zeros((1, 10)))
-    assert path.read_bytes() == b"the good old one"
-    writer.close()
-    assert soundfile.info(path).frames == 10
+@pytest.fixture
+def payload(sky):
+    return Payload(sky(), files() | {"long.bin": bytes(range(256)) * 20})
 
 
-def test_channels_are_averaged(tmp_path):
-    write_wav(tmp_path / "a.wav", np.array([[0.5, 0.5], [0.0, -0.5]]), 8000)
-    voice, rate = read_mono(tmp_path / "a.wav")
-    assert rate == 8000
-    np.testing.assert_allclose(voice, [0.25, 0.0], atol=1e-6)
+def opened(payload, name):
+    (answer,) = payload.ask(Opcode.OPEN_RO, name.encode())
+    assert answer.opcode == Opcode.ACK
+    return struct.unpack("<I", answer.data)[0]
 
 
-def make_text(path):
-    path.write_text("not audio")
+def test_an_open_file_tells_its_size_and_the_answer_what_it_answers(payload):
+    (answer,) = payload.ask(Opcode.OPEN_RO, b"/general.json")
+    assert (answer.sequence, answer.asked) == (8, Opcode.OPEN_RO)
+    assert struct.unpack("<I", answer.data) == (len(files()[GENERAL]),)
 
 
-def make_empty(path):
-    soundfile.write(path, np.zeros(0), 16000)
+def test_a_file_is_read_piece_by_piece_to_its_end(payload):
+    size, content = opened(payload, "long.bin"), b""
+    while len(content) < size:
+        (answer,) = payload.ask(Opcode.READ, size=200, offset=len(content))
+        assert answer.offset == len(content)
+        content += answer.data
+    assert content == bytes(range(256)) * 20
+    (end,) = payload.ask(Opcode.READ, size=200, offset=size)
+    assert (end.opcode, end.data) == (Opcode.NAK, bytes([Error.END_OF_FILE]))
 
 
-def make_nan(path):
-    soundfile.write(path, np.array([0.0, np.nan]), 16000, subtype="FLOAT")
+def test_a_burst_sends_the_rest_and_says_which_is_the_last(payload):
+    opened(payload, "long.bin")
+    answers = payload.ask(Opcode.BURST_READ, size=239, offset=20, seconds=4.0)
+    assert b"".join(answer.data for answer in answers) == (bytes(range(256)) * 20)[20:]
+    assert [answer.burst_complete for answer in answers] == [False] * (len(answers) - 1) + [True]
+    assert [answer.sequence for answer in answers] == list(range(8, 8 + len(answers)))
+
+
+def test_a_burst_leaves_a_slow_link_half_of_its_line(payload):
+    opened(payload, "long.bin")
+    assert sum(len(answer.data) + 24 for answer in payload.ask(Opcode.BURST_READ, size=239, seconds=1.0)) < 3000
 
 
 @pytest.mark.parametrize(
-    ("make", "words"),
+    ("opcode", "fields", "error"),
     [
-        (lambda path: None, "no such file"),
-        (make_text, "not audio"),
-        (make_empty, "0 s"),
-        (make_nan, "not finite"),
+        (Opcode.OPEN_RO, {"data": b"../../etc/passwd"}, Error.FILE_NOT_FOUND),
+        (Opcode.OPEN_RO, {"data": b""}, Error.FILE_NOT_FOUND),
+        (Opcode.READ, {"size": 10}, Error.INVALID_SESSION),
+        (Opcode.BURST_READ, {"size": 10}, Error.INVALID_SESSION),
+        (6, {"data": b"new.txt"}, Error.UNKNOWN_COMMAND),
+        (3, {"data": b"/"}, Error.UNKNOWN_COMMAND),
     ],
 )
-def test_bad_files_are_refused_in_one_line(tmp_path, make, words):
-    path = tmp_path / "bad.wav"
-    make(path)
-    with pytest.raises(AudioError, match=words) as caught:
-        read_mono(path)
-    assert "\n" not in str(caught.value)
-    assert "bad.wav" in str(caught.value)
+def test_what_is_not_served_is_refused_with_its_error(payload, opcode, fields, error):
+    (answer,) = payload.ask(opcode, **fields)
+    assert (answer.opcode, answer.asked, answer.data) == (Opcode.NAK, opcode, bytes([error]))
 
 
-def test_a_disk_that_fills_up_leaves_the_good_old_file(tmp_path):
-    path = tmp_path / "a.wav"
-    path.write_bytes(b"the good old one")
-    writer = WavWriter(path, 16000, 1)
-    with Path("/dev/full").open("wb") as full:
-        os.dup2(full.fileno(), int(next(iter(descriptors(tmp_path / "a.wav.part")))))
-    writer.write(np.zeros((1, 20)))
-    with pytest.raises(OutputError, match=r"a\.wav: cannot be written"):
-        writer.close()
-    assert path.read_bytes() == b"the good old one"
+@pytest.mark.parametrize("opcode", [Opcode.TERMINATE, Opcode.RESET])
+def test_a_closed_file_is_closed(payload, opcode):
+    opened(payload, GENERAL)
+    assert payload.ask(opcode)[0].opcode == Opcode.ACK
+    assert payload.ask(Opcode.READ, size=10)[0].opcode == Opcode.NAK
 
 
-def descriptors(path):
-    for entry in Path("/proc/self/fd").iterdir():
-        if entry.is_symlink() and entry.readlink() == path:
-            yield entry.name
+@pytest.mark.parametrize("target", [(0, 0), (1, 0), (1, 1), (2, 191)])
+def test_requests_to_all_or_to_others_pass_by(payload, target):
+    assert payload.ask(Opcode.OPEN_RO, GENERAL.encode(), target=target) == []
+
+
+def test_anything_in_the_251_bytes_raises_nothing(payload):
+    rng = np.random.default_rng(1)
+    opened(payload, "long.bin")
+    for _ in range(500):
+        message = message_of(Packet(0, 0), 1, 191)
+        message.payload = [int(byte) for byte in rng.integers(0, 256, 251)]
+        message.payload[3] = int(rng.choice([1, 2, 4, 5, 15, 128, 129, 77]))
+        payload.ground.send(message)
+        payload.wait(0.05)
+
+
+# ------------------------------------------------------------------------------------------- metadata
+
+
+def test_general_names_the_parameter_file_and_its_checksum():
+    content = files()
+    (entry,) = json.loads(content[GENERAL])["metadataTypes"]
+    assert entry == {"type": 1, "uri": "mftp:///parameter.json", "fileCrc": checksum(content[PARAMETERS])}
+
+
+def test_every_parameter_is_described_within_its_bounds():
+    described = json.loads(files()[PARAMETERS])["parameters"]
+    assert [row["name"] for row in described] == list(TABLE)
+    assert all(row["min"] <= row["default"] <= row["max"] and len(row["name"]) <= NAME_SIZE for row in described)
+
+
+def test_the_message_points_to_general():
+    message = metadata_message(files(), now=2.5)
+    assert message.time_boot_ms == 2500
+    assert message.uri == "mftp:///general.json"
+    assert message.file_crc == checksum(files()[GENERAL])
+
+
+@pytest.mark.parametrize("odds", [{}, {"loss": 0.1}], ids=["good", "bad"])
+def test_pymavlinks_own_client_reads_the_files(sky, tmp_path, odds):
+    payload, late = Payload(sky(**odds), files()), []
+
+    def send(network, system, component, content):
+        payload.ground.send(ross.MAVLink_file_transfer_protocol_message(network, system, component, list(content)))
+
+    def recv_match(**_):
+        late.extend(message for message in payload.wait(0.05) if message.get_type() == "FILE_TRANSFER_PROTOCOL")
+        return late.pop(0) if late else None
+
+    master = SimpleNamespace(
+        mav=SimpleNamespace(file_transfer_protocol_send=send),
+        recv_match=recv_match,
+        source_system=255,
+        source_component=190,
+    )
+    client = mavftp.MAVFTP(master, 1, 191)
+    for name, content in files().items():
+        assert client.cmd_get([name, str(tmp_path / name)]).error_code == 0
+        client.process_ftp_reply("OpenFileRO", timeout=20)
+        assert (tmp_path / name).read_bytes() == content
