@@ -1,0 +1,272 @@
+"""A payload in a process of its own, and what stands between it and its clients."""
+
+import json
+import random
+import socket
+import subprocess
+import sys
+import threading
+import time
+import tomllib
+from contextlib import ExitStack, contextmanager
+
+import numpy as np
+import pytest
+import soundfile
+from pymavlink import mavutil
+from pymavlink.dialects.v20 import ardupilotmega
+
+ROSS = (sys.executable, "-m", "ross_payload.cli")
+LOOPBACK = "127.0.0.1"
+RATE = 16000
+CONFIG = """
+[audio]
+source = "file:{noise}"
+[actuator]
+kind = "tb6600"
+[service]
+state_dir = "state"
+log_format = "json"
+"""
+
+
+def wait_for(found, seconds=30.0, what="it"):
+    """Return what is found, as soon as there is something."""
+    end = time.monotonic() + seconds
+    while not (thing := found()):
+        assert time.monotonic() < end, f"waited {seconds:g} s in vain for {what}"
+        time.sleep(0.02)
+    return thing
+
+
+@pytest.fixture(scope="session")
+def until():
+    """Wait for something to be found."""
+    return wait_for
+
+
+@pytest.fixture(scope="session")
+def free_port():
+    """Tell a port that nobody listens on."""
+
+    def look():
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind((LOOPBACK, 0))
+            return probe.getsockname()[1]
+
+    return look
+
+
+class Payload:
+    """``ross run`` or ``ross sitl --serve``: what it logs and keeps."""
+
+    def __init__(self, process, folder, log):
+        self.process, self.folder, self._log = process, folder, log
+
+    def log(self):
+        return [json.loads(line) for line in self._log.read_text().splitlines() if line.startswith("{")]
+
+    def lines(self):
+        return [line["message"] for line in self.log()]
+
+    def answers(self, answer):
+        """The numbers of the orders from links that the mission answered so."""
+        said = [line["fields"] for line in self.log() if line["fields"].get("event") == "Answered"]
+        return [one["order"] for one in said if one["answer"] == answer and one["order"]]
+
+    def kept(self):
+        """What was set in flight and outlives a restart, by name."""
+        path = self.folder / "state" / "params.toml"
+        told = tomllib.loads(path.read_text())["parameters"] if path.exists() else {}
+        return {name: one["value"] for name, one in told.items()}
+
+
+@contextmanager
+def process_of(command, folder):
+    """A process that is told to go in the end, and must go in good order."""
+    folder.mkdir(parents=True, exist_ok=True)
+    log = folder / "log"
+    with log.open("w") as file, subprocess.Popen([*ROSS, *command], cwd=folder, stderr=file, stdout=file) as process:
+        payload = Payload(process, folder, log)
+        try:
+            yield payload
+            assert process.poll() is None, log.read_text()
+        finally:
+            process.terminate()
+            process.wait(timeout=60)
+    assert process.returncode == 0, log.read_text()
+    assert "Traceback" not in log.read_text()
+
+
+@pytest.fixture(scope="session")
+def living():
+    """Run a ``ross`` command that lives until it is told to go."""
+    return process_of
+
+
+@pytest.fixture(scope="session")
+def noise(tmp_path_factory):
+    """Five minutes of two microphones in an empty room."""
+    path = tmp_path_factory.mktemp("noise") / "noise.wav"
+    samples = np.random.default_rng(0).normal(0, 0.01, (RATE * 300, 2))
+    soundfile.write(path, samples, RATE, subtype="PCM_24")
+    return path
+
+
+@pytest.fixture(scope="session")
+def ross_run(noise):
+    """Start ``ross run`` with these links; gives the payload when it is idle."""
+
+    @contextmanager
+    def start(folder, *links, more="", config=CONFIG):
+        folder.mkdir(parents=True, exist_ok=True)
+        told = "".join(f"[[links]]\n{link}\n" for link in links)
+        (folder / "ross.toml").write_text(config.format(noise=noise) + more + told)
+        with process_of(["run", "ross.toml"], folder) as payload:
+            wait_for(lambda: payload.process.poll() is not None or {"idle", "stopped"} & set(payload.lines()))
+            yield payload
+
+    return start
+
+
+class Ground:
+    """pymavlink's mavutil as a ground station that knows what ArduPilot's dialect knows, or ours."""
+
+    def __init__(self, dialect=ardupilotmega, system_id=255):
+        mavutil.mavlink = dialect
+        self.link = mavutil.mavudp(f"{LOOPBACK}:0", input=True, source_system=system_id, source_component=190)
+        self.port = self.link.port.getsockname()[1]
+        self.heard = []
+        self._beat = 0.0
+
+    def listen(self):
+        """Take in what has arrived; say once a second that we are here."""
+        if time.monotonic() > self._beat + 1.0:
+            self._beat = time.monotonic()
+            self.link.mav.send(ardupilotmega.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
+        while (message := self.link.recv_match()) is not None:
+            message.arrived = time.monotonic()
+            self.heard.append(message)
+
+    def of(self, name, sender=191):
+        """What has been heard of a message from a component."""
+        self.listen()
+        return [one for one in self.heard if one.get_type() == name and one.get_srcComponent() == sender]
+
+    def wait(self, name, fits=lambda message: True, seconds=30.0, since=0):
+        def found():
+            return [one for one in self.of(name)[since:] if fits(one)]
+
+        return wait_for(found, seconds, name)[0]
+
+    def command(self, number, *values, system=1, confirmation=0):
+        numbers = [*values, *[0.0] * (7 - len(values))]
+        self.link.mav.send(
+            ardupilotmega.MAVLink_command_long_message(system, 191, number, confirmation, *map(float, numbers))
+        )
+
+    def order(self, number, *values, system=1, seconds=30.0):
+        """Command; return the first answer that is not that of an earlier command."""
+        before = len(self.of("COMMAND_ACK"))
+        self.command(number, *values, system=system)
+        return self.wait("COMMAND_ACK", lambda ack: ack.command == number, seconds, before).result
+
+    def texts(self):
+        return [one.text for one in self.of("STATUSTEXT")]
+
+    def close(self):
+        self.link.close()
+
+
+@pytest.fixture
+def ground_station(monkeypatch):
+    """Make ground stations; they are closed in the end."""
+    monkeypatch.setattr(mavutil, "mavlink", ardupilotmega)
+    monkeypatch.setenv("MAVLINK20", "1")
+    with ExitStack() as stack:
+
+        def make(**options):
+            ground = Ground(**options)
+            stack.callback(ground.close)
+            return ground
+
+        yield make
+
+
+class Weather:
+    """A UDP path with loss, doubles, disorder and damage both ways; it keeps what went up to the payload.
+
+    The payload sends to ``port`` first; whoever else sends there is a client. ``client`` is where what it says goes.
+    """
+
+    def __init__(self, client, *, loss=0.0, double=0.0, late=0.0, damage=0.0, seed=0):
+        self._rates = {"lost": loss, "doubled": double, "late": late, "damaged": damage}
+        self._dice = random.Random(seed)  # noqa: S311
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind((LOOPBACK, 0))
+        self._socket.settimeout(0.05)
+        self.port = self._socket.getsockname()[1]
+        self._client = (LOOPBACK, client)
+        self._payload = None
+        self._held = []
+        self.captured = []
+        self.fates = dict.fromkeys(self._rates, 0)
+        self._open = True
+        self._thread = threading.Thread(target=self._blow)
+        self._thread.start()
+
+    def close(self):
+        self._open = False
+        self._thread.join()
+        self._socket.close()
+
+    def up(self, datagram):
+        """Send something to the payload, whatever the weather."""
+        self._socket.sendto(datagram, self._payload)
+
+    def _blow(self):
+        while self._open:
+            try:
+                datagram, source = self._socket.recvfrom(2048)
+            except (TimeoutError, ConnectionRefusedError):
+                self._release()
+                continue
+            if source == self._client:
+                self.captured.append(datagram)
+                self._fly(datagram, self._payload)
+            else:
+                self._payload = source
+                self._fly(datagram, self._client)
+
+    def _fly(self, datagram, where):
+        fates = [fate for fate, rate in self._rates.items() if self._dice.random() < rate]
+        for fate in fates:
+            self.fates[fate] += 1
+        if where is None or "lost" in fates:
+            return
+        if "damaged" in fates:
+            datagram = bytearray(datagram)
+            datagram[self._dice.randrange(len(datagram))] ^= self._dice.randrange(1, 256)
+        if "late" in fates:
+            self._held.append((bytes(datagram), where))
+            return
+        for _ in range(1 + ("doubled" in fates)):
+            self._socket.sendto(datagram, where)
+        self._release(keep=self._dice.randrange(3))
+
+    def _release(self, keep=0):
+        while len(self._held) > keep:
+            self._socket.sendto(*self._held.pop(self._dice.randrange(len(self._held))))
+
+
+@pytest.fixture
+def weather():
+    """Make paths of bad weather; they are closed in the end."""
+    with ExitStack() as stack:
+
+        def make(client, **rates):
+            path = Weather(client, **rates)
+            stack.callback(path.close)
+            return path
+
+        yield make

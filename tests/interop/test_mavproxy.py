@@ -1,0 +1,111 @@
+"""MAVProxy, without a terminal, beside a payload in another process."""
+
+import importlib.util
+import re
+import subprocess
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+LAUNCHER = """
+import runpy, sys
+from pymavlink.dialects.v20 import ardupilotmega
+from ross_protocols.dialect import ross
+
+for number, message in ross.mavlink_map.items():
+    ardupilotmega.mavlink_map.setdefault(number, message)
+for name, values in ross.enums.items():
+    ardupilotmega.enums[name] = values | ardupilotmega.enums.get(name, {})
+for name, thing in vars(ross).items():
+    if "_ROSS_" in name:
+        setattr(ardupilotmega, name, thing)
+sys.argv[0] = sys.argv.pop(1)
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""  # docs/how-to/interoperate.md shows it
+MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
+
+
+class Prompt:
+    """MAVProxy's command line, on pipes."""
+
+    def __init__(self, process, log, until):
+        self._process, self._log, self._until = process, log, until
+
+    def type(self, line):
+        self._process.stdin.write(f"{line}\n")
+        self._process.stdin.flush()
+
+    def said(self):
+        return self._log.read_text(errors="replace")
+
+    def read(self, pattern, since=0):
+        """Wait until it has printed what fits the pattern."""
+        return self._until(lambda: re.search(pattern, self.said()[since:]), 30, f"'{pattern}' in\n{self.said()}")
+
+
+@contextmanager
+def mavproxy(port, folder, until):
+    if importlib.util.find_spec("MAVProxy") is None or not MAVPROXY.exists():
+        pytest.skip("needs the Python package MAVProxy")
+    log = folder / "mavproxy.log"
+    command = [sys.executable, "-W", "ignore", "-u", "-c", LAUNCHER, MAVPROXY, "--master", f"udpin:127.0.0.1:{port}"]
+    command += ["--dialect", "ardupilotmega", "--target-system", "1", "--target-component", "191", "--no-state"]
+    command += ["--default-modules", "link,param,cmdlong,log"]
+    with (
+        log.open("w") as out,
+        subprocess.Popen(
+            command, cwd=folder, stdin=subprocess.PIPE, stdout=out, stderr=subprocess.STDOUT, text=True
+        ) as process,
+    ):
+        try:
+            yield Prompt(process, log, until)
+        finally:
+            process.kill()
+
+
+@pytest.fixture(scope="module")
+def payload(ross_run, free_port, tmp_path_factory):
+    port = free_port()
+    with ross_run(tmp_path_factory.mktemp("mavproxy"), f'url = "udpout:127.0.0.1:{port}"') as payload:
+        payload.port = port
+        yield payload
+
+
+@pytest.fixture(scope="module")
+def prompt(payload, until):
+    with mavproxy(payload.port, payload.folder, until) as prompt:
+        yield prompt
+
+
+def test_it_links_up_and_fetches_the_parameters(prompt):
+    prompt.read(r"Detected vehicle 1:191 on link 0")
+    prompt.read(r"Received 14 parameters")
+    prompt.type("param show EXP*")
+    prompt.read(r"EXP_LEAD_IN +2\.0")
+
+
+def test_what_it_writes_is_kept(prompt, payload, until):
+    prompt.read(r"Received 14 parameters")
+    prompt.type("param set XPL_RUNS 3")
+    until(lambda: payload.kept() == {"XPL_RUNS": 3.0})
+
+
+def test_it_prints_our_messages(prompt):
+    prompt.read(r"Detected vehicle")
+    prompt.type("watch ROSS_STATUS")
+    prompt.read(r"< ROSS_STATUS \{time_usec : \d+, mission_time : \d+, state : \d+, outcome : 255, frame : 2")
+    prompt.type("watch")
+
+
+def test_its_commands_are_obeyed_by_name_and_the_texts_are_shown(prompt, payload, until):
+    prompt.read(r"Detected vehicle")
+    prompt.type("long ROSS_STOP")
+    prompt.read(r"Got COMMAND_ACK: ROSS_STOP: ACCEPTED")
+    prompt.type("long ROSS_EXPLORE")
+    prompt.read(r"Got COMMAND_ACK: ROSS_EXPLORE: TEMPORARILY_REJECTED")
+    prompt.read(r"AP: RoSS: explore refused: stopped: re-arm first")
+    prompt.type("long ROSS_REARM")
+    prompt.read(r"Got COMMAND_ACK: ROSS_REARM: ACCEPTED")
+    until(lambda: payload.lines()[-1] if "stopped: stopped by command" in payload.lines() else None)

@@ -1,0 +1,139 @@
+"""MAVSDK, a client that we did not write, beside a payload in another process and no autopilot."""
+
+import json
+import math
+from types import SimpleNamespace
+
+import pytest
+
+from ross_payload.config import Config
+from ross_payload.parameters import TABLE, value_of
+
+mavsdk = pytest.importorskip("mavsdk", minversion="4", reason="needs the Python package mavsdk, 4 or later")
+direct = pytest.importorskip("mavsdk.plugins.mavlink_direct.mavlink_direct")
+param = pytest.importorskip("mavsdk.plugins.param.param")
+telemetry = pytest.importorskip("mavsdk.plugins.telemetry.telemetry")
+
+EXPLORE, STOP, REARM, NOTHING = 54000, 54004, 54009, 99
+ACCEPTED, TEMPORARILY_REJECTED, UNSUPPORTED, IN_PROGRESS, CANCELLED = 0, 1, 3, 5, 6
+
+
+class Client:
+    """A MAVSDK ground station that has found a system."""
+
+    def __init__(self, sdk, until):
+        self.systems = sdk.get_systems
+        (self.system,) = until(lambda: [system for system in sdk.get_systems() if system.component_ids()])
+        self.direct = direct.MavlinkDirect(self.system)
+        self.param = param.Param(self.system)
+        self.telemetry = telemetry.Telemetry(self.system)
+        self.texts, self.heard = [], []
+        self.telemetry.subscribe_status_text(lambda said, user: self.texts.append(said.text))
+        self.direct.subscribe_message("", lambda message, user: self.heard.append(message))
+        try:
+            self.param.select_component(191, param.ProtocolVersion.V1)
+        except param.ParamError as error:  # it stores the component, and fails all the same
+            assert error.result == param.ParamResult.UNKNOWN
+
+    def of(self, name):
+        """The fields of a message, each time that it was heard."""
+        return [SimpleNamespace(**json.loads(one.fields_json)) for one in self.heard if one.message_name == name]
+
+    def order(self, number, *values):
+        return json.loads(self.direct.send_command(command(number, *values)).fields_json)["result"]
+
+
+def command(number, *values):
+    numbers = [*values, *[0] * (7 - len(values))]
+    fields = {"target_system": 1, "target_component": 191, "command": number, "confirmation": 0}
+    fields |= {f"param{index}": value for index, value in enumerate(numbers, 1)}
+    return direct.MavlinkMessage("COMMAND_LONG", 0, 0, 1, 191, json.dumps(fields))
+
+
+@pytest.fixture(scope="module")
+def payload(ross_run, free_port, tmp_path_factory):
+    port = free_port()
+    with ross_run(tmp_path_factory.mktemp("mavsdk"), f'url = "udpout:127.0.0.1:{port}"') as payload:
+        payload.port = port
+        yield payload
+
+
+@pytest.fixture(scope="module")
+def client(payload, until, request):
+    kind = mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION)
+    with mavsdk.Mavsdk(kind) as sdk:
+        assert sdk.add_any_connection(f"udpin://127.0.0.1:{payload.port}") == mavsdk.ConnectionResult.SUCCESS
+        client = Client(sdk, until)
+        for name in ("standard", "ross"):  # standard.xml may be loaded too, but MAVSDK knows what is in it
+            xml = request.config.rootpath / "protocols" / "mavlink" / f"{name}.xml"
+            client.direct.load_custom_xml(xml.read_text(encoding="utf-8"))
+        yield client
+
+
+def test_it_finds_the_component_without_an_autopilot(client):
+    assert (client.system.get_system_id(), client.system.component_ids()) == (1, [191])
+    assert client.system.is_connected()
+
+
+def test_it_reads_all_parameters(client):
+    told = client.param.get_all_params()
+    defaults = {name: value_of(Config(), name) for name in TABLE}
+    assert {one.name: one.value for one in told.float_params} == pytest.approx(defaults)
+    assert not told.int_params
+
+
+def test_it_reads_one_parameter(client):
+    assert client.param.get_param_float("EXP_STEP") == 15.0
+
+
+def test_what_it_writes_is_in_force_and_kept(client, payload, until):
+    client.param.set_param_float("EXP_UNIT", 2.5)
+    assert client.param.get_param_float("EXP_UNIT") == 2.5
+    until(lambda: [one for one in client.of("ROSS_INFORMATION") if one.orientation_time == 2.5])
+    until(lambda: payload.kept() == {"EXP_UNIT": 2.5})
+    client.param.set_param_float("EXP_UNIT", 3.0)
+
+
+def test_what_cannot_be_written_is_not_and_the_operator_reads_why(client, payload, until):
+    with pytest.raises(param.ParamError):
+        client.param.set_param_float("EXP_STEP", 999.0)
+    assert client.param.get_param_float("EXP_STEP") == 15.0
+    until(lambda: [text for text in client.texts if "EXP_STEP: found 999, wanted" in text])
+    assert "EXP_STEP" not in payload.kept()
+
+
+def test_it_reads_our_status_from_our_xml(client, until):
+    status = until(lambda: client.of("ROSS_STATUS"))[-1]
+    assert (status.message_id, status.frame, status.rotation_max) == (54001, 2, 12)
+    assert status.heading == pytest.approx(0.0, abs=1e-6)
+    assert status.mount_yaw is None or math.isnan(status.mount_yaw)
+    assert status.actuator_flags & 0b1011 == 0b0011  # present, settled, no fault
+    assert {one.component_id for one in client.heard} == {191}
+
+
+def test_it_reads_texts_and_arrays_of_our_messages(client, until):
+    information = until(lambda: client.of("ROSS_INFORMATION"))[-1]
+    assert information.actuator == "tb6600"
+    assert information.spacing == pytest.approx(0.05)
+    assert until(lambda: client.of("ROSS_AUDIO"))[-1].level == pytest.approx([-40.0, -40.0], abs=0.5)
+
+
+def test_a_stop_cancels_the_task_and_the_state_says_why_nothing_moves(client, until):
+    ends = []
+    client.direct.send_command_async(
+        command(EXPLORE), lambda result, ack, user: ends.append(json.loads(ack.fields_json))
+    )
+    until(lambda: [ack for ack in client.of("COMMAND_ACK") if (ack.command, ack.result) == (EXPLORE, IN_PROGRESS)])
+    assert not ends
+    assert client.order(STOP) == ACCEPTED
+    until(lambda: ends)
+    assert ends[0]["result"] == CANCELLED
+    assert client.order(EXPLORE) == TEMPORARILY_REJECTED
+    until(lambda: [text for text in client.texts if text == "RoSS: explore refused: stopped: re-arm first"])
+    until(lambda: client.of("ROSS_STATUS")[-1].state == 8)
+    assert client.order(REARM) == ACCEPTED
+    until(lambda: client.of("ROSS_STATUS")[-1].state == 0)
+
+
+def test_a_command_that_nobody_knows_is_unsupported(client):
+    assert client.order(NOTHING) == UNSUPPORTED
