@@ -186,7 +186,11 @@ class Recorder:
         stamp = self._stamp()
         folder = self._shelf.add(stamp)
         self._status = RecordingStatus(RecordingState.ON, folder.name)
-        take.writer = SessionWriter(folder, begin, stamp)
+        try:
+            take.writer = SessionWriter(folder, begin, stamp)
+        except (OSError, RossError):
+            self._shelf.discard(folder)
+            raise
         take.tidied = -TIDY
 
     def _look_after(self, take: Take) -> None:

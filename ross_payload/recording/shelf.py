@@ -87,12 +87,16 @@ class Shelf:
         if kept.running:
             raise ConfigError(f"session '{kept.path.name}' is being recorded: stop the recording first")
         try:
-            for name in FILES:
-                (kept.path / name).unlink(missing_ok=True)
-            if not any(kept.path.iterdir()):
-                kept.path.rmdir()
+            self.discard(kept.path)
         except OSError as error:
             raise ConfigError(f"{kept.path}: cannot be deleted: {error.strerror}") from error
+
+    def discard(self, path: Path) -> None:
+        """Remove our files from a folder, and the folder when nothing else is in it; may raise OSError."""
+        for name in FILES:
+            (path / name).unlink(missing_ok=True)
+        if not any(path.iterdir()):
+            path.rmdir()
 
     def tidy(self, limits: config.Recording, running: Path | None = None) -> str:
         """Delete what is too old or too much, the oldest first; return why ``running`` must stop, or ''."""

@@ -39,7 +39,11 @@ class WavFile:
         self._rate = rate
         self.bytes = 0  # of samples
         self._file = create(path)
-        append(self._file, self._header())
+        try:
+            append(self._file, self._header())
+        except OSError:
+            self._file.close()
+            raise
 
     def write(self, samples: Samples) -> None:
         """Append samples (2, n), then correct the header."""

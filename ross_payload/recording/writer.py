@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import json
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -30,13 +31,17 @@ class SessionWriter:
         self._waiting: list[Input] = []
         self._pending = 0  # samples waiting
         self._samples = 0  # written
-        manifest.write(folder, begin, started)
-        self._inputs = create(folder / "inputs.jsonl")
-        fcntl.flock(self._inputs, fcntl.LOCK_EX)
-        self._lines = {name: create(folder / f"{name}.jsonl") for name in ("events", "scores")}
-        self._audio = WavFile(folder / "audio.wav", self._rate)
-        (folder / "telemetry.tlog").touch(mode=0o600)
-        self._tlog = TlogRecorder(folder / "telemetry.tlog")
+        with ExitStack() as stack:
+            manifest.write(folder, begin, started)
+            self._inputs = stack.enter_context(create(folder / "inputs.jsonl"))
+            fcntl.flock(self._inputs, fcntl.LOCK_EX)
+            self._events = stack.enter_context(create(folder / "events.jsonl"))
+            self._scores = stack.enter_context(create(folder / "scores.jsonl"))
+            self._audio = WavFile(folder / "audio.wav", self._rate)
+            stack.callback(self._audio.close)
+            (folder / "telemetry.tlog").touch(mode=0o600)
+            self._tlog = stack.enter_context(TlogRecorder(folder / "telemetry.tlog"))
+            self._open = stack.pop_all()
 
     @property
     def seconds(self) -> float:
@@ -57,12 +62,12 @@ class SessionWriter:
 
     def said(self, event: Event) -> None:
         """Write what the mission has said."""
-        append(self._lines["events"], plain.line(event).encode())
+        append(self._events, plain.line(event).encode())
 
     def scored(self, number: int, score: Score) -> None:
         """Write what the voice print has answered after ``number`` Inputs."""
         values = {"input": number, "value": float(score.value), "accepted": bool(score.accepted)}
-        append(self._lines["scores"], (json.dumps(values) + "\n").encode())
+        append(self._scores, (json.dumps(values) + "\n").encode())
 
     def sent(self, time_usec: int, frame: bytes) -> None:
         """Write a frame of telemetry."""
@@ -89,10 +94,7 @@ class SessionWriter:
 
     def close(self) -> None:
         """Close everything as it is; idempotent."""
-        self._audio.close()
-        for file in (*self._lines.values(), self._inputs):
-            file.close()
-        self._tlog.close()
+        self._open.close()
 
 
 def _recorded(heard: Input) -> Samples:

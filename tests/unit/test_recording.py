@@ -304,6 +304,16 @@ def test_a_disk_that_runs_full_ends_the_recording_and_not_the_mission(tiny_disk)
     assert len(list(found.inputs(Config().audio))) == found.contents().inputs
 
 
+@pytest.mark.parametrize("left", [0, 4096, 12288])
+def test_a_disk_that_is_full_already_leaves_no_folder_behind(tiny_disk, left):
+    with (tiny_disk / "junk").open("wb", buffering=0) as junk:
+        junk.write(bytes(2**20 - left - 4096))
+    recorder = record(tiny_disk, [input_of(k) for k in range(200)])
+    assert recorder.status().state is RecordingState.FULL
+    assert all(kept.path.name == "0001" for kept in Shelf(tiny_disk).all())
+    assert len(Shelf(tiny_disk).all()) == len([path for path in tiny_disk.iterdir() if path.is_dir()])
+
+
 def test_a_disk_that_has_too_little_left_ends_the_recording(tmp_path):
     recorder = record(tmp_path, [input_of(k) for k in range(100)], min_free_gb=9999)
     assert recorder.status().state is RecordingState.FULL
