@@ -49,6 +49,7 @@ $(VENV)/.demo: pyproject.toml constraints.txt | $(BIN)/python
 
 $(VENV)/.dev: pyproject.toml constraints.txt | $(BIN)/python
 	$(PIP) --editable '.[all]' --group dev
+	$(PIP) --no-deps mavproxy  # without a window it needs nothing of the graphics that it asks for
 	@touch $@ $(VENV)/.demo
 
 $(BIN)/python:
