@@ -7,20 +7,6 @@ from dataclasses import asdict
 from pathlib import Path
 
 import click
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
-
-from ross_payload.audio import open_source
-from ross_payload.audio.devices import Device, devices, portaudio
-from ross_payload.audio.tap import Tap, TapFinder
-from ross_payload.audio.wiring import Wiring
-from ross_payload.clock import SystemClock
-from ross_payload.config import Config, load
-from ross_payload.errors import AudioError
-from ross_payload.interfaces import AudioSource
-
-PATIENCE = 20.0  # [s] for each tap
 
 
 @click.command("devices", short_help="List microphones, and find out which is which.")
@@ -37,54 +23,19 @@ def command(*, as_json: bool, config: Path | None) -> None:
 
     Write a part of the name that no other device has as [audio] source = "device:NAME".
     """
+    from rich.console import Console
+
+    from ross_payload.audio.devices import devices, portaudio
+    from ross_payload.audio.show import table, tap
+    from ross_payload.config import load
+
     if config is not None:
-        _tap(load(config))
+        tap(load(config))
         return
     found = devices(portaudio())
     if as_json:
         click.echo(json.dumps([asdict(device) for device in found], indent=2))
     elif found:
-        Console().print(_table(found))
+        Console().print(table(found))
     else:
         click.echo("No device can record. Is it plugged in, and may you use it (group 'audio')?")
-
-
-def _table(found: list[Device]) -> Table:
-    table = Table("name", "channels", "default rate", "host API", "preset")
-    for device in found:
-        rate = f"{device.default_rate:g} Hz"
-        table.add_row(escape(device.name), str(device.channels), rate, device.host_api, device.preset)
-    return table
-
-
-def _tap(config: Config) -> None:
-    with open_source(config, SystemClock()) as source:
-        heard = []
-        for microphone in (1, 2):
-            click.echo(f"Tap microphone {microphone} with a finger nail, once.")
-            heard.append(_wait(source, config.hop))
-            click.echo(f"  heard at microphone {heard[-1].microphone}, {heard[-1].margin_db:.0f} dB louder there")
-    click.echo(verdict(config, *heard))
-
-
-def _wait(source: AudioSource, hop: int) -> Tap:
-    finder = TapFinder()
-    for _ in range(round(PATIENCE * source.rate / hop)):
-        tap = finder.listen(source.read(hop).samples)
-        if tap is None:
-            continue
-        if tap.clear:
-            return tap
-        click.echo(f"  as loud at both ({tap.margin_db:.1f} dB apart): tap again, nearer to one of them")
-    raise AudioError(f"no clear tap within {PATIENCE:g} s; see the levels with `ross doctor`")
-
-
-def verdict(config: Config, first: Tap, second: Tap) -> str:
-    """Say what taps on microphone 1 and then 2 mean, and what to write into the configuration."""
-    order = (first.microphone, second.microphone)
-    if order == (1, 2):
-        return "Microphones 1 and 2 are as configured."
-    if order == (2, 1):
-        channels = Wiring.of(config.audio).channels
-        return f"The microphones are swapped: write channels = [{channels[1]}, {channels[0]}] in [audio]."
-    return f"Both taps were heard at microphone {order[0]}: is the other one connected? Try again."

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ross_payload.audio import FileSource, HealthMonitor, open_source
+from ross_payload.audio.health import HealthMonitor
+from ross_payload.audio.playback import FileSource
+from ross_payload.audio.sources import open_source
 from ross_payload.config import Config
 from ross_payload.doctor.finding import Finding, Verdict, fail, ok
 from ross_payload.errors import AudioEnded, RossError

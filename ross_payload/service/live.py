@@ -17,7 +17,8 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload import __version__
 from ross_payload.actuators.wires import open_wire
-from ross_payload.audio import LiveSource, open_source
+from ross_payload.audio.live import LiveSource
+from ross_payload.audio.sources import open_source
 from ross_payload.clock import SystemClock, synchronised_time
 from ross_payload.config import Config
 from ross_payload.errors import AudioEnded, ConfigError

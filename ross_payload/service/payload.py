@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import open_actuator
-from ross_payload.audio import HealthMonitor
+from ross_payload.audio.health import HealthMonitor
 from ross_payload.audio.live import Watched
 from ross_payload.config import Config
 from ross_payload.interfaces import AudioSource, Clock, Mount, Port, Services, VoicePrint

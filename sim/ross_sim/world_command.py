@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from ross_protocols.pcm import WIDTHS
-
 NO_CHANGES = dict.fromkeys(("paper", "separator", "urls", "informed", "target"))
+FORMATS = ("s16le", "s24le", "f32le")  # those of ross_protocols.pcm, which needs numpy
 EPILOG = """Ctrl-C or SIGTERM ends it; what was true is then written to --out. Exit codes: 0 ended by hand, 2 bad
 input, 1 the results could not be written. Port 0 means: one that is free."""
 
@@ -23,7 +22,7 @@ def _folder(context: click.Context, parameter: click.Parameter, value: str | Non
 @click.argument("scenario", default="demo")
 @click.option("--pcm", metavar="tcp:HOST:PORT", help="Serve the sound there; default: tcp:127.0.0.1:0 unless --pipe.")
 @click.option("--pipe", type=click.Path(path_type=Path), help="Write the sound into this named pipe.")
-@click.option("--format", "form", type=click.Choice(tuple(WIDTHS)), default="s24le", show_default=True)
+@click.option("--format", "form", type=click.Choice(FORMATS), default="s24le", show_default=True)
 @click.option("--wire", metavar="SCHEME:tcp:HOST:PORT", help="Serve the actuator there; default: a free local port.")
 @click.option("--actuator", "-a", help="Actuator back end, instead of the scenario's.")
 @click.option("--start", type=click.Choice(["connect", "now"]), default="connect", show_default=True,

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 import soundfile
 
-from ross_payload.audio import FileSource, LiveSource
 from ross_payload.audio.capture import SoundCard
+from ross_payload.audio.live import LiveSource
 from ross_payload.audio.network import PcmClient
+from ross_payload.audio.playback import FileSource
 from ross_payload.audio.wiring import Wiring
 from ross_payload.clock import SystemClock
 from ross_payload.config import Audio, validated

@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.actuators.wires import open_wire
-from ross_payload.audio import open_source
+from ross_payload.audio.sources import open_source
 from ross_payload.clock import SystemClock
 from ross_payload.interfaces import Services
 from ross_payload.mission.supervise import mission
@@ -28,6 +28,9 @@ from ross_sim.casting import company_of
 from ross_sim.report import Story, report
 from ross_sim.scenario import load
 from ross_sim.truth import read_truth
+
+
+QUIET = 0.5  # of noise before the scenario [s]: about as long as it takes to begin to listen
 
 
 class Memory:
@@ -77,13 +80,25 @@ def judge(scenario, world, memory, result):
     truth = replace(truth, images=truth.images[:, lag:], mixture=truth.mixture[lag:])
     n = min(heard.size, truth.mixture.size)
     values = report(memory.story, truth, result, {"payload": scenario.payload.model_dump(mode="json")})
-    return values | {"differs": float(np.abs(heard[:n] - truth.mixture[:n]).max())}
+    began = lag / scenario.payload.audio.rate_hz - QUIET  # in the time of the scenario [s]
+    return values | {"began_s": began, "differs": float(np.abs(heard[:n] - truth.mixture[:n]).max())}
 
 
 def main(path, folder, pipe=None):
     scenario, out = load(path), Path(folder) / "world"
     sound = ["--pcm", "tcp:127.0.0.1:0"] if pipe is None else ["--pipe", pipe, "--format", "f32le"]
-    command = [sys.executable, "-m", "ross_payload.cli", "world", path, "--out", str(out), "--json", "--quiet", "0.5"]
+    command = [
+        sys.executable,
+        "-m",
+        "ross_payload.cli",
+        "world",
+        path,
+        "--out",
+        str(out),
+        "--json",
+        "--quiet",
+        str(QUIET),
+    ]
     with subprocess.Popen([*command, *sound], stdout=subprocess.PIPE, text=True) as world:
         try:
             told = json.loads(world.stdout.readline())

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ross_payload.audio import HealthMonitor
+from ross_payload.audio.health import HealthMonitor
 from ross_payload.health import AudioTrouble
 from ross_sim.clock import SimClock
 from ross_sim.scenario import load

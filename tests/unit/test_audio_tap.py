@@ -10,8 +10,9 @@ import soundfile
 from click.testing import CliRunner
 
 from ross_payload import cli
-from ross_payload.audio.command import command, verdict
+from ross_payload.audio.command import command
 from ross_payload.audio.devices import devices, portaudio
+from ross_payload.audio.show import verdict
 from ross_payload.audio.tap import Tap, TapFinder
 from ross_payload.config import Config
 from ross_payload.errors import AudioError

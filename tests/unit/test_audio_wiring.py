@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from ross_payload.audio import FileSource, LiveSource, open_source
+from ross_payload.audio.live import LiveSource
+from ross_payload.audio.playback import FileSource
+from ross_payload.audio.sources import open_source
 from ross_payload.audio.wiring import PRESETS, Wiring, fitting
 from ross_payload.config import Audio, Config, validated
 from ross_payload.errors import ConfigError

@@ -1,0 +1,32 @@
+"""From [audio] to the source it names: a sound card, a file or TCP."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ross_payload.audio.capture import SETTLING, SoundCard
+from ross_payload.audio.live import LiveSource
+from ross_payload.audio.network import PcmClient
+from ross_payload.audio.playback import FileSource
+from ross_payload.audio.wiring import Wiring
+from ross_payload.config import Config
+from ross_payload.interfaces import Clock
+
+
+def open_source(config: Config, clock: Clock) -> LiveSource | FileSource:
+    """Make the source that [audio] names; enter it to open it.
+
+    Raises
+    ------
+    ConfigError
+        When the channels do not fit together.
+    """
+    audio = config.audio
+    wiring, rate = Wiring.of(audio), audio.rate_hz
+    kind, _, rest = audio.source.partition(":")
+    if kind == "file":
+        return FileSource(Path(rest).expanduser(), rate, wiring, clock)
+    if kind == "tcp":
+        return LiveSource(PcmClient(rest, rate, wiring), rate, wiring, audio.buffer_s, clock)
+    card = SoundCard(rest, audio, wiring)
+    return LiveSource(card, rate, wiring, audio.buffer_s, clock, settling=SETTLING)
