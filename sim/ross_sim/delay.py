@@ -48,7 +48,9 @@ class End:
 
 def wire(clock: Clock, latency: float, jitter: float, seed: int) -> tuple[End, End]:
     """Make a wire that delays by ``latency`` [s] at least and up to ``jitter`` [s] more; return both its ends."""
-    generator = np.random.Generator(np.random.PCG64(seed))
-    ends = End(clock, latency, jitter, generator), End(clock, latency, jitter, generator)
-    ends[0].join(ends[1])
-    return ends
+    one, other = (
+        End(clock, latency, jitter, np.random.Generator(np.random.PCG64(own)))
+        for own in np.random.SeedSequence(seed).spawn(2)  # what one says does not change how the other is delayed
+    )
+    one.join(other)
+    return one, other
