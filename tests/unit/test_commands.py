@@ -33,6 +33,7 @@ from ross_payload.orders import (
 from ross_payload.parameters import Parameters
 from ross_payload.service.assemble import settings_of
 from ross_payload.telemetry.commands import CommandServer
+from ross_payload.telemetry.files import FileServer
 from ross_payload.telemetry.identity import Endpoint
 from ross_payload.telemetry.params import ParameterServer
 from ross_payload.telemetry.requests import Requests
@@ -558,7 +559,7 @@ ORDERS = {
     EXPLORE: Explore, LISTEN: (Seek, ListenTo, ListenAt), INFORM: Informed, TURN: TurnTo, STOP: Stop, CANCEL: Cancel,
     PARK: Park, NOISE: MeasureNoise, REARM: Rearm, HOME: Home,
 }  # fmt: skip
-SERVED = [75, 76, 80, 20, 21, 23]  # messages that somebody here answers
+SERVED = [75, 76, 80, 20, 21, 23, 110]  # messages that somebody here answers
 
 floats = st.floats(width=32, allow_nan=True, allow_infinity=True)
 small = st.integers(-3, 3).map(float)
@@ -623,7 +624,9 @@ def flood(sky, count, seed):
     rng, sky = np.random.default_rng(seed), sky()
     payload, parameters, orders = Payload(sky), Parameters(Config()), 0
     server = ParameterServer(Endpoint(sky.links, 191), parameters, lambda name, value: None, payload.say)
-    sky.links.component(191).subscribe(server.heard)
+    readable = FileServer(Endpoint(sky.links, 191), {"general.json": b"{}"})
+    for part in (server, readable):
+        sky.links.component(191).subscribe(part.heard)
     decoder = Decoder()
     for index in range(count):
         frame = random_frame(rng)
@@ -637,6 +640,7 @@ def flood(sky, count, seed):
         payload.texts.clear()
         if index % 20 == 0:
             server.tick(sky.clock.now())
+            readable.tick(sky.clock.now())
             payload.wait(0.01)
     assert parameters.config == Config()  # no random name is a parameter's
     parameters.close()
