@@ -18,7 +18,14 @@ import click
     metavar="CONFIG",
     help="Instead, ask you to tap both microphones of a configuration: are they swapped?",
 )
-def command(*, as_json: bool, config: Path | None) -> None:
+@click.option(
+    "--wait",
+    "awaited",
+    type=click.Path(path_type=Path),
+    metavar="CONFIG",
+    help="Instead, wait a minute at most until the microphones of a configuration can be opened.",
+)
+def command(*, as_json: bool, config: Path | None, awaited: Path | None) -> None:
     """List the devices that can record, and the preset ([audio] preset) that fits the name of each.
 
     Write a part of the name that no other device has as [audio] source = "device:NAME".
@@ -26,11 +33,15 @@ def command(*, as_json: bool, config: Path | None) -> None:
     from rich.console import Console
 
     from ross_payload.audio.devices import devices, portaudio
-    from ross_payload.audio.show import table, tap
+    from ross_payload.audio.show import table, tap, wait
+    from ross_payload.clock import SystemClock
     from ross_payload.config import load
 
     if config is not None:
         tap(load(config))
+        return
+    if awaited is not None:
+        wait(load(awaited), SystemClock())
         return
     found = devices(portaudio())
     if as_json:

@@ -13,9 +13,11 @@ from ross_payload.audio.wiring import Wiring
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.errors import AudioError
-from ross_payload.interfaces import AudioSource
+from ross_payload.interfaces import AudioSource, Clock
 
 PATIENCE = 20.0  # [s] for each tap
+BOOT = 60.0  # [s] that a sound card may take to appear
+RETRY = 1.0  # [s]
 
 
 def table(found: list[Device]) -> Table:
@@ -42,6 +44,25 @@ def tap(config: Config) -> None:
             heard.append(_wait(source, config.hop))
             click.echo(f"  heard at microphone {heard[-1].microphone}, {heard[-1].margin_db:.0f} dB louder there")
     click.echo(verdict(config, *heard))
+
+
+def wait(config: Config, clock: Clock) -> None:
+    """Wait until the source of a configuration can be opened: at boot a sound card may come late.
+
+    Raises
+    ------
+    AudioError
+        When it still cannot after `BOOT` seconds; why.
+    """
+    end = clock.now() + BOOT
+    while True:
+        try:
+            with open_source(config, clock):
+                return
+        except AudioError:
+            if clock.now() >= end:
+                raise
+        clock.sleep(RETRY)
 
 
 def _wait(source: AudioSource, hop: int) -> Tap:

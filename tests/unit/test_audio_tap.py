@@ -12,10 +12,11 @@ from click.testing import CliRunner
 from ross_payload import cli
 from ross_payload.audio.command import command
 from ross_payload.audio.devices import devices, portaudio
-from ross_payload.audio.show import verdict
+from ross_payload.audio.show import verdict, wait
 from ross_payload.audio.tap import Tap, TapFinder
 from ross_payload.config import Config
 from ross_payload.errors import AudioError
+from ross_sim.clock import SimClock
 
 RATE, HOP = 16000, 160
 
@@ -135,3 +136,18 @@ def test_no_clear_tap_is_an_error_and_not_a_guess(tmp_path):
 def test_the_binding_is_imported_only_when_it_is_asked_for(monkeypatch):
     monkeypatch.setitem(sys.modules, "sounddevice", CARDS)
     assert portaudio() is CARDS
+
+
+def test_a_source_that_comes_late_is_waited_for(tmp_path):
+    clock = SimClock()
+    file = tmp_path / "late.wav"
+    clock.every(5.0, lambda: soundfile.write(file, np.zeros((1600, 2)), 16000))
+    wait(Config.model_validate({"audio": {"source": f"file:{file}"}}), clock)
+    assert 5.0 <= clock.now() <= 7.0
+
+
+def test_a_source_that_never_comes_is_named_after_a_minute(tmp_path):
+    clock = SimClock()
+    with pytest.raises(AudioError, match="never"):
+        wait(Config.model_validate({"audio": {"source": f"file:{tmp_path}/never.wav"}}), clock)
+    assert 60.0 <= clock.now() <= 62.0
