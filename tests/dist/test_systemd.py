@@ -23,7 +23,8 @@ def analyse(*arguments):
 def unit(tmp_path):
     """The unit with a program that exists here in place of /opt/ross/bin/ross."""
     path = tmp_path / "ross.service"
-    path.write_text(re.sub(r"(?m)^ExecStart=\S+", f"ExecStart={shutil.which('true')}", UNIT.read_text()))
+    there = shutil.which("true")
+    path.write_text(re.sub(r"(?m)^(ExecStart(?:Pre)?)=\S+", rf"\1={there}", UNIT.read_text()))
     return path
 
 
