@@ -90,7 +90,14 @@ def in_words(values: dict[str, Any]) -> Iterator[str]:
         yield f"{values['outcome'].replace('_', ' ')}: {values['reason']}"
     found = ", ".join(f"{source['azimuth_deg']:.1f} deg" for source in values["sources"])
     yield f"replayed {values['replayed_s']:.2f} s, {values['events']} events; sources: {found or 'none'}"
-    first = values["first_difference"]
+    yield from _compared(values)
+
+
+def _compared(values: dict[str, Any]) -> Iterator[str]:
+    first, was, now = values["first_difference"], values["recorded"]["versions"], values["versions"]
+    others = [f"{name} {was.get(name, 'unknown')}, not {now[name]}" for name in now if was.get(name) != now[name]]
+    if others and not values["identical"]:
+        yield f"recorded with {'; '.join(others)}"
     if values["identical"]:
         yield "identical to the recorded mission"
     elif first is None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
-from ross_payload.errors import OutputError
+from ross_payload.errors import ConfigError, OutputError
 from ross_payload.health import RecordingState
 from ross_payload.interfaces import Clock
 from ross_payload.links import Links
@@ -21,12 +21,18 @@ def taped(folder: Path | None, begin: Beginning, clock: Clock, links: Links) -> 
 
     Raises
     ------
+    ConfigError
+        When the folder cannot be made.
     OutputError
         At the end, when the disk did not take everything.
     """
     if folder is None:
         yield None
         return
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"--record {folder}: cannot be made: {error.strerror}") from error
     config = begin.config
     limits = config.recording.model_copy(update={"always": True})
     first = iter([begin])

@@ -224,6 +224,26 @@ def test_results_do_not_go_into_a_session(taped, run):
     assert "this is a session" in error
 
 
+def test_a_folder_that_cannot_be_made_is_refused_before_the_mission(tmp_path, run):
+    (tmp_path / "short.toml").write_text(SHORT)
+    code, _, error = run("sitl", "-s", tmp_path / "short.toml", "--record", tmp_path / "short.toml", "--json")
+    assert code == 2
+    assert "--record" in error
+    assert error.count("\n") == 1
+
+
+def test_other_versions_are_named_where_a_replay_differs(taped, tmp_path, run):
+    copied = tmp_path / "0001"
+    shutil.copytree(taped[1], copied)
+    values = json.loads((copied / "session.json").read_text())
+    values["versions"]["numpy"] = "0.1"
+    (copied / "session.json").write_text(json.dumps(values))
+    assert "recorded with" not in run("replay", copied)[1]
+    code, said, _ = run("replay", copied, "--set", "exploit.separator=duet")
+    assert code == 0
+    assert "recorded with numpy 0.1, not" in said
+
+
 def test_a_folder_that_is_no_session_gets_one_line(tmp_path, run):
     code, _, error = run("replay", tmp_path)
     assert code == 2
