@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import struct
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Any
 
 from ross_protocols.dialect import common
@@ -19,6 +20,13 @@ INTEGERS = {
     common.MAV_PARAM_TYPE_UINT32: "<I",
     common.MAV_PARAM_TYPE_INT32: "<i",
 }  # of what fits into the four bytes of a float
+
+
+class ParamError(IntEnum):
+    """Why a request is not fulfilled: MAV_PARAM_ERROR."""
+
+    DOES_NOT_EXIST = 1
+    VALUE_OUT_OF_RANGE = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +74,14 @@ def request_of(message: Any) -> ListRequest | ReadRequest | SetRequest | None:
 def value_message(name: str, value: float, index: int, count: int) -> Any:
     """Return the PARAM_VALUE of one of ``count`` parameters."""
     return common.MAVLink_param_value_message(name.encode("ascii"), value, REAL32, count, index)
+
+
+def error_message(request: ReadRequest | SetRequest, error: ParamError, system_id: int, component_id: int) -> Any:
+    """Return the PARAM_ERROR that tells a sender, by its ids, why its request is not fulfilled."""
+    index = request.index if isinstance(request, ReadRequest) else -1
+    return common.MAVLink_param_error_message(
+        system_id, component_id, request.name.encode("ascii", "replace"), index, error
+    )
 
 
 def number_meant(value: float, kind: int) -> float:

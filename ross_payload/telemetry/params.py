@@ -2,7 +2,8 @@
 
 ``heard`` takes what arrives and ``tick`` the time, both on the thread of the pump. Answers leave one every `PACE`: a
 whole list does not crowd out telemetry, and no parameter waits in line more than once for a link. What a client has
-missed it asks for again.
+missed it asks for again. Who asks us for what does not exist, or sets what is not allowed, gets a PARAM_ERROR: a client
+that knows it need not ask five times more.
 """
 
 from __future__ import annotations
@@ -15,7 +16,15 @@ from ross_payload.links import Heard
 from ross_payload.parameters import TABLE, Parameters
 from ross_payload.telemetry.allowance import Allowance
 from ross_payload.telemetry.identity import Endpoint
-from ross_protocols.params import ListRequest, ReadRequest, SetRequest, request_of, value_message
+from ross_protocols.params import (
+    ListRequest,
+    ParamError,
+    ReadRequest,
+    SetRequest,
+    error_message,
+    request_of,
+    value_message,
+)
 from ross_protocols.values import Severity
 
 PACE = 0.04  # [s] between two answers: 25 a second, 925 bytes/s
@@ -59,6 +68,7 @@ class ParameterServer:
         self._trouble = ""
         self._texts = Allowance(burst=4, rate=0.5)
         self._settable = Allowance(BURST, RATE)
+        self._errors = Allowance(burst=10, rate=5.0)
 
     def heard(self, heard: Heard) -> None:
         """Take a packet; what does not ask about our parameters passes by."""
@@ -75,8 +85,12 @@ class ParameterServer:
                 index = NAMES.index(request.name) if request.index < 0 and request.name in TABLE else request.index
                 if 0 <= index < len(NAMES):
                     self._answer(index, heard.link)
-            case SetRequest() if request.name in TABLE and self._settable.take(self._now):
-                self._set(request.name, request.value)
+                else:
+                    self._refuse(request, ParamError.DOES_NOT_EXIST, heard)
+            case SetRequest() if request.name not in TABLE:
+                self._refuse(request, ParamError.DOES_NOT_EXIST, heard)
+            case SetRequest() if self._settable.take(self._now) and not self._set(request.name, request.value):
+                self._refuse(request, ParamError.VALUE_OUT_OF_RANGE, heard)
 
     def tick(self, now: float) -> None:
         """Send the next answer when it is due; tell what there is to tell about the file."""
@@ -93,17 +107,25 @@ class ParameterServer:
             if self._trouble:
                 self._say(Severity.ERROR, self._trouble)
 
-    def _set(self, name: str, value: float) -> None:
+    def _set(self, name: str, value: float) -> bool:
         """Set a value, or say why not; either way everybody is told which one is in force."""
-        before = self._parameters.value(name)
+        before, allowed = self._parameters.value(name), True
         try:
             self._parameters.set(name, value)
         except ConfigError as error:
+            allowed = False
             if self._texts.take(self._now):
                 self._say(Severity.WARNING, str(error))
         if self._parameters.value(name) != before:
             self._changed(name, self._parameters.value(name))
         self._answer(NAMES.index(name), EVERYWHERE)
+        return allowed
+
+    def _refuse(self, request: ReadRequest | SetRequest, error: ParamError, heard: Heard) -> None:
+        """Tell the sender why not, unless it asked everybody or asks too often."""
+        if request.component_id == self._endpoint.component_id and self._errors.take(self._now):
+            sender = heard.packet.system_id, heard.packet.component_id
+            self._endpoint.send(error_message(request, error, *sender), heard.link)
 
     def _answer(self, index: int, link: str | None) -> None:
         """Put an answer in line, unless it waits there already."""

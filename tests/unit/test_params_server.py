@@ -21,7 +21,7 @@ class Payload:
 
     def __init__(self, sky, path=None):
         self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
-        self.changes, self.texts = [], []
+        self.changes, self.texts, self.errors = [], [], []
         self.parameters = Parameters(Config(), path)
         endpoint = Endpoint(self.links, 191)
         self.server = ParameterServer(
@@ -40,6 +40,7 @@ class Payload:
             self.links.poll()
             self.server.tick(self.clock.now())
             heard += self.ground.listen()
+        self.errors += [(one.param_id, one.error) for one in heard if one.get_type() == "PARAM_ERROR"]
         return [message for message in heard if message.get_type() == "PARAM_VALUE"]
 
     def list(self, target=(1, 191)):
@@ -95,9 +96,22 @@ def test_one_is_read_by_name_and_by_index(payload):
 @pytest.mark.parametrize(
     "request_", [{"name": "NOBODY"}, {"index": COUNT}, {"index": 32767}, {"name": "", "index": -1}]
 )
-def test_what_does_not_exist_is_not_answered(payload, request_):
+def test_what_does_not_exist_is_an_error(payload, request_):
     payload.read(**request_)
     assert payload.wait(0.2) == []
+    assert payload.errors == [(request_.get("name", ""), common.MAV_PARAM_ERROR_DOES_NOT_EXIST)]
+
+
+def test_who_asks_everybody_for_what_we_do_not_have_hears_nothing_of_us(payload):
+    payload.read("NOBODY", target=(1, 0))
+    payload.set("NOBODY", 1.0, target=(0, 0))
+    assert payload.errors == []
+
+
+def test_who_asks_too_often_gets_no_more_errors(payload):
+    for _ in range(200):
+        payload.set("NOBODY", 1.0, seconds=0.01)
+    assert 10 <= len(payload.errors) <= 30
 
 
 def test_a_value_that_is_set_is_in_force_told_to_all_and_to_the_mission(payload):
@@ -121,6 +135,7 @@ def test_what_is_not_allowed_is_answered_with_the_old_value_and_a_text(payload, 
     (answer,) = payload.set(name, value)
     assert answer.param_value == pytest.approx(before)
     assert payload.changes == []
+    assert payload.errors == [(name, common.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE)]
     (text,) = payload.texts
     assert text.startswith(f"{name}: ")
 
