@@ -19,7 +19,7 @@ from ross_protocols.values import Text, Value
 MESSAGE_IDS = {layout.value: layout.message.id for layout in LAYOUTS}
 SHORTEST = 0.02  # [s] between two of a kind, however often somebody asks for them
 RESERVE = 130  # bytes left to answers: an acknowledgement is never held back by what repeats itself
-ENOUGH = 1.0  # [s] between two statuses, when there is not room for more
+ENOUGH = 0.9  # [s] between two statuses, when there is not room for more
 TEXTS = 24  # that wait for room; then the oldest go
 EARLY = 1e-6  # [s], of rounding
 
@@ -40,7 +40,7 @@ class Rank(IntEnum):
     INFORMATION = 10
     DENSITY = 11
     ISOLATION = 12
-    EXTRA = 13  # a status that nothing new calls for, less than a second after the last one
+    EXTRA = 13  # a status that nothing new calls for, sooner than `ENOUGH` after the last one
 
 
 Key = tuple[Rank, int, int]  # rank, message id, place among its like

@@ -1,12 +1,18 @@
 """A whole mission over a line of 57,600 baud: it stays usable, and costs little."""
 
+import os
+import pty
+import socket
 import time
+import tty
 from collections import Counter
+from contextlib import suppress
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.health import AudioHealth
 from ross_payload.links import Links
@@ -22,6 +28,12 @@ from ross_sim.session import perform
 
 BYTES = 5760  # a second
 URL = "serial:/dev/ttyRadio:57600"
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        return sock.getsockname()[1]
 
 
 class Capture:
@@ -88,6 +100,11 @@ def mission(request):
     return scenario.payload, capture.story
 
 
+def others():
+    """CPU time of all other threads [s]."""
+    return time.process_time() - time.thread_time()
+
+
 def told(mission, role="ground", ask=None):
     """The line after the mission, and how many CPU seconds telemetry and links took; ``ask`` asks each second."""
     config, story = mission
@@ -143,3 +160,36 @@ def test_a_peer_that_asks_for_everything_gets_no_more_than_the_budget(mission):
     assert max(after - before for before, after in pairwise(statuses)) < 1.5
     assert names["COMMAND_ACK"] > 100, "whoever commands is answered"
     assert names["PARAM_VALUE"] > 10 * len(TABLE)
+
+
+@pytest.mark.soak
+def test_in_real_time_three_links_and_their_telemetry_take_less_than_3_percent_of_a_core(mission):
+    """The pump with a serial line and two UDP ports; the thread that feeds it with hops does not count."""
+    config, story = mission
+    far, near = pty.openpty()
+    tty.setraw(near)
+    os.set_blocking(far, False)
+    wanted = (
+        Link(url=f"serial:{os.ttyname(near)}:57600", role="autopilot"),
+        Link(url="udpout:127.0.0.1:9"),
+        Link(url=f"udpin:127.0.0.1:{free_port()}"),
+    )
+    clock = SystemClock()
+    started, begun = others(), clock.now()
+    with Links.open(wanted, clock) as links, Telemetry(config, clock, links, health=AudioHealth) as telemetry:
+        cancel = clock.every(0.01, links.poll)
+        for event, heard in story:
+            if event is not None:
+                telemetry.said(event, heard)
+                continue
+            telemetry.heard(heard)
+            clock.sleep(begun + heard.block.time - clock.now())
+            with suppress(BlockingIOError):
+                os.read(far, 65536)
+        cancel()
+        sent = [link.sent for link in links.status()]
+    used = (others() - started) / (clock.now() - begun)
+    os.close(far)
+    os.close(near)
+    assert min(sent) > 400
+    assert used < 0.03, f"{used:.2%}"
