@@ -91,6 +91,7 @@ def test_an_autopilot_that_falls_silent_makes_the_mission_begin_again_in_the_oth
 
 
 @pytest.mark.soak
+@pytest.mark.timeout(3600)
 def test_ten_flights_are_within_two_degrees_of_ten_at_rest(fly):
     found = [compare(fly, seed) for seed in range(1, 11)]
     assert max(apart.max() for apart, _, _ in found) < 2.0
