@@ -13,6 +13,7 @@ mavsdk = pytest.importorskip("mavsdk", minversion="4", reason="needs the Python 
 direct = pytest.importorskip("mavsdk.plugins.mavlink_direct.mavlink_direct")
 param = pytest.importorskip("mavsdk.plugins.param.param")
 telemetry = pytest.importorskip("mavsdk.plugins.telemetry.telemetry")
+metadata = pytest.importorskip("mavsdk.plugins.component_metadata.component_metadata")
 
 EXPLORE, STOP, REARM, NOTHING = 54000, 54004, 54009, 99
 ACCEPTED, TEMPORARILY_REJECTED, UNSUPPORTED, IN_PROGRESS, CANCELLED = 0, 1, 3, 5, 6
@@ -95,11 +96,28 @@ def test_what_it_writes_is_in_force_and_kept(client, payload, until):
 
 
 def test_what_cannot_be_written_is_not_and_the_operator_reads_why(client, payload, until):
-    with pytest.raises(param.ParamError):
+    with pytest.raises(param.ParamError) as refused:
         client.param.set_param_float("EXP_STEP", 999.0)
+    assert refused.value.result == param.ParamResult.VALUE_OUT_OF_RANGE
     assert client.param.get_param_float("EXP_STEP") == 15.0
     until(lambda: [text for text in client.texts if "EXP_STEP: found 999, wanted" in text])
     assert "EXP_STEP" not in payload.kept()
+
+
+def test_what_there_is_not_need_not_be_asked_for_again(client):
+    with pytest.raises(param.ParamError) as refused:
+        client.param.get_param_float("NOBODY")
+    assert refused.value.result == param.ParamResult.DOES_NOT_EXIST
+
+
+def test_it_fetches_what_the_parameters_mean(client, until):
+    files, told = metadata.ComponentMetadata(client.system), {}
+    files.subscribe_metadata_available(lambda update, user: told.setdefault(update.type, update.json_metadata))
+    files.request_component(191)
+    known = json.loads(until(lambda: told.get(metadata.MetadataType.PARAMETER)))["parameters"]
+    assert {one["name"] for one in known} == set(TABLE)
+    (unit,) = [one for one in known if one["name"] == "EXP_UNIT"]
+    assert (unit["min"], unit["max"], unit["units"]) == (0.5, 60, "s")
 
 
 def test_it_reads_our_status_from_our_xml(client, until):
