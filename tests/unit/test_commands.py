@@ -299,6 +299,20 @@ def test_command_cancel_cancels_the_one_in_progress(payload):
     assert abs(payload.joint) < math.radians(20)
 
 
+def test_a_cancel_that_is_sent_again_is_one_cancel(payload):
+    payload.command(TURN, 90, seconds=0.1)
+    payload.computing = True
+    for _ in range(5):
+        payload.ground.send(ross.MAVLink_command_cancel_message(1, 191, TURN))
+    payload.wait(0.1)
+    assert [type(order) for order in payload.given] == [TurnTo, Cancel]
+    payload.computing = False
+    assert payload.results(TURN)[-1] == CANCELLED
+    payload.ground.send(ross.MAVLink_command_cancel_message(1, 191, TURN))  # as if the answer was lost
+    assert payload.results(TURN) == [CANCELLED]
+    assert len(payload.given) == 2
+
+
 def test_command_cancel_of_something_else_is_ignored(payload):
     payload.command(TURN, 40, seconds=0.1)
     payload.ground.send(ross.MAVLink_command_cancel_message(1, 191, EXPLORE))

@@ -126,10 +126,13 @@ def test_what_was_set_is_in_force_at_once_and_after_a_restart(file):
         assert again.notes == ()
 
 
-def test_values_that_are_allowed_only_together_come_back_together(file):
-    set_once(Config(), file, EXP_MAX_ROT=20, EXP_MIN_ROT=15)  # EXP_MAX_ROT stands after EXP_MIN_ROT in no order
+@pytest.mark.parametrize(
+    ("first", "then"), [({"EXP_MAX_ROT": 20}, {"EXP_MIN_ROT": 15}), ({"EXP_MIN_ROT": 1}, {"EXP_MAX_ROT": 2})]
+)
+def test_values_that_are_allowed_only_together_come_back_together(file, first, then):
+    set_once(Config(), file, **first, **then)
     with Parameters(Config(), file) as again:
-        assert (again.value("EXP_MIN_ROT"), again.value("EXP_MAX_ROT")) == (15, 20)
+        assert {name: again.value(name) for name in first | then} == first | then
         assert again.notes == ()
 
 
