@@ -130,10 +130,9 @@ def ross_run(noise):
 
 
 class Ground:
-    """pymavlink's mavutil as a ground station that knows what ArduPilot's dialect knows, or ours."""
+    """pymavlink's mavutil as a ground station that knows what ArduPilot's dialect knows."""
 
-    def __init__(self, dialect=ardupilotmega, system_id=255):
-        mavutil.mavlink = dialect
+    def __init__(self, system_id=255):
         self.link = mavutil.mavudp(f"{LOOPBACK}:0", input=True, source_system=system_id, source_component=190)
         self.port = self.link.port.getsockname()[1]
         self.heard = []
@@ -178,12 +177,12 @@ class Ground:
         self.link.close()
 
 
-@pytest.fixture
-def ground_station(monkeypatch):
+@pytest.fixture(scope="module")
+def ground_stations():
     """Make ground stations; they are closed in the end."""
-    monkeypatch.setattr(mavutil, "mavlink", ardupilotmega)
-    monkeypatch.setenv("MAVLINK20", "1")
-    with ExitStack() as stack:
+    with pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
+        patch.setattr(mavutil, "mavlink", ardupilotmega)
+        patch.setenv("MAVLINK20", "1")
 
         def make(**options):
             ground = Ground(**options)
@@ -259,7 +258,7 @@ class Weather:
             self._socket.sendto(*self._held.pop(self._dice.randrange(len(self._held))))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def weather():
     """Make paths of bad weather; they are closed in the end."""
     with ExitStack() as stack:

@@ -60,7 +60,9 @@ def payload(ross_run, free_port, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def client(payload, until, request):
+def client(payload, until, request, tmp_path_factory):
+    patch = pytest.MonkeyPatch()
+    patch.setenv("HOME", str(tmp_path_factory.mktemp("home")))  # it caches metadata there
     kind = mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION)
     with mavsdk.Mavsdk(kind) as sdk:
         assert sdk.add_any_connection(f"udpin://127.0.0.1:{payload.port}") == mavsdk.ConnectionResult.SUCCESS
@@ -69,6 +71,7 @@ def client(payload, until, request):
             xml = request.config.rootpath / "protocols" / "mavlink" / f"{name}.xml"
             client.direct.load_custom_xml(xml.read_text(encoding="utf-8"))
         yield client
+    patch.undo()
 
 
 def test_it_finds_the_component_without_an_autopilot(client):
