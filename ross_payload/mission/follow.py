@@ -33,13 +33,12 @@ def face(context: Context, heading: float, joint: float, reason: str) -> Step[No
     context.keep_frame()
     context.say(TurnStarted(context.time, goal, here.heading_end + goal - here.joint, reason))
     context.holding = follower = _follower(context, heading, goal)
-    correction: float | None = goal
-    latest = context.time + PATIENCE
-    while correction is not None or not follower.there(context.time, context.here):
+    follower.due, latest = goal, context.time + PATIENCE
+    while not follower.there(context.time, context.here):
         if follower.corrected and context.time >= latest:
             return
-        heard = yield from hop(context, goal=correction)
-        correction = follower.correction(context.time, heard)
+        heard = yield from hop(context, goal=follower.take())
+        follower.note(context.time, heard)
 
 
 def reach(context: Context, heading: float) -> float:
@@ -68,13 +67,12 @@ def attend(context: Context, seconds: float) -> Step[Listening]:
     if context.holding is None:
         context.holding = _follower(context, context.here.heading_end, context.here.joint)
     wanted, period, left = round(seconds * context.settings.rate), _Period(), MOST_BACK
-    correction: float | None = None
     while period.samples < wanted:
-        heard = yield from hop(context, goal=correction)
+        heard = yield from hop(context, goal=context.holding.take())
         period.add(heard)
-        correction = context.holding.correction(context.time, heard)
+        context.holding.note(context.time, heard)
         if left and context.holding.unreachable():
-            period, left, correction = _Period(), left - 1, None
+            period, left = _Period(), left - 1
             yield from face(context, context.holding.heading, heard.joint, "the other end of the axis: a limit is near")
     return period.listening()
 

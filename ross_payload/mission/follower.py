@@ -35,25 +35,27 @@ class Follower:
     tolerance: float  # [rad]
     lower: float  # limits of the joint [rad]
     upper: float
+    due: float | None = None  # joint angle that has yet to be sent [rad]
     corrected: bool = False
     near_since: float = math.inf  # time [s]
     trail: deque[tuple[float, float]] = field(default_factory=deque)  # time [s], heading at joint angle 0 [rad]
 
-    def correction(self, time: float, heard: Input) -> float | None:
-        """Take in what was heard until ``time`` [s]; return the next joint angle [rad] when it needs one."""
+    def take(self) -> float | None:
+        """Return the joint angle to send now [rad], if any."""
+        due, self.due = self.due, None
+        return due
+
+    def note(self, time: float, heard: Input) -> None:
+        """Take in what was heard until ``time`` [s]; another joint angle is due when the heading needs one."""
         self.trail.append((time, base(heard)))
         while time - self.trail[0][0] > TRAIL + STILL:
             self.trail.popleft()
         near = abs(wrap_axis(self.heading - heard.heading_end)) <= max(self.tolerance, NEAR)
         self.near_since = min(self.near_since, time) if near else math.inf
         wanted = self._wanted()
-        if abs(wanted - self.goal) <= self.tolerance:
-            return None
         goal = min(max(wanted, self.lower), self.upper)
-        if abs(goal - self.goal) <= STILL:
-            return None
-        self.goal, self.corrected = goal, True
-        return goal
+        if abs(wanted - self.goal) > self.tolerance and abs(goal - self.goal) > STILL:
+            self.goal, self.due, self.corrected = goal, goal, True
 
     def unreachable(self) -> bool:
         """Whether a limit keeps the joint further from the heading than can be borne."""
@@ -62,6 +64,8 @@ class Follower:
 
     def there(self, time: float, heard: Input) -> bool:
         """Whether a turn is over: at rest, or near the heading for a while with no large move to come."""
+        if self.due is not None:
+            return False
         if heard.settled or not self.corrected:
             return heard.settled
         return time - self.near_since >= DWELL and abs(self.goal - heard.joint) <= 2 * max(self.tolerance, NEAR)

@@ -231,7 +231,8 @@ def held(tolerance_deg, seconds=24.0):
         joint = plan.at(time - since)[0]
         errors.append(swing.at(time) + joint)
         heard = Heard(swing.at(time) + joint, joint)
-        goal = follower.correction(time, heard)
+        follower.note(time, heard)
+        goal = follower.take()
         if goal is not None:
             place, speed = plan.at(time - since)
             plan, since, goals = Trapezoid(place, goal, 3.9, 1.96, speed), time, goals + 1
@@ -257,7 +258,8 @@ def test_a_wider_tolerance_moves_less_often():
 def test_a_yaw_that_passes_south_is_no_jump():
     follower = Follower(3.0, 0.0, 0.035, -4.0, 4.0)
     for time, yaw in enumerate((3.0, 3.1, 3.1 + 0.1 - 2 * np.pi)):
-        goal = follower.correction(time * DT, Heard(yaw + follower.goal, follower.goal))
+        follower.note(time * DT, Heard(yaw + follower.goal, follower.goal))
+        goal = follower.take()
         assert goal is None or abs(goal) < 2.0
 
 
@@ -274,3 +276,13 @@ def test_any_tolerance_of_the_configuration_ends_its_turns(degrees):
     one = vehicle(settings=replace(base.SETTINGS, follow=np.deg2rad(degrees)))
     assert one.run().outcome is Outcome.TARGET_FOUND
     assert one.hops * DT < 30
+
+
+def test_a_correction_stays_due_until_it_is_sent():
+    """Also over the end of a listening period: the next one must not believe in a goal that nobody was given."""
+    follower = Follower(0.0, 0.0, 0.035, -4.0, 4.0)
+    follower.note(0.0, Heard(0.1, 0.0))
+    follower.note(0.01, Heard(0.1, 0.0))
+    assert not follower.there(10.0, Heard(0.1, 0.0))
+    assert follower.take() == pytest.approx(-0.1)
+    assert follower.take() is None
