@@ -82,8 +82,8 @@ class Payload:
 
 
 @contextmanager
-def process_of(command, folder):
-    """A process that is told to go in the end, and must go in good order."""
+def process_of(command, folder, code=0):
+    """A process that is told to go in the end, and must go in good order with this exit code."""
     folder.mkdir(parents=True, exist_ok=True)
     log = folder / "log"
     with log.open("w") as file, subprocess.Popen([*ROSS, *command], cwd=folder, stderr=file, stdout=file) as process:
@@ -94,7 +94,7 @@ def process_of(command, folder):
         finally:
             process.terminate()
             process.wait(timeout=60)
-    assert process.returncode == 0, log.read_text()
+    assert process.returncode == code, log.read_text()
     assert "Traceback" not in log.read_text()
 
 
