@@ -90,7 +90,7 @@ class CommandServer:
     def heard(self, heard: Heard) -> None:
         """Take a packet; what is no command, or not for us, passes by."""
         packet = heard.packet
-        origin = self._places.note((packet.system_id, packet.component_id), heard.link, packet.sequence)
+        origin = self._places.note((packet.system_id, packet.component_id), heard.link, packet.sequence, self._now)
         request = command_of(packet.message)
         if request is None or not self._endpoint.meant(request.system_id, request.component_id):
             return

@@ -10,7 +10,8 @@ from ross_payload.orders import Order
 from ross_protocols.commands import Command, Result
 
 RESENT = 5.0  # [s] within which a confirmation above 0 means the same command
-LATE = 30.0  # [s] within which a frame may arrive late; a sender that starts anew counts from 0
+LATE = 30.0  # [s] within which a frame may arrive late
+ANEW = 0.5  # [s] of silence, after which a frame with the number 0 is the first of a sender that has started anew
 MOST = 256  # commands, and senders, that are remembered: random ids cannot fill the memory
 
 Sender = tuple[int, int]  # system id, component id
@@ -33,18 +34,25 @@ class Places:
     """Counts what every sender sends, beyond the 256 sequence numbers of MAVLink.
 
     >>> places = Places()
-    >>> [places.note((255, 190), "udp", sequence).place for sequence in (254, 0, 255, 1)]
+    >>> [places.note((255, 190), "udp", sequence, now=0.0).place for sequence in (254, 0, 255, 1)]
     [254, 256, 255, 257]
+    >>> places.note((255, 190), "udp", 0, now=1.0).place
+    512
     """
 
     def __init__(self) -> None:
-        self._latest: OrderedDict[tuple[Sender, str], int] = OrderedDict()
+        self._latest: OrderedDict[tuple[Sender, str], tuple[int, float]] = OrderedDict()  # place, when [s]
 
-    def note(self, sender: Sender, link: str, sequence: int) -> Origin:
-        """Return the origin of a frame; less than half a round ahead of the latest it is new, else it comes late."""
-        latest = self._latest.pop((sender, link), sequence)
+    def note(self, sender: Sender, link: str, sequence: int, now: float) -> Origin:
+        """Return the origin of a frame; less than half a round ahead of the latest it is new, else it comes late.
+
+        A script that is run once more counts from 0 again: that is new, too.
+        """
+        latest, heard = self._latest.pop((sender, link), (sequence, now))
         place = latest + (sequence - latest + 128) % 256 - 128
-        self._latest[sender, link] = max(latest, place)
+        if sequence == 0 and place <= latest and now - heard > ANEW:
+            place += 256
+        self._latest[sender, link] = max(latest, place), now
         if len(self._latest) > MOST:
             self._latest.popitem(last=False)
         return Origin(sender, link, place)

@@ -524,6 +524,23 @@ def test_what_was_asked_before_a_stop_is_not_obeyed_after_it(payload):
     assert not any(isinstance(order, Rearm) for order in payload.given)
 
 
+def test_a_script_that_is_run_again_is_obeyed_again(payload):
+    """Every run of a script counts its frames from 0."""
+    for number in (REARM, STOP, REARM, TURN):
+        payload.ground = type(payload.ground)(payload.ground.air)
+        assert payload.command(number, seconds=1.0)[-1] == ACCEPTED
+    assert [type(order) for order in payload.given] == [Rearm, Stop, Rearm, TurnTo]
+    assert not payload.stopped
+
+
+def test_a_doubled_first_frame_is_no_new_start(payload):
+    """A frame with the number 0 that comes twice within half a second."""
+    payload.command(RECORD, 1, seconds=0.3)
+    payload.ground = type(payload.ground)(payload.ground.air)
+    payload.command(RECORD, 1, seconds=0.3)
+    assert payload.recorded == [True]
+
+
 class Patient:
     """A client as MAVLink wants it: sends again with a growing confirmation until it is answered."""
 

@@ -376,6 +376,20 @@ def test_arming_fails_while_the_fault_is_there_and_finding_the_zero_clears_it(be
     assert bench.over(3).answer is Answer.DONE
 
 
+@pytest.mark.parametrize("hops", range(6))
+def test_a_stop_while_the_zero_is_looked_for_is_obeyed_whenever_it_comes(bench, hops):
+    bench.hop(Home(number=1))
+    for _ in range(hops):
+        bench.hop()
+    bench.hop(Stop(number=2))
+    bench.hop()
+    bench.hop()
+    bench.hop()
+    assert bench.answers(2) == [Answer.ACCEPTED]
+    assert bench.stopped
+    assert bench.state() is State.STOPPED
+
+
 def test_a_setting_holds_from_the_next_task_on(bench):
     bench.hop(Explore(number=1))
     bench.hop(Set("EXP_UNIT", 9.0, number=2))
