@@ -19,7 +19,7 @@ from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Observer
 from ross_sim.casting import Company
 from ross_sim.clock import SimClock
-from ross_sim.far_end import far_end_of
+from ross_sim.far_end import FarEnd, far_end_of
 from ross_sim.live import View
 from ross_sim.live_world import STRETCH
 from ross_sim.outdir import OutDir
@@ -50,38 +50,51 @@ def serve(
     ConfigError
         When there is no link, so that nobody could order anything.
     """
-    service = scenario.payload.service.model_copy(update={"target": company.target})
-    config = scenario.payload.model_copy(update={"service": service})
-    if not config.links:
+    if not scenario.payload.links:
         raise ConfigError("--serve: wanted --telemetry URL, where orders come in")
-    clock = SimClock()
+    scenario = _adapted(scenario, company, always=tape is not None)
     with ExitStack() as stack, threadpool_limits(limits=1):
-        state = Path(stack.enter_context(TemporaryDirectory(prefix="ross-sitl-")))
-        if tape is not None:
-            always = config.recording.model_copy(update={"always": True})
-            config = config.model_copy(update={"recording": always})
-        links = stack.enter_context(Links.open(config.links, clock, system_id=config.telemetry.system_id, state=state))
-        far_end, cast = far_end_of(config), scenario.cast(company.voices)
-        world = World(scenario, cast.talkers, far_end, clock, config.seed)
+        cast = scenario.cast(company.voices)
+        far_end = far_end_of(scenario.payload)
+        world = World(scenario, cast.talkers, far_end, SimClock(), scenario.payload.seed)
+        parts = _parts(scenario, company, world, far_end=far_end, tape=tape, stack=stack)
         truth = stack.enter_context(TruthWriter(out, world.rate, len(cast.talkers)))
-        mount, timebase = aboard(scenario, clock, links)
-        parts = Parts(
-            clock=clock,
-            source=world.source,
-            open_port=lambda url: far_end.port,
-            links=links,
-            mount=mount,
-            timebase=timebase,
-            parameters=stack.enter_context(Parameters(config, state / "params.toml")),
-            shelf=Shelf(tape or state / "recordings"),
-            drained=drained(clock),
-            voiceprint=company.voiceprint,
-        )
         observers: list[Observer] = [view, Following(world, truth), *([Pace(speed)] if speed else [])]
         with assembled(parts, tuple(observers)) as runner, on_signal(lambda: runner.order(Shutdown())):
             runner.run()
         truth.take(world.take())
         truth.finish(facts(scenario, cast) | {"complaints": far_end.complaints()})
+
+
+def _adapted(scenario: Scenario, company: Company, *, always: bool) -> Scenario:
+    """The scenario with a payload that seeks the target, and records from start to end when ``always``."""
+    config = scenario.payload
+    service = config.service.model_copy(update={"target": company.target})
+    recording = config.recording.model_copy(update={"always": always})
+    return scenario.model_copy(
+        update={"payload": config.model_copy(update={"service": service, "recording": recording})}
+    )
+
+
+def _parts(
+    scenario: Scenario, company: Company, world: World, *, far_end: FarEnd, tape: Path | None, stack: ExitStack
+) -> Parts:
+    config, clock = scenario.payload, world.clock
+    state = Path(stack.enter_context(TemporaryDirectory(prefix="ross-sitl-")))
+    links = stack.enter_context(Links.open(config.links, clock, system_id=config.telemetry.system_id, state=state))
+    mount, timebase = aboard(scenario, clock, links)
+    return Parts(
+        clock=clock,
+        source=world.source,
+        open_port=lambda url: far_end.port,
+        links=links,
+        mount=mount,
+        timebase=timebase,
+        parameters=stack.enter_context(Parameters(config, state / "params.toml")),
+        shelf=Shelf(tape or state / "recordings"),
+        drained=drained(clock),
+        voiceprint=company.voiceprint,
+    )
 
 
 class Following:

@@ -1,4 +1,7 @@
-"""A live mission through a real sound card path: `ross world` feeds PulseAudio, the payload listens by PortAudio."""
+"""A payload in real time beside `ross world` hears, turns and finds what a mission in lock-step does.
+
+Over TCP, and through a real sound system: the world feeds PulseAudio, the payload listens by PortAudio.
+"""
 
 import ctypes.util
 import json
@@ -12,36 +15,35 @@ from pathlib import Path
 
 import pytest
 
-from ross_sim.casting import company_of
-from ross_sim.live import Silent
-from ross_sim.scenario import load
-from ross_sim.session import perform
-
-PAYLOAD = Path(__file__).parents[1] / "sitl" / "live_payload.py"
+PAYLOAD = Path(__file__).with_name("live_payload.py")
 PULSE_PLUGIN = "libasound_module_pcm_pulse.so"
 SHORT = """
-title = "a short mission through a sound card"
+title = "a short mission in real time"
+target = 2
 [payload.explore]
 lead_in_s = 2.0
-unit_s = 1.5
-min_rotations = 2
-max_rotations = 2
+unit_s = 2.0
+min_rotations = 3
+max_rotations = 3
 [payload.exploit]
-check_s = 1.0
-run_s = 3.0
+check_s = 1.5
+run_s = 6.0
 max_restarts = 0
 [noise]
 snr_db = 25
 [[talkers]]
 azimuth_deg = 40
+start_s = 2.3
 [[talkers]]
 azimuth_deg = 155
+start_s = 2.3
 [[talkers]]
 azimuth_deg = -80
+start_s = 2.3
 """
 PATIENT = """
 [payload.actuator.options]
-segment_ms = 50
+ahead_ms = 100
 """
 SIX = """
 [payload.explore]
@@ -94,22 +96,19 @@ def wait_for(condition, seconds=20.0):
         time.sleep(0.05)
 
 
-def flown(scenario, folder, sound_card):
-    """Fly; once again when this computer was too busy to keep up."""
-    pipe, environment = sound_card
-    for attempt in range(3):
-        command = [sys.executable, PAYLOAD, scenario, folder / str(attempt), pipe]
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=280)
-        assert done.returncode == 0, done.stderr
-        report = json.loads(done.stdout)
-        if not report["lost"] and "ran out" not in report["reason"]:
-            return report
-    pytest.skip(f"this computer is too busy for real time: {report['lost']} samples lost, {report['reason']}")
+def fly(scenario, folder, *pipe, environment=None):
+    """Fly live and in lock-step; the two reports."""
+    command = [sys.executable, PAYLOAD, scenario, folder / "flown", *pipe]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=290)
+    assert done.returncode == 0, done.stderr
+    reports = json.loads(done.stdout)
+    live = reports["live"]
+    if live["lost"] or "ran out" in live["reason"]:
+        pytest.skip(f"this computer is too busy for real time: {live['lost']} samples lost, {live['reason']}")
+    return live, reports["lock_step"]
 
 
-def held_against_lock_step(name, live):
-    scenario = load(name)
-    lock_step = perform(scenario, company_of(scenario, None, None), Silent(), None, None).report
+def agree(live, lock_step):
     assert (live["world"], live["complaints"]) == (0, [])
     assert live["differs"] == 0.0  # not a bit of the sound was lost or changed on the way
     assert live["outcome"] == lock_step["outcome"] == "target_found"
@@ -122,14 +121,25 @@ def gain(report):
     return next(group["si_sdri_db"] for group in report["groups"] if group["target"])
 
 
-def test_a_short_mission_through_a_sound_card_is_that_of_lock_step(sound_card, tmp_path):
+@pytest.fixture
+def short(tmp_path):
     path = tmp_path / "short.toml"
     path.write_text(SHORT + PATIENT)
-    held_against_lock_step(path, flown(path, tmp_path, sound_card))
+    return path
+
+
+def test_over_tcp_a_short_mission_is_that_of_lock_step(short, tmp_path):
+    agree(*fly(short, tmp_path))
+
+
+def test_through_a_sound_card_a_short_mission_is_that_of_lock_step(sound_card, short, tmp_path):
+    pipe, environment = sound_card
+    agree(*fly(short, tmp_path, pipe, environment=environment))
 
 
 @pytest.mark.soak
-def test_the_demo_through_a_sound_card_is_that_of_lock_step(sound_card, tmp_path):
+def test_through_a_sound_card_the_demo_is_that_of_lock_step(sound_card, tmp_path):
     path = tmp_path / "demo.toml"
     path.write_text((SCENARIOS / "demo.toml").read_text() + PATIENT + SIX)
-    held_against_lock_step(path, flown(path, tmp_path, sound_card))
+    pipe, environment = sound_card
+    agree(*fly(path, tmp_path, pipe, environment=environment))
