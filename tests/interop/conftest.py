@@ -170,6 +170,38 @@ class Ground:
         self.command(number, *values, system=system)
         return self.wait("COMMAND_ACK", lambda ack: ack.command == number, seconds, before).result
 
+    def obeyed(self, number, *values, seconds=60.0):
+        """Command, and again as clients do, until it is known what finally becomes of it."""
+        before, end = len(self.of("COMMAND_ACK")), time.monotonic() + seconds
+        for confirmation in range(256):
+            self.command(number, *values, confirmation=confirmation)
+            again = time.monotonic() + 0.4
+            while time.monotonic() < again:
+                acks = [ack for ack in self.of("COMMAND_ACK")[before:] if ack.command == number]
+                over = [ack.result for ack in acks if ack.result != ardupilotmega.MAV_RESULT_IN_PROGRESS]
+                if over:
+                    return over[0]
+                time.sleep(0.01)
+            assert time.monotonic() < end, f"no answer to {number}"
+
+    def set(self, name, value):
+        """Set a parameter, and again until the payload says that it is so."""
+        for _ in range(50):
+            kind = ardupilotmega.MAV_PARAM_TYPE_REAL32
+            self.link.mav.send(ardupilotmega.MAVLink_param_set_message(1, 191, name.encode(), value, kind))
+            self.rest(0.3)
+            told = [one.param_value for one in self.of("PARAM_VALUE") if one.param_id == name]
+            if told and told[-1] == value:
+                return
+        raise AssertionError(f"{name} was never set")
+
+    def rest(self, seconds):
+        """Only listen."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.listen()
+            time.sleep(0.01)
+
     def texts(self):
         return [one.text for one in self.of("STATUSTEXT")]
 
