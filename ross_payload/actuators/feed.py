@@ -1,4 +1,4 @@
-"""Hands a train of edges to a pulse port in short segments, and knows what is out and what is still open."""
+"""Hands a train of edges to a pulse port a little ahead of time, and knows what is out and what is still open."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ross_payload.actuators.steps import Interface, Signs, Train, Wires, after, 
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import Port, Real
 
-AHEAD = 2  # segments handed over and not yet reported
+SHORTEST = 0.001  # of a segment that is not the last [s]
 OVERDUE = 0.020  # how late a report may be before what is known counts as old [s]
 
 
 class Feed:
-    """Segments of at most ``length`` [s], two ahead; the future is open from `committed` on.
+    """Segments up to ``ahead`` [s] beyond the present; the future is open from `committed` on.
 
     Parameters
     ----------
@@ -27,14 +27,14 @@ class Feed:
         Timing and polarity of the edges.
     resolution : float
         One step [rad].
-    length : float
-        Of a segment [s].
+    ahead : float
+        So far ahead of time edges are handed over [s].
     """
 
-    def __init__(self, interface: Interface, resolution: float, length: float) -> None:
+    def __init__(self, interface: Interface, resolution: float, ahead: float) -> None:
         self._interface = interface
         self._resolution = resolution
-        self._length = length
+        self._ahead = ahead
         self._port: Port | None = None
         self._wires = Wires()
         self._rest = Train(np.empty(0, EDGE), np.empty(0), np.empty(0, np.int64), -math.inf)
@@ -87,14 +87,14 @@ class Feed:
         self._rest = train(plan, begin, self._wires, self._interface, self._resolution)
 
     def top_up(self, now: float) -> None:
-        """Hand over segments until two end after ``now`` [s]; reports come too late to wait for them."""
-        while self.pending and sum(end > now for end in self._outstanding) < AHEAD:
-            self._hand_over()
+        """Hand over what comes next, up to ``ahead`` after ``now`` [s]; reports come too late to wait for them."""
+        if self.pending and now + self._ahead - self.committed >= SHORTEST:
+            self._hand_over(now + self._ahead)
 
     def flush(self) -> None:
         """Hand over all the rest at once."""
-        while self.pending:
-            self._hand_over()
+        if self.pending:
+            self._hand_over(math.inf)
 
     def switch(self, line: Line, level: bool, begin: float, duration: float) -> None:
         """Hand over one edge at ``begin`` [s], and let nothing follow for ``duration`` [s]."""
@@ -118,18 +118,19 @@ class Feed:
         oldest = self._outstanding[0] if self._outstanding else now
         return now if oldest + OVERDUE >= now else oldest
 
-    def _hand_over(self) -> None:
-        """Cut the next segment off the train and send it."""
+    def _hand_over(self, until: float) -> None:
+        """Cut what comes before ``until`` [s] off the train and send it."""
         rest, start = self._rest, self.committed
-        last = rest.end - start <= self._length
-        n_edges = len(rest.edges) if last else int(np.searchsorted(rest.edges["time"], start + self._length))
-        n_steps = len(rest.steps) if last else int(np.searchsorted(rest.steps, start + self._length))
+        last = rest.end <= until
+        end = rest.end if last else until
+        n_edges = len(rest.edges) if last else int(np.searchsorted(rest.edges["time"], end))
+        n_steps = len(rest.steps) if last else int(np.searchsorted(rest.steps, end))
         edges, steps, signs = rest.edges[:n_edges], rest.steps[:n_steps], rest.signs[:n_steps]
         self._wires = after(self._wires, edges, steps, signs, self._interface)
         self._recent.append((steps, signs))
         relative = edges.copy()
         relative["time"] -= start
-        self._send(relative, rest.end - start if last else self._length)
+        self._send(relative, end - start)
         end = self.committed if last else rest.end
         self._rest = Train(rest.edges[n_edges:], rest.steps[n_steps:], rest.signs[n_steps:], end)
 

@@ -1,7 +1,7 @@
 """A stepper motor behind a TB6600 module: open loop, every edge computed before it is due.
 
-A goal becomes a trapezoid, the trapezoid a list of edges, and the edges segments of at most 50 ms, two of them ahead
-of time. A stop or a new goal plans again from the end of the last segment handed over, with continuous velocity.
+A goal becomes a trapezoid, the trapezoid a list of edges, and the edges are handed over in segments, 40 ms ahead of
+time. A stop or a new goal plans again from the end of the last segment handed over, with continuous velocity.
 Feedback is a model: the angle is the steps handed over whose time has come. Nobody measures, so the position is
 unknown after power-up (unless declared), after `release` and after a fault, until `home` declares it.
 
@@ -45,7 +45,7 @@ class Options(Table):
     direction_hold_us: Annotated[float, Field(ge=1, le=1000)] = 20.0
     enable_lead_ms: Annotated[float, Field(ge=0, le=1000)] = 5.0
     max_pulse_rate_hz: Annotated[float, Field(ge=10, le=200_000)] = 15_000.0
-    segment_ms: Annotated[float, Field(ge=15, le=50)] = 20.0  # two of them are a stop's latency
+    ahead_ms: Annotated[float, Field(ge=20, le=100)] = 40.0  # a stop's latency, and the longest pause of the program
     settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # after the last step, for the ringing
     zero: Literal["declared", "unknown"] = "declared"  # declared: the array stands at its zero when opened
 
@@ -108,7 +108,7 @@ class Tb6600:
         self._options = options
         self._services = services
         self._step = options.resolution
-        self._feed = Feed(options.interface, self._step, options.segment_ms * 1e-3)
+        self._feed = Feed(options.interface, self._step, options.ahead_ms * 1e-3)
         self._requests: SimpleQueue[_Move | _Ask] = SimpleQueue()
         self._motions = deque([_Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), -math.inf)])  # by begin, the last is the plan
         self._enabled: bool | None = None
