@@ -24,7 +24,7 @@ from ross_sim.live_world import LiveWorld
 from ross_sim.outdir import OutDir
 from ross_sim.outlets import Fifo, Outlet, PcmServer
 from ross_sim.realtime import RealTime
-from ross_sim.scenario import Scenario
+from ross_sim.scenario import Cast, Scenario
 from ross_sim.signals import on_signal
 from ross_sim.truth import TruthWriter, facts
 from ross_sim.wires import WireServer, side_of
@@ -64,13 +64,10 @@ def run(scenario: Scenario, sockets: Sockets, wishes: Wishes, out: OutDir | None
     LinkError
         When a port is taken.
     """
+    cast = _cast(scenario, wishes)
     ended = threading.Event()
     with on_signal(ended.set), ExitStack() as stack, threadpool_limits(limits=1):
         config = scenario.payload
-        with waiting(wishes.as_json, f"{scenario.title}: preparing the voices"):
-            cast = scenario.cast(company_of(scenario, wishes.speech, None).voices)
-        if wishes.enrolment is not None:
-            write_wav(wishes.enrolment, cast.target.enrolment, cast.target.rate)
         clock, wall, far_end = SimClock(), SystemClock(), far_end_of(config)
         world = World(later(scenario, wishes.quiet), cast.talkers, far_end, clock, config.seed)
         truth = stack.enter_context(TruthWriter(out, world.rate, len(cast.talkers)))
@@ -84,15 +81,18 @@ def run(scenario: Scenario, sockets: Sockets, wishes: Wishes, out: OutDir | None
         doors: list[PcmServer | WireServer]
         doors = [outlet for outlet in outlets if isinstance(outlet, PcmServer)] or [server]
         live.live(lambda: wishes.at_once or any(door.used for door in doors), ended.is_set)
-        truth.finish(
-            facts(scenario, cast)
-            | live.account()
-            | {
-                "quiet_s": wishes.quiet,
-                "late_s": round(real_time.worst, 3),
-                "complaints": far_end.complaints(),
-            }
-        )
+        how = {"quiet_s": wishes.quiet, "late_s": round(real_time.worst, 3), "complaints": far_end.complaints()}
+        truth.finish(facts(scenario, cast) | live.account() | how)
+
+
+def _cast(scenario: Scenario, wishes: Wishes) -> Cast:
+    if scenario.vehicle is not None:
+        raise ConfigError("a vehicle needs its autopilot, which ross world does not have: wanted ross sitl --serve")
+    with waiting(wishes.as_json, f"{scenario.title}: preparing the voices"):
+        cast = scenario.cast(company_of(scenario, wishes.speech, None).voices)
+    if wishes.enrolment is not None:
+        write_wav(wishes.enrolment, cast.target.enrolment, cast.target.rate)
+    return cast
 
 
 def later(scenario: Scenario, seconds: float) -> Scenario:
