@@ -136,6 +136,28 @@ class Decoder:
         self._framer.buffer += data
         return list(self._packets(most))
 
+    @property
+    def waiting(self) -> bool:
+        """Whether something that may be a frame has begun, and is kept until its rest comes."""
+        return bool(self._framer.buffer)
+
+    def settle(self) -> list[Packet]:
+        """Wait no longer for the rest of a frame, because it was silent; return what stands behind its beginning.
+
+        A damaged length promises more than ever comes: what follows, a stop perhaps, must not wait for it.
+        """
+        packets = self.feed(b"")
+        while self.waiting:
+            size = self._framer.size()
+            if size is None:
+                self.bad += 1
+                self._framer.skip(1)
+            else:  # nothing follows that could prove it wrong
+                self.unknown += 1
+                del self._framer.buffer[:size]
+            packets += self.feed(b"")
+        return packets
+
     def _packets(self, most: int | None) -> Iterator[Packet]:
         buffer = self._framer.buffer
         self.behind = True

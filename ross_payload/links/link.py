@@ -14,6 +14,7 @@ from ross_payload.links.signing import Guardian
 from ross_protocols.codec import Decoder, Encoder, Packet
 from ross_protocols.signing import SIGNATURE_SIZE, is_signed
 
+SILENCE = 0.2  # [s] after which the rest of a frame is not waited for any longer
 LOOKS = 200  # at what may be a frame, in one call: a flood cannot hold up who polls
 SERIAL_SHARE = 0.5  # of a serial line's bytes that we may use
 BITS_PER_BYTE = 10  # on a serial line: start bit, eight, stop bit
@@ -53,6 +54,7 @@ class Link:
         self._number = number % 256  # the link id of our signatures
         self._guardian = guardian
         self._decoder = Decoder()
+        self._heard = now  # when something came last [s]
         self._encoders: dict[Sender, Encoder] = {}
         self._baud = port.counts.baud
         self._budget = Budget(rate_of(config, self._baud), now)
@@ -78,16 +80,24 @@ class Link:
         if self._port.counts.baud != self._baud:  # it was found by listening
             self._baud = self._port.counts.baud
             self._budget = Budget(rate_of(self.config, self._baud), now)
-        data = b"" if self._decoder.behind else b"".join(self._port.receive())
-        if not data and not self._decoder.behind:
-            return
-        self._counts["received_bytes"] += len(data)
-        for packet in self._decoder.feed(data, LOOKS):
+        for packet in self._packets(now):
             self._counts["received"] += 1
             if self._guardian is None or self._guardian.believes(packet, now):
                 yield packet
             else:
                 self._counts["refused"] += 1
+
+    def _packets(self, now: float) -> list[Packet]:
+        """Parse what has arrived; after a silence also what stands behind the beginning of a frame that never ended."""
+        data = b"" if self._decoder.behind else b"".join(self._port.receive())
+        if data:
+            self._heard = now
+            self._counts["received_bytes"] += len(data)
+        if data or self._decoder.behind:
+            return self._decoder.feed(data, LOOKS)
+        if self._decoder.waiting and now - self._heard > SILENCE:
+            return self._decoder.settle()
+        return []
 
     def may_order(self, packet: Packet) -> bool:
         """Tell whether the sender of a packet may order something."""
