@@ -124,11 +124,12 @@ class Session:
                     self._answer(order, Answer.ACCEPTED, "nothing is going on")
 
     def _rearm(self, order: Order) -> Step[None]:
+        """Forget the stop, as the guard does; a fault that remains is one that `Home` may clear."""
+        self._stopped, self._fault = False, ""
         heard = yield from self._hop(Output(rearm=True))
         if heard.fault:
             self._answer(order, Answer.REFUSED, heard.fault)
         else:
-            self._stopped = False
             self._enter(State.IDLE, "armed again")
             self._answer(order, Answer.ACCEPTED)
 

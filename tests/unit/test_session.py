@@ -376,6 +376,23 @@ def test_arming_fails_while_the_fault_is_there_and_finding_the_zero_clears_it(be
     assert bench.over(3).answer is Answer.DONE
 
 
+def test_a_stop_after_a_fault_does_not_keep_the_zero_from_being_found(bench):
+    bench.fault = "position lost"
+    bench.hop()
+    bench.hop(Stop(number=1))
+    bench.hop(Rearm(number=2))
+    bench.hop()
+    bench.hop()
+    assert bench.answers(2) == [Answer.REFUSED]
+    assert bench.state() is State.FAULT
+    bench.hop(Home(number=3))
+    assert bench.over(3).answer is Answer.DONE
+    bench.hop(Rearm(number=4))
+    bench.hop()
+    bench.hop()
+    assert bench.answers(4) == [Answer.ACCEPTED]
+
+
 @pytest.mark.parametrize("hops", range(6))
 def test_a_stop_while_the_zero_is_looked_for_is_obeyed_whenever_it_comes(bench, hops):
     bench.hop(Home(number=1))
