@@ -54,13 +54,15 @@ def sought(session: Session, store: VoiceStore, inputs: Callable[[], int], *, sa
         When the voice is neither enrolled here nor kept with the session, and the configuration is another one.
     """
     name, kept = session.manifest.voice, session.path / NAME
+    synthetic = kept.exists()  # a person who is enrolled under this name is somebody else
     if not name:
         return Sought(None, "")
-    if name in store.names():
+    if name in store.names() and not synthetic:
         return Sought(store.load(name), f"the voice '{name}' as it is enrolled here")
     if same:
-        return Sought(Answers(iter(session.scores()), inputs), f"recorded answers: no voice '{name}' is enrolled here")
-    if kept.exists():
+        why = f"'{name}' is synthetic" if synthetic else f"no voice '{name}' is enrolled here"
+        return Sought(Answers(iter(session.scores()), inputs), f"recorded answers: {why}")
+    if synthetic:
         return Sought(restored(kept), f"the synthetic voice '{name}', kept with the session")
     raise ConfigError(
         f"the session looks for the voice '{name}', which is not enrolled here: "

@@ -201,6 +201,17 @@ def test_without_the_voice_recorded_answers_serve_the_same_mission_only(taped, t
     assert "not enrolled here" in error
 
 
+def test_a_person_of_the_same_name_is_not_taken_for_a_synthetic_talker(taped, tmp_path, run, monkeypatch):
+    """As for who has enrolled the target of a simulated scenario."""
+    out, session = taped
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    assert run("enroll", json.loads((session / "session.json").read_text())["voice"], out / "mixture.wav")[0] == 0
+    code, values = replayed(session, tmp_path / "out", run)
+    assert (code, values["identical"]) == (0, True)
+    _, values = replayed(session, tmp_path / "out", run, "exploit.criterion=0.5")
+    assert "synthetic" in values["voice"]
+
+
 def test_a_file_stands_for_a_configuration_of_another_version(taped, tmp_path, run):
     copied = tmp_path / "0001"
     shutil.copytree(taped[1], copied)
