@@ -1,0 +1,184 @@
+"""A peer that does not stop talking: the payload hears every sample and says once a second that it is there."""
+
+import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ross_protocols.codec import Decoder, Encoder
+from ross_protocols.dialect import common
+from ross_protocols.pcm import Header, encode, encode_header
+from ross_protocols.values import Audio, Heartbeat
+
+RATE, PIECE = 16000, 320  # [Hz], samples
+ENDLESS = """
+import socket, sys, time
+frames, (host, port) = open(sys.argv[1], "rb").read().split(b"|||"), sys.argv[2].split(":")
+count, burst = float(sys.argv[3]) * 5000, 50
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+    begin, sent = time.monotonic(), 0
+    while sent < count:
+        for _ in range(burst):
+            sock.sendto(frames[sent % len(frames)], (host, int(port)))
+            sent += 1
+        time.sleep(max(begin + sent / 5000 - time.monotonic(), 0))
+    print(sent / (time.monotonic() - begin))
+"""
+CONFIG = """
+[audio]
+source = "tcp:127.0.0.1:{noise}"
+[actuator]
+kind = "tb6600"
+[service]
+state_dir = "state"
+log_format = "json"
+"""
+
+
+class Microphones:
+    """Two channels of noise over TCP, in real time."""
+
+    def __init__(self):
+        samples = np.random.default_rng(0).normal(0, 0.01, (RATE, 2)).astype(np.float32)
+        header = Header(RATE, 2)
+        self._pieces = [encode(samples[at : at + PIECE], header.format) for at in range(0, RATE, PIECE)]
+        self._header = encode_header(header)
+        self._server = socket.create_server(("127.0.0.1", 0))
+        self.port = self._server.getsockname()[1]
+        self._thread = threading.Thread(target=self._play)
+        self._thread.start()
+
+    def _play(self):
+        payload, _ = self._server.accept()
+        with payload:
+            begin, count = time.monotonic(), 0
+            try:
+                payload.sendall(self._header)
+                while True:
+                    payload.sendall(self._pieces[count % len(self._pieces)])
+                    count += 1
+                    time.sleep(max(begin + count * PIECE / RATE - time.monotonic(), 0))
+            except OSError:
+                return  # the payload is gone
+
+    def close(self):
+        self._server.close()
+        self._thread.join()
+
+
+class Listener:
+    """A ground station that notes when it hears what."""
+
+    def __init__(self):
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind(("127.0.0.1", 0))
+        self._socket.settimeout(0.05)
+        self.port = self._socket.getsockname()[1]
+        self._decoder = Decoder()
+        self.beats, self.audio = [], []
+
+    def listen(self):
+        try:
+            packets = self._decoder.feed(self._socket.recv(2048))
+        except TimeoutError:
+            return
+        self.beats += [time.monotonic() for packet in packets if isinstance(packet.value, Heartbeat)]
+        self.audio += [packet.value for packet in packets if isinstance(packet.value, Audio)]
+
+    def close(self):
+        self._socket.close()
+
+
+def chatter():
+    """A second of what a peer may say: half of it asks for an answer."""
+    encoder = Encoder(9, 1)
+    ask = {"param1": 54001, **{f"param{index}": 0 for index in range(2, 8)}}
+    kinds = [
+        common.MAVLink_attitude_message(1, 0.1, 0.2, 0.3, 0, 0, 0),
+        common.MAVLink_param_request_list_message(1, 191),
+        common.MAVLink_global_position_int_message(1, 2, 3, 4, 5, 6, 7, 8, 9),
+        common.MAVLink_command_long_message(1, 191, 512, 0, **ask),
+    ]
+    return b"|||".join(encoder.encode(kinds[index % len(kinds)]) for index in range(1024))
+
+
+def preferred(pid):
+    """Let a process go before others, as its service does, where we may."""
+    if os.geteuid() == 0:
+        for task in Path(f"/proc/{pid}/task").iterdir():
+            os.setpriority(os.PRIO_PROCESS, int(task.name), -5)
+
+
+@pytest.fixture
+def microphones():
+    microphones = Microphones()
+    yield microphones
+    microphones.close()
+
+
+@pytest.fixture
+def ground():
+    ground = Listener()
+    yield ground
+    ground.close()
+
+
+def flooded(payload, ground, port, frames, seconds):
+    """Flood; return how many messages came a second, the longest time without a heartbeat, and the samples lost."""
+    preferred(payload.process.pid)
+    command = [sys.executable, "-c", ENDLESS, frames, f"127.0.0.1:{port}", str(seconds)]
+    until_heard(ground, 3)
+    lost, begun = ground.audio[-1].lost, time.monotonic()
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as peer:
+        while peer.poll() is None:
+            ground.listen()
+        rate = float(peer.communicate()[0])
+    until_heard(ground, len(ground.audio) + 2)
+    beats = [begun, *(beat for beat in ground.beats if beat > begun)]
+    gap = max(later - sooner for sooner, later in pairwise(beats))
+    return rate, gap, ground.audio[-1].lost - lost
+
+
+def until_heard(ground, count):
+    end = time.monotonic() + 30
+    while len(ground.audio) < count:
+        ground.listen()
+        assert time.monotonic() < end, "nothing is heard of the microphones"
+
+
+@pytest.fixture
+def endure(ross_run, free_port, microphones, ground, tmp_path):
+    """Let a payload endure a flood of so many seconds; see `flooded`."""
+
+    def run(seconds):
+        port, frames = free_port(), tmp_path / "frames"
+        frames.write_bytes(chatter())
+        links = [f'url = "udpout:127.0.0.1:{ground.port}"', f'url = "udpin:127.0.0.1:{port}"']
+        with ross_run(tmp_path, *links, config=CONFIG.format(noise=microphones.port)) as payload:
+            rate, gap, lost = flooded(payload, ground, port, frames, seconds)
+        print(f"{rate:.0f} messages/s for {seconds} s: {gap:.2f} s between heartbeats, {lost} samples lost")  # noqa: T201
+        return rate, gap, lost
+
+    return run
+
+
+def test_a_flood_costs_no_sample_and_no_heartbeat(endure):
+    rate, gap, lost = endure(2)
+    assert rate > 2500, "this computer is too busy to flood"
+    assert lost == 0
+    assert gap < 3.0  # 1.5 s on a computer that has nothing else to do
+
+
+@pytest.mark.soak
+def test_ten_seconds_of_a_flood(endure):
+    rate, gap, lost = endure(10)
+    assert rate > 4900
+    assert lost == 0
+    assert gap < 1.5
