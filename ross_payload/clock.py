@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cache
 
 TICK = 0.010  # [s]
 URGENCY = 10  # real-time priority of the pump, above everything ordinary and below the kernel's own threads
@@ -16,11 +17,16 @@ TIMEX = 512  # more than the size of Linux's struct timex [bytes]
 UNSYNCHRONISED = 5  # TIME_ERROR of adjtimex
 
 
+@cache
+def _libc() -> ctypes.CDLL:
+    return ctypes.CDLL(None)
+
+
 def synchronised_time() -> float | None:
     """Return the UNIX time [s] when the kernel's clock is kept right by NTP or the like, else None."""
     asked = ctypes.create_string_buffer(TIMEX)  # all zero: only ask
     try:
-        state = ctypes.CDLL(None).adjtimex(asked)
+        state = _libc().adjtimex(asked)
     except (OSError, AttributeError):  # not Linux
         return None
     return None if state in (-1, UNSYNCHRONISED) else time.time()
