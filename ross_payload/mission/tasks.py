@@ -199,11 +199,9 @@ def _home(context: Context) -> Step[Result]:
     end = context.samples + round(HOMING * context.settings.rate)
     heard = yield from exchange(context, Output(home=True))
     obey(context, heard.orders)
-    while not heard.settled and context.samples < end:
-        heard = yield from exchange(context)
+    while (heard.fault or not heard.settled) and context.samples < end:  # nothing settles before it is armed
+        heard = yield from exchange(context, Output(rearm=True))
         obey(context, heard.orders)
-    heard = yield from exchange(context, Output(rearm=True))
-    obey(context, heard.orders)
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)
     return Result(Outcome.COMPLETED, "the zero is known")

@@ -137,7 +137,14 @@ class Bench:
         block = AudioBlock(samples, self.hops * HOP, self.hops * HOP / RATE)
         self.hops += 1
         heard = Input(
-            block, begin, self.joint, self.joint, self.moving == 0, Attitude(0.0, known=self.known), self.fault, orders
+            block,
+            begin,
+            self.joint,
+            self.joint,
+            self.moving == 0 and not self.fault,
+            Attitude(0.0, known=self.known),
+            self.fault,
+            orders,
         )
         try:
             self.output = self.brain.send(heard)
@@ -370,8 +377,10 @@ def test_arming_fails_while_the_fault_is_there_and_finding_the_zero_clears_it(be
     bench.hop()
     bench.hop()
     assert bench.answers(1) == [Answer.REFUSED]
+    begun = bench.hops
     bench.hop(Home(number=2))
     assert bench.over(2).answer is Answer.DONE
+    assert bench.hops < begun + 20, "what is not armed never settles"
     bench.hop(Park(number=3))
     assert bench.over(3).answer is Answer.DONE
 
