@@ -68,6 +68,11 @@ class SystemClock:
         time.sleep(max(duration, 0.0))
         self.check()
 
+    @property
+    def failed(self) -> bool:
+        """Whether a periodic call has raised."""
+        return self._failure is not None
+
     def check(self) -> None:
         """Raise when a periodic call has raised.
 

@@ -28,12 +28,12 @@ from ross_payload.links import Links
 from ross_payload.logs import LogObserver, logging_to
 from ross_payload.mount import mount_of
 from ross_payload.notify import MISSION, Manager, Watchdog
-from ross_payload.orders import Shutdown
+from ross_payload.orders import Shutdown, Stop
 from ross_payload.parameters import Parameters
 from ross_payload.recording.recorder import in_background
 from ross_payload.recording.shelf import Shelf
 from ross_payload.service.latch import StopLatch
-from ross_payload.service.payload import Parts, assembled
+from ross_payload.service.payload import POLL, Parts, assembled
 from ross_payload.service.runner import Runner
 from ross_payload.timebase import Timebase
 from ross_payload.voiceprint import VoiceStore
@@ -60,7 +60,9 @@ def live(config: Config) -> None:
         watchdog = Watchdog(manager, clock, {MISSION: PATIENCE * config.audio.buffer_s})
         latch = StopLatch(state_folder(config) / "stopped")
         parts = stack.enter_context(_parts(config, clock, latch))
-        runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, Pumping(clock), latch)))
+        pumping = Pumping(clock)
+        runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, pumping, latch)))
+        stack.callback(clock.every(POLL, lambda: pumping.poll(runner)))
         cancel = watchdog.start()
         if cancel is not None:
             stack.callback(cancel)
@@ -92,10 +94,17 @@ def state_folder(config: Config) -> Path:
 
 
 class Pumping:
-    """An observer that ends the mission when the pump is dead: nobody would poll the motor's driver."""
+    """An observer that ends the mission when a call of the pump has died; before that the motor decelerates."""
 
     def __init__(self, clock: SystemClock) -> None:
         self._clock = clock
+        self._stopped = False
+
+    def poll(self, runner: Runner) -> None:
+        """Stop the motor, on the pump: the mission's thread may be computing for seconds."""
+        if not self._stopped and self._clock.failed:
+            self._stopped = True
+            runner.order(Stop())
 
     def heard(self, heard: Input) -> None:
         """Look at the pump."""
