@@ -9,7 +9,7 @@ import signal
 import socket
 import threading
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 
 import numpy as np
 import pytest
@@ -60,6 +60,16 @@ def separate():
         separator.batch(heard, scene)
 
 threading.Thread(target=separate, daemon=True).start()
+cli.main()
+"""
+BREAKING = """
+import signal
+from ross_payload import cli
+from ross_payload.links import Links
+
+poll, broken = Links.poll, []
+Links.poll = lambda links: 1 / 0 if broken else poll(links)
+signal.signal(signal.SIGUSR1, lambda number, frame: broken.append(number))
 cli.main()
 """
 
@@ -187,22 +197,27 @@ def until(found, seconds=30.0):
         time.sleep(0.005)
 
 
-def told(latencies, what):
-    """A line with the figures [ms], and the latencies of what did not run out."""
-    whole = np.array([latency for latency in latencies if latency is not None])
-    median, high, most = np.percentile(whole, [50, 95, 100]) * 1e3
-    return f"{what}: {whole.size} of {len(latencies)}, median {median:.1f}, p95 {high:.1f}, max {most:.1f} ms", whole
+@pytest.fixture
+def judge(capsys):
+    """Print the figures [ms] of what did not run out, and hold them against what is wanted."""
+
+    def look(latencies, what):
+        whole = np.array([latency for latency in latencies if latency is not None])
+        median, high, most = np.percentile(whole, [50, 95, 100]) * 1e3
+        with capsys.disabled():
+            count = f"{whole.size} of {len(latencies)}"
+            print(f"{what}: {count}, median {median:.1f}, p95 {high:.1f}, max {most:.1f} ms")  # noqa: T201
+        assert most < WANTED * 1e3
+        assert whole.size > 0.9 * len(latencies)
+
+    return look
 
 
 @pytest.mark.parametrize("command", [STOP, CANCEL])
 def test_a_command_decelerates_soon(rig, command):
     with rig() as payload:
-        latencies = []
-        for after in (0.15, 0.4):
-            payload.turn(after)
-            latencies.append(payload.latency(lambda: payload.ground.command(command)))
-    line, whole = told(latencies, command)
-    assert (whole < BUSY_COMPUTER).all(), line
+        payload.turn(0.3)
+        assert payload.latency(lambda: payload.ground.command(command)) < BUSY_COMPUTER
 
 
 def test_a_signal_decelerates_soon(rig):
@@ -212,16 +227,22 @@ def test_a_signal_decelerates_soon(rig):
     assert latency < BUSY_COMPUTER
 
 
-def terminated(rig):
+def test_a_call_of_the_pump_that_dies_decelerates_soon(rig):
+    with pytest.raises(AssertionError, match="periodic call died"), rig(("-c", BREAKING)) as payload:
+        payload.turn(0.3)
+        latency = terminated(payload, signal.SIGUSR1)
+    assert latency < BUSY_COMPUTER
+
+
+def terminated(rig, number=signal.SIGTERM):
     given = time.monotonic()
-    rig.process.send_signal(signal.SIGTERM)
+    rig.process.send_signal(number)
     rig.process.wait(30)
     return rig.bench.began(rig.began) - given
 
 
 def test_another_thread_decelerates_soon():
-    line, whole = told(stopped_by_a_thread([0.2, 0.6]), "guard.stop()")
-    assert (whole < BUSY_COMPUTER).all(), line
+    assert max(stopped_by_a_thread([0.2, 0.6])) < BUSY_COMPUTER
 
 
 def stopped_by_a_thread(moments):
@@ -250,35 +271,28 @@ def stopped_by_a_thread(moments):
 @pytest.mark.soak
 @pytest.mark.parametrize("before", [("-m", "ross_payload.cli"), ("-c", SEPARATING)], ids=["idle", "separating"])
 @pytest.mark.parametrize("command", [STOP, CANCEL])
-def test_fifty_commands_decelerate_within_50_ms(rig, command, before, capsys):
+def test_fifty_commands_decelerate_within_50_ms(rig, command, before, judge):
     latencies = []
     with rig(before) as payload:
         for after in np.random.default_rng(1).uniform(0.1, 0.7, 50):
             payload.turn(after)
             latencies.append(payload.latency(lambda: payload.ground.command(command)))
-    line, whole = told(latencies, f"command {command}")
-    with capsys.disabled():
-        print(line)  # noqa: T201
-    assert (whole < WANTED).all()
-    assert whole.size > 45
+    judge(latencies, f"command {command}, {'separating' if before[0] == '-c' else 'idle'}")
 
 
 @pytest.mark.soak
-def test_thirty_signals_decelerate_within_50_ms(rig, capsys):
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGUSR1], ids=["SIGTERM", "a call of the pump dies"])
+def test_thirty_ends_of_a_process_decelerate_within_50_ms(rig, judge, number):
     latencies = []
+    broken = number == signal.SIGUSR1
     for after in np.random.default_rng(2).uniform(0.1, 0.7, 30):
-        with rig() as payload:
+        died = pytest.raises(AssertionError, match="periodic call died") if broken else nullcontext()
+        with died, rig(("-c", BREAKING)) as payload:
             payload.turn(after)
-            latencies.append(terminated(payload))
-    line, whole = told(latencies, "SIGTERM")
-    with capsys.disabled():
-        print(line)  # noqa: T201
-    assert (whole < WANTED).all()
+            latencies.append(terminated(payload, number))
+    judge(latencies, number.name)
 
 
 @pytest.mark.soak
-def test_fifty_stops_by_another_thread_decelerate_within_50_ms(capsys):
-    line, whole = told(stopped_by_a_thread(np.random.default_rng(3).uniform(0.1, 1.1, 50)), "guard.stop()")
-    with capsys.disabled():
-        print(line)  # noqa: T201
-    assert (whole < WANTED).all()
+def test_fifty_stops_by_another_thread_decelerate_within_50_ms(judge):
+    judge(stopped_by_a_thread(np.random.default_rng(3).uniform(0.1, 1.1, 50)), "guard.stop()")
