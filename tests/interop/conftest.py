@@ -2,6 +2,7 @@
 
 import json
 import random
+import re
 import socket
 import subprocess
 import sys
@@ -20,13 +21,9 @@ ROSS = (sys.executable, "-m", "ross_payload.cli")
 LOOPBACK = "127.0.0.1"
 RATE = 16000
 CONFIG = """
-[audio]
-source = "file:{noise}"
-[actuator]
-kind = "tb6600"
-[service]
-state_dir = "state"
-log_format = "json"
+audio.source = "{source}"
+actuator.kind = "tb6600"
+service = {{ state_dir = "state", log_format = "json" }}
 """
 
 
@@ -71,8 +68,8 @@ class Payload:
 
     def answers(self, answer):
         """The numbers of the orders from links that the mission answered so."""
-        said = [line["fields"] for line in self.log() if line["fields"].get("event") == "Answered"]
-        return [one["order"] for one in said if one["answer"] == answer and one["order"]]
+        said = [line["fields"] for line in self.log()]
+        return [one["order"] for one in said if one.get("answer") == answer and one["order"]]
 
     def kept(self):
         """What was set in flight and outlives a restart, by name."""
@@ -118,10 +115,10 @@ def ross_run(noise):
     """Start ``ross run`` with these links; gives the payload when it is idle."""
 
     @contextmanager
-    def start(folder, *links, more="", config=CONFIG):
+    def start(folder, *links, more="", source=f"file:{noise}"):
         folder.mkdir(parents=True, exist_ok=True)
         told = "".join(f"[[links]]\n{link}\n" for link in links)
-        (folder / "ross.toml").write_text(config.format(noise=noise) + more + told)
+        (folder / "ross.toml").write_text(CONFIG.format(source=source) + more + told)
         with process_of(["run", "ross.toml"], folder) as payload:
             wait_for(lambda: payload.process.poll() is not None or {"idle", "stopped"} & set(payload.lines()))
             yield payload
@@ -153,10 +150,7 @@ class Ground:
         return [one for one in self.heard if one.get_type() == name and one.get_srcComponent() == sender]
 
     def wait(self, name, fits=lambda message: True, seconds=30.0, since=0):
-        def found():
-            return [one for one in self.of(name)[since:] if fits(one)]
-
-        return wait_for(found, seconds, name)[0]
+        return wait_for(lambda: [one for one in self.of(name)[since:] if fits(one)], seconds, name)[0]
 
     def command(self, number, *values, system=1, confirmation=0):
         numbers = [*values, *[0.0] * (7 - len(values))]
@@ -177,21 +171,19 @@ class Ground:
             self.command(number, *values, confirmation=confirmation)
             again = time.monotonic() + 0.4
             while time.monotonic() < again:
-                acks = [ack for ack in self.of("COMMAND_ACK")[before:] if ack.command == number]
-                over = [ack.result for ack in acks if ack.result != ardupilotmega.MAV_RESULT_IN_PROGRESS]
-                if over:
+                acks = [ack.result for ack in self.of("COMMAND_ACK")[before:] if ack.command == number]
+                if over := [result for result in acks if result != ardupilotmega.MAV_RESULT_IN_PROGRESS]:
                     return over[0]
                 time.sleep(0.01)
             assert time.monotonic() < end, f"no answer to {number}"
 
     def set(self, name, value):
         """Set a parameter, and again until the payload says that it is so."""
+        kind = ardupilotmega.MAV_PARAM_TYPE_REAL32
         for _ in range(50):
-            kind = ardupilotmega.MAV_PARAM_TYPE_REAL32
             self.link.mav.send(ardupilotmega.MAVLink_param_set_message(1, 191, name.encode(), value, kind))
             self.rest(0.3)
-            told = [one.param_value for one in self.of("PARAM_VALUE") if one.param_id == name]
-            if told and told[-1] == value:
+            if [one.param_value for one in self.of("PARAM_VALUE") if one.param_id == name][-1:] == [value]:
                 return
         raise AssertionError(f"{name} was never set")
 
@@ -205,9 +197,6 @@ class Ground:
     def texts(self):
         return [one.text for one in self.of("STATUSTEXT")]
 
-    def close(self):
-        self.link.close()
-
 
 @pytest.fixture(scope="module")
 def ground_stations():
@@ -218,7 +207,7 @@ def ground_stations():
 
         def make(**options):
             ground = Ground(**options)
-            stack.callback(ground.close)
+            stack.callback(ground.link.close)
             return ground
 
         yield make
@@ -301,3 +290,11 @@ def weather():
             return path
 
         yield make
+
+
+@pytest.fixture(scope="session")
+def guide(request):
+    """The program of the guide that has this word in it."""
+    page = request.config.rootpath / "docs" / "how-to" / "interoperate.md"
+    programs = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    return lambda word: next(program for program in programs if word in program)

@@ -31,15 +31,6 @@ with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         time.sleep(max(begin + sent / 5000 - time.monotonic(), 0))
     print(sent / (time.monotonic() - begin))
 """
-CONFIG = """
-[audio]
-source = "tcp:127.0.0.1:{noise}"
-[actuator]
-kind = "tb6600"
-[service]
-state_dir = "state"
-log_format = "json"
-"""
 
 
 class Microphones:
@@ -161,7 +152,7 @@ def endure(ross_run, free_port, microphones, ground, tmp_path):
         port, frames = free_port(), tmp_path / "frames"
         frames.write_bytes(chatter())
         links = [f'url = "udpout:127.0.0.1:{ground.port}"', f'url = "udpin:127.0.0.1:{port}"']
-        with ross_run(tmp_path, *links, config=CONFIG.format(noise=microphones.port)) as payload:
+        with ross_run(tmp_path, *links, source=f"tcp:127.0.0.1:{microphones.port}") as payload:
             rate, gap, lost = flooded(payload, ground, port, frames, seconds)
         print(f"{rate:.0f} messages/s for {seconds} s: {gap:.2f} s between heartbeats, {lost} samples lost")  # noqa: T201
         return rate, gap, lost

@@ -9,22 +9,8 @@ from pathlib import Path
 
 import pytest
 
-LAUNCHER = """
-import runpy, sys
-from pymavlink.dialects.v20 import ardupilotmega
-from ross_protocols.dialect import ross
-
-for number, message in ross.mavlink_map.items():
-    ardupilotmega.mavlink_map.setdefault(number, message)
-for name, values in ross.enums.items():
-    ardupilotmega.enums[name] = values | ardupilotmega.enums.get(name, {})
-for name, thing in vars(ross).items():
-    if "_ROSS_" in name:
-        setattr(ardupilotmega, name, thing)
-sys.argv[0] = sys.argv.pop(1)
-runpy.run_path(sys.argv[0], run_name="__main__")
-"""  # docs/how-to/interoperate.md shows it
 MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
+LAUNCHER = "runpy"  # what tells its block of the guide from others
 
 
 class Prompt:
@@ -46,12 +32,12 @@ class Prompt:
 
 
 @contextmanager
-def mavproxy(port, folder, until):
+def mavproxy(launcher, port, folder, until):
     if importlib.util.find_spec("MAVProxy") is None or not MAVPROXY.exists():
         pytest.skip("needs the Python package MAVProxy")
     log = folder / "mavproxy.log"
-    command = [sys.executable, "-W", "ignore", "-u", "-c", LAUNCHER, MAVPROXY, "--master", f"udpin:127.0.0.1:{port}"]
-    command += ["--dialect", "ardupilotmega", "--target-system", "1", "--target-component", "191", "--no-state"]
+    command = [sys.executable, "-W", "ignore", "-u", "-c", launcher, MAVPROXY, "--master", f"udpin:127.0.0.1:{port}"]
+    command += ["--target-system", "1", "--target-component", "191", "--no-state"]
     command += ["--default-modules", "link,param,cmdlong,log"]
     with (
         log.open("w") as out,
@@ -74,8 +60,8 @@ def payload(ross_run, free_port, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def prompt(payload, until):
-    with mavproxy(payload.port, payload.folder, until) as prompt:
+def prompt(payload, until, guide):
+    with mavproxy(guide(LAUNCHER), payload.port, payload.folder, until) as prompt:
         yield prompt
 
 

@@ -2,6 +2,8 @@
 
 import json
 import math
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import pytest
@@ -158,3 +160,12 @@ def test_a_stop_cancels_the_task_and_the_state_says_why_nothing_moves(client, un
 
 def test_a_command_that_nobody_knows_is_unsupported(client):
     assert client.order(NOTHING) == UNSUPPORTED
+
+
+def test_the_program_of_the_guide_sets_turns_and_reads(ross_run, free_port, guide, request, tmp_path):
+    url = f"127.0.0.1:{free_port()}"
+    xml = request.config.rootpath / "protocols" / "mavlink" / "ross.xml"
+    with ross_run(tmp_path, f'url = "udpout:{url}"'):
+        command = [sys.executable, "-c", guide("MavlinkDirect"), f"udpin://{url}", xml]
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=100)
+    assert done.stdout.splitlines()[-3:] == ["EXP_UNIT 2.5", "result 0", "heading 0.52"]
