@@ -13,7 +13,7 @@ from ross_payload.errors import PluginError
 from ross_payload.events import Event, Outcome
 from ross_payload.interfaces import AudioBlock, Output, Result, Services
 from ross_payload.mount import FixedMount, fixed_mount
-from ross_payload.orders import Stop
+from ross_payload.orders import Cancel, Shutdown, Stop
 from ross_payload.service.assemble import explorer_of, informed_of, settings_of, tools_of
 from ross_payload.service.runner import Runner
 from ross_sim.clock import SimClock
@@ -122,6 +122,40 @@ def test_a_command_reaches_the_mission_with_the_next_hop_and_the_motor_comes_to_
     braking = speed**2 / (2 * math.radians(112.5))
     assert far_end.angle() - press.inputs[60].joint <= braking + speed * 0.1
     assert recorder.inputs[-1].joint == pytest.approx(far_end.angle(), abs=1e-3)
+
+
+def computes(goal, then):
+    """A mission that is busy for three seconds and looks at no order, then turns elsewhere."""
+    yield Output(goal=goal)
+    for _ in range(300):
+        yield Output()
+    heard = yield Output(goal=then)
+    for _ in range(300):
+        heard = yield Output()
+    return Result(Outcome.FAULT if heard.fault else Outcome.COMPLETED, heard.fault)
+
+
+class Presses(Recorder):
+    """Orders something in the middle of a turn."""
+
+    def __init__(self, runner, order):
+        super().__init__()
+        self.runner, self.order = runner, order
+
+    def heard(self, heard):
+        super().heard(heard)
+        if len(self.inputs) == 60:
+            self.runner.order(self.order)
+
+
+@pytest.mark.parametrize(("order", "latches"), [(Stop(), True), (Shutdown(), True), (Cancel(), False)])
+def test_what_ends_a_turn_decelerates_though_the_mission_computes(bench, order, latches):
+    runner, recorder, far_end = bench(computes(3.0, then=0.2))
+    runner.observers.append(Presses(runner, order))
+    result = runner.run()
+    assert recorder.inputs[299].joint < 1.0
+    assert (result.outcome is Outcome.FAULT) == latches
+    assert (far_end.angle() == pytest.approx(0.2, abs=1e-3)) == (not latches)
 
 
 def test_a_goal_outside_the_limits_is_a_fault_and_no_motion(bench):
