@@ -1,0 +1,259 @@
+"""DroneCAN: messages of actuators and nodes to CAN frames and back; no bus, no clock.
+
+A transfer is one frame or several, each with a tail byte (start, end, toggle, transfer id); a long one begins with a
+CRC over the type's signature and its payload. Numbers are little-endian, bit fields begin at the highest bit, and
+real numbers are float16: see `spacing`.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from binascii import crc_hqx
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, Self
+
+NODES = range(1, 128)
+MOST_DATA = 8  # of a frame [bytes]
+MOST_PAYLOAD = 256  # of a message here [bytes]
+MOST_COMMANDS = 15  # in one message
+START, END, TOGGLE, SERVICE = 0x80, 0x40, 0x20, 0x80
+NAN = math.nan
+
+
+class DroneCanError(ValueError):
+    """The bytes are no such message."""
+
+
+@dataclass(frozen=True, slots=True)
+class CanFrame:
+    """One frame of classic CAN with a 29-bit identifier."""
+
+    id: int
+    data: bytes  # at most 8 bytes
+
+
+class CommandKind(IntEnum):
+    """What the value of a command is."""
+
+    UNITLESS = 0  # -1 to 1
+    POSITION = 1  # [rad]
+    PWM = 4  # [us]
+
+
+class Health(IntEnum):
+    """How a node is."""
+
+    OK = 0
+    WARNING = 1
+    ERROR = 2
+    CRITICAL = 3
+
+
+class Mode(IntEnum):
+    """What a node does."""
+
+    OPERATIONAL = 0
+    INITIALIZATION = 1
+    MAINTENANCE = 2
+    SOFTWARE_UPDATE = 3
+    RESERVED_4 = 4
+    RESERVED_5 = 5
+    RESERVED_6 = 6
+    OFFLINE = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One actuator's part of an ArrayCommand; the kind may be one that we do not send."""
+
+    actuator_id: int
+    kind: int
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class ArrayCommand:
+    """uavcan.equipment.actuator.ArrayCommand.
+
+    >>> ArrayCommand((Command(3, CommandKind.UNITLESS, -0.5),)).pack().hex()
+    '030000b8'
+    """
+
+    commands: tuple[Command, ...]
+
+    def pack(self) -> bytes:
+        """Write the payload."""
+        return b"".join(struct.pack("<BBe", each.actuator_id, each.kind, each.value) for each in self.commands)
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload."""
+        if len(payload) % 4 or len(payload) > 4 * MOST_COMMANDS:
+            raise DroneCanError(f"commands of {len(payload)} bytes")
+        return cls(tuple(Command(*values) for values in struct.iter_unpack("<BBe", payload)))
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """uavcan.equipment.actuator.Status; not-a-number is unknown."""
+
+    actuator_id: int
+    position: float = NAN  # [rad]
+    force: float = NAN  # [N m]
+    speed: float = NAN  # [rad/s]
+    load: int = 127  # [% of the rated power]; 127: unknown
+
+    def pack(self) -> bytes:
+        """Write the payload."""
+        return struct.pack("<BeeeB", self.actuator_id, self.position, self.force, self.speed, self.load)
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload."""
+        number, position, force, speed, load = struct.unpack("<BeeeB", payload)
+        return cls(number, position, force, speed, load & 0x7F)
+
+
+@dataclass(frozen=True, slots=True)
+class NodeStatus:
+    """uavcan.protocol.NodeStatus.
+
+    >>> NodeStatus(70000, Health.ERROR, Mode.MAINTENANCE).pack().hex()
+    '70110100900000'
+    """
+
+    uptime: int  # [s]
+    health: Health = Health.OK
+    mode: Mode = Mode.OPERATIONAL
+    vendor_code: int = 0
+
+    def pack(self) -> bytes:
+        """Write the payload."""
+        return struct.pack("<IBH", self.uptime, self.health << 6 | self.mode << 3, self.vendor_code)
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload."""
+        uptime, bits, code = struct.unpack("<IBH", payload)
+        return cls(uptime, Health(bits >> 6), Mode(bits >> 3 & 7), code)
+
+
+@dataclass(frozen=True, slots=True)
+class LogMessage:
+    """uavcan.protocol.debug.LogMessage."""
+
+    level: int  # 0 debug, 1 information, 2 warning, 3 error
+    source: str  # at most 31 bytes
+    text: str  # at most 90 bytes
+
+    def pack(self) -> bytes:
+        """Write the payload; what is too long is cut."""
+        source, text = self.source.encode()[:31], self.text.encode()[:90]
+        return bytes([self.level << 5 | len(source)]) + source + text
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload."""
+        if not payload:
+            raise DroneCanError("an empty log message")
+        end = 1 + (payload[0] & 31)
+        source, text = (part.decode(errors="replace") for part in (payload[1:end], payload[end:]))
+        return cls(payload[0] >> 5, source, text)
+
+
+Message = ArrayCommand | Status | NodeStatus | LogMessage
+TYPES: dict[int, Callable[[bytes], Message]] = {
+    1010: ArrayCommand.unpack, 1011: Status.unpack, 341: NodeStatus.unpack, 16383: LogMessage.unpack,
+}  # fmt: skip
+IDS: dict[type[Any], int] = {ArrayCommand: 1010, Status: 1011, NodeStatus: 341, LogMessage: 16383}
+SEEDS = {1010: 0x5E37, 1011: 0x9A63, 341: 0xBE5F, 16383: 0x4570}  # CRC-16 of the signature of each type
+PRIORITIES = {1010: 8, 1011: 16, 341: 20, 16383: 31}  # 0 is the highest
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """A message and the node that sent it."""
+
+    node: int
+    message: Message
+
+
+class Sender:
+    """Turns the messages of one node into frames."""
+
+    def __init__(self, node: int) -> None:
+        self._node = node
+        self._counts: Counter[int] = Counter()
+
+    def frames(self, message: Message) -> list[CanFrame]:
+        """Return the frames of one transfer; a long one begins with its CRC.
+
+        >>> [frame.data.hex() for frame in Sender(9).frames(Status(1, 0.5))]
+        ['cd1b010038007e80', '007e7f60']
+        """
+        number, payload = IDS[type(message)], message.pack()
+        transfer, self._counts[number] = self._counts[number] % 32, self._counts[number] + 1
+        if len(payload) >= MOST_DATA:
+            payload = struct.pack("<H", crc_hqx(payload, SEEDS[number])) + payload
+        parts = [payload[begin : begin + 7] for begin in range(0, len(payload), 7)] or [b""]
+        identifier = PRIORITIES[number] << 24 | number << 8 | self._node
+        return [CanFrame(identifier, part + _tail(n, len(parts), transfer)) for n, part in enumerate(parts)]
+
+
+def _tail(n: int, of: int, transfer: int) -> bytes:
+    return bytes([START * (n == 0) | END * (n == of - 1) | TOGGLE * (n % 2) | transfer])
+
+
+class Assembler:
+    """Turns frames of a bus into messages; what is broken, unknown or a service is dropped."""
+
+    def __init__(self) -> None:
+        self._begun: dict[int, tuple[int, bytes]] = {}  # by identifier: the tail wanted next, the data so far
+
+    def feed(self, frame: CanFrame) -> Received | None:
+        """Return the message that this frame completes."""
+        number = frame.id >> 8 & 0xFFFF
+        if frame.id & SERVICE or not frame.id & 0x7F or number not in TYPES or not frame.data:
+            return None
+        payload = self._payload(frame, number)
+        if payload is None:
+            return None
+        try:
+            return Received(frame.id & 0x7F, TYPES[number](payload))
+        except (struct.error, DroneCanError):
+            return None
+
+    def _payload(self, frame: CanFrame, number: int) -> bytes | None:
+        """Return the payload of a transfer that is whole and right."""
+        data, tail = frame.data[:-1], frame.data[-1]
+        wanted, before = self._begun.pop(frame.id, (-1, b""))
+        if tail & START:
+            wanted, before = tail & 0x1F, b""
+        if tail & ~(START | END) != wanted or len(before) > MOST_PAYLOAD:
+            return None
+        whole = before + data
+        if not tail & END:
+            self._begun[frame.id] = (wanted ^ TOGGLE, whole)
+            return None
+        if tail & START:
+            return whole
+        return whole[2:] if crc_hqx(whole[2:], SEEDS[number]) == int.from_bytes(whole[:2], "little") else None
+
+
+def as_sent(value: float) -> float:
+    """Return the float16 nearest to a value."""
+    return float(struct.unpack("<e", struct.pack("<e", value))[0])
+
+
+def spacing(value: float) -> float:
+    """Return the distance between neighbours of float16 just below a magnitude >= 2^-14.
+
+    >>> spacing(1.0) == 2**-11, spacing(math.pi) == 2**-9
+    (True, True)
+    """
+    mantissa, exponent = math.frexp(abs(value))
+    return 2.0 ** (exponent - 11 - (mantissa == 0.5))

@@ -1,0 +1,99 @@
+"""A CAN bus behind any interface of python-can as a wire: can:INTERFACE:CHANNEL, with the bit rate where it is ours."""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from typing import Any
+
+import can
+
+from ross_payload.errors import ConfigError, LinkError
+from ross_payload.interfaces import Clock, Port
+from ross_protocols.dronecan import CanFrame
+
+_URL = re.compile(r"can:(?P<interface>[a-z0-9_]+):(?P<channel>[^:]+)(:(?P<bitrate>\d{4,8}))?")
+MOST_AT_ONCE = 1000  # frames of one look at the bus
+PATIENCE = 10  # with frames that the bus does not take
+
+
+class CanPort:
+    """The frames of a bus; a frame that the bus does not take is lost, ten in a row are an error."""
+
+    def __init__(self, bus: can.BusABC, url: str) -> None:
+        self._bus = bus
+        self._url = url
+        self._refused = 0
+        self._open = True
+
+    def send(self, frame: Any) -> None:
+        """Send one frame.
+
+        Raises
+        ------
+        LinkError
+            When the bus has taken none for a while.
+        """
+        message = can.Message(arbitration_id=frame.id, data=frame.data, is_extended_id=True)
+        try:
+            self._bus.send(message)
+            self._refused = 0
+        except (can.CanError, OSError) as error:
+            self._refused += 1
+            if self._refused >= PATIENCE:
+                raise LinkError(f"wire '{self._url}' takes no frames: {error}") from error
+
+    def receive(self) -> list[Any]:
+        """Return the frames that have arrived; what is no frame of 29 bits is not ours.
+
+        Raises
+        ------
+        LinkError
+            When the bus is down.
+        """
+        try:
+            arrived = [message for _ in range(MOST_AT_ONCE) if (message := self._bus.recv(0)) is not None]
+        except (can.CanError, OSError) as error:
+            raise LinkError(f"wire '{self._url}' is down: {error}") from error
+        return [CanFrame(each.arbitration_id, bytes(each.data)) for each in arrived if _is_ours(each)]
+
+    def close(self) -> None:
+        """Leave the bus; idempotent."""
+        if self._open:
+            self._open = False
+            with suppress(can.CanError, OSError):  # a bus that is gone cannot be left
+                self._bus.shutdown()
+
+
+def _is_ours(message: can.Message) -> bool:
+    return message.is_extended_id and not (message.is_error_frame or message.is_remote_frame or message.is_fd)
+
+
+class CanWire:
+    """The scheme ``can``."""
+
+    def open(self, url: str, clock: Clock) -> Port:
+        """Join a bus.
+
+        Raises
+        ------
+        ConfigError
+            When the URL is malformed or its interface unknown.
+        LinkError
+            When the bus cannot be joined.
+        """
+        parts = _URL.fullmatch(url)
+        if parts is None:
+            raise ConfigError(f"wire '{url}': wanted can:INTERFACE:CHANNEL or can:INTERFACE:CHANNEL:BITRATE")
+        interface = parts["interface"]
+        if interface not in can.VALID_INTERFACES or interface == "udp_multicast":  # which hears itself
+            there = ", ".join(sorted(set(can.VALID_INTERFACES) - {"udp_multicast"}))
+            raise ConfigError(f"wire '{url}': interface '{interface}' cannot be used; there are: {there}")
+        rate: dict[str, Any] = {"bitrate": int(parts["bitrate"])} if parts["bitrate"] else {}
+        try:
+            return CanPort(can.Bus(parts["channel"], interface, ignore_config=True, **rate), url)
+        except (can.CanError, OSError, ImportError, ValueError, TypeError) as error:
+            raise LinkError(f"wire '{url}': cannot join the bus: {error}") from error
+
+
+wire = CanWire()

@@ -1,0 +1,114 @@
+"""[actuator.options] of ``dronecan_servo``, and what they say about angles and values on the wire."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from ross_payload.config import Degrees, Positive, Table
+from ross_protocols.dronecan import CommandKind, as_sent, spacing
+
+NodeId = Annotated[int, Field(ge=1, le=127)]
+ENDS = {"unitless": (-1.0, 1.0), "pwm": (1000.0, 2000.0)}  # values at the ends of the travel
+RANGES = {"unitless": (-1.0, 1.0), "pwm": (500.0, 2500.0)}
+
+
+class Options(Table):
+    """[actuator.options] of ``dronecan_servo``."""
+
+    port: Annotated[str, Field(pattern="^can:")] = "can:socketcan:can0"
+    node_id: NodeId = 50  # of the servo
+    own_node_id: NodeId = 121  # of this payload; nobody else may have it
+    actuator_id: Annotated[int, Field(ge=0, le=255)] = 1  # ArduPilot counts from 1
+    command: Literal["unitless", "position", "pwm"] = "unitless"
+    lower_deg: Degrees = -200.0  # ends of the travel, joint angles
+    upper_deg: Degrees = 200.0
+    at_lower: float | None = None  # value of the command at lower_deg; absent: -1, or 1000 us
+    at_upper: float | None = None  # value of the command at upper_deg; absent: 1, or 2000 us
+    feedback: Literal["measured", "model"] = "measured"  # model: for a servo without position in its Status
+    gear_ratio: Annotated[float, Field(ge=-1000, le=1000)] = 1.0  # turns of the servo per turn of the array, signed
+    zero_position_deg: Degrees = 0.0  # position of the servo at joint angle 0
+    resolution_deg: Positive = 0.25  # how near to a goal the servo comes
+    max_lag_deg: Positive = 20.0  # farther behind its set-point, the servo does not follow
+    max_speed_deg_s: Positive = 225.0
+    max_acceleration_deg_s2: Positive = 112.5
+    settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # still for so long is settled
+
+    @model_validator(mode="after")
+    def _sensible(self) -> Options:
+        if self.lower_deg >= self.upper_deg:
+            raise ValueError(f"lower_deg = {self.lower_deg:g} must be below upper_deg = {self.upper_deg:g}")
+        if self.node_id == self.own_node_id:
+            raise ValueError(f"node_id and own_node_id are both {self.node_id}")
+        if abs(self.gear_ratio) < 0.001:
+            raise ValueError(f"gear_ratio = {self.gear_ratio:g} is too near to 0")
+        if self.command == "position":
+            if self.at_lower is not None or self.at_upper is not None:
+                raise ValueError("position commands follow from gear_ratio; at_lower and at_upper are for the others")
+        else:
+            self._check_ends(*RANGES[self.command])
+        return self
+
+    def _check_ends(self, least: float, most: float) -> None:
+        lower, upper = self.ends
+        if not (least <= lower <= most and least <= upper <= most) or spacing(most) > abs(upper - lower) / 10:
+            found = f"at_lower = {lower:g}, at_upper = {upper:g}"
+            raise ValueError(f"{found}: wanted two different values from {least:g} to {most:g}")
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Values of the command at the ends of the travel."""
+        if self.command == "position":
+            return self._position(math.radians(self.lower_deg)), self._position(math.radians(self.upper_deg))
+        lower, upper = ENDS[self.command]
+        return lower if self.at_lower is None else self.at_lower, upper if self.at_upper is None else self.at_upper
+
+    @property
+    def kind(self) -> CommandKind:
+        """The type of the command."""
+        return CommandKind[self.command.upper()]
+
+    @property
+    def resolution(self) -> float:
+        """What can be told apart [rad]: the worst of the servo, its commands and its reports."""
+        widest = max(abs(value) for value in self.ends) or 1.0
+        command = spacing(widest) / abs(self._slope)
+        farthest = max(abs(self._position(math.radians(angle))) for angle in (self.lower_deg, self.upper_deg))
+        report = spacing(farthest) / abs(self.gear_ratio) if self.feedback == "measured" else 0.0
+        return max(math.radians(self.resolution_deg), command, report)
+
+    def value(self, joint: float) -> float:
+        """Return the command for a joint angle [rad], as float16 has it.
+
+        >>> Options(lower_deg=-90, upper_deg=90).value(math.pi / 4)
+        0.5
+        """
+        return as_sent(self.ends[0] + (joint - math.radians(self.lower_deg)) * self._slope)
+
+    def told(self, joint: float) -> float:
+        """Return the joint angle [rad] that the servo takes the command for ``joint`` [rad] to mean."""
+        return self.joint_of(self.value(joint))
+
+    def joint_of(self, value: float) -> float:
+        """Return the joint angle [rad] that a command means."""
+        return math.radians(self.lower_deg) + (value - self.ends[0]) / self._slope
+
+    def joint_at(self, position: float) -> float:
+        """Return the joint angle [rad] at a position of the servo [rad].
+
+        >>> round(math.degrees(Options(gear_ratio=-2.0).joint_at(math.radians(30))), 9)
+        -15.0
+        """
+        return (position - math.radians(self.zero_position_deg)) / self.gear_ratio
+
+    def _position(self, joint: float) -> float:
+        """Return the position of the servo [rad] at a joint angle [rad]."""
+        return self.gear_ratio * joint + math.radians(self.zero_position_deg)
+
+    @property
+    def _slope(self) -> float:
+        """Change of the command per joint angle [1/rad]."""
+        lower, upper = self.ends
+        return (upper - lower) / math.radians(self.upper_deg - self.lower_deg)

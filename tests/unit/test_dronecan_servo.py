@@ -1,0 +1,361 @@
+"""The driver of a DroneCAN servo on a simulated one: faults of the servo and of the bus, calibration, models."""
+
+import math
+import random
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+
+from ross_payload.actuators.dronecan_options import Options
+from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.config import Config
+from ross_payload.errors import ActuatorFault, ConfigError, NotHomed
+from ross_payload.interfaces import Services
+from ross_protocols.dronecan import (
+    ArrayCommand,
+    Assembler,
+    Command,
+    Health,
+    LogMessage,
+    Mode,
+    NodeStatus,
+    Sender,
+    Status,
+)
+from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.servo import ServoFarEnd, ServoNode, far_end
+
+OWN, SERVO = 121, 50
+
+
+class Rig:
+    """A guarded driver, its servo, and everything that the driver has sent."""
+
+    def __init__(self, guard=None, drive=None, **options):
+        config = Config.model_validate(
+            {"actuator": {"kind": "dronecan_servo", "options": options}, "guard": guard or {}}
+        )
+        self.options = checked_options(config)
+        self.clock = SimClock()
+        self.far_end = far_end.make(self.options, drive)
+        self.node = self.far_end.node
+        self.heard, self._assembler = [], Assembler()
+        self.passes = lambda frame: True  # whether the bus takes a frame of the driver
+        self.clock.before_calls(self._advance)
+        self.actuator = open_actuator(config, Services(self.clock, lambda url: self.far_end.port))
+        self.clock.every(QUANTUM, lambda: self.actuator.poll(self.clock.now()))
+        self.actuator.__enter__()
+        self.clock.sleep(0.2)
+
+    def _advance(self, now):
+        self.far_end.port.sent = list(filter(self.passes, self.far_end.port.sent))
+        for frame in self.far_end.port.sent:
+            if received := self._assembler.feed(frame):
+                self.heard.append((now, received.message))
+        self.far_end.advance(now)
+
+    def say(self, node, message):
+        self.far_end.port.arrived += Sender(node).frames(message)
+
+    def go(self, degrees, seconds=0.0):
+        self.actuator.command(math.radians(degrees))
+        self.clock.sleep(seconds)
+
+    @property
+    def state(self):
+        return self.actuator.state()
+
+    @property
+    def true_deg(self):
+        return math.degrees(self.far_end.angle())
+
+    def values(self):
+        return [command.value for _, each in self.heard if isinstance(each, ArrayCommand) for command in each.commands]
+
+
+def test_nothing_is_commanded_before_the_first_goal():
+    rig = Rig()
+    rig.clock.sleep(2.0)
+    assert rig.values() == []
+    assert [type(message) for _, message in rig.heard] == [NodeStatus] * 3
+
+
+def test_set_points_leave_at_50_hz_while_a_goal_is_held():
+    rig = Rig()
+    rig.go(30, 4.0)
+    times = [time for time, message in rig.heard if isinstance(message, ArrayCommand)]
+    assert {round(after - before, 6) for before, after in pairwise(times)} == {0.02}
+    assert times[-1] > rig.clock.now() - 0.03
+
+
+def test_set_points_follow_the_trapezoid():
+    rig = Rig()
+    rig.go(100, 3.0)
+    joints = [math.degrees(rig.options.joint_of(value)) for value in rig.values()]
+    speeds = [(after - before) / 0.02 for before, after in pairwise(joints)]
+    coarse = 0.1 / 0.02  # of a float16 [deg/s]
+    assert max(speeds) == pytest.approx(math.sqrt(112.5 * 100), abs=coarse)
+    assert max(abs(b - a) for a, b in pairwise(speeds)) <= 112.5 * 0.02 + 2 * coarse
+
+
+@pytest.mark.parametrize(
+    ("options", "lowest", "highest"),
+    [
+        ({"command": "unitless"}, -0.5, 0.5),
+        ({"command": "unitless", "at_lower": 0.8, "at_upper": -0.8}, 0.4, -0.4),
+        ({"command": "pwm"}, 1250, 1750),
+        ({"command": "position"}, -math.pi / 4, math.pi / 4),
+        ({"command": "position", "gear_ratio": -2.0, "zero_position_deg": 10}, math.radians(100), math.radians(-80)),
+    ],
+)
+def test_two_points_or_the_gear_make_commands_of_joint_angles(options, lowest, highest):
+    rig = Rig(lower_deg=-90, upper_deg=90, **options)
+    for goal, value in ((-45, lowest), (45, highest)):
+        rig.go(goal, 3.0)
+        assert rig.values()[-1] == pytest.approx(value, rel=1e-3)
+        assert rig.state.settled
+        assert rig.true_deg == pytest.approx(goal, abs=math.degrees(rig.options.resolution))
+
+
+def test_a_gear_turns_the_servo_more_than_the_array():
+    rig = Rig(gear_ratio=3.0)
+    rig.go(30, 3.0)
+    assert math.degrees(rig.node.shaft.angle) == pytest.approx(90, abs=0.75)
+    assert rig.true_deg == pytest.approx(30, abs=0.25)
+
+
+def test_a_jammed_servo_is_named_before_it_is_20_degrees_behind_and_pulls_no_more():
+    rig = Rig()
+    rig.go(90, 0.5)
+    rig.node.shaft.jammed = True
+    stuck = rig.true_deg
+    rig.clock.sleep(0.6)
+    assert "does not follow" in rig.state.fault
+    rig.clock.sleep(0.1)
+    assert math.degrees(rig.options.joint_of(rig.values()[-1])) == pytest.approx(stuck, abs=0.3)
+    assert not rig.state.settled
+    with pytest.raises(ActuatorFault, match="does not follow"):
+        rig.go(0)
+
+
+def test_after_a_jam_homing_and_rearming_make_it_move_again():
+    rig = Rig()
+    rig.go(90, 0.5)
+    rig.node.shaft.jammed = True
+    rig.clock.sleep(1.0)
+    rig.node.shaft.jammed = False
+    rig.actuator.home()
+    rig.clock.sleep(0.1)
+    rig.actuator.rearm()
+    rig.go(-20, 4.0)
+    assert rig.state.settled
+    assert rig.true_deg == pytest.approx(-20, abs=0.25)
+
+
+def test_a_restart_in_a_move_is_a_fault_and_the_servo_is_told_nothing_more():
+    rig = Rig()
+    rig.clock.sleep(2.0)
+    rig.go(150, 0.5)
+    rig.node.restart()
+    rig.clock.sleep(0.1)
+    assert "restarted after 2 s" in rig.state.fault
+    said, stands = len(rig.values()), rig.true_deg
+    rig.clock.sleep(1.0)
+    assert len(rig.values()) == said
+    assert abs(rig.true_deg - stands) < 5
+    assert not rig.state.settled
+
+
+def test_a_silent_servo_is_a_fault_while_it_moves():
+    rig = Rig()
+    rig.go(150, 0.5)
+    rig.node.silent = True
+    rig.clock.sleep(0.6)
+    assert "no report for" in rig.state.fault
+    assert not rig.state.settled
+
+
+@pytest.mark.parametrize(
+    ("health", "mode", "words"),
+    [
+        (Health.CRITICAL, Mode.OPERATIONAL, "health critical, mode operational"),
+        (Health.ERROR, Mode.OPERATIONAL, "health error"),
+        (Health.OK, Mode.SOFTWARE_UPDATE, "mode software update"),
+    ],
+)
+def test_what_the_servo_says_of_itself_is_a_fault_in_words_until_it_is_well(health, mode, words):
+    rig = Rig()
+    rig.node.health, rig.node.mode = health, mode
+    rig.clock.sleep(1.1)
+    assert words in rig.state.fault
+    with pytest.raises(ActuatorFault, match=words):
+        rig.go(10)
+    rig.node.health, rig.node.mode = Health.OK, Mode.OPERATIONAL
+    rig.clock.sleep(1.1)
+    assert rig.state.healthy
+
+
+def test_a_warning_of_the_servo_is_no_fault():
+    rig = Rig()
+    rig.node.health = Health.WARNING
+    rig.clock.sleep(1.1)
+    assert rig.state.healthy
+
+
+@pytest.mark.parametrize(
+    ("node", "message", "words"),
+    [
+        (OWN, NodeStatus(5), "has our node id 121"),
+        (9, ArrayCommand((Command(1, 0, 0.3),)), "node 9 commands actuator 1 too"),
+        (9, Status(1, 0.0), "node 9 reports as actuator 1 too"),
+    ],
+)
+def test_somebody_else_on_the_bus_is_a_fault(node, message, words):
+    rig = Rig()
+    rig.go(90, 0.5)
+    rig.say(node, message)
+    rig.clock.sleep(0.1)
+    assert words in rig.state.fault
+    rig.clock.sleep(3.0)
+    assert rig.state.rate == 0.0
+    assert rig.true_deg < 45
+
+
+def test_neighbours_with_other_actuators_are_welcome():
+    rig = Rig()
+    rig.say(9, ArrayCommand((Command(2, 0, 0.3),)))
+    rig.say(9, Status(2, 1.0))
+    rig.say(9, NodeStatus(3, Health.CRITICAL))
+    rig.clock.sleep(0.1)
+    assert rig.state.healthy
+    assert rig.state.angle == 0.0
+
+
+def test_the_log_of_the_servo_is_ours(caplog):
+    rig = Rig()
+    for _ in range(3):
+        rig.say(SERVO, LogMessage(3, "motor", "hot"))
+        rig.clock.sleep(0.1)
+    assert [(record.levelname, record.getMessage()) for record in caplog.records] == [("ERROR", "servo: motor: hot")]
+
+
+def test_a_servo_without_position_says_what_to_configure():
+    rig = Rig()
+    rig.node._options = replace_feedback(rig.options)
+    rig.clock.sleep(0.1)
+    assert "feedback = 'model'" in rig.state.fault
+
+
+def replace_feedback(options):
+    return options.model_copy(update={"feedback": "model"})
+
+
+class TestWithoutPosition:
+    def rig(self):
+        return Rig(feedback="model")
+
+    def test_it_is_flagged_and_must_be_homed(self):
+        rig = self.rig()
+        assert rig.actuator.capabilities.feedback == "model"
+        with pytest.raises(NotHomed):
+            rig.go(10)
+
+    def test_it_is_known_after_homing_and_reaches_its_goals(self):
+        rig = self.rig()
+        rig.node.shaft.angle = 0.7
+        rig.actuator.home()
+        rig.clock.sleep(3.0)
+        assert rig.true_deg == pytest.approx(0, abs=0.25)
+        rig.go(60, 3.0)
+        assert rig.state.settled
+        assert rig.true_deg == pytest.approx(60, abs=0.25)
+
+    def test_released_it_is_not_known_any_more(self):
+        rig = self.rig()
+        rig.actuator.home()
+        rig.clock.sleep(3.0)
+        rig.actuator.release()
+        rig.clock.sleep(0.1)
+        assert not rig.state.homed
+
+
+def test_release_sends_no_more_set_points():
+    rig = Rig()
+    rig.go(20, 2.0)
+    rig.actuator.release()
+    rig.clock.sleep(0.1)
+    before = len(rig.values())
+    rig.clock.sleep(1.0)
+    assert len(rig.values()) == before
+
+
+def test_a_program_that_dies_leaves_a_servo_that_stops_within_its_lag():
+    rig = Rig()
+    rig.go(180, 0.8)
+    last = math.degrees(rig.options.joint_of(rig.values()[-1]))
+    rig.passes = lambda frame: False
+    rig.clock.sleep(2.0)
+    assert abs(rig.true_deg - last) < 2.5  # one set-point at 90 deg/s, and friction
+    assert rig.node.shaft.rate == 0.0
+
+
+def test_it_says_that_it_leaves():
+    rig = Rig()
+    rig.actuator.__exit__(None, None, None)
+    rig.clock.sleep(QUANTUM)
+    assert rig.heard[-1][1].mode is Mode.OFFLINE
+
+
+def test_two_runs_are_the_same_to_the_last_bit():
+    def run():
+        rig = Rig()
+        rig.go(77, 1.0)
+        rig.go(-30, 3.0)
+        return rig.heard, rig.far_end.angle()
+
+    assert run() == run()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_lost_frames_on_the_bus_delay_nothing_and_harm_nothing(seed):
+    chance = random.Random(seed)  # noqa: S311
+    rig = Rig()
+    rig.passes = lambda frame: chance.random() > 0.2
+    rig.go(90, 3.5)
+    assert rig.state.settled
+    assert rig.true_deg == pytest.approx(90, abs=0.25)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"node_id": 121}, "both 121"),
+        ({"node_id": 128}, "less than or equal to 127"),
+        ({"lower_deg": 10, "upper_deg": 10}, "must be below"),
+        ({"gear_ratio": 0.0}, "too near to 0"),
+        ({"gear_ratio": math.nan}, "gear_ratio"),
+        ({"command": "position", "at_lower": 0.5}, "follow from gear_ratio"),
+        ({"at_lower": -1.5}, "from -1 to 1"),
+        ({"at_lower": 0.5, "at_upper": 0.5}, "two different values"),
+        ({"command": "pwm", "at_upper": 1.0}, "from 500 to 2500"),
+        ({"port": "serial:/dev/ttyS0"}, "port"),
+        ({"baud": 3}, "baud"),
+    ],
+)
+def test_a_wrong_option_is_one_clear_line(wrong, words):
+    with pytest.raises(ConfigError, match=words) as error:
+        Rig(**wrong)
+    assert "\n" not in str(error.value)
+
+
+def test_a_slow_servo_lags_but_is_waited_for():
+    options = Options()
+    slow = replace(far_end.make(options).node.shaft.drive, position_gain=8.0)
+    rig = Rig(drive=slow)
+    rig.go(60, 1.4)
+    assert not rig.state.settled
+    rig.clock.sleep(2.0)
+    assert rig.state.settled
+    assert isinstance(rig.far_end, ServoFarEnd)
+    assert isinstance(rig.node, ServoNode)
