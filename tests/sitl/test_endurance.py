@@ -164,10 +164,7 @@ def bench(tmp_path, process, ground_station, free_port):
         (tmp_path / "ross.toml").write_text(config)
         payload = stack.enter_context(process(["run", "ross.toml"], tmp_path, "payload"))
         ground = stack.enter_context(ground_station(ports["udp"]))
-        end = time.monotonic() + 60
-        while "ROSS_AUDIO" not in ground.latest or ground.latest["ROSS_AUDIO"].level[0] < -100:
-            assert time.monotonic() < end, (tmp_path / "payload.log").read_text()
-            time.sleep(0.1)
+        until(lambda: "ROSS_AUDIO" in ground.latest and ground.latest["ROSS_AUDIO"].level[0] > -100)
         yield relay, ground, stack.enter_context(Watch(payload.pid)), ports
 
 
@@ -222,6 +219,14 @@ def test_a_short_life_leaves_nothing_behind_and_counts_what_it_did_not_hear(benc
     _, _, threads, files, _, _ = watch.columns()
     assert threads[-1] == before[2][-1]
     assert files[-1] == before[3][-1]
+
+
+def until(found, seconds=30.0):
+    """Wait until something is so."""
+    end = time.monotonic() + seconds
+    while not found():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.05)
 
 
 @pytest.mark.soak
