@@ -1,4 +1,4 @@
-"""A CAN bus behind any interface of python-can as a wire: can:INTERFACE:CHANNEL, with the bit rate where it is ours."""
+"""A CAN bus as a wire: behind any interface of python-can, or over TCP in another process."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import Any
 
 import can
 
+from ross_payload.actuators.can_codec import CanCodec
+from ross_payload.actuators.wires import connect
 from ross_payload.errors import ConfigError, LinkError
 from ross_payload.interfaces import Clock, Port
 from ross_protocols.dronecan import CanFrame
@@ -82,18 +84,24 @@ class CanWire:
         LinkError
             When the bus cannot be joined.
         """
+        if url.startswith("can:tcp:"):
+            return connect(url, CanCodec(), clock)
         parts = _URL.fullmatch(url)
         if parts is None:
-            raise ConfigError(f"wire '{url}': wanted can:INTERFACE:CHANNEL or can:INTERFACE:CHANNEL:BITRATE")
-        interface = parts["interface"]
-        if interface not in can.VALID_INTERFACES or interface == "udp_multicast":  # which hears itself
-            there = ", ".join(sorted(set(can.VALID_INTERFACES) - {"udp_multicast"}))
-            raise ConfigError(f"wire '{url}': interface '{interface}' cannot be used; there are: {there}")
-        rate: dict[str, Any] = {"bitrate": int(parts["bitrate"])} if parts["bitrate"] else {}
-        try:
-            return CanPort(can.Bus(parts["channel"], interface, ignore_config=True, **rate), url)
-        except (can.CanError, OSError, ImportError, ValueError, TypeError) as error:
-            raise LinkError(f"wire '{url}': cannot join the bus: {error}") from error
+            raise ConfigError(f"wire '{url}': wanted can:INTERFACE:CHANNEL[:BITRATE] or can:tcp:HOST:PORT")
+        return _joined(url, parts)
+
+
+def _joined(url: str, parts: re.Match[str]) -> CanPort:
+    interface = parts["interface"]
+    if interface not in can.VALID_INTERFACES or interface == "udp_multicast":  # which hears itself
+        there = ", ".join(sorted(set(can.VALID_INTERFACES) - {"udp_multicast"}))
+        raise ConfigError(f"wire '{url}': interface '{interface}' cannot be used; there are: {there}")
+    rate: dict[str, Any] = {"bitrate": int(parts["bitrate"])} if parts["bitrate"] else {}
+    try:
+        return CanPort(can.Bus(parts["channel"], interface, ignore_config=True, **rate), url)
+    except (can.CanError, OSError, ImportError, ValueError, TypeError) as error:
+        raise LinkError(f"wire '{url}': cannot join the bus: {error}") from error
 
 
 wire = CanWire()

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from queue import SimpleQueue
 
+from ross_payload.actuators.can_codec import CanCodec
 from ross_payload.actuators.dronecan_options import Options
+from ross_payload.interfaces import Port
 from ross_protocols.dronecan import (
     ArrayCommand,
     Assembler,
@@ -17,6 +20,7 @@ from ross_protocols.dronecan import (
     Sender,
     Status,
 )
+from ross_sim.wires import drained
 
 STEP = 0.001  # of the simulation [s]
 REPORT, BEAT = 0.020, 1.0  # [s] between two Status, two NodeStatus
@@ -187,6 +191,35 @@ class ServoFarEnd:
     def complaints(self) -> list[str]:
         """Return nothing: a servo loses no steps."""
         return []
+
+
+class CanSide:
+    """Gives the bus to a payload in another process: frames take effect when they arrived."""
+
+    codec = CanCodec
+
+    def __init__(self, port: Port, epoch: float) -> None:
+        self._port = port
+        self._epoch = epoch
+        self._inbox: SimpleQueue[tuple[float, CanFrame]] = SimpleQueue()
+        self._outbox: SimpleQueue[CanFrame] = SimpleQueue()
+        self._waiting: list[tuple[float, CanFrame]] = []
+
+    def arrived(self, frame: CanFrame, now: float) -> None:
+        """Keep a frame with the world's time of its arrival."""
+        self._inbox.put((now - self._epoch, frame))
+
+    def due(self, now: float) -> list[CanFrame]:
+        """Return what the servo has said."""
+        return drained(self._outbox)
+
+    def exchange(self, begin: float) -> None:
+        """Give the servo what has arrived by then, and take what it says."""
+        self._waiting += drained(self._inbox)
+        while self._waiting and self._waiting[0][0] <= begin:
+            self._port.send(self._waiting.pop(0)[1])
+        for frame in self._port.receive():
+            self._outbox.put(frame)
 
 
 class ServoFarEndPlugin:

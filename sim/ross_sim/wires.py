@@ -98,7 +98,7 @@ class PulseSide:
 
     def exchange(self, begin: float) -> None:
         """Give the module all that has arrived; its own reports come too late for a payload in real time."""
-        for segment in _drained(self._inbox):
+        for segment in drained(self._inbox):
             self._port.send(segment)
         self._port.receive()
 
@@ -121,11 +121,11 @@ class IdealSide:
 
     def due(self, now: float) -> list[Any]:
         """Return the reports that the device has made."""
-        return _drained(self._outbox)
+        return drained(self._outbox)
 
     def exchange(self, begin: float) -> None:
         """Give the device what has arrived by then, and take its reports."""
-        self._waiting += _drained(self._inbox)
+        self._waiting += drained(self._inbox)
         while self._waiting and self._waiting[0][0] <= begin:
             self._port.send(self._waiting.pop(0)[1])
         for report in self._port.receive():
@@ -211,7 +211,8 @@ def listen(host: str, port: int) -> socket.socket:
         raise LinkError(f"tcp:{host}:{port}: cannot listen: {error.strerror or error}") from error
 
 
-def _drained(queue: SimpleQueue[Any]) -> list[Any]:
+def drained(queue: SimpleQueue[Any]) -> list[Any]:
+    """Return all that waits in a queue."""
     frames = []
     try:
         while True:

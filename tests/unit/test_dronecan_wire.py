@@ -5,6 +5,7 @@ import time
 
 import pytest
 
+from ross_payload.actuators.can_codec import CanCodec
 from ross_payload.actuators.dronecan_options import Options
 from ross_payload.actuators.dronecan_servo import backend
 from ross_payload.actuators.wires import open_wire
@@ -13,6 +14,8 @@ from ross_payload.errors import ConfigError, LinkError
 from ross_payload.interfaces import Services
 from ross_protocols.dronecan import CanFrame
 from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.servo import far_end
+from ross_sim.wires import WireServer, side_of
 
 can = pytest.importorskip("can")
 
@@ -74,7 +77,7 @@ def test_a_bus_that_is_gone_is_a_link_error(wire):
 @pytest.mark.parametrize(
     ("url", "words"),
     [
-        ("can:virtual", "wanted can:INTERFACE:CHANNEL"),
+        ("can:virtual", r"wanted can:INTERFACE:CHANNEL\[:BITRATE\] or can:tcp"),
         ("can:virtual:x:fast", "wanted can:INTERFACE:CHANNEL"),
         ("can:carrier_pigeon:x", "'carrier_pigeon' cannot be used; there are: .*socketcan"),
         ("can:udp_multicast:239.0.0.1", "cannot be used"),
@@ -120,3 +123,29 @@ def test_the_driver_turns_a_servo_made_of_the_package_dronecan(bus, channel):
         cancel()
         assert driver.state().settled
         assert place[0] == pytest.approx(1.0, abs=0.001)
+
+
+def test_a_servo_in_another_process_is_turned_over_tcp():
+    clock, options = SystemClock(), Options()
+    servo, epoch = far_end.make(options), clock.now()
+    side = side_of("can", servo.port, epoch)
+    with WireServer("127.0.0.1", 0, side, clock) as server:
+        there = options.model_copy(update={"port": f"can:tcp:127.0.0.1:{server.port}"})
+        with backend.open(there, Services(clock, lambda url: open_wire(url, clock))) as driver:
+            deadline, told = clock.now() + 60, False
+            while not (told and driver.state().settled):
+                assert clock.now() < deadline, driver.state()
+                clock.sleep(0.005)
+                side.exchange(clock.now() - epoch)
+                servo.advance(round(clock.now() - epoch, 3))
+                driver.poll(clock.now())
+                if driver.state().homed and not told:
+                    driver.command(0.2)
+                    told = True
+    assert servo.angle() == pytest.approx(0.2, abs=options.resolution)
+
+
+@pytest.mark.parametrize("damaged", [bytes(16), b"\x01\0\0\x80\x09" + bytes(11), b"\xff" * 16])
+def test_bytes_that_are_no_frame_are_a_link_error(damaged):
+    with pytest.raises(LinkError, match="not a CAN frame"):
+        CanCodec().feed(damaged)
