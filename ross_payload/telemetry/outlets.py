@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ross_payload.config import Telemetry as TelemetryConfig
-from ross_payload.links import Component, Links
-from ross_payload.telemetry.streams import MESSAGE_IDS, Board, Stream
+from ross_payload.links import Component, Links, LinkStatus
+from ross_payload.telemetry.streams import MESSAGE_IDS, RESERVE, Board, Stream
 from ross_protocols import values as v
 from ross_protocols.codec import Encoder, message_of
 from ross_protocols.tunnel import Wrapper
@@ -60,6 +60,7 @@ class Outlets:
             Stream(self._periods, lambda value: 0), lambda value: component.send(self._form(value).message, LOGS)
         )
         self._outlets = {LOGS: logs}
+        self._waiting: set[str] = set()  # links that have to wait: what is said meanwhile is told when they are up
 
     def renew(self, config: TelemetryConfig) -> None:
         """Take over the usual rates of a configuration."""
@@ -73,11 +74,13 @@ class Outlets:
 
     def quiet(self, now: float) -> bool:
         """Tell whether there is nothing to send at ``now`` [s]."""
-        return all(outlet.stream.quiet(self._board, now) for outlet in self._outlets.values())
+        return all(
+            url in self._waiting or outlet.stream.quiet(self._board, now) for url, outlet in self._outlets.items()
+        )
 
     def flow(self, now: float) -> None:
         """Send what is due at ``now`` [s] and has room."""
-        if self.quiet(now):
+        if self.quiet(now) and not self._waiting:
             return
         for url, room in self._rooms().items():
             outlet = self._outlets[url]
@@ -105,11 +108,19 @@ class Outlets:
     def _rooms(self) -> dict[str, float]:
         """Return how many bytes each link takes; those that are new get their stream."""
         rooms = {LOGS: math.inf}
+        self._waiting = set()
         for status in self._links.status():
-            rooms[status.url] = status.room
+            rooms[status.url] = self._room(status)
             if status.url not in self._outlets:
                 self._outlets[status.url] = self._outlet(status.url, status.role == "autopilot")
         return rooms
+
+    def _room(self, status: LinkStatus) -> float:
+        """Return how many bytes a link takes: none while it is down, a heartbeat until our system id is known."""
+        if status.up and self._links.system_id:
+            return status.room
+        self._waiting.add(status.url)
+        return min(status.room, RESERVE) if status.up else 0.0
 
     def _outlet(self, url: str, tunnel: bool) -> _Outlet:
         if tunnel:

@@ -3,6 +3,7 @@
 import math
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
 from ross_payload.errors import ConfigError
-from ross_payload.events import Estimate, SourceEstimate, SourcesEstimated, State, StateChanged
+from ross_payload.events import Estimate, Finished, Outcome, SourceEstimate, SourcesEstimated, State, StateChanged
 from ross_payload.interfaces import Capabilities, Feedback
 from ross_payload.links import Links
 from ross_payload.orders import Explore
@@ -51,6 +52,32 @@ def test_what_the_mission_says_goes_out_on_the_pump(aloft) -> None:
         assert len(sky.ports[0].packets) == before
         sky.clock.sleep(0.02)
         assert [source.source for source in sky.ports[0].values(v.Source)] == [0, 1, 2]
+
+
+def test_what_is_said_while_a_link_is_down_is_told_when_it_is_up(aloft) -> None:
+    with aloft(GROUND) as sky:
+        (port,) = sky.ports
+        port.counts = replace(port.counts, up=False)
+        sky.telemetry.said(Finished(0.0, Outcome.NO_TARGET, "nobody is there"), sky.hop())
+        sky.live(5.0)
+        assert port.packets == []
+        port.counts = replace(port.counts, up=True)
+        sky.live(0.2)
+    assert port.texts() == ["RoSS: mission over: nobody is there"]
+    assert len(port.values(v.Heartbeat)) == 1
+
+
+def test_until_the_vehicle_is_known_a_heartbeat_a_second_goes_out_and_texts_wait(aloft) -> None:
+    with aloft(AUTOPILOT) as sky:
+        (port,) = sky.ports
+        sky.links.system_id = 0
+        sky.telemetry.said(Finished(0.0, Outcome.NO_TARGET, "nobody is there"), sky.hop())
+        sky.live(5.0)
+        assert port.names() == {"HEARTBEAT"}
+        assert len(port.packets) == pytest.approx(5, abs=1)
+        sky.links.system_id = 7
+        sky.live(0.2)
+    assert port.texts() == ["RoSS: mission over: nobody is there"]
 
 
 def test_what_is_said_last_is_told_before_the_end(aloft, tmp_path: Path) -> None:
