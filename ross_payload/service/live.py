@@ -16,7 +16,7 @@ from types import FrameType
 from threadpoolctl import threadpool_limits
 
 from ross_payload import __version__
-from ross_payload.actuators.wires import open_wire
+from ross_payload.actuators.mavlink_port import opener
 from ross_payload.audio.live import LiveSource
 from ross_payload.audio.sources import open_source
 from ross_payload.clock import SystemClock, synchronised_time
@@ -130,7 +130,7 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch) -> Iterator[Par
             clock=clock,
             source=source,
             watched=source if isinstance(source, LiveSource) else None,
-            open_port=lambda url: open_wire(url, clock),
+            open_port=opener(links, config.telemetry.component_id, clock),
             links=links,
             mount=mount_of(config, clock, links, timebase),
             timebase=timebase,

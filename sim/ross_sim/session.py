@@ -32,7 +32,7 @@ from ross_payload.timebase import Timebase
 from ross_sim.autopilot import board
 from ross_sim.casting import Company
 from ross_sim.clock import SimClock
-from ross_sim.far_end import far_end_of
+from ross_sim.far_end import FarEnd, far_end_of
 from ross_sim.live import View
 from ross_sim.outdir import OutDir
 from ross_sim.picture import draw
@@ -109,6 +109,7 @@ def perform(
         world = World(scenario, cast.talkers, far_end, clock, config.seed)
         collector = Collector(_wav(stack, out, config))
         actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
+        _find(actuator, far_end, clock, config.guard.watchdog_s)
         stack.enter_context(world.source)
         mount, _ = aboard(scenario, clock, links)
         clock.every(POLL, links.poll)
@@ -156,6 +157,15 @@ def aboard(scenario: Scenario, clock: SimClock, links: Links) -> tuple[Mount, Ti
         board(scenario.vehicle, clock, links, config.seed)
     timebase.attach(links.component(config.telemetry.component_id))
     return mount_of(config, clock, links, timebase), timebase
+
+
+def _find(actuator: Guard, far_end: FarEnd, clock: SimClock, patience: float) -> None:
+    """Give an actuator that has to be looked for on its bus some time before the sound begins; others take none."""
+    far_end.advance(clock.now())
+    actuator.poll(clock.now())
+    while not actuator.state().healthy and clock.now() < patience:
+        clock.sleep(POLL)
+        actuator.poll(clock.now())
 
 
 def _beginning(scenario: Scenario, company: Company, actuator: Guard) -> Beginning:

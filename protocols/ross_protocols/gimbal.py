@@ -1,0 +1,147 @@
+"""MAVLink gimbal protocol v2: what gimbals and their managers say, and what is asked of them; bytes stay in `codec`.
+
+On the wire yaw is clockwise and quaternions are wxyz. Here yaw is counter-clockwise. Whoever sends sets exactly one
+frame flag; in what arrives with none or both, YAW_LOCK tells the frame.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ross_protocols.dialect import common
+from ross_protocols.pairs import clockwise
+from ross_protocols.vehicle import euler, quaternion
+
+Address = tuple[int, int]  # system id, component id
+
+TYPE_GIMBAL = common.MAV_TYPE_GIMBAL
+MANAGER_INFORMATION, MANAGER_STATUS, DEVICE_INFORMATION, DEVICE_ATTITUDE = 280, 281, 283, 285  # message ids
+REQUEST_MESSAGE, MESSAGE_INTERVAL, CONFIGURE = 512, 511, 1001  # commands
+COMPONENTS = (154, 171, 172, 173, 174, 175)  # of gimbal devices
+ITSELF, NOBODY, UNCHANGED = -2.0, -3.0, -1.0  # in CONFIGURE
+
+YAW_LOCK, VEHICLE_FRAME, EARTH_FRAME = 16, 32, 64  # flags
+INFINITE_YAW = 2048  # capability
+CALIBRATING, NO_MANAGER = 256, 512  # failure flags
+FAILURES = {
+    8: "encoder",
+    16: "power",
+    32: "motor",
+    64: "software",
+    128: "communication inside the gimbal",
+    CALIBRATING: "calibrating",
+    NO_MANAGER: "it hears no manager",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class GimbalAttitude:
+    """GIMBAL_DEVICE_ATTITUDE_STATUS."""
+
+    boot: float  # of the sender's clock [s]
+    yaw: float  # counter-clockwise [rad]
+    rate: float | None  # counter-clockwise [rad/s], in the same frame
+    earth: bool  # from north; else from the nose of the vehicle
+    failures: int  # flags
+    device_id: int  # 0: the sender is the device
+
+
+@dataclass(frozen=True, slots=True)
+class GimbalTravel:
+    """GIMBAL_MANAGER_INFORMATION or GIMBAL_DEVICE_INFORMATION."""
+
+    device_id: int  # 1 to 6: the sender's own; else a component id, 0 the sender
+    lower: float  # counter-clockwise from the nose [rad]; NaN: not told
+    upper: float  # [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class GimbalControl:
+    """GIMBAL_MANAGER_STATUS."""
+
+    device_id: int
+    primary: Address  # who controls; (0, 0): nobody
+
+
+def read(message: Any) -> GimbalAttitude | GimbalTravel | GimbalControl | None:
+    """Return what a message means; None for any other, and for an attitude whose yaw is no number."""
+    match message.get_type():
+        case "GIMBAL_DEVICE_ATTITUDE_STATUS":
+            return _attitude(message)
+        case "GIMBAL_MANAGER_INFORMATION" | "GIMBAL_DEVICE_INFORMATION":
+            if message.cap_flags & INFINITE_YAW:
+                return GimbalTravel(message.gimbal_device_id, -math.inf, math.inf)
+            return GimbalTravel(message.gimbal_device_id, -message.yaw_max, -message.yaw_min)
+        case "GIMBAL_MANAGER_STATUS":
+            primary = message.primary_control_sysid, message.primary_control_compid
+            return GimbalControl(message.gimbal_device_id, primary)
+    return None
+
+
+def in_earth_frame(flags: int) -> bool:
+    """Tell the frame of a yaw.
+
+    >>> [in_earth_frame(flags) for flags in (44, 92, 28, 12, 32 | 16)]
+    [False, True, True, False, False]
+    """
+    frames = flags & (VEHICLE_FRAME | EARTH_FRAME)
+    return frames == EARTH_FRAME if frames in (VEHICLE_FRAME, EARTH_FRAME) else bool(flags & YAW_LOCK)
+
+
+def failures(flags: int) -> str:
+    """Name the failures among failure flags.
+
+    >>> failures(8 | 32), failures(4)
+    ('encoder, motor', '')
+    """
+    return ", ".join(name for flag, name in FAILURES.items() if flags & flag)
+
+
+def point_manager(manager: Address, device_id: int, yaw: float) -> Any:
+    """Return the GIMBAL_MANAGER_SET_PITCHYAW that levels a gimbal and turns it to ``yaw`` [rad] from the nose.
+
+    Rates are not told: an ArduPilot ignores angles that come with rates.
+    """
+    angles, rates = (0.0, clockwise(yaw)), (math.nan, math.nan)
+    return common.MAVLink_gimbal_manager_set_pitchyaw_message(*manager, VEHICLE_FRAME, device_id, *angles, *rates)
+
+
+def point_device(device: Address, yaw: float) -> Any:
+    """Return the GIMBAL_DEVICE_SET_ATTITUDE that levels a device and turns it to ``yaw`` [rad] from the nose."""
+    q = quaternion(clockwise(yaw), 0.0, 0.0)
+    return common.MAVLink_gimbal_device_set_attitude_message(*device, VEHICLE_FRAME, q, *(math.nan,) * 3)
+
+
+def configure(manager: Address, device_id: int, primary: float) -> Any:
+    """Return the command that takes control (``ITSELF``) or gives it back (``NOBODY``)."""
+    return _command(manager, CONFIGURE, primary, primary, UNCHANGED, UNCHANGED, 0.0, 0.0, float(device_id))
+
+
+def request(whom: Address, message_id: int) -> Any:
+    """Return the command that asks for one message."""
+    return _command(whom, REQUEST_MESSAGE, float(message_id))
+
+
+def interval(whom: Address, message_id: int, hertz: float) -> Any:
+    """Return the command that asks for a message at a rate."""
+    return _command(whom, MESSAGE_INTERVAL, float(message_id), 1e6 / hertz)
+
+
+def _command(whom: Address, number: int, *numbers: float) -> Any:
+    return common.MAVLink_command_long_message(*whom, number, 0, *numbers, *(0.0,) * (7 - len(numbers)))
+
+
+def _attitude(message: Any) -> GimbalAttitude | None:
+    yaw, rate = euler(message.q)[0], message.angular_velocity_z
+    if not math.isfinite(yaw):
+        return None
+    return GimbalAttitude(
+        boot=message.time_boot_ms / 1e3,
+        yaw=clockwise(yaw),
+        rate=0.0 - rate if math.isfinite(rate) else None,
+        earth=in_earth_frame(message.flags),
+        failures=message.failure_flags,
+        device_id=message.gimbal_device_id,
+    )

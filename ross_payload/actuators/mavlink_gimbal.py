@@ -1,0 +1,297 @@
+"""A gimbal that speaks MAVLink gimbal protocol v2, behind an autopilot or alone.
+
+A goal becomes a trapezoid, and the trapezoid a stream of set-points of the yaw from the vehicle's nose: angles, never
+rates, so that a gimbal whose driver has died goes to the last set-point and stands. Only the gimbal's own attitude
+status tells where it is; acknowledgements prove nothing.
+
+Only the pump (`poll`) plans and sends; the other methods leave a request in a queue.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import Enum
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Any, Self
+
+from ross_payload.actuators.mavlink_gimbal_feedback import GimbalFeedback
+from ross_payload.actuators.mavlink_gimbal_options import Options
+from ross_payload.actuators.mavlink_gimbal_peer import Client, Manager, Search
+from ross_payload.actuators.mavlink_port import Arrived
+from ross_payload.actuators.motion import Trapezoid
+from ross_payload.errors import ActuatorFault, LimitError
+from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Port, Services
+from ross_payload.interfaces import Feedback as FeedbackKind
+from ross_protocols import gimbal, vehicle
+from ross_protocols.gimbal import Address, GimbalAttitude
+from ross_protocols.vehicle import AUTOPILOT, VehicleAttitude
+
+PERIOD = 0.02  # between set-points [s]
+EARLY = 1e-9  # [s], of rounding
+STALE = 0.5  # [s]: a report that is older proves nothing
+STILL = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
+LEASH, LATENESS = math.radians(10), 0.25  # how far a gimbal may be behind its set-point [rad], and this many [s] more
+OVERDUE, ASTRAY = 3.0, math.radians(1)  # [s] after its time a gimbal may not be farther from its goal [rad]
+UNMANAGED = 2.0  # [s] in which a device must notice that we manage it
+
+
+@dataclass(frozen=True, slots=True)
+class _Move:
+    goal: float  # [rad]
+    rate: float  # [rad/s]
+
+
+class _Ask(Enum):
+    HALT = 1
+    HOME = 2
+
+
+class MavlinkGimbal:
+    """The driver: sans I/O over a port that carries messages."""
+
+    def __init__(self, options: Options, services: Services) -> None:
+        self._options = options
+        self._services = services
+        self._port: Port | None = None
+        self._requests: SimpleQueue[_Move | _Ask] = SimpleQueue()
+        self._peer: Client | Manager | None = None
+        self._search = Search(options.role, options.device_id)
+        self._plan: Trapezoid | None = None  # None: nothing may be sent
+        self._begin = self._sent = self._led = -math.inf  # of the plan, of the last set-point, of our lead [s]
+        self._restless = math.inf  # when it was last seen away from its goal [s]
+        self._fault = ""
+        self.capabilities = Capabilities(
+            lower=math.radians(options.lower_deg),
+            upper=math.radians(options.upper_deg),
+            max_speed=math.radians(options.max_speed_deg_s),
+            max_acceleration=math.radians(options.max_acceleration_deg_s2),
+            resolution=math.radians(options.resolution_deg),
+            continuous=False,
+            feedback=FeedbackKind.MEASURED,
+        )
+        self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper)
+        self._state = ActuatorState(0.0, 0.0, False, homed=True, healthy=False, time=-math.inf)
+
+    def command(self, angle: float, rate: float | None = None) -> None:
+        """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal."""
+        if not self.capabilities.lower <= angle <= self.capabilities.upper:  # NaN is not either
+            raise LimitError(f"goal {angle} rad is not within the travel")
+        if not self._state.healthy:
+            raise ActuatorFault(self._state.fault or "the gimbal has not reported yet")
+        self._requests.put(_Move(angle, min(rate or math.inf, self.capabilities.max_speed)))
+
+    def state(self) -> ActuatorState:
+        """Return the state at the last poll; not settled while a request waits."""
+        return self._state if self._requests.empty() else replace(self._state, settled=False)
+
+    def stop(self) -> None:
+        """Decelerate from the last set-point."""
+        self._requests.put(_Ask.HALT)
+
+    def home(self) -> None:
+        """Decelerate, take control again and forget a fault; the gimbal's encoder knows its zero."""
+        self._requests.put(_Ask.HOME)
+
+    def release(self) -> None:
+        """Decelerate: the protocol has no way to switch a gimbal's motors off."""
+        self.stop()
+
+    def poll(self, now: float) -> None:
+        """Take in what has arrived, obey requests, ask and point as is due, publish the state at ``now`` [s]."""
+        if self._port is not None:
+            for arrived in self._port.receive():
+                self._hear(arrived, now)
+            self._obey_requests(now)
+            self._lead(now)
+        self._publish(now)
+
+    def __enter__(self) -> Self:
+        """Open the wire; the gimbal is looked for and then held where it is."""
+        self._port = self._services.open_port(self._options.port)
+        self._feedback.forget()
+        self._fault = ""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Send the end of the deceleration as the last set-point, give control back and close."""
+        if self._port is None:
+            return
+        if self._plan is not None and self._peer is not None and self._peer.ready:
+            self._halt(self._services.clock.now())
+            self._port.send(self._peer.point(self._plan.goal))
+        for message in self._peer.leave() if self._peer is not None else ():
+            self._port.send(message)
+        self._port.close()
+        self._port = self._plan = None
+
+    # ------------------------------------------------------------------------------------------ what is heard
+
+    def _hear(self, arrived: Arrived, now: float) -> None:
+        packet = arrived.packet
+        sender = packet.system_id, packet.component_id
+        if packet.name == "HEARTBEAT":
+            found = self._search.met(packet.message, sender, now)
+            if found is not self._peer:
+                self._peer, self._plan = found, None
+        if self._peer is None:
+            return
+        self._peer.heard(arrived, now)
+        said = gimbal.read(packet.message)
+        if isinstance(said, GimbalAttitude):
+            self._report(self._peer, said, sender, now)
+        elif packet.component_id == AUTOPILOT:
+            attitude = vehicle.read(packet.message)
+            if isinstance(attitude, VehicleAttitude):
+                self._feedback.turned(attitude, now)
+
+    def _report(self, peer: Client | Manager, said: GimbalAttitude, sender: Address, now: float) -> None:
+        own = sender == peer.device
+        if own or (isinstance(peer, Client) and sender == peer.manager and peer.relays(said.device_id)):
+            peer.asking.reports += 1
+            self._feedback.report(said, now, own=own)
+
+    # ------------------------------------------------------------------------------------------ requests
+
+    def _obey_requests(self, now: float) -> None:
+        try:
+            while True:
+                self._obey(self._requests.get_nowait(), now)
+        except Empty:
+            return
+
+    def _obey(self, request: _Move | _Ask, now: float) -> None:
+        if request is _Ask.HOME:
+            self._fault = ""
+            if self._peer is not None:
+                self._peer.claim()
+        if self._plan is None or self._fault:
+            return
+        if isinstance(request, _Move):
+            position, velocity = self._plan.at(now - self._begin)
+            acceleration = self.capabilities.max_acceleration
+            self._go(Trapezoid(position, request.goal, request.rate, acceleration, velocity), now)
+        else:
+            self._halt(now)
+
+    def _halt(self, now: float) -> None:
+        if self._plan is not None:
+            position, velocity = self._plan.at(now - self._begin)
+            if velocity:
+                self._go(Trapezoid.to_rest(position, velocity, self.capabilities.max_acceleration), now)
+            elif position != self._plan.goal:  # a goal that was given in this very moment
+                self._go(Trapezoid(position, position, 1.0, 1.0), now)
+
+    def _hold(self, now: float) -> None:
+        """Plan to stay where the gimbal is."""
+        here = min(max(self._feedback.angle, self.capabilities.lower), self.capabilities.upper)
+        self._go(Trapezoid(here, here, 1.0, 1.0), now)
+
+    def _go(self, plan: Trapezoid, now: float) -> None:
+        self._plan, self._begin, self._restless = plan, now, now
+
+    # ------------------------------------------------------------------------------------------ leading
+
+    def _lead(self, now: float) -> None:
+        """Ask what is due, and send the set-point that is due while the gimbal is ours and reports."""
+        peer = self._peer
+        if peer is None or self._port is None:
+            return
+        for message in peer.due(now):
+            self._port.send(message)
+        if not peer.ready or self._travel_trouble():
+            self._plan = None
+            return
+        if self._plan is None:
+            if now - self._feedback.time > STALE:
+                return
+            self._led = now
+            self._hold(now)
+        self._look_whether_it_follows(now)
+        if self._plan is not None and now - self._sent >= PERIOD - EARLY:
+            self._sent = now
+            self._port.send(peer.point(self._plan.at(now - self._begin)[0]))
+
+    def _look_whether_it_follows(self, now: float) -> None:
+        """Fault, and hold the gimbal where it is, when it restarts in a move, lags, or stands beside its goal."""
+        reported = self._feedback.time
+        if self._plan is None or self._fault or reported < self._begin:
+            return
+        angle, rate = self._plan.at(reported - self._begin)
+        behind = abs(angle - self._feedback.angle)
+        astray = behind > ASTRAY and reported > self._begin + self._plan.duration + OVERDUE
+        if self._feedback.restarted and rate:
+            self._fault = "the gimbal has restarted in the middle of a move; home and rearm"
+        elif astray or behind > LEASH + LATENESS * abs(rate):
+            where = f"{math.degrees(self._feedback.angle):.1f} deg, not at {math.degrees(angle):.1f}"
+            self._fault = f"the gimbal does not follow: it is at {where}; home and rearm"
+        self._feedback.restarted = False
+        if self._fault:
+            self._hold(now)
+
+    # ------------------------------------------------------------------------------------------ the state
+
+    def _publish(self, now: float) -> None:
+        seen, plan = self._feedback, self._plan
+        over = plan is None or now >= self._begin + plan.duration
+        rate = 0.0 if over and abs(seen.rate) < STILL else seen.rate
+        there = plan is None or abs(seen.angle - plan.goal) <= self.capabilities.resolution
+        if not (over and there and rate == 0.0) or self._restless == math.inf:
+            self._restless = now
+        trouble = self._trouble(now)
+        rested = now >= self._restless + self._options.settle_ms * 1e-3 - EARLY
+        fresh = now - seen.time <= STALE
+        self._state = ActuatorState(
+            angle=seen.angle, rate=rate, settled=rested and fresh and not trouble and plan is not None,
+            homed=True, healthy=not trouble, time=seen.time, fault=trouble,
+        )  # fmt: skip
+
+    def _trouble(self, now: float) -> str:
+        """Say what is wrong; empty when all is well."""
+        if self._peer is None:
+            return self._search.missing()
+        if self._fault or self._peer.trouble():
+            return self._fault or self._peer.trouble()
+        if not self._peer.ready:
+            return self._peer.waits_for()
+        return self._travel_trouble() or self._failures(now) or self._silence(now)
+
+    def _failures(self, now: float) -> str:
+        flags = self._feedback.failures
+        if now - self._led < UNMANAGED:
+            flags &= ~gimbal.NO_MANAGER
+        found = gimbal.failures(flags)
+        return f"the gimbal reports a failure: {found}" if found else ""
+
+    def _silence(self, now: float) -> str:
+        if self._feedback.lost_vehicle:
+            return "the gimbal tells its yaw from north, and no autopilot tells where the vehicle points"
+        return "" if now - self._feedback.time <= STALE else "the gimbal does not report its attitude"
+
+    def _travel_trouble(self) -> str:
+        """Say when the gimbal turns less far than the options ask for."""
+        travel = self._peer.travel if self._peer is not None else None
+        if travel is None or (math.isnan(travel.lower) and math.isnan(travel.upper)):
+            return ""
+        slack = self.capabilities.resolution
+        if travel.lower - slack <= self.capabilities.lower and self.capabilities.upper <= travel.upper + slack:
+            return ""
+        has = f"{math.degrees(travel.lower):.0f} to {math.degrees(travel.upper):.0f} deg"
+        wanted = f"{self._options.lower_deg:g} to {self._options.upper_deg:g}"
+        return f"the gimbal turns from {has}, actuator.options ask for lower_deg to upper_deg = {wanted}"
+
+
+class MavlinkGimbalBackend:
+    """Gimbal on MAVLink (protocol v2): client of an autopilot that manages it, or manager of a bare device."""
+
+    Config: type[Any] = Options
+
+    def open(self, config: Options, services: Services) -> Actuator:
+        """Make the driver."""
+        return MavlinkGimbal(config, services)
+
+
+backend = MavlinkGimbalBackend()

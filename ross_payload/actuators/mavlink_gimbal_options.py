@@ -1,0 +1,29 @@
+"""What a configuration says about a MAVLink gimbal."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from ross_payload.config import Degrees, Positive, Table
+
+
+class Options(Table):
+    """[actuator.options] of ``mavlink_gimbal``."""
+
+    port: str = "mavlink:"  # the payload's own links
+    role: Literal["discover", "client", "manager"] = "discover"  # client: of an autopilot; manager: of a bare device
+    device_id: Annotated[int, Field(ge=0, le=255)] = 0  # of the gimbal at its manager, 0: the first
+    lower_deg: Annotated[Degrees, Field(le=0)] = -200.0  # travel, which the gimbal must have
+    upper_deg: Annotated[Degrees, Field(ge=0)] = 200.0
+    max_speed_deg_s: Positive = 90.0
+    max_acceleration_deg_s2: Positive = 112.5
+    resolution_deg: Annotated[float, Field(gt=0, le=5)] = 0.1  # settled within this of the goal
+    settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # at rest at the goal, before that is said
+
+    @model_validator(mode="after")
+    def _turns(self) -> Options:
+        if not self.lower_deg < self.upper_deg:
+            raise ValueError(f"lower_deg = {self.lower_deg:g} must be below upper_deg = {self.upper_deg:g}")
+        return self

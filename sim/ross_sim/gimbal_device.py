@@ -1,0 +1,179 @@
+"""A simulated gimbal device: a servo loop behind MAVLink gimbal protocol v2."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ross_payload.angles import wrap
+from ross_protocols import gimbal
+from ross_protocols.codec import Packet
+from ross_protocols.dialect import common
+from ross_protocols.gimbal import Address
+from ross_protocols.pairs import clockwise
+from ross_protocols.vehicle import euler, quaternion
+
+STEP = 0.002  # of the servo loop [s]
+GLIDE = 0.02  # in which a new set-point is approached, so that a stream of them makes no noise [s]
+EARLY = 1e-9  # [s], of rounding
+
+
+@dataclass(frozen=True, slots=True)
+class Servo:
+    """How a device moves about its yaw axis; angles counter-clockwise from the nose [rad]."""
+
+    lower: float
+    upper: float
+    max_speed: float  # [rad/s]
+    max_acceleration: float  # [rad/s^2]
+    resolution: float = math.radians(0.02)  # of its encoder [rad]
+    bandwidth: float = 60.0  # of its loop, critically damped [rad/s]
+
+
+class Device:
+    """Component 154: follows set-points as well as its motor can, and tells where its encoder says it is.
+
+    `stuck` and `failures` may be set while it lives; `restart` makes it boot.
+    """
+
+    def __init__(self, address: Address, servo: Servo, vehicle: Callable[[float], float], *, earth: bool) -> None:
+        self.address = address
+        self.servo = servo
+        self.angle = 0.0  # true [rad]
+        self.bumps = 0
+        self.stuck = False
+        self.failures = 0
+        self._vehicle = vehicle
+        self._earth = earth
+        self._rate = 0.0
+        self._goal, self._from, self._since = 0.0, 0.0, -math.inf  # set-point, the one before, when it came
+        self._locked: float | None = None  # set-point from north [rad]
+        self._now = self._boot = 0.0
+        self._managed = -math.inf
+        self._due = {0: 0.0, gimbal.DEVICE_ATTITUDE: 0.0}
+        self._periods = {0: 1.0, gimbal.DEVICE_ATTITUDE: 0.1}
+
+    def restart(self) -> None:
+        """Boot: forget rates and set-points, stand still."""
+        self._boot, self._rate, self._locked = self._now, 0.0, None
+        self._goal = self._from = self.angle
+        self._periods[gimbal.DEVICE_ATTITUDE] = 0.1
+
+    def hear(self, packet: Packet, now: float) -> list[Any]:
+        """Obey set-points and requests."""
+        message = packet.message
+        if (getattr(message, "target_system", 0), getattr(message, "target_component", 0)) != self.address:
+            return []
+        if packet.name == "GIMBAL_DEVICE_SET_ATTITUDE":
+            self._point(message, now)
+        elif packet.name == "COMMAND_LONG":
+            return self._command(packet, now)
+        return []
+
+    def live(self, now: float) -> list[Any]:
+        """Return the heartbeat and the attitude when they are due."""
+        ready = [number for number, due in self._due.items() if now >= due - EARLY]
+        for number in ready:
+            self._due[number] = now + self._periods[number]
+        return [self._attitude(now) if number else self._heartbeat() for number in ready]
+
+    def move(self, now: float) -> None:
+        """Let the servo loop run until ``now`` [s]."""
+        if self._locked is not None:
+            self._aim(self._locked - self._vehicle(now), now)
+        if self._rests():
+            self._now = now
+        for _ in range(round((now - self._now) / STEP)):
+            self._now += STEP
+            self._turn()
+        self._now = now
+
+    def _rests(self) -> bool:
+        """Whether friction holds the axis near its set-point."""
+        near = abs(self._goal - self._encoder()) <= self.servo.resolution
+        return self._rate == 0.0 and near and self._now - self._since >= GLIDE
+
+    def _turn(self) -> None:
+        """One step: a critically damped loop on the encoder, its acceleration and speed limited, stops at both ends."""
+        servo, share = self.servo, min((self._now - self._since) / GLIDE, 1.0)
+        aim = self._from + share * (self._goal - self._from)
+        lead = (self._goal - self._from) / GLIDE if share < 1.0 else 0.0
+        error = aim - self._encoder()
+        if self.stuck or (
+            lead == 0.0 and abs(error) <= servo.resolution and abs(self._rate) < servo.resolution / GLIDE
+        ):
+            self._rate = 0.0  # friction
+            return
+        braking = math.sqrt(1.5 * servo.max_acceleration * abs(error))  # so fast it can still stop there
+        speed = lead + math.copysign(min(servo.bandwidth / 2 * abs(error), braking), error)
+        wanted = 2 * servo.bandwidth * (speed - self._rate)
+        push = min(max(wanted, -servo.max_acceleration), servo.max_acceleration)
+        self._rate = min(max(self._rate + push * STEP, -servo.max_speed), servo.max_speed)
+        self.angle += self._rate * STEP
+        if not servo.lower <= self.angle <= servo.upper:
+            self.angle = min(max(self.angle, servo.lower), servo.upper)
+            self._rate, self.bumps = 0.0, self.bumps + 1
+
+    def _encoder(self) -> float:
+        return round(self.angle / self.servo.resolution) * self.servo.resolution
+
+    def _point(self, message: Any, now: float) -> None:
+        self._managed = now
+        yaw = euler(message.q)[0]
+        if not math.isfinite(yaw):
+            return
+        earth = gimbal.in_earth_frame(message.flags)
+        self._locked = clockwise(yaw) if earth else None
+        self._aim(clockwise(yaw) - (self._vehicle(now) if earth else 0.0), now)
+
+    def _aim(self, angle: float, now: float) -> None:
+        """Take a set-point: the nearest turn inside the travel."""
+        servo, before = self.servo, self._goal
+        share = min((self._now - self._since) / GLIDE, 1.0)
+        self._from += share * (before - self._from)
+        near = before + wrap(angle - before)
+        self._goal = min(max(near, servo.lower), servo.upper)
+        self._since = self._now
+
+    def _command(self, packet: Packet, now: float) -> list[Any]:
+        message, number = packet.message, int(packet.message.param1)
+        answers = []
+        if message.command == gimbal.REQUEST_MESSAGE and number == gimbal.DEVICE_INFORMATION:
+            answers = [self._information(now)]
+        elif message.command == gimbal.MESSAGE_INTERVAL and number == gimbal.DEVICE_ATTITUDE:
+            self._periods[number] = max(message.param2 / 1e6, GLIDE)
+            self._due[number] = now
+        else:
+            return [_acknowledged(packet, common.MAV_RESULT_UNSUPPORTED)]
+        return [_acknowledged(packet, common.MAV_RESULT_ACCEPTED), *answers]
+
+    def _information(self, now: float) -> Any:
+        lower, upper = self.servo.lower, self.servo.upper
+        return common.MAVLink_gimbal_device_information_message(
+            self._clock(now), b"ROSS", b"simulated", b"", 1, 1, 1, 0, 0, 0.0, 0.0, 0.0, 0.0, -upper, -lower
+        )
+
+    def _attitude(self, now: float) -> Any:
+        base = self._vehicle(now) if self._earth else 0.0
+        turn = (self._vehicle(now + STEP) - base) / STEP if self._earth else 0.0
+        flags = 4 | 8 | (gimbal.YAW_LOCK | gimbal.EARTH_FRAME if self._earth else gimbal.VEHICLE_FRAME)
+        unmanaged = gimbal.NO_MANAGER if now - self._managed > 1.0 else 0
+        q = quaternion(clockwise(self._encoder() + base), 0.0, 0.0)
+        rates = (0.0, 0.0, -(self._rate + turn))
+        return common.MAVLink_gimbal_device_attitude_status_message(
+            0, 0, self._clock(now), flags, q, *rates, self.failures | unmanaged
+        )
+
+    def _heartbeat(self) -> Any:
+        kind, maker = common.MAV_TYPE_GIMBAL, common.MAV_AUTOPILOT_INVALID
+        return common.MAVLink_heartbeat_message(kind, maker, 0, 0, common.MAV_STATE_ACTIVE, 3)
+
+    def _clock(self, now: float) -> int:
+        return round((now - self._boot) * 1e3)
+
+
+def _acknowledged(packet: Packet, result: int) -> Any:
+    sender = {"target_system": packet.system_id, "target_component": packet.component_id}
+    return common.MAVLink_command_ack_message(packet.message.command, result, **sender)
