@@ -49,26 +49,30 @@ from ross_payload import cli, plugins
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Scene
 
-rng = np.random.default_rng(0)
 stft = Stft(16000, 2048, 512)
-heard = stft.analyse(rng.laplace(size=(2, 160000)).astype(np.float32))
+heard = stft.analyse(np.random.default_rng(0).laplace(size=(2, 160000)).astype(np.float32))
 scene = Scene(stft.frequencies, 0.05, 343.0, 3, np.array([1e-4, -1e-4, 0.0]), None)
 separator = plugins.load("ross_payload.separators", "auto")
-
 def separate():
     while True:
         separator.batch(heard, scene)
-
 threading.Thread(target=separate, daemon=True).start()
 cli.main()
 """
 BREAKING = """
 import signal
+import time
+from pathlib import Path
 from ross_payload import cli
 from ross_payload.links import Links
 
 poll, broken = Links.poll, []
-Links.poll = lambda links: 1 / 0 if broken else poll(links)
+def dying(links):
+    if broken:
+        Path("died").write_text(str(time.monotonic()))
+        raise ZeroDivisionError
+    poll(links)
+Links.poll = dying
 signal.signal(signal.SIGUSR1, lambda number, frame: broken.append(number))
 cli.main()
 """
@@ -88,9 +92,6 @@ class Bench:
     def due(self, now):
         self._player.play(now)
         return self._player.receive()
-
-    def exchange(self, begin):
-        """The motor is not simulated."""
 
     def turning(self, since):
         return rises(self._player.sent, since).size > 0
@@ -138,14 +139,14 @@ class Rig:
     """`ross run` in a process of its own, its ground station, and the bench."""
 
     def __init__(self, folder, start, ground_station, port):
-        self._folder, self._start, self._ground_station, self._port = folder, start, ground_station, port
+        self.folder, self._start, self._ground_station, self._port = folder, start, ground_station, port
         self._stack = ExitStack()
         self.bench = Bench()
 
     def __enter__(self):
         server = self._stack.enter_context(WireServer(LOOPBACK, 0, self.bench, SystemClock()))
         config = CONFIG.format(wire=f"pulses:tcp:{LOOPBACK}:{server.port}", port=self._port)
-        (self._folder / "ross.toml").write_text(config)
+        (self.folder / "ross.toml").write_text(config)
         self.process = self._stack.enter_context(self._start())
         self.ground = self._stack.enter_context(self._ground_station(self._port))
         until(lambda: "ROSS_STATUS" in self.ground.latest)
@@ -238,7 +239,8 @@ def terminated(rig, number=signal.SIGTERM):
     given = time.monotonic()
     rig.process.send_signal(number)
     rig.process.wait(30)
-    return rig.bench.began(rig.began) - given
+    died = rig.folder / "died"
+    return rig.bench.began(rig.began) - (float(died.read_text()) if died.exists() else given)
 
 
 def test_another_thread_decelerates_soon():
