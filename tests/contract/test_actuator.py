@@ -17,13 +17,17 @@ from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault, ConfigError, LimitError
-from ross_payload.interfaces import ActuatorState, Port, Services
+from ross_payload.interfaces import ActuatorState, Feedback, Port, Services
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.far_end import FarEnd
 
-KINDS = ("ideal", "tb6600")
+# Back ends, with their role where they have several.
+KINDS = ("ideal", "tb6600", "mavlink_gimbal", "mavlink_gimbal:manager", "dronecan_servo")
 SPEED, ACCELERATION = math.radians(225), math.radians(112.5)
 LOWER, UPPER = math.radians(-200), math.radians(200)
+SPEEDS = {"mavlink_gimbal": math.radians(90)}  # of back ends that are slower than the paper's
+LAG = {"mavlink_gimbal": 0.3}  # of a servo that creeps into its goal [s]
+RIPPLE = {"mavlink_gimbal": 0.04}  # of a measured rate about the planned one [rad/s]
 SWING = math.radians(0.5)  # by which a rotor may swing about its windings while it moves
 
 
@@ -53,6 +57,9 @@ class Rig:
     far_end: FarEnd
     wire: CuttableWire
     actuator: Guard
+    lag: float = 0.0  # [s]
+    ripple: float = 0.0  # [rad/s]
+    speed: float = SPEED  # [rad/s]
 
     def open(self) -> Rig:
         self.actuator.__enter__()
@@ -78,14 +85,17 @@ class Rig:
 
 
 def rig_of(kind: str, **guard: Any) -> Rig:
-    config = Config.model_validate({"actuator": {"kind": kind}, "guard": guard})
+    kind, _, role = kind.partition(":")
+    options = {"role": role} if role else {}
+    config = Config.model_validate({"actuator": {"kind": kind, "options": options}, "guard": guard})
     clock = SimClock()
     far_end: FarEnd = plugins.load("ross_sim.far_ends", kind).make(checked_options(config))
     clock.before_calls(far_end.advance)
     wire = CuttableWire(far_end.port)
     actuator = open_actuator(config, Services(clock, lambda url: wire))
     clock.every(QUANTUM, lambda: actuator.poll(clock.now()))
-    return Rig(clock, far_end, wire, actuator)
+    slack = LAG.get(kind, 0.0), RIPPLE.get(kind, 0.0)
+    return Rig(clock, far_end, wire, actuator, *slack, speed=SPEEDS.get(kind, SPEED))
 
 
 @pytest.fixture(params=KINDS)
@@ -115,7 +125,8 @@ def test_at_rest_the_true_angle_is_the_reported_angle(rig: Rig) -> None:
     rig.actuator.command(math.radians(77.7))
     rig.settle(within=5.0)
     rig.clock.sleep(0.3)
-    assert rig.far_end.angle() == pytest.approx(rig.state.angle, abs=1e-6)
+    measured = rig.actuator.capabilities.feedback is Feedback.MEASURED
+    assert rig.far_end.angle() == pytest.approx(rig.state.angle, abs=max(rig.tolerance / 2 if measured else 0, 1e-6))
 
 
 def test_15_degrees_take_what_the_paper_s_acceleration_allows(rig: Rig) -> None:
@@ -124,7 +135,7 @@ def test_15_degrees_take_what_the_paper_s_acceleration_allows(rig: Rig) -> None:
     for _ in range(150):
         rig.clock.sleep(QUANTUM)
         last = rig.clock.now() if rig.state.rate != 0.0 else last
-    assert last - began == pytest.approx(2 * math.sqrt(15 / 112.5), abs=2 * QUANTUM)
+    assert -2 * QUANTUM <= last - began - 2 * math.sqrt(15 / 112.5) <= 2 * QUANTUM + rig.lag
 
 
 def test_it_is_not_settled_between_the_command_and_the_goal(rig: Rig) -> None:
@@ -144,7 +155,7 @@ def test_a_goal_replaced_in_flight_is_reached_without_a_jump_in_speed(rig: Rig, 
     before = rig.state.rate
     for _ in range(700):
         rig.clock.sleep(QUANTUM)
-        assert abs(rig.state.rate - before) <= ACCELERATION * QUANTUM * 1.001
+        assert abs(rig.state.rate - before) <= ACCELERATION * QUANTUM * 1.001 + rig.ripple
         before = rig.state.rate
     assert rig.state.settled
     assert rig.far_end.angle() == pytest.approx(second, abs=rig.tolerance)
@@ -153,8 +164,11 @@ def test_a_goal_replaced_in_flight_is_reached_without_a_jump_in_speed(rig: Rig, 
 @pytest.mark.parametrize("after", [0.2, 0.5, 0.8, 1.1])
 def test_stop_halts_within_the_braking_distance_and_100_ms_of_travel(rig: Rig, after: float) -> None:
     rig.actuator.command(UPPER)
-    rig.clock.sleep(after)
-    speed, here = rig.state.rate, rig.far_end.angle()
+    rig.clock.sleep(after - QUANTUM)
+    before = rig.far_end.angle()
+    rig.clock.sleep(QUANTUM)
+    here = rig.far_end.angle()
+    speed = (here - before) / QUANTUM if rig.ripple else rig.state.rate  # what is measured comes late
     rig.actuator.stop()
     rig.clock.sleep(4.0)
     assert rig.state.rate == 0.0
@@ -208,14 +222,14 @@ def test_joint_angles_do_not_wrap(rig: Rig) -> None:
 
 
 def test_a_slower_rate_is_obeyed_and_a_faster_one_is_capped(rig: Rig) -> None:
-    for rate, cap in ((0.3, 0.3), (99.0, SPEED)):
+    for rate, cap in ((0.3, 0.3), (99.0, rig.speed)):
         goal = UPPER if rate > 1 else 0.5
         rig.actuator.command(goal, rate)
         fastest = 0.0
         while not rig.state.settled:
             rig.clock.sleep(QUANTUM)
             fastest = max(fastest, abs(rig.state.rate))
-        assert fastest <= cap * (1 + 1e-9)
+        assert fastest <= cap * (1 + 1e-9) + rig.ripple
         assert fastest > min(cap, math.sqrt(ACCELERATION * 0.3)) * 0.99
 
 
@@ -306,8 +320,8 @@ def test_the_guard_s_caps_reach_the_back_end(kind: str) -> None:
         rig.clock.sleep(QUANTUM)
         fastest, steepest = max(fastest, rig.state.rate), max(steepest, abs(rig.state.rate - before))
         before = rig.state.rate
-    assert math.degrees(fastest) == pytest.approx(20, rel=1e-6)
-    assert math.degrees(steepest) <= 40 * QUANTUM * 1.001
+    assert math.degrees(fastest) == pytest.approx(20, abs=2e-5 + math.degrees(rig.ripple))
+    assert math.degrees(steepest) <= 40 * QUANTUM * 1.001 + math.degrees(rig.ripple)
 
 
 step = st.tuples(
@@ -328,10 +342,11 @@ def test_no_sequence_of_commands_breaks_a_limit_or_a_cap(kind: str, steps: list[
         for _ in range(quanta):
             rig.clock.sleep(QUANTUM)
             state = rig.state
-            assert LOWER <= state.angle <= UPPER
+            beyond = SWING if rig.ripple else 0.0
+            assert LOWER - beyond <= state.angle <= UPPER + beyond
             assert LOWER - SWING <= rig.far_end.angle() <= UPPER + SWING
-            assert abs(state.rate) <= SPEED * (1 + 1e-9)
-            assert abs(state.rate - before) <= ACCELERATION * QUANTUM * 1.001
+            assert abs(state.rate) <= rig.speed * (1 + 1e-9) + rig.ripple
+            assert abs(state.rate - before) <= ACCELERATION * QUANTUM * 1.001 + rig.ripple
             before = state.rate
     rig.actuator.stop()
     rig.clock.sleep(3.0)
