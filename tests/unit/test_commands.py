@@ -283,6 +283,12 @@ def test_another_task_while_busy_is_rejected_for_now_with_the_reason(payload):
     assert payload.texts == ["explore refused: busy: cancel first"]
 
 
+def test_arming_again_in_the_middle_of_a_task_is_rejected_for_now(payload):
+    payload.command(TURN, 90, seconds=0.1)
+    assert payload.command(REARM, seconds=0.1) == [TEMPORARILY_REJECTED]
+    assert [type(order) for order in payload.given] == [TurnTo]
+
+
 def test_another_sender_is_busy_too_and_hears_nothing_of_the_first_ones_end(payload):
     payload.command(TURN, 90, seconds=0.1)
     other = type(payload.ground)(payload.ground.air, system_id=254)
