@@ -202,7 +202,7 @@ class MavlinkGimbal:
             return
         for message in peer.due(now):
             self._port.send(message)
-        if not peer.ready or self._travel_trouble():
+        if not peer.ready or peer.trouble() or self._travel_trouble():
             self._plan = None
             return
         if self._plan is None:
@@ -257,7 +257,7 @@ class MavlinkGimbal:
             return self._fault or self._peer.trouble()
         if not self._peer.ready:
             return self._peer.waits_for()
-        return self._travel_trouble() or self._failures(now) or self._silence(now)
+        return self._travel_trouble() or self._silence(now) or self._failures(now)
 
     def _failures(self, now: float) -> str:
         flags = self._feedback.failures

@@ -140,11 +140,14 @@ class Manager:
 
     device: Address
     travel: GimbalTravel | None = None
+    rival: Address | None = None  # who else points a gimbal here
     asking: Asking = field(default_factory=Asking)
 
     def heard(self, arrived: Arrived, now: float) -> None:
         """Take in what the device says."""
         packet = arrived.packet
+        if packet.name == "GIMBAL_DEVICE_SET_ATTITUDE":
+            self.rival = packet.system_id, packet.component_id
         if (packet.system_id, packet.component_id) == self.device:
             said = gimbal.read(packet.message)
             if isinstance(said, GimbalTravel):
@@ -170,7 +173,8 @@ class Manager:
         return []
 
     def claim(self) -> None:
-        """Return at once: nobody else is asked."""
+        """Forget who else has pointed the gimbal; if it goes on, it is heard again."""
+        self.rival = None
 
     @property
     def ready(self) -> bool:
@@ -186,8 +190,8 @@ class Manager:
         return f"the gimbal device {_name(self.device)} gives no information"
 
     def trouble(self) -> str:
-        """Return nothing: a device obeys its manager."""
-        return ""
+        """Say who else manages a gimbal here: two would fight."""
+        return "" if self.rival is None else f'{_name(self.rival)} manages the gimbal too: wanted role = "client"'
 
 
 @dataclass(slots=True)

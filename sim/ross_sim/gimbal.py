@@ -87,7 +87,6 @@ class GimbalFarEnd:
         self.port = Wire()
         self.device = Device((SYSTEM, gimbal.COMPONENTS[0]), servo, vehicle, earth=earth)
         self.autopilot = ArduPilot((SYSTEM, 1), self.device.address, servo, vehicle) if autopilot else None
-        self.silent = False  # nothing reaches the payload
         self.words: list[str] = []
         stations: list[Station] = [self.device] if self.autopilot is None else [self.device, self.autopilot]
         self._plugs = [_Plug(station, Encoder(*station.address)) for station in stations]
@@ -116,7 +115,7 @@ class GimbalFarEnd:
         """Give frames to everybody but their sender; what is answered is spread in turn."""
         if not frames:
             return
-        if sender is not None and not self.silent:
+        if sender is not None:
             self.port.arrived += frames
         for plug in self._plugs:
             if plug is not sender:

@@ -35,7 +35,7 @@ class Servo:
 class Device:
     """Component 154: follows set-points as well as its motor can, and tells where its encoder says it is.
 
-    `stuck` and `failures` may be set while it lives; `restart` makes it boot.
+    `stuck`, `mute` and `failures` may be set while it lives; `restart` makes it boot.
     """
 
     def __init__(self, address: Address, servo: Servo, vehicle: Callable[[float], float], *, earth: bool) -> None:
@@ -44,6 +44,7 @@ class Device:
         self.angle = 0.0  # true [rad]
         self.bumps = 0
         self.stuck = False
+        self.mute = False
         self.failures = 0
         self._vehicle = vehicle
         self._earth = earth
@@ -56,7 +57,7 @@ class Device:
         self._periods = {0: 1.0, gimbal.DEVICE_ATTITUDE: 0.1}
 
     def restart(self) -> None:
-        """Boot: forget rates and set-points, stand still."""
+        """Boot: forget set-points and requests, stand still; its clock begins again."""
         self._boot, self._rate, self._locked = self._now, 0.0, None
         self._goal = self._from = self.angle
         self._periods[gimbal.DEVICE_ATTITUDE] = 0.1
@@ -74,7 +75,7 @@ class Device:
 
     def live(self, now: float) -> list[Any]:
         """Return the heartbeat and the attitude when they are due."""
-        ready = [number for number, due in self._due.items() if now >= due - EARLY]
+        ready = [] if self.mute else [number for number, due in self._due.items() if now >= due - EARLY]
         for number in ready:
             self._due[number] = now + self._periods[number]
         return [self._attitude(now) if number else self._heartbeat() for number in ready]
