@@ -39,7 +39,7 @@ def start(config: Config, machine: Machine) -> Iterator[Finding]:
     if config.service.autostart == "nothing":
         yield ok("autostart", "nothing turns until somebody asks")
     else:
-        found = f"'{config.service.autostart}' at every start, also after a crash, whatever was stopped before it"
+        found = f"'{config.service.autostart}' at every start, also after a crash, unless it was stopped by an order"
         yield warn("autostart", found, "service.autostart = 'nothing', where people may stand near the array")
 
 

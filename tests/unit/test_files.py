@@ -58,6 +58,11 @@ def test_an_open_file_tells_its_size_and_the_answer_what_it_answers(payload):
     assert struct.unpack("<I", answer.data) == (len(files()[GENERAL]),)
 
 
+def test_who_may_not_order_may_not_read_either(sky):
+    payload = Payload(sky(accept=(250,)), files())
+    assert payload.ask(Opcode.OPEN_RO, b"/general.json") == []
+
+
 def test_a_file_is_read_piece_by_piece_to_its_end(payload):
     size, content = opened(payload, "long.bin"), b""
     while len(content) < size:
