@@ -1,0 +1,30 @@
+"""Whole missions with the MAVLink gimbal beside the ideal actuator."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = [pytest.mark.soak, pytest.mark.timeout(1200)]
+
+
+def flown(folder, actuator, seed):
+    """The report of the default scenario."""
+    out = folder / f"{actuator}-{seed}"
+    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--actuator", actuator, "--seed", str(seed)]
+    subprocess.run([*command, "--out", str(out)], check=True, capture_output=True)
+    return json.loads((out / "report.json").read_text())
+
+
+def target_of(report):
+    """SI-SDRi of the group that is the target [dB]."""
+    return next(group["si_sdri_db"] for group in report["groups"] if group["target"])
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_gimbal_s_mission_is_as_good_as_an_ideal_one(tmp_path, seed):
+    ideal, gimbal = (flown(tmp_path, actuator, seed) for actuator in ("ideal", "mavlink_gimbal"))
+    assert [abs(source["azimuth_error_deg"]) <= 0.5 for source in gimbal["sources"]] == [True] * 3
+    assert target_of(gimbal) == pytest.approx(target_of(ideal), abs=0.3)
+    assert "complaints" not in gimbal
