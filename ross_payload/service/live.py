@@ -146,6 +146,8 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch) -> Iterator[Par
 
 
 def _enrolled(config: Config) -> VoicePrint | None:
+    if config.service.autostart == "seek" and not config.service.target:
+        raise ConfigError("service.autostart = 'seek': found no service.target, wanted the name of an enrolled voice")
     return VoiceStore.default().load(config.service.target) if config.service.target else None
 
 
