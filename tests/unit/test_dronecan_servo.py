@@ -359,3 +359,29 @@ def test_a_slow_servo_lags_but_is_waited_for():
     assert rig.state.settled
     assert isinstance(rig.far_end, ServoFarEnd)
     assert isinstance(rig.node, ServoNode)
+
+
+BREAKS = {
+    "does not follow": lambda node: setattr(node.shaft, "jammed", True),
+    "no report for": lambda node: setattr(node, "silent", True),
+    "restarted after": lambda node: node.restart(),
+    "health critical": lambda node: setattr(node, "health", Health.CRITICAL),
+}
+
+
+@pytest.mark.parametrize("words", BREAKS)
+@pytest.mark.parametrize("seed", range(20))
+def test_whatever_breaks_in_a_move_is_named_in_time_and_never_settled(words, seed):
+    chance = random.Random(seed)  # noqa: S311
+    rig = Rig()
+    rig.clock.sleep(1.0)
+    rig.go(chance.choice([-1, 1]) * chance.uniform(90, 195), chance.uniform(0.2, 1.0))
+    BREAKS[words](rig.node)
+    for _ in range(110):  # a heartbeat and a bit
+        rig.clock.sleep(QUANTUM)
+        assert not rig.state.settled
+    assert words in rig.state.fault
+    rig.node.silent = False
+    rig.clock.sleep(3.0)
+    assert rig.node.shaft.rate == 0.0
+    assert not rig.state.settled
