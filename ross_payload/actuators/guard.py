@@ -118,7 +118,7 @@ class Guard:
             When a stop is latched.
         """
         if self._stopped:
-            raise ActuatorFault("stopped: rearm first")
+            raise ActuatorFault("stopped: re-arm first")
         self._goal = None
         self._request(self._actuator.home)
 
@@ -161,9 +161,9 @@ class Guard:
 
     def _refuse_when_latched(self) -> None:
         if self._fault:
-            raise ActuatorFault(f"{self._fault}; rearm first")
+            raise ActuatorFault(f"{self._fault}; re-arm first")
         if self._stopped:
-            raise ActuatorFault("stopped: rearm first")
+            raise ActuatorFault("stopped: re-arm first")
 
     def _checked_angle(self, angle: float) -> float:
         lower, upper = self.capabilities.lower, self.capabilities.upper

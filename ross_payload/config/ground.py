@@ -29,7 +29,7 @@ class Telemetry(Table):
     """[telemetry]: who we are on MAVLink and how often we speak."""
 
     system_id: Annotated[int, Field(ge=0, le=255)] = 1  # of the vehicle; 0: taken from the autopilot's heartbeat
-    component_id: Annotated[int, Field(ge=1, le=255)] = 191  # 191: onboard computer
+    component_id: Annotated[int, Field(ge=2, le=255)] = 191  # 191: onboard computer; 1 is the autopilot
     status_hz: Annotated[float, Field(gt=0, le=50)] = 4.0  # ROSS_STATUS
     mirror_hz: Annotated[float, Field(ge=0, le=10)] = 1.0  # NAMED_VALUE_FLOAT and DEBUG_FLOAT_ARRAY; 0: never
 

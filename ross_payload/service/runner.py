@@ -120,7 +120,8 @@ class Runner:
                 self._asked = self._clock.now()
                 self._actuator.command(output.goal)
         except ActuatorError as error:
-            self._fault = str(error)
+            if not (self._actuator.stopped and self._orders.qsize()):  # else the mission is about to hear of the stop
+                self._fault = str(error)
 
     def _tell(self, output: Output, heard: Input) -> None:
         for event in output.events:

@@ -230,3 +230,19 @@ def test_the_paper_front_end_is_a_set_of_options():
 @pytest.mark.parametrize(("rules", "planner"), [("best", plan), ("paper", paper_plan)])
 def test_rules_name_what_plans(rules, planner):
     assert tools_of(Config.model_validate({"exploit": {"rules": rules}}), voiceprint=None).plan is planner
+
+
+def test_a_goal_that_meets_a_stop_is_no_fault(bench):
+    """The stop takes effect at once, on its own thread; the mission that had just chosen a goal hears of it next."""
+
+    def chooses_late(goal):
+        yield Output()
+        runner.order(Stop())
+        heard = yield Output(goal=goal)
+        assert heard.orders == (Stop(),)
+        yield Output(stop=True)
+        return Result(Outcome.FAULT if heard.fault else Outcome.STOPPED, heard.fault)
+
+    runner, _, far_end = bench(chooses_late(1.0))
+    assert runner.run().outcome is Outcome.STOPPED
+    assert far_end.angle() == 0.0
