@@ -31,6 +31,7 @@ from ross_payload.telemetry.service import Telemetry
 from ross_payload.timebase import Timebase
 
 POLL = 0.010  # [s] of the pump
+FOUND = 5.0  # [s] that an actuator may take to report for the first time; later it is a fault
 LOOK = 1.0  # [s] between two looks for what the log should tell
 FIRST: dict[str, type[Task] | None] = {"nothing": None, "explore": Explore, "seek": Seek}
 
@@ -84,15 +85,15 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.callback(clock.every(LOOK, Changes(parts.links.status, ears.health, recorder.status).poll))
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
         stack.callback(clock.every(POLL, runner.poll))
-        _wait_for_report(actuator, config, clock)
+        _wait_for_report(actuator, clock)
         if parts.stopped:
             actuator.stop()
         yield runner
 
 
-def _wait_for_report(actuator: Guard, config: Config, clock: Clock) -> None:
-    """Give the actuator the time of the watchdog to say where it is, so that a start is no fault."""
-    end = clock.now() + config.guard.watchdog_s
+def _wait_for_report(actuator: Guard, clock: Clock) -> None:
+    """Give the actuator time to be found and to say where it is, so that a start is no fault."""
+    end = clock.now() + FOUND
     while not actuator.state().healthy and clock.now() < end:
         clock.sleep(POLL)
 

@@ -185,7 +185,7 @@ def test_stop_works_from_another_thread_twice_and_latches(rig: Rig) -> None:
         thread = threading.Thread(target=rig.actuator.stop)
         thread.start()
         thread.join()
-    with pytest.raises(ActuatorFault, match="rearm"):
+    with pytest.raises(ActuatorFault, match="re-arm"):
         rig.actuator.command(0.5)
     rig.clock.sleep(2.0)
     assert rig.far_end.angle() < 0.5
@@ -251,7 +251,7 @@ def test_it_is_never_settled_on_stale_feedback_and_the_guard_says_so(rig: Rig) -
         assert not rig.state.settled
     assert not rig.state.healthy
     assert rig.state.fault
-    with pytest.raises(ActuatorFault, match="rearm"):
+    with pytest.raises(ActuatorFault, match="re-arm"):
         rig.actuator.command(0.0)
     with pytest.raises(ActuatorFault, match="still not well"):
         rig.actuator.rearm()

@@ -126,7 +126,7 @@ def test_a_move_that_never_ends_triggers_the_fault_action(action: str, asked: st
     on.clock.sleep(1.2)
     assert on.device.asked[1] == asked
     assert "not at rest at the goal after 1 s" in on.guard.state().fault
-    with pytest.raises(ActuatorFault, match="rearm"):
+    with pytest.raises(ActuatorFault, match="re-arm"):
         on.guard.command(0.0)
 
 
@@ -258,7 +258,7 @@ def test_homing_is_refused_after_a_stop() -> None:
     on = bench()
     on.guard.stop()
     assert on.guard.stopped
-    with pytest.raises(ActuatorFault, match="rearm"):
+    with pytest.raises(ActuatorFault, match="re-arm"):
         on.guard.home()
 
 
