@@ -19,6 +19,7 @@ LOOPBACK = "127.0.0.1"
 RATE = 16000
 MINUTES = float(os.environ.get("ROSS_SOAK_MINUTES", "60"))
 UNPLUGGED = 0.15  # of the days
+HEARD_OUT = 0.4  # of the days: a separation
 WARM = 8 * 60.0  # [s] until the histories that are bounded are full
 RECORD, TURN, STOP, CANCEL, REARM, HOME = 54008, 54003, 54004, 54005, 54009, 54010
 EXPLORE, LISTEN = 54000, 54001
@@ -190,6 +191,8 @@ def day(ground, rng, ports):
     """Some of what a day brings, in any order; return how the tasks ended."""
     heading = rng.uniform(-170, 170)
     ends = [ground.order(RECORD, 1), ground.order(EXPLORE)]
+    if rng.random() < HEARD_OUT:
+        ends.append(ground.order(LISTEN, 1, 0))
     ground.order(LISTEN, 1, 0, wait=0)
     peers_come_and_go(ports)
     time.sleep(rng.uniform(0.5, 4.0))
@@ -248,7 +251,7 @@ def test_an_hour_of_tasks_links_and_microphones_that_come_and_go_grows_nothing(b
     assert told["slope_mb_h"] < 5.0
     assert told["threads"][0] == told["threads"][-1]
     assert told["files"][0] == told["files"][-1]
-    assert told["pump"] < 0.03
+    assert told["pump"] < 0.06  # motor, links, telemetry
     assert ground.silence < 1.5
     assert audio.reopened == outages
     assert audio.lost / RATE == pytest.approx(relay.missing, abs=0.1 * outages)
