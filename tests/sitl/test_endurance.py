@@ -266,7 +266,7 @@ def account(columns):
         "slope_mb_h": np.polyfit((clock - clock[0]) / 3600, resident, 1)[0],
         "resident_mb": resident[:: max(len(resident) // 10, 1)].round(1).tolist(),
         "threads": threads[[0, -1]].tolist(),
-        "files": files[[0, -1]].tolist(),
+        "files": [files[:60].min(), files[-60:].min()],  # a recording opens some
         "cpu": (cpu[-1] - cpu[0]) / seconds,
         "pump": (pump[-1] - pump[0]) / seconds,
     }
