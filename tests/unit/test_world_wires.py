@@ -231,5 +231,5 @@ def test_a_url_that_names_no_wire_is_refused(url):
 
 
 def test_a_scheme_without_a_far_end_is_refused():
-    with pytest.raises(ConfigError, match="there are: .*ideal"):
+    with pytest.raises(ConfigError, match=r"there are: .*ideal"):
         side_of("socketcand", RecordingPulses(), 0.0)
