@@ -204,7 +204,6 @@ def test_a_key_that_is_missing_is_found(tmp_path):
         ({"telemetry": {"system_id": 0}, "links": [{"url": DEVICE, "role": "autopilot"}]}, Verdict.OK),
         ({"mount": {"source": "autopilot"}}, Verdict.FAIL),
         ({"telemetry": {"system_id": 255}}, Verdict.WARN),
-        ({"telemetry": {"component_id": 1}}, Verdict.WARN),
     ],
 )
 def test_ids_and_roles_must_fit(tmp_path, tables, verdict):
