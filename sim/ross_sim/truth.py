@@ -55,6 +55,8 @@ class TruthWriter:
         OutputError
             When the disk is full or gone.
         """
+        if self._out is None:
+            return
         self._samples += rendered.mixture.shape[1]
         self._turns.follow(rendered.headings)
         tracks = [rendered.mixture, *rendered.images.swapaxes(0, 1)]
