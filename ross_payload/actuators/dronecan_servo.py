@@ -12,49 +12,19 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, replace
-from enum import Enum
-from queue import Empty, SimpleQueue
+from dataclasses import replace
 from types import TracebackType
 from typing import Any, Self
 
 from ross_payload.actuators.dronecan_node import Node, Place
 from ross_payload.actuators.dronecan_options import Options
 from ross_payload.actuators.motion import Trapezoid
+from ross_payload.actuators.requests import Ask, Motion, Move, Requests
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Services
 
 PERIOD = 0.020  # [s] between two set-points
 EARLY = 1e-6  # so much before its time something is due [s]
-
-
-@dataclass(frozen=True, slots=True)
-class _Move:
-    goal: float  # [rad]
-    rate: float  # [rad/s]
-
-
-class _Ask(Enum):
-    """Requests without arguments."""
-
-    HALT = "halt"
-    HOME = "home"
-    RELEASE = "release"
-
-
-@dataclass(frozen=True, slots=True)
-class _Motion:
-    """A plan and when it begins [s]."""
-
-    plan: Trapezoid
-    begin: float
-
-    @property
-    def end(self) -> float:
-        return self.begin + self.plan.duration
-
-    def at(self, time: float) -> tuple[float, float]:
-        return self.plan.at(time - self.begin)
 
 
 class DronecanServo:
@@ -64,9 +34,9 @@ class DronecanServo:
         self._options = options
         self._services = services
         self._measured = options.feedback == "measured"
-        self._requests: SimpleQueue[_Move | _Ask] = SimpleQueue()
+        self._requests = Requests()
         self._node: Node | None = None
-        self._motion: _Motion | None = None  # None: nothing is sent
+        self._motion: Motion | None = None  # None: nothing is sent
         self._places: deque[Place] = deque()  # of the last settle_ms
         self._homed = False  # of a model
         self._home_until = math.inf  # a model's homing is over [s]
@@ -91,24 +61,24 @@ class DronecanServo:
             raise ActuatorFault(self._fault)
         if not self._state.homed:
             raise NotHomed("where the servo stands is not known: home first")
-        self._requests.put(_Move(angle, min(rate or math.inf, self.capabilities.max_speed)))
+        self._requests.put(Move(angle, min(rate or math.inf, self.capabilities.max_speed)))
 
     def state(self) -> ActuatorState:
         """Return the state at the last poll; not settled while a request waits."""
-        return self._state if self._requests.empty() else replace(self._state, settled=False)
+        return self._state if self._requests.empty else replace(self._state, settled=False)
 
     def stop(self) -> None:
         """Decelerate along the trapezoid and hold."""
-        self._requests.put(_Ask.HALT)
+        self._requests.put(Ask.HALT)
 
     def home(self) -> None:
         """Forget a fault; a servo without position goes to joint angle 0, as fast as it likes."""
         self._homed = False
-        self._requests.put(_Ask.HOME)
+        self._requests.put(Ask.HOME)
 
     def release(self) -> None:
         """Send no more set-points: a servo that gives up without them lets go, any other holds."""
-        self._requests.put(_Ask.RELEASE)
+        self._requests.put(Ask.RELEASE)
 
     def poll(self, now: float) -> None:
         """Read the bus, obey requests, send the set-point that is due, publish the state at ``now`` [s]."""
@@ -117,7 +87,8 @@ class DronecanServo:
         try:
             self._node.take_in(now)
             self._look(self._node, now)
-            self._obey_requests(now)
+            for request in self._requests.taken():
+                self._obey(request, now)
             self._node.beat(now)
             self._stream(self._node, now)
         finally:
@@ -181,28 +152,21 @@ class DronecanServo:
 
     # ------------------------------------------------------------------------------------------ requests
 
-    def _obey_requests(self, now: float) -> None:
-        try:
-            while True:
-                self._obey(self._requests.get_nowait(), now)
-        except Empty:
-            return
-
-    def _obey(self, request: _Move | _Ask, now: float) -> None:
-        if isinstance(request, _Move):
+    def _obey(self, request: Move | Ask, now: float) -> None:
+        if isinstance(request, Move):
             if not self._fault:
                 self._go(request, now)
-        elif request is _Ask.RELEASE:
+        elif request is Ask.RELEASE:
             self._motion, self._homed = None, False
-        elif request is _Ask.HALT:
+        elif request is Ask.HALT:
             if self._motion is not None:
-                self._motion = _Motion(Trapezoid.to_rest(*self._motion.at(now), self._acceleration), now)
+                self._motion = Motion(Trapezoid.to_rest(*self._motion.at(now), self._acceleration), now)
         else:
             self._home(now)
 
-    def _go(self, move: _Move, now: float) -> None:
+    def _go(self, move: Move, now: float) -> None:
         position, velocity = self._motion.at(now) if self._motion is not None else (self._state.angle, 0.0)
-        self._motion = _Motion(Trapezoid(position, move.goal, move.rate, self._acceleration, velocity), now)
+        self._motion = Motion(Trapezoid(position, move.goal, move.rate, self._acceleration, velocity), now)
 
     def _home(self, now: float) -> None:
         self._fault = ""
@@ -215,7 +179,7 @@ class DronecanServo:
 
     def _hold(self, joint: float, now: float) -> None:
         here = min(max(joint, self.capabilities.lower), self.capabilities.upper)
-        self._motion = _Motion(Trapezoid(here, here, 1.0, 1.0), now)
+        self._motion = Motion(Trapezoid(here, here, 1.0, 1.0), now)
 
     @property
     def _acceleration(self) -> float:

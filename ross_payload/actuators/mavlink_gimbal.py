@@ -10,9 +10,7 @@ Only the pump (`poll`) plans and sends; the other methods leave a request in a q
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from enum import Enum
-from queue import Empty, SimpleQueue
+from dataclasses import replace
 from types import TracebackType
 from typing import Any, Self
 
@@ -21,6 +19,7 @@ from ross_payload.actuators.mavlink_gimbal_options import Options
 from ross_payload.actuators.mavlink_gimbal_peer import Client, Manager, Search
 from ross_payload.actuators.mavlink_port import Arrived
 from ross_payload.actuators.motion import Trapezoid
+from ross_payload.actuators.requests import Ask, Move, Requests
 from ross_payload.errors import ActuatorFault, LimitError
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Port, Services
 from ross_payload.interfaces import Feedback as FeedbackKind
@@ -37,17 +36,6 @@ OVERDUE, ASTRAY = 3.0, math.radians(1)  # [s] after its time a gimbal may not be
 UNMANAGED = 2.0  # [s] in which a device must notice that we manage it
 
 
-@dataclass(frozen=True, slots=True)
-class _Move:
-    goal: float  # [rad]
-    rate: float  # [rad/s]
-
-
-class _Ask(Enum):
-    HALT = 1
-    HOME = 2
-
-
 class MavlinkGimbal:
     """The driver: sans I/O over a port that carries messages."""
 
@@ -55,7 +43,7 @@ class MavlinkGimbal:
         self._options = options
         self._services = services
         self._port: Port | None = None
-        self._requests: SimpleQueue[_Move | _Ask] = SimpleQueue()
+        self._requests = Requests()
         self._peer: Client | Manager | None = None
         self._search = Search(options.role, options.device_id)
         self._plan: Trapezoid | None = None  # None: nothing may be sent
@@ -80,19 +68,19 @@ class MavlinkGimbal:
             raise LimitError(f"goal {angle} rad is not within the travel")
         if not self._state.healthy:
             raise ActuatorFault(self._state.fault or "the gimbal has not reported yet")
-        self._requests.put(_Move(angle, min(rate or math.inf, self.capabilities.max_speed)))
+        self._requests.put(Move(angle, min(rate or math.inf, self.capabilities.max_speed)))
 
     def state(self) -> ActuatorState:
         """Return the state at the last poll; not settled while a request waits."""
-        return self._state if self._requests.empty() else replace(self._state, settled=False)
+        return self._state if self._requests.empty else replace(self._state, settled=False)
 
     def stop(self) -> None:
         """Decelerate from the last set-point."""
-        self._requests.put(_Ask.HALT)
+        self._requests.put(Ask.HALT)
 
     def home(self) -> None:
         """Decelerate, take control again and forget a fault; the gimbal's encoder knows its zero."""
-        self._requests.put(_Ask.HOME)
+        self._requests.put(Ask.HOME)
 
     def release(self) -> None:
         """Decelerate: the protocol has no way to switch a gimbal's motors off."""
@@ -103,7 +91,8 @@ class MavlinkGimbal:
         if self._port is not None:
             for arrived in self._port.receive():
                 self._hear(arrived, now)
-            self._obey_requests(now)
+            for request in self._requests.taken():
+                self._obey(request, now)
             self._lead(now)
         self._publish(now)
 
@@ -156,21 +145,14 @@ class MavlinkGimbal:
 
     # ------------------------------------------------------------------------------------------ requests
 
-    def _obey_requests(self, now: float) -> None:
-        try:
-            while True:
-                self._obey(self._requests.get_nowait(), now)
-        except Empty:
-            return
-
-    def _obey(self, request: _Move | _Ask, now: float) -> None:
-        if request is _Ask.HOME:
+    def _obey(self, request: Move | Ask, now: float) -> None:
+        if request is Ask.HOME:
             self._fault = ""
             if self._peer is not None:
                 self._peer.claim()
         if self._plan is None or self._fault:
             return
-        if isinstance(request, _Move):
+        if isinstance(request, Move):
             position, velocity = self._plan.at(now - self._begin)
             acceleration = self.capabilities.max_acceleration
             self._go(Trapezoid(position, request.goal, request.rate, acceleration, velocity), now)

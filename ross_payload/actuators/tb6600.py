@@ -12,9 +12,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, replace
-from enum import Enum
-from queue import Empty, SimpleQueue
+from dataclasses import replace
 from types import TracebackType
 from typing import Annotated, Any, Literal, Self
 
@@ -23,6 +21,7 @@ from pydantic import Field, model_validator
 from ross_payload.actuators.feed import Feed
 from ross_payload.actuators.motion import Trapezoid
 from ross_payload.actuators.pulses import Line
+from ross_payload.actuators.requests import Ask, Motion, Move, Requests
 from ross_payload.actuators.steps import Interface
 from ross_payload.config import Positive, Table
 from ross_payload.errors import ActuatorFault, LimitError, NotHomed
@@ -72,35 +71,6 @@ class Options(Table):
         )
 
 
-@dataclass(frozen=True, slots=True)
-class _Move:
-    goal: float  # [rad]
-    rate: float  # [rad/s]
-
-
-class _Ask(Enum):
-    """Requests without arguments."""
-
-    HALT = "halt"
-    HOME = "home"
-    RELEASE = "release"
-
-
-@dataclass(frozen=True, slots=True)
-class _Motion:
-    """A plan and when it begins [s]."""
-
-    plan: Trapezoid
-    begin: float
-
-    @property
-    def end(self) -> float:
-        return self.begin + self.plan.duration
-
-    def at(self, time: float) -> tuple[float, float]:
-        return self.plan.at(time - self.begin)
-
-
 class Tb6600:
     """The driver: sans I/O over a pulse port."""
 
@@ -109,8 +79,8 @@ class Tb6600:
         self._services = services
         self._step = options.resolution
         self._feed = Feed(options.interface, self._step, options.ahead_ms * 1e-3)
-        self._requests: SimpleQueue[_Move | _Ask] = SimpleQueue()
-        self._motions = deque([_Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), -math.inf)])  # by begin, the last is the plan
+        self._requests = Requests()
+        self._motions = deque([Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), -math.inf)])  # by begin, the last is the plan
         self._enabled: bool | None = None
         self._homed = options.zero == "declared"
         self._declare = False
@@ -135,31 +105,32 @@ class Tb6600:
         if not self._homed:
             raise NotHomed("the zero is not known: home first")
         speed = min(rate or math.inf, self.capabilities.max_speed)
-        self._requests.put(_Move(round(angle / self._step) * self._step, speed))
+        self._requests.put(Move(round(angle / self._step) * self._step, speed))
 
     def state(self) -> ActuatorState:
         """Return the state at the last poll; not settled while a request waits."""
-        return self._state if self._requests.empty() else replace(self._state, settled=False)
+        return self._state if self._requests.empty else replace(self._state, settled=False)
 
     def stop(self) -> None:
         """Decelerate from the end of the last segment handed over."""
-        self._requests.put(_Ask.HALT)
+        self._requests.put(Ask.HALT)
 
     def home(self) -> None:
         """Decelerate, energise, and declare that here is the zero: there is no switch to look for."""
         self._homed = False
-        self._requests.put(_Ask.HOME)
+        self._requests.put(Ask.HOME)
 
     def release(self) -> None:
         """Switch the module off after the last segment handed over; the position is unknown afterwards."""
-        self._requests.put(_Ask.RELEASE)
+        self._requests.put(Ask.RELEASE)
 
     def poll(self, now: float) -> None:
         """Take in reports, obey requests, hand over segments, publish the state at ``now`` [s]."""
         if self._feed.is_open:
             self._feed.take_in()
             self._look_for_starvation(now)
-            self._obey_requests(now)
+            for request in self._requests.taken():
+                self._obey(request, now)
             self._feed.top_up(now)
             self._declare_when_still(now)
         self._publish(now)
@@ -181,32 +152,25 @@ class Tb6600:
 
     # ------------------------------------------------------------------------------------------ requests
 
-    def _obey_requests(self, now: float) -> None:
-        try:
-            while True:
-                self._obey(self._requests.get_nowait(), now)
-        except Empty:
-            return
-
-    def _obey(self, request: _Move | _Ask, now: float) -> None:
-        if isinstance(request, _Move):
+    def _obey(self, request: Move | Ask, now: float) -> None:
+        if isinstance(request, Move):
             if self._homed and not self._fault:
                 self._go(request, now)
-        elif request is _Ask.RELEASE:
+        elif request is Ask.RELEASE:
             self._rest(self._from(now))
             self._feed.flush()
             self._switch(False, now)
             self._homed = self._declare = False
         else:
             self._halt(now)
-            if request is _Ask.HOME:
+            if request is Ask.HOME:
                 self._declare, self._enabled = True, None  # the report of one more ENABLE edge proves the wire
 
     def _from(self, now: float) -> float:
         """From when on the future is still open [s]."""
         return max(now, self._feed.committed)
 
-    def _go(self, move: _Move, now: float) -> None:
+    def _go(self, move: Move, now: float) -> None:
         begin = self._from(now)
         position, velocity = self._motions[-1].at(begin)
         self._plan(Trapezoid(position, move.goal, move.rate, self.capabilities.max_acceleration, velocity), begin)
@@ -225,7 +189,7 @@ class Tb6600:
         self._plan(Trapezoid(here, here, 1.0, 1.0), begin)
 
     def _plan(self, plan: Trapezoid, begin: float) -> None:
-        self._motions.append(_Motion(plan, begin))
+        self._motions.append(Motion(plan, begin))
         self._feed.load(plan, begin)
 
     def _switch(self, on: bool, now: float) -> None:
@@ -242,7 +206,7 @@ class Tb6600:
         if not self._feed.all_reported:
             return
         self._feed.declare_zero()
-        self._motions = deque([_Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), now)])
+        self._motions = deque([Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), now)])
         self._declare, self._homed, self._fault = False, True, ""
 
     # ------------------------------------------------------------------------------------------ the model
