@@ -5,80 +5,16 @@ from typing import Any
 
 import pytest
 
+from links_bench import Bench
 from ross_payload.config import Link
-from ross_payload.links import Counts, Heard, Links
-from ross_protocols.codec import Decoder, Encoder, Packet
+from ross_payload.links import Heard
+from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import common
 from ross_protocols.values import Health, Heartbeat
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 VEHICLE = common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3)
 ATTITUDE = common.MAVLink_attitude_message(0, 0.1, 0.2, 0.3, 0, 0, 0)
-
-
-class HandClock:
-    """Stands still until it is moved."""
-
-    time = 0.0
-
-    def now(self) -> float:
-        return self.time
-
-    def sleep(self, duration: float) -> None:
-        self.time += duration
-
-    def every(self, period: float, call: Any) -> Any:
-        raise AssertionError("links are polled, they do not poll")
-
-
-class Wire:
-    """The far end of a link."""
-
-    def __init__(self) -> None:
-        self.counts = Counts()
-        self.coming: list[bytes] = []
-        self.sent: list[bytes] = []
-        self.open = True
-
-    def send(self, frame: bytes) -> None:
-        self.sent.append(frame)
-
-    def receive(self) -> list[bytes]:
-        coming, self.coming = self.coming, []
-        return coming
-
-    def close(self) -> None:
-        self.open = False
-
-    def packets(self) -> list[Packet]:
-        return Decoder().feed(b"".join(self.sent))
-
-
-class Bench:
-    """A hub with wires named by their URLs, and what its component 191 hears."""
-
-    def __init__(self, *links: Link, system_id: int = 1) -> None:
-        self.clock = HandClock()
-        self.links = Links(self.clock, system_id)
-        self.wires = {link.url: Wire() for link in links}
-        for link in links:
-            self.links.attach(link, self.wires[link.url])
-        self.payload = self.links.component(191)
-        self.heard: list[Heard] = []
-        self.payload.subscribe(self.heard.append)
-
-    def say(self, url: str, message: Any, system: int = 1, component: int = 1, sequence: int = 0) -> None:
-        """Let somebody at the far end speak, and poll."""
-        encoder = Encoder(system, component)
-        encoder._mavlink.seq = sequence
-        self.hear(url, encoder.encode(message))
-
-    def hear(self, url: str, data: bytes) -> None:
-        self.wires[url].coming.append(data)
-        self.links.poll()
-
-    def names(self) -> list[str]:
-        return [heard.packet.name for heard in self.heard]
 
 
 GROUND = Link(url="udpin::14550")

@@ -3,13 +3,13 @@
 import threading
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import common
 
+from links_bench import HandClock, Wire
 from ross_payload.config import Link
-from ross_payload.links import Counts, Heard, Links
+from ross_payload.links import Heard, Links
 from ross_protocols.codec import Encoder
 from ross_protocols.signing import SECOND, is_good, is_signed, link_and_time, timestamp_of
 from ross_protocols.values import Health, Heartbeat
@@ -18,40 +18,6 @@ KEY = bytes(range(32))
 OTHER = bytes(32)
 BEAT = Heartbeat(Health.ACTIVE, 6)
 TODAY = 1_795_000_000.0  # UNIX [s]
-
-
-class HandClock:
-    """Stands still until it is moved."""
-
-    time = 0.0
-
-    def now(self) -> float:
-        return self.time
-
-    def sleep(self, duration: float) -> None:
-        self.time += duration
-
-    def every(self, period: float, call: Any) -> Any:
-        raise AssertionError("links are polled, they do not poll")
-
-
-class Wire:
-    """The far end of a link."""
-
-    def __init__(self) -> None:
-        self.counts = Counts()
-        self.coming: list[bytes] = []
-        self.sent: list[bytes] = []
-
-    def send(self, frame: bytes) -> None:
-        self.sent.append(frame)
-
-    def receive(self) -> list[bytes]:
-        coming, self.coming = self.coming, []
-        return coming
-
-    def close(self) -> None:
-        """Nothing to give back."""
 
 
 class Payload:
