@@ -16,8 +16,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Self
 
+from ross_protocols.can import MOST_DATA, CanFrame
+
 NODES = range(1, 128)
-MOST_DATA = 8  # of a frame [bytes]
 MOST_PAYLOAD = 256  # of a message here [bytes]
 MOST_COMMANDS = 15  # in one message
 START, END, TOGGLE, SERVICE = 0x80, 0x40, 0x20, 0x80
@@ -26,14 +27,6 @@ NAN = math.nan
 
 class DroneCanError(ValueError):
     """The bytes are no such message."""
-
-
-@dataclass(frozen=True, slots=True)
-class CanFrame:
-    """One frame of classic CAN with a 29-bit identifier."""
-
-    id: int
-    data: bytes  # at most 8 bytes
 
 
 class CommandKind(IntEnum):
@@ -217,7 +210,7 @@ class Assembler:
     def feed(self, frame: CanFrame) -> Received | None:
         """Return the message that this frame completes."""
         number = frame.id >> 8 & 0xFFFF
-        if frame.id & SERVICE or not frame.id & 0x7F or number not in TYPES or not frame.data:
+        if not frame.extended or frame.id & SERVICE or not frame.id & 0x7F or number not in TYPES or not frame.data:
             return None
         payload = self._payload(frame, number)
         if payload is None:

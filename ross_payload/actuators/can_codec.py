@@ -6,7 +6,7 @@ import struct
 from typing import Any
 
 from ross_payload.errors import LinkError
-from ross_protocols.dronecan import MOST_DATA, CanFrame
+from ross_protocols.can import MOST_DATA, CanFrame
 
 EXTENDED = 0x8000_0000  # the identifier has 29 bits
 
@@ -18,7 +18,7 @@ class CanCodec:
     >>> codec.pack(CanFrame(0x1234, b"ab")).hex()
     '34120080020000006162000000000000'
     >>> [codec.feed(bytes([byte])) for byte in codec.pack(CanFrame(0x1234, b"ab"))][-1]
-    [CanFrame(id=4660, data=b'ab')]
+    [CanFrame(id=4660, data=b'ab', extended=True)]
     """
 
     name = "can"
@@ -29,7 +29,7 @@ class CanCodec:
 
     def pack(self, frame: Any) -> bytes:
         """Turn a CanFrame into bytes."""
-        return self._FRAME.pack(frame.id | EXTENDED, len(frame.data), frame.data)
+        return self._FRAME.pack(frame.id | EXTENDED * frame.extended, len(frame.data), frame.data)
 
     def feed(self, data: bytes) -> list[CanFrame]:
         """Return the frames that are complete.
@@ -45,6 +45,8 @@ class CanCodec:
         return [self._frame(*values) for values in self._FRAME.iter_unpack(data[:whole])]
 
     def _frame(self, identifier: int, length: int, data: bytes) -> CanFrame:
-        if not EXTENDED <= identifier < EXTENDED + 2**29 or length > MOST_DATA:
+        extended = identifier >= EXTENDED
+        number = identifier - EXTENDED * extended
+        if number >= 2 ** (29 if extended else 11) or length > MOST_DATA:
             raise LinkError(f"not a CAN frame: identifier {identifier:#x}, {length} bytes")
-        return CanFrame(identifier - EXTENDED, data[:length])
+        return CanFrame(number, data[:length], extended)

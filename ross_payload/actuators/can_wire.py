@@ -12,7 +12,7 @@ from ross_payload.actuators.can_codec import CanCodec
 from ross_payload.actuators.wires import connect
 from ross_payload.errors import ConfigError, LinkError
 from ross_payload.interfaces import Clock, Port
-from ross_protocols.dronecan import CanFrame
+from ross_protocols.can import CanFrame
 
 _URL = re.compile(r"can:(?P<interface>[a-z0-9_]+):(?P<channel>[^:]+)(:(?P<bitrate>\d{4,8}))?")
 MOST_AT_ONCE = 1000  # frames of one look at the bus
@@ -36,7 +36,7 @@ class CanPort:
         LinkError
             When the bus has taken none for a while.
         """
-        message = can.Message(arbitration_id=frame.id, data=frame.data, is_extended_id=True)
+        message = can.Message(arbitration_id=frame.id, data=frame.data, is_extended_id=frame.extended)
         try:
             self._bus.send(message)
             self._refused = 0
@@ -46,7 +46,7 @@ class CanPort:
                 raise LinkError(f"wire '{self._url}' takes no frames: {error}") from error
 
     def receive(self) -> list[Any]:
-        """Return the frames that have arrived; what is no frame of 29 bits is not ours.
+        """Return the frames that have arrived; error, remote and FD frames are left out.
 
         Raises
         ------
@@ -57,7 +57,9 @@ class CanPort:
             arrived = [message for _ in range(MOST_AT_ONCE) if (message := self._bus.recv(0)) is not None]
         except (can.CanError, OSError) as error:
             raise LinkError(f"wire '{self._url}' is down: {error}") from error
-        return [CanFrame(each.arbitration_id, bytes(each.data)) for each in arrived if _is_ours(each)]
+        return [
+            CanFrame(each.arbitration_id, bytes(each.data), each.is_extended_id) for each in arrived if _is_data(each)
+        ]
 
     def close(self) -> None:
         """Leave the bus; idempotent."""
@@ -67,8 +69,8 @@ class CanPort:
                 self._bus.shutdown()
 
 
-def _is_ours(message: can.Message) -> bool:
-    return message.is_extended_id and not (message.is_error_frame or message.is_remote_frame or message.is_fd)
+def _is_data(message: can.Message) -> bool:
+    return not (message.is_error_frame or message.is_remote_frame or message.is_fd)
 
 
 class CanWire:

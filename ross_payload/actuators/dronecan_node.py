@@ -65,7 +65,7 @@ class Node:
     def take_in(self, now: float) -> None:
         """Read the bus."""
         for frame in self._port.receive():
-            if frame.id & 0x7F == self._options.own_node_id:
+            if frame.extended and frame.id & 0x7F == self._options.own_node_id:
                 self.event = f"another node on the bus has our node id {self._options.own_node_id}"
                 continue
             received = self._assembler.feed(frame)

@@ -5,12 +5,12 @@ import random
 
 import pytest
 
+from ross_protocols.can import CanFrame
 from ross_protocols.dronecan import (
     SEEDS,
     TYPES,
     ArrayCommand,
     Assembler,
-    CanFrame,
     Command,
     CommandKind,
     Health,

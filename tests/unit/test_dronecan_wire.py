@@ -12,7 +12,7 @@ from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
 from ross_payload.interfaces import Services
-from ross_protocols.dronecan import CanFrame
+from ross_protocols.can import CanFrame
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.servo import far_end
 from ross_sim.wires import WireServer, side_of
@@ -46,8 +46,15 @@ def test_frames_cross_both_ways(bus, wire):
     assert wire.receive() == [CanFrame(0x89, b"xy")]
 
 
+def test_short_identifiers_cross_both_ways(bus, wire):
+    wire.send(CanFrame(0x601, b"abc", extended=False))
+    there = bus.recv(1.0)
+    assert (there.arbitration_id, bytes(there.data), there.is_extended_id) == (0x601, b"abc", False)
+    bus.send(can.Message(arbitration_id=0x581, data=b"xy", is_extended_id=False))
+    assert wire.receive() == [CanFrame(0x581, b"xy", extended=False)]
+
+
 def test_other_kinds_of_frames_are_not_ours(bus, wire):
-    bus.send(can.Message(arbitration_id=0x89, data=b"xy", is_extended_id=False))
     bus.send(can.Message(arbitration_id=0x89, is_remote_frame=True))
     bus.send(can.Message(arbitration_id=0x89, is_error_frame=True))
     assert wire.receive() == []
@@ -145,7 +152,7 @@ def test_a_servo_in_another_process_is_turned_over_tcp():
     assert servo.angle() == pytest.approx(0.2, abs=options.resolution)
 
 
-@pytest.mark.parametrize("damaged", [bytes(16), b"\x01\0\0\x80\x09" + bytes(11), b"\xff" * 16])
+@pytest.mark.parametrize("damaged", [b"\0\x08" + bytes(14), b"\x01\0\0\x80\x09" + bytes(11), b"\xff" * 16])
 def test_bytes_that_are_no_frame_are_a_link_error(damaged):
     with pytest.raises(LinkError, match="not a CAN frame"):
         CanCodec().feed(damaged)
