@@ -17,11 +17,13 @@ from ross_protocols import gimbal
 from ross_protocols.codec import Decoder, Encoder, Packet
 from ross_protocols.dialect import common
 from ross_protocols.gimbal import Address
+from ross_sim.far_end import Fault, checked
 from ross_sim.gimbal_device import Device, Servo
 from ross_sim.gimbal_manager import ArduPilot
 
 SYSTEM = 1
 PAYLOAD: Address = (SYSTEM, 191)
+STATION: Address = (255, 190)
 MARGIN = math.radians(2)  # between the travel that is asked for and the stops [rad]
 
 
@@ -87,6 +89,8 @@ class GimbalFarEnd:
         self.port = Wire()
         self.device = Device((SYSTEM, gimbal.COMPONENTS[0]), servo, vehicle, earth=earth)
         self.autopilot = ArduPilot((SYSTEM, 1), self.device.address, servo, vehicle) if autopilot else None
+        alone = {Fault.STUCK, Fault.SILENT, Fault.REBOOT}
+        self.faults = frozenset(alone | {Fault.TAKEN} if autopilot else alone)
         self.words: list[str] = []
         stations: list[Station] = [self.device] if self.autopilot is None else [self.device, self.autopilot]
         self._plugs = [_Plug(station, Encoder(*station.address)) for station in stations]
@@ -105,6 +109,18 @@ class GimbalFarEnd:
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
         return self.device.angle
+
+    def afflict(self, fault: Fault, on: bool = True) -> None:
+        """Jam, fall silent, restart, or be taken by a ground station."""
+        match checked(fault, self.faults):
+            case Fault.STUCK:
+                self.device.stuck = on
+            case Fault.SILENT:
+                self.device.mute = on
+            case Fault.REBOOT if on:
+                self.device.restart()
+            case Fault.TAKEN if self.autopilot is not None:
+                self.autopilot.take_control(STATION if on else (0, 0))
 
     def complaints(self) -> list[str]:
         """Return what the payload has sent that receivers read differently, or that could run away."""

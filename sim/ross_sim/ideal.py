@@ -16,6 +16,7 @@ from pydantic import Field
 from ross_payload.actuators.motion import Trapezoid
 from ross_payload.config import Degrees, Positive, Table
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Port, Services
+from ross_sim.far_end import Fault, checked
 
 RESOLUTION = 1e-6  # [rad]
 
@@ -146,8 +147,11 @@ class Wire:
 class IdealFarEnd:
     """The device: moves exactly as planned, reports at every advance."""
 
+    faults = frozenset({Fault.SILENT, Fault.STUCK})
+
     def __init__(self) -> None:
         self.port = Wire()
+        self._suffers: set[Fault] = set()
         self._now = 0.0
         self._since = 0.0
         self._plan = Trapezoid(0.0, 0.0, 1.0, 1.0)
@@ -158,16 +162,24 @@ class IdealFarEnd:
         for frame in frames:
             position, velocity = self._plan.at(self._now - self._since)
             self._since = self._now
-            if isinstance(frame, Goal):
+            if isinstance(frame, Goal) and Fault.STUCK not in self._suffers:
                 self._plan = Trapezoid(position, frame.angle, frame.speed, frame.acceleration, velocity)
             else:
                 self._plan = Trapezoid.to_rest(position, velocity, frame.acceleration)
         self._now = now
-        self.port.arrived.append(Report(*self._plan.at(now - self._since), now))
+        if Fault.SILENT not in self._suffers:
+            self.port.arrived.append(Report(*self._plan.at(now - self._since), now))
 
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
         return self._plan.at(self._now - self._since)[0]
+
+    def afflict(self, fault: Fault, on: bool = True) -> None:
+        """Fall silent, or stick where it is."""
+        if checked(fault, self.faults) is Fault.STUCK and on:
+            here = self.angle()
+            self._plan = Trapezoid(here, here, 1.0, 1.0)
+        (self._suffers.add if on else self._suffers.discard)(fault)
 
     def complaints(self) -> list[str]:
         """Return nothing: nothing ever goes wrong."""

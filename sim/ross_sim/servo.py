@@ -9,10 +9,10 @@ from queue import SimpleQueue
 from ross_payload.actuators.can_codec import CanCodec
 from ross_payload.actuators.dronecan_options import Options
 from ross_payload.interfaces import Port
+from ross_protocols.can import CanFrame
 from ross_protocols.dronecan import (
     ArrayCommand,
     Assembler,
-    CanFrame,
     Health,
     Message,
     Mode,
@@ -20,6 +20,7 @@ from ross_protocols.dronecan import (
     Sender,
     Status,
 )
+from ross_sim.far_end import Fault, checked
 from ross_sim.wires import drained
 
 STEP = 0.001  # of the simulation [s]
@@ -173,6 +174,8 @@ class ServoNode:
 class ServoFarEnd:
     """The servo alone on a bus with the payload; frames arrive with the next advance."""
 
+    faults = frozenset({Fault.STUCK, Fault.SILENT, Fault.REBOOT})
+
     def __init__(self, node: ServoNode) -> None:
         self.port = Bus()
         self.node = node
@@ -187,6 +190,16 @@ class ServoFarEnd:
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
         return self.node.joint()
+
+    def afflict(self, fault: Fault, on: bool = True) -> None:
+        """Jam, fall silent or restart."""
+        match checked(fault, self.faults):
+            case Fault.STUCK:
+                self.node.shaft.jammed = on
+            case Fault.SILENT:
+                self.node.silent = on
+            case _ if on:
+                self.node.restart()
 
     def complaints(self) -> list[str]:
         """Return nothing: a servo loses no steps."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ross_payload.actuators.pulses import EDGE, Edges, Line, RecordingPulses
 from ross_payload.actuators.tb6600 import Options
 from ross_payload.interfaces import Real
+from ross_sim.far_end import Fault, checked
 from ross_sim.opto import OptoInputs, Violation, Wanted
 from ross_sim.stepper import Motor, Rotor
 
@@ -28,6 +29,8 @@ class Tb6600FarEnd:
     wanted : Wanted
         The module's timing.
     """
+
+    faults: frozenset[Fault] = frozenset()
 
     def __init__(self, options: Options, motor: Motor, wanted: Wanted) -> None:
         self.port = RecordingPulses()
@@ -77,6 +80,10 @@ class Tb6600FarEnd:
     def violations(self) -> tuple[Violation, ...]:
         """Every edge that broke a rule of the module."""
         return tuple(self._inputs.violations)
+
+    def afflict(self, fault: Fault, on: bool = True) -> None:
+        """Refuse: nobody sees what happens behind an open loop."""
+        checked(fault, self.faults)
 
     def complaints(self) -> list[str]:
         """Return one line per rule broken, with the first case, and one about steps lost."""

@@ -1,0 +1,91 @@
+"""Guarded actuators with their simulated far ends, in simulated time: what the contract and the fault tests drive."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ross_payload import plugins
+from ross_payload.actuators.guard import Guard
+from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.config import Config
+from ross_payload.interfaces import ActuatorState, Port, Services
+from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.far_end import FarEnd
+
+# Back ends, with their role where they have several.
+KINDS = ("ideal", "tb6600", "mavlink_gimbal", "mavlink_gimbal:manager", "dronecan_servo")
+SPEED, ACCELERATION = math.radians(225), math.radians(112.5)
+LOWER, UPPER = math.radians(-200), math.radians(200)
+SPEEDS = {"mavlink_gimbal": math.radians(90)}  # of back ends that are slower than the paper's
+LAG = {"mavlink_gimbal": 0.3}  # of a servo that creeps into its goal [s]
+RIPPLE = {"mavlink_gimbal": 0.04}  # of a measured rate about the planned one [rad/s]
+SWING = math.radians(0.5)  # by which a rotor may swing about its windings while it moves
+
+
+class CuttableWire:
+    """A wire that stops delivering when it is cut."""
+
+    def __init__(self, port: Port) -> None:
+        self._port = port
+        self.cut = False
+
+    def send(self, frame: Any) -> None:
+        self._port.send(frame)
+
+    def receive(self) -> list[Any]:
+        arrived = self._port.receive()
+        return [] if self.cut else arrived
+
+    def close(self) -> None:
+        self._port.close()
+
+
+@dataclass
+class Rig:
+    """A guarded actuator, its far end and simulated time."""
+
+    clock: SimClock
+    far_end: FarEnd
+    wire: CuttableWire
+    actuator: Guard
+    lag: float = 0.0  # [s]
+    ripple: float = 0.0  # [rad/s]
+    speed: float = SPEED  # [rad/s]
+
+    def open(self) -> Rig:
+        self.actuator.__enter__()
+        self.clock.sleep(0.2)
+        return self
+
+    @property
+    def state(self) -> ActuatorState:
+        return self.actuator.state()
+
+    @property
+    def tolerance(self) -> float:
+        """Half a step, and half of one more at a limit."""
+        return self.actuator.capabilities.resolution * 1.01
+
+    def settle(self, within: float) -> float:
+        """Wait until settled; how long it took [s]."""
+        begin = self.clock.now()
+        while not self.state.settled:
+            assert self.clock.now() - begin < within, self.state
+            self.clock.sleep(QUANTUM)
+        return self.clock.now() - begin
+
+
+def rig_of(kind: str, **guard: Any) -> Rig:
+    kind, _, role = kind.partition(":")
+    options = {"role": role} if role else {}
+    config = Config.model_validate({"actuator": {"kind": kind, "options": options}, "guard": guard})
+    clock = SimClock()
+    far_end: FarEnd = plugins.load("ross_sim.far_ends", kind).make(checked_options(config))
+    clock.before_calls(far_end.advance)
+    wire = CuttableWire(far_end.port)
+    actuator = open_actuator(config, Services(clock, lambda url: wire))
+    clock.every(QUANTUM, lambda: actuator.poll(clock.now()))
+    slack = LAG.get(kind, 0.0), RIPPLE.get(kind, 0.0)
+    return Rig(clock, far_end, wire, actuator, *slack, speed=SPEEDS.get(kind, SPEED))
