@@ -12,16 +12,19 @@ import struct
 from binascii import crc_hqx
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Self
 
 from ross_protocols.can import MOST_DATA, CanFrame
+from ross_protocols.dronecan_gimbal import AngularCommand, GimbalStatus
 
 NODES = range(1, 128)
 MOST_PAYLOAD = 256  # of a message here [bytes]
 MOST_COMMANDS = 15  # in one message
-START, END, TOGGLE, SERVICE = 0x80, 0x40, 0x20, 0x80
+START, END, TOGGLE, COUNT = 0x80, 0x40, 0x20, 0x1F  # in a tail byte
+SERVICE = 0x80  # in an identifier
+NONE = -1  # no transfer has begun
 NAN = math.nan
 
 
@@ -158,13 +161,15 @@ class LogMessage:
         return cls(payload[0] >> 5, source, text)
 
 
-Message = ArrayCommand | Status | NodeStatus | LogMessage
-TYPES: dict[int, Callable[[bytes], Message]] = {
-    1010: ArrayCommand.unpack, 1011: Status.unpack, 341: NodeStatus.unpack, 16383: LogMessage.unpack,
+Message = ArrayCommand | Status | NodeStatus | LogMessage | AngularCommand | GimbalStatus
+IDS: dict[type[Any], int] = {
+    NodeStatus: 341, ArrayCommand: 1010, Status: 1011, AngularCommand: 1040, GimbalStatus: 1044, LogMessage: 16383,
 }  # fmt: skip
-IDS: dict[type[Any], int] = {ArrayCommand: 1010, Status: 1011, NodeStatus: 341, LogMessage: 16383}
-SEEDS = {1010: 0x5E37, 1011: 0x9A63, 341: 0xBE5F, 16383: 0x4570}  # CRC-16 of the signature of each type
-PRIORITIES = {1010: 8, 1011: 16, 341: 20, 16383: 31}  # 0 is the highest
+TYPES: dict[int, Callable[[bytes], Message]] = {number: kind.unpack for kind, number in IDS.items()}
+SEEDS = {  # CRC-16 of the signature of each type
+    341: 0xBE5F, 1010: 0x5E37, 1011: 0x9A63, 1040: 0xCD1F, 1044: 0xEFD0, 16383: 0x4570,
+}  # fmt: skip
+PRIORITIES = {341: 20, 1010: 8, 1011: 16, 1040: 8, 1044: 16, 16383: 31}  # 0 is the highest
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,6 +178,7 @@ class Received:
 
     node: int
     message: Message
+    transfer: int = field(default=0, compare=False)  # counts the node's messages of this type, modulo 32
 
 
 class Sender:
@@ -205,36 +211,41 @@ class Assembler:
     """Turns frames of a bus into messages; what is broken, unknown or a service is dropped."""
 
     def __init__(self) -> None:
+        self.broken: Counter[int] = Counter()  # transfers that came damaged or in part, by node
         self._begun: dict[int, tuple[int, bytes]] = {}  # by identifier: the tail wanted next, the data so far
 
     def feed(self, frame: CanFrame) -> Received | None:
         """Return the message that this frame completes."""
-        number = frame.id >> 8 & 0xFFFF
-        if not frame.extended or frame.id & SERVICE or not frame.id & 0x7F or number not in TYPES or not frame.data:
+        number, node = frame.id >> 8 & 0xFFFF, frame.id & 0x7F
+        if not frame.extended or frame.id & SERVICE or not node or number not in TYPES or not frame.data:
             return None
         payload = self._payload(frame, number)
         if payload is None:
             return None
         try:
-            return Received(frame.id & 0x7F, TYPES[number](payload))
+            return Received(node, TYPES[number](payload), frame.data[-1] & COUNT)
         except (struct.error, DroneCanError):
             return None
 
     def _payload(self, frame: CanFrame, number: int) -> bytes | None:
         """Return the payload of a transfer that is whole and right."""
         data, tail = frame.data[:-1], frame.data[-1]
-        wanted, before = self._begun.pop(frame.id, (-1, b""))
+        wanted, before = self._begun.pop(frame.id, (NONE, b""))
         if tail & START:
-            wanted, before = tail & 0x1F, b""
-        if tail & ~(START | END) != wanted or len(before) > MOST_PAYLOAD:
-            return None
+            self.broken[frame.id & 0x7F] += wanted != NONE
+            wanted, before = tail & COUNT, b""
         whole = before + data
-        if not tail & END:
+        if tail & ~(START | END) != wanted or len(before) > MOST_PAYLOAD:
+            self.broken[frame.id & 0x7F] += 1
+        elif not tail & END:
             self._begun[frame.id] = (wanted ^ TOGGLE, whole)
-            return None
-        if tail & START:
+        elif tail & START:
             return whole
-        return whole[2:] if crc_hqx(whole[2:], SEEDS[number]) == int.from_bytes(whole[:2], "little") else None
+        elif crc_hqx(whole[2:], SEEDS[number]) == int.from_bytes(whole[:2], "little"):
+            return whole[2:]
+        else:
+            self.broken[frame.id & 0x7F] += 1
+        return None
 
 
 def as_sent(value: float) -> float:

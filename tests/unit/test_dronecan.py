@@ -9,10 +9,12 @@ from ross_protocols.can import CanFrame
 from ross_protocols.dronecan import (
     SEEDS,
     TYPES,
+    AngularCommand,
     ArrayCommand,
     Assembler,
     Command,
     CommandKind,
+    GimbalStatus,
     Health,
     LogMessage,
     Mode,
@@ -23,6 +25,7 @@ from ross_protocols.dronecan import (
     as_sent,
     spacing,
 )
+from ross_protocols.dronecan_gimbal import COARSE, GimbalMode
 
 MESSAGES = [
     ArrayCommand((Command(1, CommandKind.POSITION, 0.5),)),
@@ -31,6 +34,8 @@ MESSAGES = [
     NodeStatus(86400, Health.WARNING, Mode.MAINTENANCE, 513),
     LogMessage(2, "motor", "hot, 81 degrees"),
     LogMessage(0, "", ""),
+    AngularCommand(3, 0.0),
+    GimbalStatus(3, 0.0),
 ]
 
 
@@ -79,6 +84,31 @@ def test_every_flipped_bit_of_a_long_transfer_is_noticed():
             assert received([*frames[:n], broken, *frames[n + 1 :]]) == []
 
 
+def test_transfers_that_came_in_part_are_counted_by_node():
+    sender, assembler = Sender(42), Assembler()
+    for lost in (0, 1, None):
+        frames = sender.frames(Status(7, 1.5))
+        received([frame for n, frame in enumerate(frames) if n != lost], assembler)
+    assert assembler.broken[42] == 2
+    assert assembler.broken[41] == 0
+
+
+def test_a_message_tells_its_number_among_its_kind():
+    sender = Sender(42)
+    assert [received(sender.frames(Status(7)))[0].transfer for _ in range(33)] == [*range(32), 0]
+
+
+@pytest.mark.parametrize("kind", [AngularCommand, GimbalStatus])
+def test_a_yaw_survives_as_a_quaternion_of_float16(kind):
+    for degrees in range(-179, 180):
+        ((_, there),) = [(0, each.message) for each in received(Sender(42).frames(kind(1, math.radians(degrees))))]
+        assert there.yaw == pytest.approx(math.radians(degrees), abs=COARSE)
+
+
+def test_a_quaternion_of_zeros_is_no_attitude():
+    assert math.isnan(GimbalStatus.unpack(bytes(10)).yaw)
+
+
 def test_transfers_of_two_nodes_may_be_interleaved():
     one, other = (Sender(node).frames(Status(node, 1.0)) for node in (5, 6))
     pairs = [frame for pair in zip(one, other, strict=True) for frame in pair]
@@ -123,6 +153,30 @@ def test_the_package_reads_what_we_send_and_writes_the_same_bytes(dronecan, mess
     theirs.from_frames([dronecan.transport.Frame(frame.id, frame.data) for frame in frames])
     again = dronecan.transport.Transfer(source_node_id=42, payload=theirs.payload, transfer_priority=frames[0].id >> 24)
     assert [CanFrame(frame.message_id, bytes(frame.bytes)) for frame in again.to_frames()] == frames
+
+
+@pytest.mark.parametrize("pitch_deg", [-40, 0, 40])
+def test_the_package_s_quaternion_xyzw_of_a_clockwise_yaw_is_ours_with_the_other_sign(dronecan, pitch_deg):
+    cy, sy = math.cos(math.radians(60) / 2), math.sin(math.radians(60) / 2)  # 60 deg clockwise: to the right
+    cp, sp = math.cos(math.radians(pitch_deg) / 2), math.sin(math.radians(pitch_deg) / 2)
+    status = dronecan.uavcan.equipment.camera_gimbal.Status(gimbal_id=5)
+    status.mode.command_mode = status.mode.COMMAND_MODE_ORIENTATION_BODY_FRAME
+    status.camera_orientation_in_body_frame_xyzw = [-sp * sy, sp * cy, cp * sy, cp * cy]
+    status.camera_orientation_in_body_frame_covariance = [0.5, 0.25, 0.5]
+    frames = dronecan.transport.Transfer(3, source_node_id=42, payload=status, transfer_priority=16).to_frames()
+    (heard,) = received([CanFrame(frame.message_id, bytes(frame.bytes)) for frame in frames])
+    assert (heard.message.gimbal_id, heard.message.mode, heard.transfer) == (5, GimbalMode.BODY_FRAME, 3)
+    assert heard.message.yaw == pytest.approx(math.radians(-60), abs=2e-3)
+
+
+def test_the_package_reads_our_angular_command_as_a_turn_to_the_left(dronecan):
+    theirs = dronecan.transport.Transfer()
+    frames = Sender(42).frames(AngularCommand(5, math.radians(90)))
+    theirs.from_frames([dronecan.transport.Frame(frame.id, frame.data) for frame in frames])
+    command = theirs.payload
+    assert (command.gimbal_id, command.mode.command_mode) == (5, command.mode.COMMAND_MODE_ORIENTATION_BODY_FRAME)
+    half = math.sqrt(0.5)
+    assert list(command.quaternion_xyzw) == pytest.approx([0, 0, -half, half], abs=5e-4)
 
 
 def test_the_package_understands_every_field(dronecan):
