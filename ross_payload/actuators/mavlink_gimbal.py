@@ -17,9 +17,17 @@ from typing import Any, Self
 from ross_payload.actuators.mavlink_gimbal_feedback import GimbalFeedback
 from ross_payload.actuators.mavlink_gimbal_options import Options
 from ross_payload.actuators.mavlink_gimbal_peer import Client, Manager, Search
+from ross_payload.actuators.mavlink_gimbal_watch import (
+    STALE,
+    contradiction,
+    failures,
+    silence,
+    straying,
+    travel_trouble,
+)
 from ross_payload.actuators.mavlink_port import Arrived
 from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.requests import Ask, Move, Requests
+from ross_payload.actuators.requests import Ask, Motion, Move, Requests
 from ross_payload.errors import ActuatorFault, LimitError
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Port, Services
 from ross_payload.interfaces import Feedback as FeedbackKind
@@ -29,11 +37,7 @@ from ross_protocols.vehicle import AUTOPILOT, VehicleAttitude
 
 PERIOD = 0.02  # between set-points [s]
 EARLY = 1e-9  # [s], of rounding
-STALE = 0.5  # [s]: a report that is older proves nothing
 STILL = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
-LEASH, LATENESS = math.radians(10), 0.25  # how far a gimbal may be behind its set-point [rad], and this many [s] more
-OVERDUE, ASTRAY = 3.0, math.radians(1)  # [s] after its time a gimbal may not be farther from its goal [rad]
-UNMANAGED = 2.0  # [s] in which a device must notice that we manage it
 
 
 class MavlinkGimbal:
@@ -46,8 +50,8 @@ class MavlinkGimbal:
         self._requests = Requests()
         self._peer: Client | Manager | None = None
         self._search = Search(options.role, options.device_id)
-        self._plan: Trapezoid | None = None  # None: nothing may be sent
-        self._begin = self._sent = self._led = -math.inf  # of the plan, of the last set-point, of our lead [s]
+        self._motion: Motion | None = None  # None: nothing may be sent
+        self._sent = self._led = -math.inf  # when the last set-point went out, when our lead began [s]
         self._restless = math.inf  # when it was last seen away from its goal [s]
         self._fault = ""
         self.capabilities = Capabilities(
@@ -59,7 +63,7 @@ class MavlinkGimbal:
             continuous=False,
             feedback=FeedbackKind.MEASURED,
         )
-        self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper)
+        self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, self.capabilities.max_speed)
         self._state = ActuatorState(0.0, 0.0, False, homed=True, healthy=False, time=-math.inf)
 
     def command(self, angle: float, rate: float | None = None) -> None:
@@ -109,13 +113,13 @@ class MavlinkGimbal:
         """Send the end of the deceleration as the last set-point, give control back and close."""
         if self._port is None:
             return
-        if self._plan is not None and self._peer is not None and self._peer.ready:
+        if self._motion is not None and self._peer is not None and self._peer.ready:
             self._halt(self._services.clock.now())
-            self._port.send(self._peer.point(self._plan.goal))
+            self._port.send(self._peer.point(self._motion.plan.goal))
         for message in self._peer.leave() if self._peer is not None else ():
             self._port.send(message)
         self._port.close()
-        self._port = self._plan = None
+        self._port = self._motion = None
 
     # ------------------------------------------------------------------------------------------ what is heard
 
@@ -125,7 +129,7 @@ class MavlinkGimbal:
         if packet.name == "HEARTBEAT":
             found = self._search.met(packet.message, sender, now)
             if found is not self._peer:
-                self._peer, self._plan = found, None
+                self._peer, self._motion = found, None
         if self._peer is None:
             return
         self._peer.heard(arrived, now)
@@ -148,23 +152,24 @@ class MavlinkGimbal:
     def _obey(self, request: Move | Ask, now: float) -> None:
         if request is Ask.HOME:
             self._fault = ""
+            self._feedback.pardon()
             if self._peer is not None:
                 self._peer.claim()
-        if self._plan is None or self._fault:
+        if self._motion is None or self._fault:
             return
         if isinstance(request, Move):
-            position, velocity = self._plan.at(now - self._begin)
+            position, velocity = self._motion.at(now)
             acceleration = self.capabilities.max_acceleration
             self._go(Trapezoid(position, request.goal, request.rate, acceleration, velocity), now)
         else:
             self._halt(now)
 
     def _halt(self, now: float) -> None:
-        if self._plan is not None:
-            position, velocity = self._plan.at(now - self._begin)
+        if self._motion is not None:
+            position, velocity = self._motion.at(now)
             if velocity:
                 self._go(Trapezoid.to_rest(position, velocity, self.capabilities.max_acceleration), now)
-            elif position != self._plan.goal:  # a goal that was given in this very moment
+            elif position != self._motion.plan.goal:  # a goal that was given in this very moment
                 self._go(Trapezoid(position, position, 1.0, 1.0), now)
 
     def _hold(self, now: float) -> None:
@@ -173,7 +178,7 @@ class MavlinkGimbal:
         self._go(Trapezoid(here, here, 1.0, 1.0), now)
 
     def _go(self, plan: Trapezoid, now: float) -> None:
-        self._plan, self._begin, self._restless = plan, now, now
+        self._motion, self._restless = Motion(plan, now), now
 
     # ------------------------------------------------------------------------------------------ leading
 
@@ -184,32 +189,28 @@ class MavlinkGimbal:
             return
         for message in peer.due(now):
             self._port.send(message)
-        if not peer.ready or peer.trouble() or self._travel_trouble():
-            self._plan = None
+        if not peer.ready or peer.trouble() or travel_trouble(peer.travel, self._options):
+            self._motion = None
             return
-        if self._plan is None:
+        if self._motion is None:
             if now - self._feedback.time > STALE:
                 return
             self._led = now
             self._hold(now)
         self._look_whether_it_follows(now)
-        if self._plan is not None and now - self._sent >= PERIOD - EARLY:
+        if self._motion is not None and now - self._sent >= PERIOD - EARLY:
             self._sent = now
-            self._port.send(peer.point(self._plan.at(now - self._begin)[0]))
+            self._port.send(peer.point(self._motion.at(now)[0]))
 
     def _look_whether_it_follows(self, now: float) -> None:
-        """Fault, and hold the gimbal where it is, when it restarts in a move, lags, or stands beside its goal."""
-        reported = self._feedback.time
-        if self._plan is None or self._fault or reported < self._begin:
+        """Decelerate when nobody knows where the gimbal is; hold it where it is when it does not follow."""
+        if self._motion is None or self._fault:
             return
-        angle, rate = self._plan.at(reported - self._begin)
-        behind = abs(angle - self._feedback.angle)
-        astray = behind > ASTRAY and reported > self._begin + self._plan.duration + OVERDUE
-        if self._feedback.restarted and rate:
-            self._fault = "the gimbal has restarted in the middle of a move; home and rearm"
-        elif astray or behind > LEASH + LATENESS * abs(rate):
-            where = f"{math.degrees(self._feedback.angle):.1f} deg, not at {math.degrees(angle):.1f}"
-            self._fault = f"the gimbal does not follow: it is at {where}; home and rearm"
+        self._fault = contradiction(self._feedback)
+        if self._fault:
+            self._halt(now)
+            return
+        self._fault = straying(self._feedback, self._motion)
         self._feedback.restarted = False
         if self._fault:
             self._hold(now)
@@ -217,53 +218,31 @@ class MavlinkGimbal:
     # ------------------------------------------------------------------------------------------ the state
 
     def _publish(self, now: float) -> None:
-        seen, plan = self._feedback, self._plan
-        over = plan is None or now >= self._begin + plan.duration
+        seen, motion = self._feedback, self._motion
+        over = motion is None or now >= motion.end
         rate = 0.0 if over and abs(seen.rate) < STILL else seen.rate
-        there = plan is None or abs(seen.angle - plan.goal) <= self.capabilities.resolution
+        there = motion is None or abs(seen.angle - motion.plan.goal) <= self.capabilities.resolution
         if not (over and there and rate == 0.0) or self._restless == math.inf:
             self._restless = now
         trouble = self._trouble(now)
         rested = now >= self._restless + self._options.settle_ms * 1e-3 - EARLY
         fresh = now - seen.time <= STALE
         self._state = ActuatorState(
-            angle=seen.angle, rate=rate, settled=rested and fresh and not trouble and plan is not None,
+            angle=seen.angle, rate=rate, settled=rested and fresh and not trouble and motion is not None,
             homed=True, healthy=not trouble, time=seen.time, fault=trouble,
         )  # fmt: skip
 
     def _trouble(self, now: float) -> str:
         """Say what is wrong; empty when all is well."""
-        if self._peer is None:
+        peer = self._peer
+        if peer is None:
             return self._search.missing()
-        if self._fault or self._peer.trouble():
-            return self._fault or self._peer.trouble()
-        if not self._peer.ready:
-            return self._peer.waits_for()
-        return self._travel_trouble() or self._silence(now) or self._failures(now)
-
-    def _failures(self, now: float) -> str:
-        flags = self._feedback.failures
-        if now - self._led < UNMANAGED:
-            flags &= ~gimbal.NO_MANAGER
-        found = gimbal.failures(flags)
-        return f"the gimbal reports a failure: {found}" if found else ""
-
-    def _silence(self, now: float) -> str:
-        if self._feedback.lost_vehicle:
-            return "the gimbal tells its yaw from north, and no autopilot tells where the vehicle points"
-        return "" if now - self._feedback.time <= STALE else "the gimbal does not report its attitude"
-
-    def _travel_trouble(self) -> str:
-        """Say when the gimbal turns less far than the options ask for."""
-        travel = self._peer.travel if self._peer is not None else None
-        if travel is None or (math.isnan(travel.lower) and math.isnan(travel.upper)):
-            return ""
-        slack = self.capabilities.resolution
-        if travel.lower - slack <= self.capabilities.lower and self.capabilities.upper <= travel.upper + slack:
-            return ""
-        has = f"{math.degrees(travel.lower):.0f} to {math.degrees(travel.upper):.0f} deg"
-        wanted = f"{self._options.lower_deg:g} to {self._options.upper_deg:g}"
-        return f"the gimbal turns from {has}, actuator.options ask for lower_deg to upper_deg = {wanted}"
+        if self._fault or peer.trouble():
+            return self._fault or peer.trouble()
+        if not peer.ready:
+            return peer.waits_for()
+        seen = self._feedback
+        return travel_trouble(peer.travel, self._options) or silence(seen, now) or failures(seen, now - self._led)
 
 
 class MavlinkGimbalBackend:

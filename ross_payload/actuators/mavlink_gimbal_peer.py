@@ -20,6 +20,7 @@ ENOUGH = 30.0  # [Hz]: what flows at this rate is not asked for again
 CONTROL_HZ = 5.0  # of the manager's status
 ALONE = 3.0  # [s] after which a gimbal without an autopilot has none
 NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID
+ACCEPTED, IN_PROGRESS = 0, 5  # MAV_RESULT
 MISSING = {
     "client": "no heartbeat of an autopilot yet",
     "manager": "no heartbeat of a gimbal device yet",
@@ -61,6 +62,7 @@ class Client:
     primary: Address | None = None  # whom the manager names in control
     us: Address = (0, 0)
     had_control: bool = False
+    refused: bool = False  # when we asked for control
     asking: Asking = field(default_factory=Asking)
 
     def heard(self, arrived: Arrived, now: float) -> None:
@@ -68,6 +70,9 @@ class Client:
         packet, self.us = arrived.packet, arrived.us
         if (packet.system_id, packet.component_id) != self.manager:
             return
+        said = packet.message
+        if packet.name == "COMMAND_ACK" and said.command == gimbal.CONFIGURE and _is_for(self.us, said):
+            self.refused = said.result not in (ACCEPTED, IN_PROGRESS)
         match gimbal.read(packet.message):
             case GimbalTravel() as travel if self.device_id in (0, travel.device_id):
                 if self.travel is None:
@@ -124,6 +129,8 @@ class Client:
 
     def waits_for(self) -> str:
         """Say what is still missing."""
+        if self.refused:
+            return f"the gimbal manager {_name(self.manager)} refuses us control"
         missing = "information" if self.travel is None else "word that we are in control"
         return f"the gimbal manager {_name(self.manager)} gives no {missing}"
 
@@ -219,6 +226,10 @@ class Search:
     def missing(self) -> str:
         """Say who has not been heard."""
         return MISSING[self.role]
+
+
+def _is_for(us: Address, said: Any) -> bool:
+    return (said.target_system, said.target_component) in (us, (0, 0))
 
 
 def _name(address: Address) -> str:
