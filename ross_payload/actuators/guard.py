@@ -3,7 +3,7 @@
 The guard holds the limits, the caps, the finite check, the maximum move time, the feedback watchdog, the fault action
 and the stop latch. Threads: `command`, `home` and `release` belong to the mission's thread, `poll` to the pump;
 `stop` and `state` may be called from any thread and from a signal handler, so the latch is a plain attribute (one
-atomic assignment, no lock to hold).
+atomic assignment, no lock to hold), and who has made a request looks at it again afterwards.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from types import TracebackType
 from typing import Self
 
 from ross_payload import config
-from ross_payload.errors import ActuatorFault, ConfigError, LimitError, NotHomed, RossError
+from ross_payload.actuators.guard_checks import broke, checked_angle, checked_rate, doubt, guarded
+from ross_payload.actuators.guard_watch import PARKING, Watch
+from ross_payload.errors import ActuatorError, ActuatorFault, ConfigError, NotHomed, RossError
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock
-
-SLACK = 1e-9  # [rad], so that a limit itself is inside the limits
 
 
 class Guard:
@@ -36,21 +36,21 @@ class Guard:
     Raises
     ------
     ConfigError
-        When the configured limits and the hardware's do not meet, or the hardware accelerates beyond the cap.
+        When the hardware's numbers are absurd, the configured limits and the hardware's do not meet, or the hardware
+        accelerates beyond the cap.
     """
 
     def __init__(self, actuator: Actuator, rules: config.Guard, clock: Clock) -> None:
         self._actuator = actuator
         self._rules = rules
         self._clock = clock
-        self.capabilities: Capabilities = guarded(actuator.capabilities, rules)
+        self._hardware = actuator.capabilities
+        self.capabilities: Capabilities = guarded(self._hardware, rules)
+        self._unfit = ""  # why what the device tells of itself since cannot be used
         self._stopped = False
-        self._fault = ""
-        self._goal: float | None = None
-        self._parking = False
-        self._since = -math.inf  # reports made before this time know nothing of the last request [s]
-        self._deadline = math.inf  # [s]
-        self._opened = math.inf  # [s]; a device that has just been opened gets watchdog_s for its first report
+        self._fault = self._later = ""  # the first fault, and the last of what came on top of it
+        self._failed = False  # the fault action is still to be done
+        self._watch = Watch(rules)
 
     @property
     def stopped(self) -> bool:
@@ -60,25 +60,26 @@ class Guard:
     def command(self, angle: float, rate: float | None = None) -> None:
         """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal in flight."""
         self._refuse_when_latched()
-        goal, rate = self._checked_angle(angle), self._checked_rate(rate)
+        self._look_at_limits()
+        goal, rate = checked_angle(angle, self.capabilities), checked_rate(rate, self.capabilities)
         state = self.state()
         if not state.healthy:
             raise ActuatorFault(f"not moving on bad feedback: {state.fault}")
         if not state.homed:
             raise NotHomed("the zero is not known: home first")
-        self._request(lambda: self._actuator.command(goal, rate))
-        self._goal = goal
-        if self._stopped:  # another thread stopped between the check and the request
+        self._go(goal, rate, state.angle)
+        if self._stopped or self._fault:  # another thread stopped between the check and the request
             self._halt()
             self._refuse_when_latched()
 
     def state(self) -> ActuatorState:
         """Return the last known state; never settled on a report that is stale, unhealthy or older than the goal."""
-        state = self._actuator.state()
-        fault = self._fault or state.fault or self._doubt(state, self._clock.now())
+        state = self._read()
+        latched = "; ".join(part for part in (self._fault, self._later) if part)
+        fault = latched or state.fault or self._doubt(state)
         if not (fault or state.healthy):
             fault = "the actuator reports a fault"
-        settled = state.settled and not fault and state.time > self._since
+        settled = state.settled and not fault and state.time > self._watch.since
         if not fault and settled == state.settled:
             return state
         return replace(state, settled=settled, healthy=not fault, fault=fault)
@@ -89,7 +90,7 @@ class Guard:
         self._halt()
 
     def halt(self) -> None:
-        """Decelerate to rest and forget the goal; new ones are welcome."""
+        """Decelerate to rest and forget the goal; new ones are welcome; from any thread."""
         self._halt()
 
     def rearm(self) -> None:
@@ -100,7 +101,8 @@ class Guard:
         ActuatorFault
             When the actuator itself is still not well; `home` clears a lost position.
         """
-        self._stopped, self._fault, self._parking = False, "", False
+        self._fault = self._later = ""
+        self._stopped = self._failed = False
         state = self.state()
         if not state.healthy:
             self._fault = state.fault
@@ -117,44 +119,41 @@ class Guard:
         ActuatorFault
             When a stop is latched.
         """
-        if self._stopped:
-            raise ActuatorFault("stopped: re-arm first")
-        self._goal = None
+        self._refuse_when_stopped()
+        self._watch.homes()
         self._request(self._actuator.home)
+        if self._stopped:
+            self._halt()
+            self._refuse_when_stopped()
 
     def release(self) -> None:
         """Remove the torque."""
-        self._goal, self._deadline = None, math.inf
-        self._actuator.release()
+        self._request(self._actuator.release)
+        self._watch.forget()
 
     def poll(self, now: float) -> None:
         """Poll the actuator and run the watchdog at ``now`` [s]; whatever a driver raises here is a fault."""
-        try:
-            self._actuator.poll(now)
-        except RossError as error:
-            self._latch(str(error))
-            return
-        except Exception as error:  # a bug in a driver must not end its polling: it may still be able to decelerate
-            self._latch(f"the driver broke: {error!r}")
-            return
-        state = self._actuator.state()
-        if self._arrived(state):
-            self._deadline = math.inf
-        trouble = self._trouble(state, now)
+        trouble = self._polled(now)
         if trouble:
             self._latch(trouble)
+        elif self._failed:
+            self._act(may_park=False)
 
     def __enter__(self) -> Self:
         """Open the actuator; nothing moves."""
         self._actuator.__enter__()
-        self._opened = self._clock.now()
+        self._watch.opened = self._clock.now()
+        self._look_at_limits()
+        if self._unfit:
+            self._actuator.__exit__(None, None, None)
+            raise ConfigError(self._unfit)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop and close; idempotent."""
-        self._goal, self._deadline = None, math.inf
+        self._watch.forget()
         self._actuator.__exit__(kind, error, trace)
 
     # ------------------------------------------------------------------------------------------ requests
@@ -162,111 +161,118 @@ class Guard:
     def _refuse_when_latched(self) -> None:
         if self._fault:
             raise ActuatorFault(f"{self._fault}; re-arm first")
+        self._refuse_when_stopped()
+
+    def _refuse_when_stopped(self) -> None:
         if self._stopped:
             raise ActuatorFault("stopped: re-arm first")
 
-    def _checked_angle(self, angle: float) -> float:
-        lower, upper = self.capabilities.lower, self.capabilities.upper
-        if not lower - SLACK <= angle <= upper + SLACK or math.isinf(angle):
-            found, low, high = (f"{math.degrees(value):.2f}" for value in (angle, lower, upper))
-            raise LimitError(f"goal {found} deg is not within {low} to {high} deg")
-        half = self.capabilities.resolution / 2  # so that rounding to a step does not pass a limit
-        return min(max(angle, lower + half), upper - half)
-
-    def _checked_rate(self, rate: float | None) -> float:
-        if rate is None:
-            return self.capabilities.max_speed
-        if not (math.isfinite(rate) and rate > 0):
-            raise LimitError(f"rate {rate} rad/s is not above 0 and finite")
-        return min(rate, self.capabilities.max_speed)
+    def _go(self, goal: float, rate: float, here: float) -> None:
+        self._request(lambda: self._actuator.command(goal, rate))
+        self._watch.goes(goal, here, self.capabilities)
 
     def _request(self, request: Callable[[], None]) -> None:
         """Send a request so that no report made before it is taken for its answer."""
-        self._since = math.inf
+        self._watch.asks()
         try:
             request()
-        finally:
-            self._since = self._clock.now()
-        self._deadline = self._since + self._rules.max_move_s
+        except ActuatorError:
+            self._watch.refused(self._clock.now())
+            raise
+        except Exception as error:
+            fault = str(error) if isinstance(error, RossError) else broke(error)
+            self._watch.refused(self._clock.now())
+            self._latch(fault)
+            raise ActuatorFault(fault) from error
+        self._watch.asked(self._clock.now())
 
     def _halt(self) -> None:
-        self._goal, self._deadline, self._parking = None, math.inf, False
-        self._actuator.stop()
+        """Decelerate; never raises: a stop that fails is a fault, and is tried again by `poll`."""
+        if self._watch.busy(self._read()):
+            self._watch.brakes(self._clock.now(), self.capabilities)
+        try:
+            self._actuator.stop()
+        except Exception as error:
+            self._fail("stop", error)
 
-    # ------------------------------------------------------------------------------------------ doubts
+    # ------------------------------------------------------------------------------------------ reports
 
-    def _arrived(self, state: ActuatorState) -> bool:
-        return state.settled and state.time > self._since
+    def _read(self) -> ActuatorState:
+        try:
+            return self._actuator.state()
+        except Exception as error:
+            return ActuatorState(0.0, 0.0, False, homed=False, healthy=False, time=-math.inf, fault=broke(error))
 
-    def _doubt(self, state: ActuatorState, now: float) -> str:
-        age = now - state.time
-        if math.isinf(age):
-            return "no report yet"
-        return f"no report for {age:.2f} s" if age > self._rules.watchdog_s else ""
+    def _doubt(self, state: ActuatorState) -> str:
+        return self._unfit or doubt(state, self._clock.now(), self._rules.watchdog_s)
 
-    def _trouble(self, state: ActuatorState, now: float) -> str:
-        """Say what is wrong while something moves or holds a goal; empty when all is well."""
-        if self._goal is None and not state.rate and self._deadline == math.inf:
+    def _look_at_limits(self) -> None:
+        """Take in what a device tells of itself after it was opened."""
+        hardware = self._actuator.capabilities
+        if hardware == self._hardware:
+            return
+        self._hardware = hardware
+        try:
+            self.capabilities, self._unfit = guarded(hardware, self._rules), ""
+        except ConfigError as error:
+            self._unfit = str(error)
+
+    def _polled(self, now: float) -> str:
+        """Poll the actuator; say what is wrong while something moves or holds a goal; empty when all is well."""
+        try:
+            self._actuator.poll(now)
+            self._look_at_limits()
+            state = self._actuator.state()
+        except RossError as error:
+            return str(error)
+        except Exception as error:  # a bug in a driver must not end its polling: it may still be able to decelerate
+            return broke(error)
+        self._watch.note(state)
+        if not self._watch.busy(state):
             return ""
-        if state.fault or not state.healthy:
-            return state.fault or "the actuator reports a fault"
-        if now > self._deadline:
-            return f"at {math.degrees(state.angle):.2f} deg, not at rest at the goal after {self._rules.max_move_s:g} s"
-        return self._doubt(replace(state, time=max(state.time, self._opened)), now)
+        return self._watch.trouble(state, self.capabilities, now) or self._unfit
+
+    # ------------------------------------------------------------------------------------------ the fault action
 
     def _latch(self, fault: str) -> None:
-        """Latch the first fault and act on it; trouble while parking ends the parking."""
-        if self._fault and not self._parking:
+        """Latch the first fault and act on it; trouble while parking or homing, or an action that failed: act again."""
+        first = not self._fault
+        if first:
+            self._fault = fault
+        elif self._watch.doing:
+            self._later = f"while {self._watch.doing}: {fault}"
+        elif not self._failed:
             return
-        first, was_parking = not self._fault, self._parking
-        self._fault = fault if first else f"{self._fault}; while parking: {fault}"
-        state = self._actuator.state()
-        sure = state.healthy and state.homed and not self._doubt(state, self._clock.now())
+        self._act(may_park=first)
+
+    def _act(self, may_park: bool) -> None:
+        """Do what ``on_fault`` says; when that fails hold, and try again at the next poll."""
+        self._failed = False
         try:
             if self._rules.on_fault == "release":
-                self._goal, self._deadline = None, math.inf
+                self._watch.forget()
                 self._actuator.release()
-            elif self._rules.on_fault == "park" and sure and not was_parking and not self._stopped:
+            elif self._rules.on_fault == "park" and may_park and self._may_park():
                 self._park()
             else:
                 self._halt()
-        except RossError as error:
-            self._goal, self._deadline, self._parking = None, math.inf, False
-            self._fault += f"; and the fault action failed: {error}"
+        except Exception as error:
+            self._halt()
+            self._fail("fault action", error)
+
+    def _may_park(self) -> bool:
+        state = self._read()
+        return state.healthy and state.homed and not self._doubt(state) and not self._stopped
 
     def _park(self) -> None:
-        park = math.radians(self._rules.park_deg)
-        goal = self._checked_angle(min(max(park, self.capabilities.lower), self.capabilities.upper))
-        self._request(lambda: self._actuator.command(goal, self.capabilities.max_speed))
-        self._goal, self._parking = goal, True
+        park, able = math.radians(self._rules.park_deg), self.capabilities
+        self._go(checked_angle(min(max(park, able.lower), able.upper), able), able.max_speed, self._read().angle)
+        self._watch.doing = PARKING
         if self._stopped:
             self._halt()
 
-
-def guarded(hardware: Capabilities, rules: config.Guard) -> Capabilities:
-    """Intersect what the hardware can do with what the configuration allows.
-
-    Raises
-    ------
-    ConfigError
-        When the travels do not meet or the hardware cannot be kept below the acceleration.
-    """
-    lower = max(hardware.lower, math.radians(rules.lower_deg))
-    upper = min(hardware.upper, math.radians(rules.upper_deg))
-    if lower >= upper:
-        found = f"{rules.lower_deg:g} to {rules.upper_deg:g} deg"
-        has = f"{math.degrees(hardware.lower):g} to {math.degrees(hardware.upper):g} deg"
-        raise ConfigError(f"guard: the limits {found} exclude all of the actuator's travel {has}")
-    cap = math.radians(rules.max_acceleration_deg_s2)
-    if hardware.max_acceleration > cap * (1 + 1e-9):
-        found = f"{math.degrees(hardware.max_acceleration):g}"
-        raise ConfigError(
-            f"guard: the actuator accelerates at {found} deg/s^2, above the cap of {rules.max_acceleration_deg_s2:g}"
-        )
-    return replace(
-        hardware,
-        lower=lower,
-        upper=upper,
-        max_speed=min(hardware.max_speed, math.radians(rules.max_speed_deg_s)),
-        continuous=hardware.continuous and math.isinf(lower) and math.isinf(upper),
-    )
+    def _fail(self, what: str, error: Exception) -> None:
+        said = f"the {what} failed: {error if isinstance(error, RossError) else broke(error)}"
+        self._failed = True
+        self._later = f"and {said}" if self._fault else ""
+        self._fault = self._fault or said

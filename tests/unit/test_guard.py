@@ -3,84 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from guard_bench import ABLE, Device, bench
 from ross_payload import config
-from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import check_options, checked_options, describe
-from ross_payload.errors import ActuatorFault, ConfigError, LimitError, LinkError, NotHomed, PluginError
-from ross_payload.interfaces import ActuatorState, Capabilities, Feedback
-from ross_sim.clock import SimClock
-
-ABLE = Capabilities(-2.0, 2.0, 10.0, math.radians(100), 1e-6, False, Feedback.MEASURED)
-
-
-class Device:
-    """Teleports to its goal one poll after it was told; fails as told."""
-
-    def __init__(self, capabilities: Capabilities = ABLE) -> None:
-        self.capabilities = capabilities
-        self.now = ActuatorState(0.0, 0.0, True, True, True, -math.inf)
-        self.goal: float | None = None
-        self.asked: list[str] = []
-        self.jammed = self.silent = self.broken_wire = self.buggy = False
-
-    def command(self, angle: float, rate: float | None = None) -> None:
-        self._ask(f"go {angle:.2f} at {rate:.2f}")
-        self.goal = angle
-
-    def state(self) -> ActuatorState:
-        return self.now
-
-    def stop(self) -> None:
-        self._ask("stop")
-        self.goal = None
-
-    def home(self) -> None:
-        self._ask("home")
-
-    def release(self) -> None:
-        self._ask("release")
-
-    def poll(self, now: float) -> None:
-        if self.broken_wire:
-            raise LinkError("the wire is broken")
-        if self.buggy:
-            raise ZeroDivisionError
-        if not self.silent:
-            angle = self.now.angle if self.goal is None or self.jammed else self.goal
-            self.now = replace(self.now, angle=angle, settled=not self.jammed, time=now)
-
-    def __enter__(self) -> Device:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._ask("close")
-
-    def _ask(self, what: str) -> None:
-        if self.broken_wire:
-            raise LinkError("the wire is broken")
-        self.asked.append(what)
-
-
-@dataclass
-class Bench:
-    clock: SimClock
-    device: Device
-    guard: Guard
-
-
-def bench(device: Device | None = None, **rules: Any) -> Bench:
-    clock, device = SimClock(), device or Device()
-    guard = Guard(device, config.Guard.model_validate(rules), clock)
-    guard.__enter__()
-    clock.every(0.01, lambda: guard.poll(clock.now()))
-    clock.sleep(0.05)
-    return Bench(clock, device, guard)
+from ross_payload.errors import ActuatorFault, ConfigError, LimitError, NotHomed, PluginError
 
 
 def test_the_travel_is_where_both_the_hardware_and_the_configuration_allow_it() -> None:
@@ -198,7 +130,7 @@ def test_a_broken_wire_is_a_fault_and_does_not_kill_the_pump() -> None:
     on.guard.command(1.0)
     on.device.broken_wire = True
     on.clock.sleep(0.05)
-    assert on.guard.state().fault.startswith("the wire is broken; and the fault action failed")
+    assert on.guard.state().fault.startswith("the wire is broken; and the stop failed")
     assert not on.guard.state().healthy
 
 

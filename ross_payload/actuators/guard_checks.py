@@ -1,0 +1,124 @@
+"""What the guard asks of capabilities, goals and reports; pure functions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from ross_payload import config
+from ross_payload.errors import ConfigError, LimitError
+from ross_payload.interfaces import ActuatorState, Capabilities
+
+SLACK = 1e-9  # [rad], so that a limit itself is inside the limits
+FUTURE = 0.05  # a report may be so far ahead of the clock [s]
+STILL = math.radians(2)  # slower is at rest [rad/s]
+
+
+def guarded(hardware: Capabilities, rules: config.Guard) -> Capabilities:
+    """Intersect what the hardware can do with what the configuration allows.
+
+    Raises
+    ------
+    ConfigError
+        When the hardware's numbers are absurd, the travels do not meet, or it cannot be kept below the acceleration.
+    """
+    _check_sanity(hardware)
+    lower = max(hardware.lower, math.radians(rules.lower_deg))
+    upper = min(hardware.upper, math.radians(rules.upper_deg))
+    if lower >= upper:
+        found = f"{rules.lower_deg:g} to {rules.upper_deg:g} deg"
+        has = f"{math.degrees(hardware.lower):g} to {math.degrees(hardware.upper):g} deg"
+        raise ConfigError(f"guard: the limits {found} exclude all of the actuator's travel {has}")
+    if hardware.resolution >= upper - lower:
+        found = f"{math.degrees(hardware.resolution):g} deg"
+        raise ConfigError(f"guard: one step of {found} is no less than the travel that is allowed")
+    cap = math.radians(rules.max_acceleration_deg_s2)
+    if hardware.max_acceleration > cap * (1 + 1e-9):
+        found = f"{math.degrees(hardware.max_acceleration):g}"
+        raise ConfigError(
+            f"guard: the actuator accelerates at {found} deg/s^2, above the cap of {rules.max_acceleration_deg_s2:g}"
+        )
+    return replace(
+        hardware,
+        lower=lower,
+        upper=upper,
+        max_speed=min(hardware.max_speed, math.radians(rules.max_speed_deg_s)),
+        continuous=hardware.continuous and math.isinf(lower) and math.isinf(upper),
+    )
+
+
+def _check_sanity(hardware: Capabilities) -> None:
+    named = {
+        "speed": hardware.max_speed,
+        "acceleration": hardware.max_acceleration,
+        "resolution": hardware.resolution,
+    }
+    for name, value in named.items():
+        if not (math.isfinite(value) and value > 0):
+            raise ConfigError(f"guard: the actuator tells a {name} of {value:g}, wanted one above 0 and finite")
+    if not hardware.lower < hardware.upper:  # NaN is not either
+        has = f"{math.degrees(hardware.lower):g} to {math.degrees(hardware.upper):g} deg"
+        raise ConfigError(f"guard: the actuator tells a travel of {has}, wanted the lower limit first")
+
+
+def checked_angle(angle: float, able: Capabilities) -> float:
+    """Return a goal [rad], half a step inside the limits so that rounding to a step does not pass them.
+
+    Raises
+    ------
+    LimitError
+        When it lies outside the limits or is not finite.
+    """
+    if not able.lower - SLACK <= angle <= able.upper + SLACK or math.isinf(angle):
+        found, low, high = (f"{math.degrees(value):.2f}" for value in (angle, able.lower, able.upper))
+        raise LimitError(f"goal {found} deg is not within {low} to {high} deg")
+    half = able.resolution / 2
+    return min(max(angle, able.lower + half), able.upper - half)
+
+
+def checked_rate(rate: float | None, able: Capabilities) -> float:
+    """Return a rate [rad/s], at most what is allowed; None: as fast as allowed.
+
+    Raises
+    ------
+    LimitError
+        When it is not above 0 and finite.
+    """
+    if rate is None:
+        return able.max_speed
+    if not (math.isfinite(rate) and rate > 0):
+        raise LimitError(f"rate {rate} rad/s is not above 0 and finite")
+    return min(rate, able.max_speed)
+
+
+def beyond(angle: float, able: Capabilities) -> float:
+    """How far an angle lies outside the limits [rad]; 0 inside.
+
+    >>> from ross_payload.interfaces import Feedback
+    >>> beyond(3.0, Capabilities(-2.0, 2.0, 1.0, 1.0, 0.1, False, Feedback.MEASURED))
+    1.0
+    """
+    return max(able.lower - angle, angle - able.upper, 0.0)
+
+
+def doubt(state: ActuatorState, now: float, watchdog: float) -> str:
+    """Say why a report cannot be believed at ``now`` [s]; empty when it can."""
+    if not math.isfinite(state.angle):
+        return f"the actuator reports an angle of {state.angle}"
+    if not math.isfinite(state.rate):
+        return f"the actuator reports a rate of {state.rate}"
+    age = now - state.time
+    if age == math.inf:
+        return "no report yet"
+    if not age >= -FUTURE:  # NaN is not either
+        return f"the time of the last report is {-age:.2f} s ahead of the clock"
+    return f"no report for {age:.2f} s" if age > watchdog else ""
+
+
+def broke(error: Exception) -> str:
+    """Say that a driver has raised what no driver should.
+
+    >>> broke(ZeroDivisionError("by zero"))
+    "the driver broke: ZeroDivisionError('by zero')"
+    """
+    return f"the driver broke: {error!r}"

@@ -1,0 +1,490 @@
+"""The guard against devices and drivers that lie, break or never end, and faults on top of faults."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from guard_bench import ABLE, Bench, Device, bench
+from ross_payload.actuators.guard_checks import beyond, doubt
+from ross_payload.errors import ActuatorFault, ConfigError, LimitError, LinkError
+from ross_payload.interfaces import ActuatorState
+
+FAST = f"{math.radians(225):.2f}"
+HOLDS = ActuatorState(0.0, 0.0, True, True, True, 0.0)
+
+
+# ------------------------------------------------------------------------------------------ absurd devices
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, 0.0, -1.0])
+@pytest.mark.parametrize("name", ["max_speed", "max_acceleration", "resolution"])
+def test_a_device_whose_numbers_are_absurd_cannot_be_opened(name: str, value: float) -> None:
+    with pytest.raises(ConfigError, match=f"{name.removeprefix('max_')} of .*wanted one above 0 and finite"):
+        bench(Device(replace(ABLE, **{name: value})))
+
+
+@pytest.mark.parametrize("travel", [(math.nan, 2.0), (-2.0, math.nan), (2.0, -2.0), (1.0, 1.0)])
+def test_a_travel_that_is_none_cannot_be_opened(travel: tuple[float, float]) -> None:
+    with pytest.raises(ConfigError, match=r"travel of .* wanted the lower limit first"):
+        bench(Device(replace(ABLE, lower=travel[0], upper=travel[1])))
+
+
+def test_a_step_as_large_as_the_travel_cannot_be_opened() -> None:
+    with pytest.raises(ConfigError, match="no less than the travel"):
+        bench(Device(replace(ABLE, resolution=math.radians(40))), lower_deg=-20, upper_deg=20)
+
+
+def test_a_turntable_without_end_still_has_the_configured_limits() -> None:
+    able = replace(ABLE, lower=-math.inf, upper=math.inf, continuous=True)
+    on = bench(Device(able))
+    assert not on.guard.capabilities.continuous
+    assert math.degrees(on.guard.capabilities.upper) == pytest.approx(200)
+
+
+# ------------------------------------------------------------------------------------------ told after opening
+
+
+class LateDevice(Device):
+    """Learns what it is when it is opened."""
+
+    late = ABLE
+
+    def __enter__(self) -> LateDevice:
+        self.capabilities = self.late
+        return self
+
+
+def late(**told: Any) -> LateDevice:
+    device = LateDevice()
+    device.late = replace(ABLE, **told)
+    return device
+
+
+def test_limits_that_a_device_tells_when_opened_count() -> None:
+    on = bench(late(lower=-0.5, upper=0.25))
+    assert (on.guard.capabilities.lower, on.guard.capabilities.upper) == (-0.5, 0.25)
+    with pytest.raises(LimitError):
+        on.guard.command(0.3)
+    assert on.device.asked == []
+
+
+@pytest.mark.parametrize("told", [{"upper": math.nan}, {"max_speed": 0.0}, {"max_acceleration": 99.0}])
+def test_a_device_that_turns_out_absurd_is_closed_again(told: dict[str, float]) -> None:
+    device = late(**told)
+    with pytest.raises(ConfigError, match="guard: the actuator"):
+        bench(device)
+    assert device.asked == ["close"]
+
+
+def test_limits_told_later_never_widen_what_the_configuration_allows() -> None:
+    on = bench(lower_deg=-30, upper_deg=30)
+    on.device.capabilities = replace(ABLE, lower=-9.0, upper=9.0, max_speed=99.0)
+    on.clock.sleep(0.02)
+    assert math.degrees(on.guard.capabilities.upper) == pytest.approx(30)
+    assert on.guard.capabilities.max_speed == pytest.approx(math.radians(225))
+
+
+def test_limits_told_in_a_move_that_exclude_its_goal_end_it() -> None:
+    on = bench()
+    on.device.jammed = True
+    on.guard.command(1.0)
+    on.device.capabilities = replace(ABLE, upper=0.5)
+    on.clock.sleep(0.02)
+    assert on.device.asked[-1] == "stop"
+    assert on.guard.state().fault == "the goal 57.30 deg is outside the travel that the device tells"
+
+
+def test_absurd_limits_told_in_a_move_end_it_and_stay_a_fault_until_they_are_sane() -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.device.capabilities = replace(ABLE, upper=math.nan)
+    on.clock.sleep(0.02)
+    assert on.device.asked[-1] == "stop"
+    assert "travel of" in on.guard.state().fault
+    with pytest.raises(ActuatorFault, match="still not well: guard: the actuator tells a travel"):
+        on.guard.rearm()
+    on.device.capabilities = ABLE
+    on.clock.sleep(0.02)
+    on.guard.rearm()
+    on.guard.command(0.5)
+
+
+def test_absurd_limits_at_rest_refuse_the_next_goal() -> None:
+    on = bench()
+    on.device.capabilities = replace(ABLE, max_speed=math.nan)
+    with pytest.raises(ActuatorFault, match="speed of nan"):
+        on.guard.command(1.0)
+    assert on.device.asked == []
+
+
+# ------------------------------------------------------------------------------------------ reports that are none
+
+LIES = {
+    "an angle of nan": {"angle": math.nan},
+    "an angle of inf": {"angle": math.inf},
+    "a rate of nan": {"rate": math.nan},
+    "a rate of -inf": {"rate": -math.inf},
+    "ahead of the clock": {"time": 1e9},
+    "nan s ahead of the clock": {"time": math.nan},
+}
+
+
+@pytest.mark.parametrize("words", LIES)
+def test_a_report_that_is_none_ends_the_move_and_is_never_settled(words: str) -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.clock.sleep(0.03)
+    assert on.guard.state().settled
+    on.device.silent = True
+    on.device.now = replace(on.device.now, **LIES[words])
+    assert not on.guard.state().settled
+    assert words in on.guard.state().fault
+    on.clock.sleep(0.02)
+    assert on.device.asked[-1] == "stop"
+    with pytest.raises(ActuatorFault):
+        on.guard.command(0.0)
+
+
+@pytest.mark.parametrize(("age", "believed"), [(-0.06, False), (-0.04, True), (0.49, True), (0.51, False)])
+def test_a_report_is_believed_while_it_is_fresh_and_not_from_the_future(age: float, believed: bool) -> None:
+    assert (doubt(HOLDS, age, 0.5) == "") is believed
+
+
+def test_the_limits_themselves_are_inside() -> None:
+    assert beyond(2.0, ABLE) == beyond(-2.0, ABLE) == 0.0
+    assert beyond(-2.5, ABLE) == 0.5
+
+
+# ------------------------------------------------------------------------------------------ moves that never end
+
+
+def test_the_deadline_runs_from_the_last_goal_and_ends_with_arrival() -> None:
+    on = bench(max_move_s=1.0)
+    on.device.jammed = True
+    on.guard.command(1.0)
+    on.clock.sleep(0.9)
+    on.guard.command(1.1)
+    on.clock.sleep(0.9)
+    assert on.guard.state().healthy
+    on.device.jammed = False
+    on.clock.sleep(0.02)
+    on.clock.sleep(5.0)
+    assert on.guard.state().healthy
+
+
+def test_a_device_that_does_not_obey_a_stop_is_a_fault_and_is_told_again() -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.device.now = replace(on.device.now, rate=1.0)
+    on.guard.halt()
+    braking = 2 * math.radians(225) / math.radians(100) + 1.0
+    on.clock.sleep(braking - 0.02)
+    assert on.guard.state().healthy
+    on.clock.sleep(0.05)
+    assert on.guard.state().fault == "told to stop, it still turns at 57.3 deg/s"
+    assert on.device.asked[1:] == ["stop", "stop"]
+
+
+def test_stopping_again_and_again_gives_no_more_time_to_stop() -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.device.now = replace(on.device.now, rate=1.0)
+    for _ in range(60):
+        on.guard.halt()
+        on.clock.sleep(0.1)
+    assert "still turns" in on.guard.state().fault
+
+
+def test_one_that_came_to_rest_after_a_stop_may_be_turned_by_hand_later() -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.device.now = replace(on.device.now, rate=1.0)
+    on.guard.halt()
+    on.clock.sleep(0.5)
+    on.device.now = replace(on.device.now, rate=0.0)
+    on.clock.sleep(0.02)
+    on.device.now = replace(on.device.now, rate=1.0)
+    on.clock.sleep(20.0)
+    assert on.guard.state().healthy
+
+
+def test_a_stop_at_rest_waits_for_nothing() -> None:
+    on = bench()
+    on.guard.stop()
+    on.device.silent = True
+    on.clock.sleep(20.0)
+    on.device.silent = False
+    on.clock.sleep(0.02)
+    assert on.guard.state().healthy
+
+
+# ------------------------------------------------------------------------------------------ runaways
+
+
+def test_one_that_runs_away_beyond_its_limit_is_stopped() -> None:
+    on = bench()
+    on.device.jammed = True
+    on.guard.command(-1.0)
+    on.device.now = replace(on.device.now, angle=2.0 + math.radians(1.9))
+    on.clock.sleep(0.02)
+    assert on.guard.state().healthy
+    on.device.now = replace(on.device.now, angle=2.0 + math.radians(2.1))
+    on.clock.sleep(0.02)
+    assert on.guard.state().fault == "at 116.69 deg, beyond its limits"
+    assert on.device.asked[-1] == "stop"
+
+
+def test_one_that_was_pushed_beyond_its_limit_may_come_back() -> None:
+    on = bench()
+    on.device.jammed = True
+    on.device.now = replace(on.device.now, angle=2.5)
+    on.guard.command(1.0)
+    on.device.now = replace(on.device.now, angle=2.4)
+    on.clock.sleep(0.02)
+    assert on.guard.state().healthy
+    on.device.now = replace(on.device.now, angle=2.6)
+    on.clock.sleep(0.02)
+    assert "beyond its limits" in on.guard.state().fault
+
+
+# ------------------------------------------------------------------------------------------ drivers that raise
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError("bug"), LinkError("gone"), OSError("pulled")])
+def test_a_driver_that_raises_in_a_command_is_a_fault_and_is_stopped(error: Exception) -> None:
+    on = bench()
+    on.device.raises["command"] = error
+    with pytest.raises(ActuatorFault, match=str(error)):
+        on.guard.command(1.0)
+    assert on.device.asked == ["stop"]
+    assert str(error) in on.guard.state().fault
+
+
+def test_a_driver_whose_state_raises_is_a_fault_in_every_thread() -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.device.raises["state"] = ZeroDivisionError("bug")
+    assert "the driver broke: ZeroDivisionError('bug')" in on.guard.state().fault
+    on.clock.sleep(0.02)
+    assert on.device.asked[-1] == "stop"
+    del on.device.raises["state"]
+    on.clock.sleep(0.02)
+    on.guard.rearm()
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError("bug"), LinkError("gone")])
+def test_a_stop_never_raises_and_is_tried_again_until_it_is_heard(error: Exception) -> None:
+    on = bench()
+    on.device.jammed = True
+    on.guard.command(1.0)
+    on.device.raises["stop"] = error
+    on.guard.stop()
+    on.clock.sleep(0.1)
+    assert on.guard.state().fault.startswith("the stop failed: ")
+    assert str(error) in on.guard.state().fault
+    assert on.device.asked == [f"go 1.00 at {FAST}"]
+    del on.device.raises["stop"]
+    on.clock.sleep(0.05)
+    assert on.device.asked[1:] == ["stop"]
+
+
+def test_a_fault_whose_action_fails_is_tried_again_when_the_wire_is_back() -> None:
+    on = bench(on_fault="release")
+    on.guard.command(1.0)
+    on.device.broken_wire = True
+    on.clock.sleep(0.1)
+    assert on.guard.state().fault == "the wire is broken; and the fault action failed: the wire is broken"
+    on.device.broken_wire = False
+    on.clock.sleep(0.1)
+    assert on.device.asked[1:] == ["release"]
+
+
+def test_a_release_that_fails_holds_meanwhile() -> None:
+    on = bench(on_fault="release", max_move_s=0.5)
+    on.device.raises["release"] = ZeroDivisionError("bug")
+    on.device.jammed = True
+    on.guard.command(1.0)
+    on.clock.sleep(0.52)
+    assert on.device.asked[1:2] == ["stop"]
+    del on.device.raises["release"]
+    on.clock.sleep(0.02)
+    assert on.device.asked[-1] == "release"
+
+
+@pytest.mark.parametrize("error", [LimitError("not there"), ZeroDivisionError("bug")])
+def test_a_park_that_is_refused_holds(error: Exception) -> None:
+    on = bench(on_fault="park", max_move_s=0.5)
+    on.device.jammed = True
+    on.guard.command(1.0)
+    on.device.raises["command"] = error
+    on.clock.sleep(1.0)
+    assert on.device.asked[1] == "stop"
+    assert "after 0.5 s" in on.guard.state().fault
+    assert str(error) in on.guard.state().fault
+
+
+# ------------------------------------------------------------------------------------------ faults on faults
+
+
+def test_the_first_of_two_faults_is_named_and_the_action_is_done_once() -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.device.now = replace(on.device.now, healthy=False, fault="too hot")
+    on.clock.sleep(0.1)
+    on.device.now = replace(on.device.now, fault="too cold")
+    on.clock.sleep(0.1)
+    assert on.guard.state().fault == "too hot"
+    assert on.device.asked[1:] == ["stop"]
+
+
+def test_a_device_that_parks_well_goes_on_holding_its_fault() -> None:
+    on = bench(on_fault="park", max_move_s=0.5, park_deg=30)
+    on.device.jammed = True
+    on.guard.command(1.0)
+    on.clock.sleep(0.52)
+    on.device.jammed = False
+    on.clock.sleep(2.0)
+    assert on.device.asked[1:] == [f"go 0.52 at {FAST}"]
+    assert on.guard.state().angle == pytest.approx(math.radians(30))
+    assert not on.guard.state().settled
+
+
+def test_nobody_parks_after_a_stop() -> None:
+    on = bench(on_fault="park")
+    on.guard.command(1.0)
+    on.device.now = replace(on.device.now, rate=1.0)
+    on.guard.stop()
+    on.clock.sleep(8.0)
+    assert on.device.asked[1:] == ["stop", "stop"]
+
+
+@pytest.mark.parametrize("lost", [{"homed": False}, {"healthy": False}])
+def test_nobody_parks_when_the_place_is_lost(lost: dict[str, bool]) -> None:
+    on = bench(on_fault="park", max_move_s=0.5)
+    on.device.jammed = True
+    on.guard.command(1.0)
+    on.device.now = replace(on.device.now, **lost)
+    on.clock.sleep(1.0)
+    assert on.device.asked[1:] == ["stop"]
+
+
+def test_a_fault_between_the_check_and_the_request_wins() -> None:
+    class Faulty(Device):
+        """The pump finds a fault in the very moment of the command."""
+
+        def command(self, angle: float, rate: float | None = None) -> None:
+            self.broken_wire = True
+            on.guard.poll(on.clock.now())
+            self.broken_wire = False
+            super().command(angle, rate)
+
+    on = bench(Faulty())
+    with pytest.raises(ActuatorFault, match="the wire is broken"):
+        on.guard.command(1.0)
+    assert on.device.asked[-1] == "stop"
+
+
+# ------------------------------------------------------------------------------------------ homing
+
+
+def lost(**rules: Any) -> Bench:
+    """A device in a fault that only homing clears."""
+    on = bench(**rules)
+    on.guard.command(1.0)
+    on.device.jammed = True
+    on.device.now = replace(on.device.now, healthy=False, homed=False, fault="lost")
+    on.clock.sleep(0.1)
+    return on
+
+
+@pytest.mark.parametrize("action", ["hold", "release", "park"])
+def test_homing_clears_a_fault_whatever_was_done_about_it(action: str) -> None:
+    on = lost(on_fault=action)
+    before = len(on.device.asked)
+    on.guard.home()
+    on.clock.sleep(1.0)  # the fault lasts while it homes
+    on.device.jammed = False
+    on.device.now = replace(on.device.now, healthy=True, homed=True, fault="")
+    on.clock.sleep(0.02)
+    on.guard.rearm()
+    assert on.device.asked[before:] == ["home"]
+    assert on.guard.state().settled
+
+
+def test_homing_that_never_ends_is_stopped() -> None:
+    on = lost(max_move_s=2.0)
+    on.guard.home()
+    on.clock.sleep(1.9)
+    assert on.device.asked[-1] == "home"
+    on.clock.sleep(0.2)
+    assert on.device.asked[-1] == "stop"
+    assert on.guard.state().fault == "lost; while homing: at 0.00 deg, not homed after 2 s"
+
+
+def test_a_fault_that_comes_while_homing_is_acted_on() -> None:
+    on = lost()
+    on.guard.home()
+    on.device.now = replace(on.device.now, healthy=True, fault="")
+    on.clock.sleep(0.1)
+    on.device.now = replace(on.device.now, healthy=False, fault="no switch")
+    on.clock.sleep(0.02)
+    assert on.device.asked[-1] == "stop"
+    assert on.guard.state().fault == "lost; while homing: no switch"
+
+
+def test_silence_while_homing_is_acted_on_after_the_watchdog_s_time() -> None:
+    on = lost(watchdog_s=0.3)
+    on.device.silent = True
+    on.clock.sleep(2.0)
+    on.guard.home()
+    on.clock.sleep(0.28)
+    assert on.device.asked[-1] == "home"
+    on.clock.sleep(0.05)
+    assert on.device.asked[-1] == "stop"
+
+
+def test_a_stop_ends_homing() -> None:
+    on = lost()
+    on.guard.home()
+    on.guard.stop()
+    assert on.device.asked[-1] == "stop"
+    on.clock.sleep(1.0)
+    assert on.device.asked[-2:] == ["home", "stop"]
+
+
+def test_a_stop_that_falls_into_the_request_to_home_wins() -> None:
+    class Stopped(Device):
+        """Somebody stops in the very moment."""
+
+        def home(self) -> None:
+            on.guard.stop()
+            super().home()
+
+    on = bench(Stopped())
+    with pytest.raises(ActuatorFault, match="stopped"):
+        on.guard.home()
+    assert on.device.asked[-1] == "stop"
+
+
+def test_homing_that_is_refused_is_not_waited_for() -> None:
+    on = bench(max_move_s=0.5)
+    on.device.raises["home"] = ActuatorFault("not in this mode")
+    with pytest.raises(ActuatorFault, match="not in this mode"):
+        on.guard.home()
+    on.device.now = replace(on.device.now, homed=False)
+    on.clock.sleep(2.0)
+    assert on.guard.state().healthy
+
+
+def test_a_release_is_waited_for_by_nobody() -> None:
+    on = bench(max_move_s=0.5)
+    on.device.jammed = True
+    on.guard.command(1.0)
+    on.guard.release()
+    on.clock.sleep(3.0)
+    assert on.guard.state().healthy
+    assert on.device.asked[-1] == "release"
