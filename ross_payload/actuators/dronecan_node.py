@@ -4,25 +4,30 @@ from __future__ import annotations
 
 import logging
 import math
+from collections import Counter, defaultdict
 from dataclasses import dataclass
 
 from ross_payload.actuators.dronecan_options import Options
+from ross_payload.actuators.dronecan_watch import LATE, Traffic, Twins
+from ross_payload.angles import wrap
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import Port
 from ross_protocols.dronecan import (
     ArrayCommand,
     Assembler,
-    Command,
     Health,
     LogMessage,
     Message,
     Mode,
     NodeStatus,
+    Received,
     Sender,
     Status,
 )
+from ross_protocols.dronecan_gimbal import AngularCommand, GimbalStatus
 
 BEAT = 1.0  # [s] between two NodeStatus of ours
+ALIVE = 2.5  # since the last NodeStatus of the servo, and it still lives [s]
 LEVELS = (logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR)
 log = logging.getLogger(__name__)
 
@@ -33,6 +38,7 @@ class Place:
 
     joint: float = math.nan  # joint angle [rad]; not-a-number: the servo does not say
     time: float = -math.inf  # of the report [s]
+    count: int = 0  # of the report, modulo 32
 
 
 class Node:
@@ -53,24 +59,40 @@ class Node:
         self._port = port
         self._sender = Sender(options.own_node_id)
         self._assembler = Assembler()
+        self._traffic = Traffic()
+        self._twins: defaultdict[type[Message], Twins] = defaultdict(Twins)  # by what the servo sends
         self._start = self._next_beat = now
         self._uptime: int | None = None  # of the servo [s]
+        self._alive = -math.inf  # its last NodeStatus [s]
         self._said = ""
         self.place = Place()
         self.heard = -math.inf  # any report of the servo [s]
         self.condition = ""  # of the servo, as it says itself
         self.event = ""  # what happened on the bus and is not undone by itself; whoever reads it clears it
-        self.restarted = False  # likewise
+        self.lost = False  # likewise: a set-point would make it jump, or fight with somebody
 
     def take_in(self, now: float) -> None:
         """Read the bus."""
-        for frame in self._port.receive():
-            if frame.extended and frame.id & 0x7F == self._options.own_node_id:
+        frames = [frame for frame in self._port.receive() if frame.extended]
+        for frame in frames:
+            if frame.id & 0x7F == self._options.own_node_id:
                 self.event = f"another node on the bus has our node id {self._options.own_node_id}"
                 continue
             received = self._assembler.feed(frame)
             if received is not None:
-                self._take(received.node, received.message, now)
+                self._take(received, now)
+        senders = Counter(frame.id & 0x7F for frame in frames)
+        self._traffic.fed(now, senders, self._assembler.broken[self._options.node_id])
+        late = now - max(self.heard, self._start) > LATE
+        self.event = self.event or self._traffic.damage or (self._traffic.full if late else "")
+
+    def missing(self, now: float) -> str:
+        """Say that the servo lives but reports nothing; empty when it does, or when nothing is heard of it."""
+        silent = now - max(self.place.time, self._start) > ALIVE
+        if not silent or now - self._alive > ALIVE:
+            return ""
+        what = f"{'gimbal' if self._options.command == 'gimbal' else 'actuator'} {self._options.number}"
+        return f"node {self._options.node_id} lives but sends no Status of {what}; with feedback = 'model' it need not"
 
     def beat(self, now: float) -> None:
         """Tell the others that we live, once a second."""
@@ -80,8 +102,7 @@ class Node:
 
     def command(self, joint: float) -> None:
         """Tell the servo its joint angle [rad]."""
-        options = self._options
-        self._send(ArrayCommand((Command(options.actuator_id, options.kind, options.value(joint)),)))
+        self._send(self._options.message(joint))
 
     def close(self) -> None:
         """Say that we leave, where the bus still takes it, and leave."""
@@ -95,32 +116,52 @@ class Node:
         for frame in self._sender.frames(message):
             self._port.send(frame)
 
-    def _take(self, node: int, message: Message, now: float) -> None:
-        number = self._options.actuator_id
-        if isinstance(message, ArrayCommand):
-            if any(command.actuator_id == number for command in message.commands):
-                self.event = f"node {node} commands actuator {number} too"
+    def _take(self, received: Received, now: float) -> None:
+        node, message, number = received.node, received.message, self._options.number
+        if isinstance(message, ArrayCommand | AngularCommand):
+            if self._commands_ours(message):
+                self.event, self.lost = f"node {node} commands actuator {number} too", True
         elif node == self._options.node_id:
-            self._take_of_servo(message, now)
-        elif isinstance(message, Status) and message.actuator_id == number:
+            if self._twins[type(message)].fed(received.transfer):
+                self.event = f"another node has the servo's id {node}"
+            self._take_of_servo(message, received.transfer, now)
+        elif self._is_report(message):
             self.event = f"node {node} reports as actuator {number} too; wanted node {self._options.node_id}"
 
-    def _take_of_servo(self, message: Message, now: float) -> None:
-        if isinstance(message, Status) and message.actuator_id == self._options.actuator_id:
-            finite = math.isfinite(message.position)
-            self.place = Place(self._options.joint_at(message.position) if finite else math.nan, now)
-            self.heard = now
+    def _commands_ours(self, message: ArrayCommand | AngularCommand) -> bool:
+        gimbal, number = self._options.command == "gimbal", self._options.number
+        if isinstance(message, AngularCommand):
+            return gimbal and message.gimbal_id == number
+        return not gimbal and any(command.actuator_id == number for command in message.commands)
+
+    def _is_report(self, message: Message) -> bool:
+        gimbal, number = self._options.command == "gimbal", self._options.number
+        if isinstance(message, GimbalStatus):
+            return gimbal and message.gimbal_id == number
+        return isinstance(message, Status) and not gimbal and message.actuator_id == number
+
+    def _take_of_servo(self, message: Message, count: int, now: float) -> None:
+        if isinstance(message, Status | GimbalStatus):
+            if self._is_report(message):
+                self.place, self.heard = Place(self._joint(message), now, count), now
         elif isinstance(message, NodeStatus):
             self._take_status(message)
-            self.heard = now
+            self.heard = self._alive = now
         elif isinstance(message, LogMessage) and message.text != self._said:
             self._said = message.text
             log.log(LEVELS[min(message.level, 3)], "servo: %s: %s", message.source, message.text)
 
+    def _joint(self, report: Status | GimbalStatus) -> float:
+        """Return the joint angle of a report [rad]; a gimbal counts no turns, so the nearest one is meant."""
+        if isinstance(report, Status):
+            return self._options.joint_at(report.position) if math.isfinite(report.position) else math.nan
+        before = 0.0 if math.isnan(self.place.joint) else self.place.joint
+        return before + wrap(self._options.joint_at(report.yaw) - before)
+
     def _take_status(self, status: NodeStatus) -> None:
         if self._uptime is not None and status.uptime < self._uptime:
-            self.event = f"the servo restarted after {self._uptime} s: where it stands is in doubt"
-            self.restarted = True
+            what = f"the servo restarted after {self._uptime} s, or another node has the servo's id"
+            self.event, self.lost = f"{what}: where it stands is in doubt", True
         self._uptime = status.uptime
         self.condition = ""
         if status.mode is not Mode.OPERATIONAL or status.health >= Health.ERROR:

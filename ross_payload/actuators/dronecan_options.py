@@ -8,7 +8,8 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ross_payload.config import Degrees, Positive, Table
-from ross_protocols.dronecan import CommandKind, as_sent, spacing
+from ross_protocols.dronecan import ArrayCommand, Command, CommandKind, as_sent, spacing
+from ross_protocols.dronecan_gimbal import COARSE, AngularCommand
 
 NodeId = Annotated[int, Field(ge=1, le=127)]
 ENDS = {"unitless": (-1.0, 1.0), "pwm": (1000.0, 2000.0)}  # values at the ends of the travel
@@ -22,7 +23,8 @@ class Options(Table):
     node_id: NodeId = 50  # of the servo
     own_node_id: NodeId = 121  # of this payload; nobody else may have it
     actuator_id: Annotated[int, Field(ge=0, le=255)] = 1  # ArduPilot counts from 1
-    command: Literal["unitless", "position", "pwm"] = "unitless"
+    gimbal_id: Annotated[int, Field(ge=0, le=255)] = 0  # for command = "gimbal", instead of actuator_id
+    command: Literal["unitless", "position", "pwm", "gimbal"] = "unitless"
     lower_deg: Degrees = -200.0  # ends of the travel, joint angles
     upper_deg: Degrees = 200.0
     at_lower: float | None = None  # value of the command at lower_deg; absent: -1, or 1000 us
@@ -44,9 +46,11 @@ class Options(Table):
             raise ValueError(f"node_id and own_node_id are both {self.node_id}")
         if abs(self.gear_ratio) < 0.001:
             raise ValueError(f"gear_ratio = {self.gear_ratio:g} is too near to 0")
-        if self.command == "position":
+        if self.angular:
             if self.at_lower is not None or self.at_upper is not None:
                 raise ValueError("position commands follow from gear_ratio; at_lower and at_upper are for the others")
+            if self.command == "gimbal" and abs(self.gear_ratio) != 1:
+                raise ValueError(f"gear_ratio = {self.gear_ratio:g}: a gimbal does not count turns; wanted 1 or -1")
         else:
             self._check_ends(*RANGES[self.command])
         return self
@@ -58,21 +62,38 @@ class Options(Table):
             raise ValueError(f"{found}: wanted two different values from {least:g} to {most:g}")
 
     @property
+    def angular(self) -> bool:
+        """Whether the value of a command is an angle [rad]."""
+        return self.command in ("position", "gimbal")
+
+    @property
     def ends(self) -> tuple[float, float]:
         """Values of the command at the ends of the travel."""
-        if self.command == "position":
+        if self.angular:
             return self._position(math.radians(self.lower_deg)), self._position(math.radians(self.upper_deg))
         lower, upper = ENDS[self.command]
         return lower if self.at_lower is None else self.at_lower, upper if self.at_upper is None else self.at_upper
 
     @property
-    def kind(self) -> CommandKind:
-        """The type of the command."""
-        return CommandKind[self.command.upper()]
+    def number(self) -> int:
+        """Its id among actuators, or among gimbals."""
+        return self.gimbal_id if self.command == "gimbal" else self.actuator_id
+
+    def message(self, joint: float) -> ArrayCommand | AngularCommand:
+        """Return what tells the servo a joint angle [rad].
+
+        >>> Options(lower_deg=-90, upper_deg=90).message(0.0)
+        ArrayCommand(commands=(Command(actuator_id=1, kind=<CommandKind.UNITLESS: 0>, value=0.0),))
+        """
+        if self.command == "gimbal":
+            return AngularCommand(self.gimbal_id, self.value(joint))
+        return ArrayCommand((Command(self.actuator_id, CommandKind[self.command.upper()], self.value(joint)),))
 
     @property
     def resolution(self) -> float:
         """What can be told apart [rad]: the worst of the servo, its commands and its reports."""
+        if self.command == "gimbal":
+            return max(math.radians(self.resolution_deg), 2 * COARSE)
         widest = max(abs(value) for value in self.ends) or 1.0
         command = spacing(widest) / abs(self._slope)
         farthest = max(abs(self._position(math.radians(angle))) for angle in (self.lower_deg, self.upper_deg))
@@ -80,12 +101,13 @@ class Options(Table):
         return max(math.radians(self.resolution_deg), command, report)
 
     def value(self, joint: float) -> float:
-        """Return the command for a joint angle [rad], as float16 has it.
+        """Return the command for a joint angle [rad], as float16 has it where it is sent as one.
 
         >>> Options(lower_deg=-90, upper_deg=90).value(math.pi / 4)
         0.5
         """
-        return as_sent(self.ends[0] + (joint - math.radians(self.lower_deg)) * self._slope)
+        value = self.ends[0] + (joint - math.radians(self.lower_deg)) * self._slope
+        return value if self.command == "gimbal" else as_sent(value)
 
     def told(self, joint: float) -> float:
         """Return the joint angle [rad] that the servo takes the command for ``joint`` [rad] to mean."""

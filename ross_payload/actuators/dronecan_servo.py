@@ -1,7 +1,8 @@
 """A servo on a CAN bus that speaks DroneCAN: set-points of our own trapezoid at 50 Hz, position from its Status.
 
-A goal becomes a trapezoid; where it is *now* goes out as a position, a unitless value or a pulse width for as long as
-a goal is held. Nothing but positions is ever sent, so a program that dies leaves a servo that stops at the last one.
+A goal becomes a trapezoid; where it is *now* goes out as a position, a unitless value, a pulse width or the attitude of
+a gimbal for as long as a goal is held. Nothing but positions is ever sent, so a program that dies leaves a servo that
+stops at the last one.
 Only the servo's own reports make it settled. A servo whose Status has no position is driven by a model: its place is
 known after `home` has sent it to joint angle 0.
 
@@ -18,6 +19,7 @@ from typing import Any, Self
 
 from ross_payload.actuators.dronecan_node import Node, Place
 from ross_payload.actuators.dronecan_options import Options
+from ross_payload.actuators.dronecan_watch import TREMBLE, Tremble
 from ross_payload.actuators.motion import Trapezoid
 from ross_payload.actuators.requests import Ask, Motion, Move, Requests
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
@@ -25,6 +27,7 @@ from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedb
 
 PERIOD = 0.020  # [s] between two set-points
 EARLY = 1e-6  # so much before its time something is due [s]
+GAP = 5 * PERIOD  # without a set-point, and the servo has come to rest at the last one [s]
 
 
 class DronecanServo:
@@ -40,6 +43,7 @@ class DronecanServo:
         self._places: deque[Place] = deque()  # of the last settle_ms
         self._homed = False  # of a model
         self._home_until = math.inf  # a model's homing is over [s]
+        self._tremble = Tremble()
         self._due = -math.inf  # the next set-point [s]
         self._fault = ""
         self._state = ActuatorState(0.0, 0.0, settled=False, homed=False, healthy=True, time=-math.inf)
@@ -91,8 +95,11 @@ class DronecanServo:
                 self._obey(request, now)
             self._node.beat(now)
             self._stream(self._node, now)
-        finally:
-            self._publish(self._node, now)
+        except LinkError as error:  # whoever comes back to the bus must ask again
+            self._latch(str(error))
+            self._let_go()
+            list(self._requests.taken())
+        self._publish(self._node, now)
 
     def __enter__(self) -> Self:
         """Join the bus and listen."""
@@ -110,13 +117,10 @@ class DronecanServo:
             return
         clock = self._services.clock
         self.stop()
-        try:
+        self.poll(clock.now())
+        while self._motion is not None and clock.now() <= self._motion.end + PERIOD:
+            clock.sleep(PERIOD / 2)
             self.poll(clock.now())
-            while self._motion is not None and clock.now() <= self._motion.end + PERIOD:
-                clock.sleep(PERIOD / 2)
-                self.poll(clock.now())
-        except LinkError as gone:
-            self._fault = str(gone)
         self._motion = None
         self._node.close()
         self._node = None
@@ -125,30 +129,46 @@ class DronecanServo:
 
     def _look(self, node: Node, now: float) -> None:
         """Remember the newest place; latch what is wrong with it or with the bus."""
-        place = node.place
-        if self._measured and place.time > (self._places[-1].time if self._places else -math.inf):
-            self._places.append(place)
-            self._check_lag(place.joint, now)
-        while len(self._places) > 1 and self._places[1].time <= now - self._options.settle_ms * 1e-3:
-            self._places.popleft()
         if node.event:
             self._latch(node.event)
-        if node.restarted:  # it may stand anywhere: a set-point would make it jump
-            self._motion, self._homed = None, False
-        node.event, node.restarted = "", False
+        if node.lost:
+            self._let_go()
+        node.event, node.lost = "", False
+        place = node.place
+        if self._measured and place.time > (self._places[-1].time if self._places else -math.inf):
+            self._places.append(self._believed(place))
+            self._check_lag(self._places[-1].joint, now)
+        while len(self._places) > 1 and self._places[1].time <= now - self._options.settle_ms * 1e-3:
+            self._places.popleft()
+
+    def _believed(self, place: Place) -> Place:
+        """Return a place, without its angle when that cannot be; latch why."""
+        margin = math.radians(self._options.max_lag_deg)
+        if math.isnan(place.joint):
+            self._latch("the servo does not say where it is; with feedback = 'model' it need not")
+        elif not self.capabilities.lower - margin <= place.joint <= self.capabilities.upper + margin:
+            self._latch(f"the servo reports {math.degrees(place.joint):.6g} deg, which is outside its travel")
+            return replace(place, joint=math.nan)
+        elif self._tremble.fed(place.joint, place.count) > max(TREMBLE, 1.2 * self.capabilities.resolution):
+            self._latch("the position that the servo reports trembles: look at its encoder and its cables")
+        return place
 
     def _check_lag(self, joint: float, now: float) -> None:
-        if math.isnan(joint):
-            self._latch("the servo does not say where it is; with feedback = 'model' it need not")
-        elif self._motion is not None and not self._fault:
-            wanted = self._motion.at(now)[0]
-            if abs(joint - wanted) > math.radians(self._options.max_lag_deg):
-                here, there = math.degrees(joint), math.degrees(wanted)
-                self._latch(f"the servo does not follow: at {here:.1f} deg when told {there:.1f} deg")
-                self._hold(joint, now)
+        """Latch that the servo does not follow, and hold where it is."""
+        if self._motion is None or self._fault:
+            return
+        wanted = self._motion.at(now)[0]
+        if abs(joint - wanted) > math.radians(self._options.max_lag_deg):
+            here, there = math.degrees(joint), math.degrees(wanted)
+            self._latch(f"the servo does not follow: at {here:.1f} deg when told {there:.1f} deg")
+            self._hold(joint, now)
 
     def _latch(self, fault: str) -> None:
         self._fault = self._fault or fault
+
+    def _let_go(self) -> None:
+        """Send no more set-points; the place of a model is not known any more."""
+        self._motion, self._homed, self._home_until = None, False, math.inf
 
     # ------------------------------------------------------------------------------------------ requests
 
@@ -157,7 +177,7 @@ class DronecanServo:
             if not self._fault:
                 self._go(request, now)
         elif request is Ask.RELEASE:
-            self._motion, self._homed = None, False
+            self._let_go()
         elif request is Ask.HALT:
             if self._motion is not None:
                 self._motion = Motion(Trapezoid.to_rest(*self._motion.at(now), self._acceleration), now)
@@ -175,7 +195,10 @@ class DronecanServo:
             travel = self.capabilities.upper - self.capabilities.lower
             self._home_until = now + travel / self.capabilities.max_speed
         elif self._motion is not None and self._places:
-            self._hold(self._places[-1].joint, now)
+            if math.isnan(self._places[-1].joint):
+                self._let_go()
+            else:
+                self._hold(self._places[-1].joint, now)
 
     def _hold(self, joint: float, now: float) -> None:
         here = min(max(joint, self.capabilities.lower), self.capabilities.upper)
@@ -188,7 +211,12 @@ class DronecanServo:
     # ------------------------------------------------------------------------------------------ out
 
     def _stream(self, node: Node, now: float) -> None:
+        """Send the set-point that is due; after a gap the servo is at rest, so that the plan begins anew from there."""
         if self._motion is not None and now >= self._due - EARLY:
+            if now - self._due > GAP and (motion := self._motion).end > self._due:
+                plan = motion.plan
+                there = motion.at(self._due - PERIOD)[0]
+                self._motion = Motion(Trapezoid(there, plan.goal, plan.speed, plan.acceleration), now)
             self._due = (self._due if now - self._due < PERIOD else now) + PERIOD
             node.command(self._motion.at(now)[0])
 
@@ -198,7 +226,7 @@ class DronecanServo:
         wanted, rate = self._motion.at(now) if self._motion is not None else (self._state.angle, 0.0)
         known = bool(self._places) and math.isfinite(self._places[-1].joint)
         angle = self._places[-1].joint if known else self._state.angle if self._measured else wanted
-        fault = self._fault or node.condition
+        fault = self._fault or node.condition or (node.missing(now) if self._measured else "")
         self._state = ActuatorState(
             angle=angle,
             rate=rate,

@@ -1,18 +1,20 @@
-"""The far end of a CAN bus: a DroneCAN servo with its motor, friction and encoder."""
+"""The far end of a CAN bus: a DroneCAN servo or gimbal with its motor, and all that can go wrong around it."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from queue import SimpleQueue
+from dataclasses import dataclass
+from typing import Protocol
 
-from ross_payload.actuators.can_codec import CanCodec
+import numpy as np
+
 from ross_payload.actuators.dronecan_options import Options
-from ross_payload.interfaces import Port
+from ross_payload.angles import wrap
 from ross_protocols.can import CanFrame
 from ross_protocols.dronecan import (
     ArrayCommand,
     Assembler,
+    CommandKind,
     Health,
     Message,
     Mode,
@@ -20,84 +22,26 @@ from ross_protocols.dronecan import (
     Sender,
     Status,
 )
-from ross_sim.far_end import Fault, checked
-from ross_sim.wires import drained
+from ross_protocols.dronecan_gimbal import AngularCommand, GimbalMode, GimbalStatus
+from ross_sim.can_bus import ROOM, Bus, Plug
+from ross_sim.far_end import SLIP, Fault, checked
+from ross_sim.servo_shaft import STEP, Drive, Shaft
 
-STEP = 0.001  # of the simulation [s]
-REPORT, BEAT = 0.020, 1.0  # [s] between two Status, two NodeStatus
+REPORT, BEAT = 0.020, 1.0  # [s] between two reports, two NodeStatus
 EARLY = 1e-6  # so much before its time something is due [s]
+DAMAGE = 0.5  # share of damaged frames while they are
+STRANGER = 99  # node id of whoever should not be there
+APART = math.radians(40)  # between a servo and its double [rad]
 
 
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """What a servo can do, at its own shaft: a good pan servo."""
+class Station(Protocol):
+    """A node on the simulated bus."""
 
-    speed: float = math.radians(360)  # highest [rad/s]
-    acceleration: float = math.radians(3000)  # of motor and load, without friction [rad/s^2]
-    friction: float = math.radians(150)  # sticking and sliding, as acceleration [rad/s^2]
-    position_gain: float = 30.0  # [1/s]
-    speed_gain: float = 100.0  # [1/s]
-    counts: int = 4096  # of its encoder per turn
+    def take(self, frame: CanFrame) -> None:
+        """Hear a frame of somebody else."""
 
-
-@dataclass(slots=True)
-class Shaft:
-    """A position loop around a speed loop around a shaft with friction.
-
-    The speed wanted is the gain times the error as the encoder sees it, and never more than can be braked away over
-    that error with half of the acceleration. Friction holds a shaft at rest until the motor pulls harder.
-    """
-
-    drive: Drive
-    angle: float = 0.0  # [rad]
-    rate: float = 0.0  # [rad/s]
-    jammed: bool = False
-
-    @property
-    def measured(self) -> float:
-        """The angle as the encoder sees it [rad]."""
-        unit = 2 * math.pi / self.drive.counts
-        return round(self.angle / unit) * unit
-
-    def live(self, goal: float | None) -> None:
-        """Live for one step with a goal [rad], or without torque."""
-        drive = self.drive
-        pull = 0.0 if goal is None else drive.speed_gain * (self._wanted(goal - self.measured) - self.rate)
-        pull = max(-drive.acceleration, min(pull, drive.acceleration))
-        if self.jammed or (self.rate == 0.0 and abs(pull) <= drive.friction):
-            self.rate = 0.0
-            return
-        before = self.rate
-        drag = math.copysign(drive.friction, before or pull)
-        self.rate = before + (pull - drag) * STEP
-        if before * self.rate < 0 and abs(pull) <= drive.friction:
-            self.rate = 0.0
-        self.angle += (before + self.rate) / 2 * STEP
-
-    def _wanted(self, error: float) -> float:
-        drive = self.drive
-        speed = min(drive.position_gain * abs(error), math.sqrt(drive.acceleration * abs(error)), drive.speed)
-        return math.copysign(speed, error)
-
-
-@dataclass(slots=True)
-class Bus:
-    """The payload's end of an in-process CAN bus."""
-
-    sent: list[CanFrame] = field(default_factory=list)
-    arrived: list[CanFrame] = field(default_factory=list)
-
-    def send(self, frame: CanFrame) -> None:
-        """Send one frame to everybody else."""
-        self.sent.append(frame)
-
-    def receive(self) -> list[CanFrame]:
-        """Return what the others have sent."""
-        arrived, self.arrived = self.arrived, []
-        return arrived
-
-    def close(self) -> None:
-        """Return at once: an in-process bus holds nothing."""
+    def live(self, until: float) -> list[CanFrame]:
+        """Live until ``until`` [s]; return what is said then."""
 
 
 class ServoNode:
@@ -107,30 +51,32 @@ class ServoNode:
     ----------
     options : Options
         How the driver believes the servo to be set up; it is.
-    drive : Drive
+    shaft : Shaft
         Motor, load and encoder.
     """
 
-    def __init__(self, options: Options, drive: Drive) -> None:
-        self.shaft = Shaft(drive)
+    def __init__(self, options: Options, shaft: Shaft) -> None:
+        self.shaft = shaft
         self.health = Health.OK
         self.mode = Mode.OPERATIONAL
         self.silent = False
         self._options = options
         self._assembler = Assembler()
         self._sender = Sender(options.node_id)
-        self._goal: float | None = None
+        self._goal: float | None = None  # of the shaft [rad]
         self._started = self._now = 0.0
         self._next_report = self._next_beat = 0.0
 
     def take(self, frame: CanFrame) -> None:
         """Obey a frame."""
         received = self._assembler.feed(frame)
-        if received is None or not isinstance(received.message, ArrayCommand):
-            return
-        for command in received.message.commands:
-            if (command.actuator_id, command.kind) == (self._options.actuator_id, self._options.kind):
-                self._goal = self._at(self._options.joint_of(command.value))
+        match received and received.message:
+            case ArrayCommand(commands):
+                for command in commands:
+                    if (command.actuator_id, command.kind) == (self._options.actuator_id, self._kind):
+                        self._obey(self._options.joint_of(command.value))
+            case AngularCommand(number, yaw, GimbalMode.BODY_FRAME) if self._gimbal and number == self._options.number:
+                self._obey(self._nearest(self._options.joint_of(yaw)))
 
     def live(self, until: float) -> list[CanFrame]:
         """Live until ``until`` [s]; return what is said then."""
@@ -150,89 +96,174 @@ class ServoNode:
     def restart(self) -> None:
         """Reset the firmware: without torque until a command comes, uptime 0."""
         self._goal = None
+        self._sender = Sender(self._options.node_id)
         self._started = self._next_beat = self._now
+
+    def boot(self, now: float) -> None:
+        """Begin to live at ``now`` [s]."""
+        self._now = self._next_report = now
+        self.restart()
 
     def joint(self) -> float:
         """Return the true joint angle [rad]."""
-        return self._options.joint_at(self.shaft.angle + self._zero)
+        return self._options.joint_at(self.shaft.turned + self._zero)
+
+    @property
+    def _gimbal(self) -> bool:
+        return self._options.command == "gimbal"
+
+    @property
+    def _kind(self) -> CommandKind | None:
+        """What commands it obeys among an actuator's."""
+        return None if self._gimbal else CommandKind[self._options.command.upper()]
 
     @property
     def _zero(self) -> float:
         """Position that it reports at joint angle 0 [rad]."""
         return math.radians(self._options.zero_position_deg)
 
-    def _at(self, joint: float) -> float:
-        """Return the angle of the shaft [rad] at a joint angle [rad]; the shaft stands at 0 when the joint does."""
-        return joint * self._options.gear_ratio
+    def _obey(self, joint: float) -> None:
+        """Take a joint angle [rad] for its goal; the shaft stands at 0 when the joint does."""
+        if math.isfinite(joint):
+            self._goal = joint * self._options.gear_ratio
 
-    def _status(self) -> Status:
-        if self._options.feedback == "model":
-            return Status(self._options.actuator_id)
-        return Status(self._options.actuator_id, self.shaft.measured + self._zero, speed=self.shaft.rate)
+    def _nearest(self, joint: float) -> float:
+        """Return the turn of a joint angle [rad] that is nearest to the goal before, or to where it stands."""
+        before = (self.shaft.measured if self._goal is None else self._goal) / self._options.gear_ratio
+        return before + wrap(joint - before)
+
+    def _status(self) -> Status | GimbalStatus:
+        known = self._options.feedback == "measured"
+        position = self.shaft.measured + self._zero if known else math.nan
+        if self._gimbal:
+            return GimbalStatus(self._options.number, position)
+        return Status(self._options.number, position, speed=self.shaft.rate if known else math.nan)
+
+
+class Rival:
+    """A node that holds the same actuator at joint angle 0."""
+
+    def __init__(self, options: Options, now: float) -> None:
+        self._message = options.message(0.0)
+        self._sender = Sender(STRANGER)
+        self._due = now
+
+    def take(self, frame: CanFrame) -> None:
+        """Listen to nobody."""
+
+    def live(self, until: float) -> list[CanFrame]:
+        """Command at the rate of reports."""
+        if until < self._due - EARLY:
+            return []
+        self._due = until + REPORT
+        return self._sender.frames(self._message)
+
+
+class Babbler:
+    """A node that fills the bus with frames of the highest priority."""
+
+    def take(self, frame: CanFrame) -> None:
+        """Listen to nobody."""
+
+    def live(self, until: float) -> list[CanFrame]:
+        """Say as much as its interface takes."""
+        return [CanFrame(20999 << 8 | STRANGER, bytes(7) + b"\xc0")] * 2 * ROOM
+
+
+@dataclass(frozen=True, slots=True)
+class _Seat:
+    plug: Plug
+    station: Station
 
 
 class ServoFarEnd:
-    """The servo alone on a bus with the payload; frames arrive with the next advance."""
+    """The servo on a bus with the payload, and with whom a fault brings.
 
-    faults = frozenset({Fault.STUCK, Fault.SILENT, Fault.REBOOT})
+    Parameters
+    ----------
+    options : Options
+        How the servo is set up.
+    drive : Drive
+        What its motor can do.
+    chance : numpy.random.Generator
+        Of noise and damage.
+    """
 
-    def __init__(self, node: ServoNode) -> None:
-        self.port = Bus()
-        self.node = node
+    def __init__(self, options: Options, drive: Drive, chance: np.random.Generator) -> None:
+        everything = frozenset(Fault)
+        self.faults = everything if options.feedback == "measured" else everything - {Fault.NOISY}
+        self.node = ServoNode(options, Shaft(drive, chance))
+        self._options = options
+        self._drive = drive
+        self._chance = chance
+        self._now = 0.0
+        self.bus = Bus(chance)
+        self.port = self.bus.plug()
+        self._seat = _Seat(self.bus.plug(), self.node)
+        self._seats = [self._seat]
+        self._strangers: dict[Fault, _Seat] = {}
 
     def advance(self, now: float) -> None:
-        """Give the servo what was sent, then let it live until ``now`` [s]."""
-        frames, self.port.sent = self.port.sent, []
-        for frame in frames:
-            self.node.take(frame)
-        self.port.arrived += self.node.live(now)
+        """Let frames cross, everybody live until ``now`` [s], and frames cross again."""
+        half = (now - self._now) / 2
+        self._now = now
+        self.bus.carry(half)
+        for seat in self._seats:
+            for frame in seat.plug.receive():
+                seat.station.take(frame)
+            for frame in seat.station.live(now):
+                seat.plug.send(frame)
+        self.bus.carry(half)
 
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
         return self.node.joint()
 
     def afflict(self, fault: Fault, on: bool = True) -> None:
-        """Jam, fall silent or restart."""
+        """Break the servo, or the bus, or mend them."""
+        shaft = self.node.shaft
         match checked(fault, self.faults):
+            case Fault.STALL:
+                shaft.powerless = on
             case Fault.STUCK:
-                self.node.shaft.jammed = on
+                shaft.jammed = on
+            case Fault.NOISY:
+                shaft.noisy = on
+            case Fault.SLIP:
+                shaft.slipped += SLIP * self._options.gear_ratio * on
             case Fault.SILENT:
                 self.node.silent = on
-            case _ if on:
-                self.node.restart()
+            case Fault.CORRUPT:
+                self._seat.plug.damage = DAMAGE * on
+            case Fault.REBOOT:
+                if on:
+                    self.node.restart()
+            case _:
+                self._bring(fault, on)
 
     def complaints(self) -> list[str]:
         """Return nothing: a servo loses no steps."""
         return []
 
+    def _bring(self, fault: Fault, on: bool) -> None:
+        """Let the stranger of a fault join the bus, or leave it."""
+        before = self._strangers.pop(fault, None)
+        if before is not None:
+            self.bus.unplug(before.plug)
+            self._seats.remove(before)
+        if on:
+            self._strangers[fault] = seat = _Seat(self.bus.plug(), self._stranger(fault))
+            self._seats.append(seat)
 
-class CanSide:
-    """Gives the bus to a payload in another process: frames take effect when they arrived."""
-
-    codec = CanCodec
-
-    def __init__(self, port: Port, epoch: float) -> None:
-        self._port = port
-        self._epoch = epoch
-        self._inbox: SimpleQueue[tuple[float, CanFrame]] = SimpleQueue()
-        self._outbox: SimpleQueue[CanFrame] = SimpleQueue()
-        self._waiting: list[tuple[float, CanFrame]] = []
-
-    def arrived(self, frame: CanFrame, now: float) -> None:
-        """Keep a frame with the world's time of its arrival."""
-        self._inbox.put((now - self._epoch, frame))
-
-    def due(self, now: float) -> list[CanFrame]:
-        """Return what the servo has said."""
-        return drained(self._outbox)
-
-    def exchange(self, begin: float) -> None:
-        """Give the servo what has arrived by then, and take what it says."""
-        self._waiting += drained(self._inbox)
-        while self._waiting and self._waiting[0][0] <= begin:
-            self._port.send(self._waiting.pop(0)[1])
-        for frame in self._port.receive():
-            self._outbox.put(frame)
+    def _stranger(self, fault: Fault) -> Station:
+        if fault is Fault.TAKEN:
+            return Rival(self._options, self._now)
+        if fault is Fault.SATURATED:
+            return Babbler()
+        double = ServoNode(self._options, Shaft(self._drive, self._chance))
+        double.shaft.place(self.node.shaft.angle + APART)
+        double.boot(self._now)
+        return double
 
 
 class ServoFarEndPlugin:
@@ -240,7 +271,7 @@ class ServoFarEndPlugin:
 
     def make(self, config: Options, drive: Drive | None = None) -> ServoFarEnd:
         """Make a servo set up as the driver's options say, at joint angle 0."""
-        return ServoFarEnd(ServoNode(config, drive or Drive()))
+        return ServoFarEnd(config, drive or Drive(), np.random.default_rng(0))
 
 
 far_end = ServoFarEndPlugin()
