@@ -249,6 +249,7 @@ class Output:
 
     events: tuple[Event, ...] = ()
     goal: float | None = None  # joint angle [rad]
+    rate: float | None = None  # at most so fast [rad/s]; None: as the guard allows
     halt: bool = False  # decelerate and forget the goal
     stop: bool = False  # the same, and moves are refused until `rearm`
     rearm: bool = False

@@ -94,6 +94,18 @@ class TurnTo(Task):
 
 
 @dataclass(frozen=True, slots=True)
+class Point(Task):
+    """Point by hand; the next one takes the place of this one without a halt, and any other task ends it.
+
+    One of ``joint`` and ``heading`` is told, or neither: then the array turns at ``rate`` until the next one.
+    """
+
+    joint: float | None = None  # joint angle, modulo a turn [rad]
+    heading: float | None = None  # held while the base turns [rad]
+    rate: float | None = None  # [rad/s]: with an angle the most; alone signed, 0: stand still
+
+
+@dataclass(frozen=True, slots=True)
 class Park(Task):
     """Turn to the parking position of the configuration."""
 

@@ -23,7 +23,7 @@ from ross_payload.events import (
 from ross_payload.interfaces import Input, Mission, Output, Result
 from ross_payload.mission.context import BUSY, NOTHING, Context, Ended, FrameChanged, Settings, Step, Tools, exchange
 from ross_payload.mission.tasks import Memory, Refused, perform, refusal
-from ross_payload.orders import Cancel, MeasureNoise, Order, Rearm, Set, Shutdown, Stop, Task
+from ross_payload.orders import Cancel, MeasureNoise, Order, Point, Rearm, Set, Shutdown, Stop, Task
 from ross_payload.parameters import changed
 
 ANSWERS = {Outcome.FAULT: Answer.FAILED, Outcome.NO_TARGET: Answer.FAILED, Outcome.STOPPED: Answer.CANCELLED}
@@ -172,7 +172,8 @@ class Session:
         """Say how a task ended."""
         self._waiting += self._context.later
         self._enter(state, result.reason)
-        self._context.say(Finished(self._context.time, result.outcome, result.reason))
+        if not isinstance(task, Point):  # by hand, and no mission
+            self._context.say(Finished(self._context.time, result.outcome, result.reason))
         self._answer(task, ANSWERS.get(result.outcome, Answer.DONE), result.reason)
 
     def _watched(self, task: Task) -> Step[Result]:

@@ -16,6 +16,7 @@ from ross_payload.mission.context import Context, Ended, Step, exchange, hop, li
 from ross_payload.mission.exploit import deliver
 from ross_payload.mission.explore import explore, lead_in
 from ross_payload.mission.follow import attend, face
+from ross_payload.mission.hand import by_hand, unreachable
 from ross_payload.mission.pipeline import matched
 from ross_payload.mission.supervise import attempts
 from ross_payload.orders import (
@@ -26,6 +27,7 @@ from ross_payload.orders import (
     ListenTo,
     MeasureNoise,
     Park,
+    Point,
     Seek,
     Task,
     TurnTo,
@@ -64,7 +66,8 @@ def refusal(context: Context, memory: Memory, task: Task, *, stopped: bool, faul
         "there is no such source": isinstance(task, ListenTo) and known is not None and not 0 <= task.source < known.k,
         OUTSIDE: isinstance(task, TurnTo) and _joint_for(context, task.heading) is None,
     }
-    return next((reason for reason, true in impossible.items() if true), "")
+    reasons = (reason for reason, true in impossible.items() if true)
+    return next(reasons, unreachable(task, context.here) if isinstance(task, Point) else "")
 
 
 def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
@@ -89,6 +92,8 @@ def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
             step = _listen(context, *_whom(context, memory, task))
         case TurnTo():
             step = _point(context, task.heading)
+        case Point():
+            step = by_hand(context, task)
         case Park():
             step = _park(context)
         case Home():

@@ -118,7 +118,7 @@ class Runner:
                 self._actuator.home()
             if output.goal is not None:
                 self._asked = self._clock.now()
-                self._actuator.command(output.goal)
+                self._actuator.command(output.goal, output.rate)
         except ActuatorError as error:
             if not (self._actuator.stopped and self._orders.qsize()):  # else the mission is about to hear of the stop
                 self._fault = str(error)

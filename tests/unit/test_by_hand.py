@@ -1,0 +1,151 @@
+"""Pointing by hand: set-points follow each other without a halt, rates end, headings are held, a stop wins."""
+
+import math
+from contextlib import ExitStack
+
+import pytest
+
+from hand_bench import Base, HandBench
+from ross_payload.events import Answer, Finished, State
+from ross_payload.orders import Cancel, Explore, Point, Rearm, Stop
+
+
+def deg(angle):
+    return math.radians(angle)
+
+
+@pytest.fixture
+def bench():
+    with ExitStack() as stack:
+        yield lambda base=None, **config: HandBench(stack, base, **config)
+
+
+def test_the_array_goes_to_a_joint_angle_and_the_payload_idles_again(bench):
+    one = bench()
+    one.live(6.0, one.order(0.5, Point(joint=deg(40), number=-1)))
+    assert one.angle(4.0) == pytest.approx(40, abs=0.01)
+    assert one.answers(-1) == [Answer.ACCEPTED, Answer.DONE]
+    assert (State.TURN, "by hand") in one.states()
+
+
+def test_a_move_by_hand_is_no_mission(bench):
+    one = bench()
+    one.live(5.0, one.order(0.5, Point(joint=deg(10))))
+    assert not [event for event in one.events if isinstance(event, Finished)]
+
+
+def test_a_new_set_point_takes_the_place_of_the_old_one_without_a_halt(bench):
+    one = bench()
+    one.live(8.0, one.order(0.5, Point(joint=deg(150), number=-1)), one.order(1.8, Point(joint=deg(160), number=-2)))
+    assert all(one.speed(time) > 60 for time in (1.7, 1.8, 1.9, 2.0))
+    assert one.angle(7.0) == pytest.approx(160, abs=0.01)
+    assert one.answers(-1) == [Answer.ACCEPTED, Answer.DONE]
+    assert one.answers(-2) == []
+
+
+def test_a_stream_of_set_points_is_followed(bench):
+    one = bench()
+    steps = [one.order(0.5 + 0.02 * step, Point(joint=deg(0.4 * step))) for step in range(200)]  # 20 deg/s
+    one.live(7.0, *steps)
+    assert all(abs(one.angle(time) - 20 * (time - 0.5)) < 4 for time in (1.5, 2.5, 3.5, 4.4))
+    assert one.angle(6.0) == pytest.approx(79.6, abs=0.01)
+
+
+def test_the_way_is_the_shorter_one_within_the_limits(bench):
+    one = bench()
+    one.live(12.0, one.order(0.5, Point(joint=deg(170))), one.order(6.0, Point(joint=deg(-170))))
+    assert one.angle(5.0) == pytest.approx(170, abs=0.01)
+    assert one.angle(11.0) == pytest.approx(190, abs=0.01)
+
+
+def test_beyond_a_limit_is_the_limit(bench):
+    one = bench(guard={"lower_deg": -50, "upper_deg": 50})
+    one.live(12.0, one.order(0.5, Point(joint=deg(80))), one.order(6.0, Point(joint=deg(-120))))
+    assert one.angle(5.0) == pytest.approx(50, abs=0.01)
+    assert one.angle(11.0) == pytest.approx(-50, abs=0.01)
+
+
+def test_a_rate_turns_until_the_next_set_point(bench):
+    one = bench()
+    one.live(9.0, one.order(0.5, Point(rate=deg(-20))), one.order(5.5, Point(rate=0.0)))
+    assert [one.speed(time) for time in (2.0, 4.0, 5.4)] == pytest.approx([-20] * 3, abs=0.1)
+    assert one.speed(6.5) == 0.0
+    assert one.angle(8.0) == pytest.approx(-20 * 5.0, abs=5)
+
+
+def test_a_rate_ends_at_the_limit(bench):
+    one = bench(guard={"lower_deg": -50, "upper_deg": 50})
+    one.live(9.0, one.order(0.5, Point(rate=deg(30))))
+    assert max(math.degrees(angle) for _, angle, _ in one.trace) <= 50 + 1e-3
+    assert one.angle(8.0) == pytest.approx(50, abs=0.01)
+
+
+def test_a_slow_move_is_no_fault_though_it_takes_longer_than_a_move_may(bench):
+    one = bench(guard={"max_move_s": 8.0})
+    one.live(26.0, one.order(0.5, Point(joint=deg(40), rate=deg(2))))
+    assert one.speed(10.0) == pytest.approx(2.0, abs=0.1)
+    assert one.angle(24.0) == pytest.approx(40, abs=0.01)
+    assert State.FAULT not in [state for state, _ in one.states()]
+
+
+def test_a_heading_is_held_while_the_base_turns(bench):
+    one = bench(Base(yaw=deg(30), rate=deg(10)), array={"offset_deg": 15})
+    one.live(12.0, one.order(0.5, Point(heading=deg(60))))
+    assert [one.heading(time) for time in (4.0, 7.0, 11.0)] == pytest.approx([60] * 3, abs=1.0)
+
+
+def test_a_heading_needs_to_know_where_the_base_points(bench):
+    one = bench()
+    one.live(2.0, one.order(0.5, Point(heading=deg(60), number=-1)))
+    assert one.answers(-1) == [Answer.REFUSED]
+    assert one.angle(1.9) == 0.0
+
+
+def test_when_the_attitude_is_lost_nothing_is_followed_any_more(bench):
+    one = bench(Base(yaw=0.0, rate=deg(10)))
+
+    def lose():
+        one.base.yaw = None
+
+    one.live(9.0, one.order(0.5, Point(heading=deg(60), number=-1)), (4.0, lose))
+    assert one.answers(-1) == [Answer.ACCEPTED, Answer.FAILED]
+    assert one.angle(8.0) == one.angle(6.0)
+
+
+def test_another_task_takes_over_from_the_hand(bench):
+    one = bench()
+    one.live(9.0, one.order(0.5, Point(rate=deg(10), number=-1)), one.order(2.0, Explore(number=1)))
+    assert one.answers(-1) == [Answer.ACCEPTED, Answer.CANCELLED]
+    assert one.answers(1)[0] is Answer.ACCEPTED
+
+
+def test_the_hand_does_not_end_a_task(bench):
+    one = bench()
+    one.live(3.0, one.order(0.5, Explore(number=1)), one.order(1.0, Point(joint=1.0, number=-1)))
+    assert one.answers(-1) == [Answer.REFUSED]
+    assert one.angle(2.0) == 0.0
+
+
+def test_a_set_point_behind_a_cancel_is_obeyed_when_the_task_is_over(bench):
+    one = bench()
+    one.live(6.0, one.order(0.5, Explore(number=1)), one.order(1.5, Cancel(number=-1), Point(joint=deg(20), number=-2)))
+    assert one.answers(1)[-1] is Answer.CANCELLED
+    assert one.answers(-2) == [Answer.ACCEPTED, Answer.DONE]
+    assert one.angle(5.0) == pytest.approx(20, abs=0.01)
+
+
+def test_a_stop_wins_and_stays(bench):
+    one = bench()
+    one.live(
+        9.0,
+        one.order(0.5, Point(rate=deg(40), number=-1)),
+        one.order(2.0, Stop(number=1)),
+        one.order(4.0, Point(joint=0.0, number=-2)),
+        one.order(5.0, Rearm(number=2)),
+        one.order(6.0, Point(joint=0.0, number=-3)),
+    )
+    assert one.answers(-1) == [Answer.ACCEPTED, Answer.CANCELLED]
+    assert one.answers(-2) == [Answer.REFUSED]
+    assert one.angle(5.9) == one.angle(3.5) != 0.0
+    assert one.answers(-3)[0] is Answer.ACCEPTED
+    assert one.angle(8.9) == pytest.approx(0.0, abs=0.01)
