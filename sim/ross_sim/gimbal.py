@@ -11,19 +11,23 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+import numpy as np
+
 from ross_payload.actuators.mavlink_gimbal_options import Options
 from ross_payload.actuators.mavlink_port import Arrived
 from ross_protocols import gimbal
 from ross_protocols.codec import Decoder, Encoder, Packet
 from ross_protocols.dialect import common
 from ross_protocols.gimbal import Address
-from ross_sim.far_end import Fault, checked
+from ross_sim.far_end import SLIP, Fault, checked
 from ross_sim.gimbal_device import Device, Servo
+from ross_sim.gimbal_line import Line, Rival
 from ross_sim.gimbal_manager import ArduPilot
 
 SYSTEM = 1
 PAYLOAD: Address = (SYSTEM, 191)
 STATION: Address = (255, 190)
+UP = 37.0  # for how long a second gimbal was on before it came onto the bus [s]
 MARGIN = math.radians(2)  # between the travel that is asked for and the stops [rad]
 
 
@@ -66,6 +70,16 @@ class _Plug:
     station: Station
     encoder: Encoder
     decoder: Decoder = field(default_factory=Decoder)
+    damaged: bool = False  # what it says
+
+    def frames(self, messages: list[Any]) -> list[bytes]:
+        """Encode what the station says."""
+        frames = [self.encoder.encode(message) for message in messages]
+        return [frame[:-1] + bytes([frame[-1] ^ 0x55]) for frame in frames] if self.damaged else frames
+
+
+def _plugged(station: Station) -> _Plug:
+    return _Plug(station, Encoder(*station.address))
 
 
 class GimbalFarEnd:
@@ -89,38 +103,62 @@ class GimbalFarEnd:
         self.port = Wire()
         self.device = Device((SYSTEM, gimbal.COMPONENTS[0]), servo, vehicle, earth=earth)
         self.autopilot = ArduPilot((SYSTEM, 1), self.device.address, servo, vehicle) if autopilot else None
-        alone = {Fault.STUCK, Fault.SILENT, Fault.REBOOT}
-        self.faults = frozenset(alone | {Fault.TAKEN} if autopilot else alone)
+        self.faults = frozenset(Fault)
         self.words: list[str] = []
         stations: list[Station] = [self.device] if self.autopilot is None else [self.device, self.autopilot]
-        self._plugs = [_Plug(station, Encoder(*station.address)) for station in stations]
+        self._plugs = [_plugged(station) for station in stations]
+        self._guests: dict[Fault, _Plug] = {}  # who comes with a fault
+        self._chance = np.random.default_rng(0)
+        self._up, self._down = Line(self._chance), Line(self._chance)
+        self._said: list[bytes] = []  # on their way to the payload
+        self._slipped = 0.0  # what the device carries, on its platform [rad]
+        self._now = 0.0
         self._ear = Decoder()
 
     def advance(self, now: float) -> None:
-        """Deliver what was sent, let everybody speak, and let the device move until ``now`` [s]."""
+        """Deliver what was sent, let everybody speak, and let the devices move until ``now`` [s]."""
+        self._now = now
         frames, self.port.sent = self.port.sent, []
         for packet in self._ear.feed(b"".join(frames)):
             self._inspect(packet)
-        self._spread(frames, None, now)
-        self.device.move(now)
-        for plug in self._plugs:
-            self._spread([plug.encoder.encode(message) for message in plug.station.live(now)], plug, now)
+        self._spread(self._up.pass_on(frames, now), None, now)
+        for plug in self._everybody():
+            if isinstance(plug.station, Device):
+                plug.station.move(now)
+        for plug in self._everybody():
+            self._spread(plug.frames(plug.station.live(now)), plug, now)
+        said, self._said = self._said, []
+        self.port.arrived += self._down.pass_on(said, now)
 
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
-        return self.device.angle
+        return self.device.angle + self._slipped
 
     def afflict(self, fault: Fault, on: bool = True) -> None:
-        """Jam, fall silent, restart, or be taken by a ground station."""
+        """Let the device, its bus or somebody on it fail."""
         match checked(fault, self.faults):
+            case Fault.STALL:
+                self.device.limp = on
             case Fault.STUCK:
                 self.device.stuck = on
+            case Fault.SLIP:
+                self._slipped += SLIP * on  # its own sensor turns with its platform
+            case Fault.NOISY:
+                self.device.trembling = self._chance if on else None
             case Fault.SILENT:
                 self.device.mute = on
             case Fault.REBOOT if on:
                 self.device.restart()
-            case Fault.TAKEN if self.autopilot is not None:
-                self.autopilot.take_control(STATION if on else (0, 0))
+            case Fault.SATURATED:
+                self._up.crowded = self._down.crowded = on
+            case Fault.CORRUPT:
+                self._plugs[0].damaged = on
+            case Fault.TAKEN | Fault.DUPLICATE:
+                self._guests.pop(fault, None)
+                if on:
+                    self._guests[fault] = _plugged(self._rival() if fault is Fault.TAKEN else self._twin())
+                elif fault is Fault.TAKEN and self.autopilot is not None:
+                    self.autopilot.take_control((0, 0))
 
     def complaints(self) -> list[str]:
         """Return what the payload has sent that receivers read differently, or that could run away."""
@@ -132,12 +170,26 @@ class GimbalFarEnd:
         if not frames:
             return
         if sender is not None:
-            self.port.arrived += frames
-        for plug in self._plugs:
+            self._said += frames
+        for plug in self._everybody():
             if plug is not sender:
                 packets = plug.decoder.feed(b"".join(frames))
                 answers = [answer for packet in packets for answer in plug.station.hear(packet, now)]
-                self._spread([plug.encoder.encode(answer) for answer in answers], plug, now)
+                self._spread(plug.frames(answers), plug, now)
+
+    def _everybody(self) -> list[_Plug]:
+        return [*self._plugs, *self._guests.values()]
+
+    def _rival(self) -> Rival:
+        """A ground station that takes control of the gimbal, or a second manager that wants it where it is."""
+        if self.autopilot is not None:
+            return Rival(STATION, self.autopilot.address, None)
+        return Rival(STATION, self.device.address, self.device.angle)
+
+    def _twin(self) -> Device:
+        """A second gimbal with the same ids, at joint angle 0."""
+        first = self.device
+        return Device(first.address, first.servo, lambda now: 0.0, earth=False, now=self._now, up=self._now + UP)
 
     def _inspect(self, packet: Packet) -> None:
         message = packet.message

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from numpy.random import Generator
+
 from ross_payload.angles import wrap
 from ross_protocols import gimbal
 from ross_protocols.codec import Packet
@@ -16,6 +18,8 @@ from ross_protocols.pairs import clockwise
 from ross_protocols.vehicle import euler, quaternion
 
 STEP = 0.002  # of the servo loop [s]
+COASTING = 3.0  # friction of a motor without torque [rad/s^2]
+TREMBLE = math.radians(3)  # of a sensor that is broken, standard deviation [rad]
 GLIDE = 0.02  # in which a new set-point is approached, so that a stream of them makes no noise [s]
 EARLY = 1e-9  # [s], of rounding
 
@@ -35,23 +39,39 @@ class Servo:
 class Device:
     """Component 154: follows set-points as well as its motor can, and tells where its encoder says it is.
 
-    `stuck`, `mute` and `failures` may be set while it lives; `restart` makes it boot.
+    `stuck`, `limp`, `mute`, `trembling` and `failures` may be set while it lives; `restart` makes it boot.
+
+    Parameters
+    ----------
+    now, up
+        When its life begins [s], and for how long it has been on by then [s].
     """
 
-    def __init__(self, address: Address, servo: Servo, vehicle: Callable[[float], float], *, earth: bool) -> None:
+    def __init__(
+        self,
+        address: Address,
+        servo: Servo,
+        vehicle: Callable[[float], float],
+        *,
+        earth: bool,
+        now: float = 0.0,
+        up: float = 0.0,
+    ) -> None:
         self.address = address
         self.servo = servo
         self.angle = 0.0  # true [rad]
         self.bumps = 0
         self.stuck = False
+        self.limp = False  # without torque
         self.mute = False
+        self.trembling: Generator | None = None  # makes the noise of a broken sensor
         self.failures = 0
         self._vehicle = vehicle
         self._earth = earth
         self._rate = 0.0
         self._goal, self._from, self._since = 0.0, 0.0, -math.inf  # set-point, the one before, when it came
         self._locked: float | None = None  # set-point from north [rad]
-        self._now = self._boot = 0.0
+        self._now, self._boot = now, now - up
         self._managed = -math.inf
         self._due = {0: 0.0, gimbal.DEVICE_ATTITUDE: 0.0}
         self._periods = {0: 1.0, gimbal.DEVICE_ATTITUDE: 0.1}
@@ -102,6 +122,9 @@ class Device:
         aim = self._from + share * (self._goal - self._from)
         lead = (self._goal - self._from) / GLIDE if share < 1.0 else 0.0
         error = aim - self._encoder()
+        if self.limp and not self.stuck:
+            self._advance(math.copysign(max(abs(self._rate) - COASTING * STEP, 0.0), self._rate))
+            return
         if self.stuck or (
             lead == 0.0 and abs(error) <= servo.resolution and abs(self._rate) < servo.resolution / GLIDE
         ):
@@ -111,8 +134,11 @@ class Device:
         speed = lead + math.copysign(min(servo.bandwidth / 2 * abs(error), braking), error)
         wanted = 2 * servo.bandwidth * (speed - self._rate)
         push = min(max(wanted, -servo.max_acceleration), servo.max_acceleration)
-        self._rate = min(max(self._rate + push * STEP, -servo.max_speed), servo.max_speed)
-        self.angle += self._rate * STEP
+        self._advance(min(max(self._rate + push * STEP, -servo.max_speed), servo.max_speed))
+
+    def _advance(self, rate: float) -> None:
+        servo, self._rate = self.servo, rate
+        self.angle += rate * STEP
         if not servo.lower <= self.angle <= servo.upper:
             self.angle = min(max(self.angle, servo.lower), servo.upper)
             self._rate, self.bumps = 0.0, self.bumps + 1
@@ -161,7 +187,8 @@ class Device:
         turn = (self._vehicle(now + STEP) - base) / STEP if self._earth else 0.0
         flags = 4 | 8 | (gimbal.YAW_LOCK | gimbal.EARTH_FRAME if self._earth else gimbal.VEHICLE_FRAME)
         unmanaged = gimbal.NO_MANAGER if now - self._managed > 1.0 else 0
-        q = quaternion(clockwise(self._encoder() + base), 0.0, 0.0)
+        noise = 0.0 if self.trembling is None else self.trembling.normal(0.0, TREMBLE)
+        q = quaternion(clockwise(self._encoder() + base + noise), 0.0, 0.0)
         rates = (0.0, 0.0, -(self._rate + turn))
         return common.MAVLink_gimbal_device_attitude_status_message(
             0, 0, self._clock(now), flags, q, *rates, self.failures | unmanaged
