@@ -210,7 +210,7 @@ class MavlinkGimbal:
         if self._fault:
             self._halt(now)
             return
-        self._fault = straying(self._feedback, self._motion)
+        self._fault = straying(self._feedback, self._motion, now)
         self._feedback.restarted = False
         if self._fault:
             self._hold(now)

@@ -21,43 +21,59 @@ class Verdict(Enum):
     TWO = "two"  # two devices report under one name
 
 
+@dataclass(frozen=True, slots=True)
+class Line:
+    """The latest report of one clock, and since when it has been looked out for."""
+
+    boot: float  # on that clock [s]
+    heard: float  # [s]
+    since: float  # [s]
+
+    def leads_to(self, boot: float, now: float) -> bool:
+        """Tell whether a report is a later one of the same clock."""
+        return 0.0 < boot - self.boot <= now - self.heard + RESTART
+
+
 @dataclass(slots=True)
 class SenderClock:
     """Follows the clock of one sender.
 
-    A clock that has gone back is believed when the next report confirms it; when the next one goes on as before,
-    somebody else reports under the same name.
+    A report with another clock is believed when the next one goes on from there: the device has restarted. When the
+    first clock goes on as well, two devices report under one name, and only the first is believed.
 
     >>> clock = SenderClock()
     >>> [clock.judge(boot, 0.02 * n).value for n, boot in enumerate((50.0, 50.02, 50.02, 0.1, 0.12))]
     ['news', 'news', 'old', 'old', 'restarted']
     """
 
-    _latest: float = -math.inf  # [s]
-    _other: float | None = None  # a clock that went back, not confirmed yet [s]
+    _line: Line | None = None
+    _other: Line | None = None
     _clashes: int = 0
     _clash: float = -math.inf  # when the last one was [s]
     _way: float = math.inf  # the least between making and arrival, on two clocks [s]
-    _heard: float = 0.0  # when that was judged last [s]
+    _judged: float = 0.0  # when that was [s]
 
     def judge(self, boot: float, now: float) -> Verdict:
         """Judge a report made at ``boot`` on its own clock [s] that arrives at ``now`` [s]."""
-        if boot < self._latest - RESTART:
-            if self._other is None or not self._other < boot < self._other + RESTART:
-                self._other = boot
-                return Verdict.OLD
-            self._latest, self._other, self._way = boot, None, math.inf
-            return Verdict.RESTARTED
-        if boot <= self._latest:
+        line, other = self._line, self._other
+        if line is None or line.leads_to(boot, now):
+            self._line = Line(boot, now, now)
+            return Verdict.NEWS
+        if -RESTART <= boot - line.boot <= 0.0:
             return Verdict.OLD
-        clashing, self._other, self._latest = self._other is not None, None, boot
-        return Verdict.TWO if clashing and self._clashed(now) else Verdict.NEWS
+        self._other = Line(boot, now, now)
+        if other is None or not other.leads_to(boot, now):
+            return Verdict.OLD
+        if line.heard > other.since:  # the first clock goes on too
+            return Verdict.TWO if self._clashed(now) else Verdict.OLD
+        self._line, self._other, self._way = self._other, Line(line.boot, line.heard, now), math.inf
+        return Verdict.RESTARTED if boot < line.boot else Verdict.NEWS
 
     def lateness(self, boot: float, now: float) -> float:
         """Return by how much longer than the fastest a report was on its way [s]."""
         way = now - boot
-        self._way = min(way, self._way + DRIFT * (now - self._heard))
-        self._heard = now
+        self._way = min(way, self._way + DRIFT * (now - self._judged))
+        self._judged = now
         return way - self._way
 
     def _clashed(self, now: float) -> bool:

@@ -42,6 +42,11 @@ class GimbalFeedback:
         """Whether its angles contradict one another."""
         return self._jumps > TREMBLING
 
+    @property
+    def steady(self) -> bool:
+        """Whether it has not jumped lately."""
+        return self._jumps == 0
+
     def turned(self, vehicle: VehicleAttitude, now: float) -> None:
         """Remember where the vehicle points."""
         self._vehicle = now, vehicle
@@ -53,10 +58,10 @@ class GimbalFeedback:
         if own and now - self._own >= LASTING:
             self._clock = SenderClock()  # another sender
         verdict = self._clock.judge(said.boot, now)
-        if verdict is Verdict.OLD:
+        self.twins = self.twins or verdict is Verdict.TWO
+        if verdict in (Verdict.OLD, Verdict.TWO):
             return
         self.restarted = self.restarted or verdict is Verdict.RESTARTED
-        self.twins = self.twins or verdict is Verdict.TWO
         base = self._base(now) if said.earth else (0.0, 0.0)
         self.lost_vehicle, self.failures = base is None, said.failures
         self._own = now if own else self._own

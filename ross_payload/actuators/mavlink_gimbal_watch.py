@@ -25,9 +25,9 @@ def contradiction(seen: GimbalFeedback) -> str:
     return ""
 
 
-def straying(seen: GimbalFeedback, motion: Motion) -> str:
+def straying(seen: GimbalFeedback, motion: Motion, now: float) -> str:
     """Say when a gimbal restarts in a move, lags behind it, or stands beside its goal."""
-    if seen.time < motion.begin:
+    if seen.time < motion.begin or now - seen.time > STALE or not (seen.steady or seen.restarted):
         return ""
     angle, rate = motion.at(seen.time)
     behind = abs(angle - seen.angle)
