@@ -1,0 +1,345 @@
+"""Our node on a bus in this process, in virtual time: its id, its heartbeat, clashes, and who shares the bus."""
+
+import random
+import time
+from contextlib import suppress
+
+import numpy as np
+import pytest
+
+from ross_payload.dronecan.hub import Buses, node_of
+from ross_payload.dronecan.node import Identity, Node
+from ross_payload.errors import LinkError
+from ross_protocols.can import CanFrame
+from ross_protocols.dronecan import Health, LogMessage, Mode, NodeStatus, Received
+from ross_protocols.dronecan_allocation import Allocation
+from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest
+from ross_protocols.dronecan_speech import Ear, Reply, Voice
+from ross_sim.clock import SimClock
+
+UNIQUE = bytes(range(16))
+PERIOD = 0.01
+
+
+class Wire:
+    """A bus: every end hears all others."""
+
+    def __init__(self):
+        self.ends = []
+        self.down = False
+
+    def open(self, url="can:test:0"):
+        if self.down:
+            raise LinkError("no bus")
+        end = End(self)
+        self.ends.append(end)
+        return end
+
+
+class End:
+    def __init__(self, wire):
+        self.wire, self.frames, self.closed = wire, [], False
+
+    def send(self, frame):
+        if self.wire.down:
+            raise LinkError("the bus is down")
+        for end in self.wire.ends:
+            if end is not self:
+                end.frames.append(frame)
+
+    def receive(self):
+        if self.wire.down:
+            raise LinkError("the bus is down")
+        frames, self.frames = self.frames, []
+        return frames
+
+    def close(self):
+        self.closed = True
+        if self in self.wire.ends:
+            self.wire.ends.remove(self)
+
+
+class Stranger:
+    """Another node, of which we hear everything."""
+
+    def __init__(self, wire, node_id):
+        self.end, self.voice, self.ear = wire.open(), Voice(node_id), Ear(node_id)
+
+    def say(self, frames):
+        for frame in frames:
+            self.end.send(frame)
+
+    def heard(self):
+        return [said for frame in self.end.receive() if (said := self.ear.feed(frame)) is not None]
+
+
+def node_on(wire, node_id=42, unique_id=UNIQUE, **more):
+    identity = Identity("org.ross.payload", unique_id, node_id, software=(1, 2))
+    return Node(identity, wire.open(), np.random.default_rng(int.from_bytes(unique_id, "little")), 0.0, **more)
+
+
+def run(node, seconds, begin=0.0):
+    for n in range(round(seconds / PERIOD)):
+        node.poll(begin + n * PERIOD)
+    return begin + seconds
+
+
+@pytest.fixture
+def wire():
+    return Wire()
+
+
+@pytest.fixture
+def stranger(wire):
+    return Stranger(wire, 9)
+
+
+def of(kind, said):
+    return [each for each in said if isinstance(getattr(each, "message", None), kind)]
+
+
+def test_the_heart_beats_once_a_second_and_says_how_the_node_is(wire, stranger):
+    node = node_on(wire)
+    node.stands(Health.ERROR, Mode.OPERATIONAL, 9)
+    run(node, 3.5)
+    assert stranger.heard() == [Received(42, NodeStatus(n, Health.ERROR, Mode.OPERATIONAL, 9)) for n in range(4)]
+
+
+def test_who_it_is_is_told_to_whoever_asks(wire, stranger):
+    node = node_on(wire)
+    stranger.say(stranger.voice.request(NodeInfoRequest(), 42))
+    node.poll(7.0)
+    info = next(said.response for said in stranger.heard() if isinstance(said, Reply))
+    assert info == NodeInfo(NodeStatus(7, mode=Mode.INITIALIZATION), "org.ross.payload", UNIQUE, (1, 2))
+
+
+def test_what_is_asked_of_others_is_not_answered(wire, stranger):
+    node = node_on(wire)
+    stranger.say(stranger.voice.request(NodeInfoRequest(), 43))
+    node.poll(0.0)
+    assert not any(isinstance(said, Reply) for said in stranger.heard())
+
+
+def test_a_flood_of_questions_is_answered_in_part(wire, stranger):
+    node = node_on(wire)
+    for _ in range(1000):
+        stranger.say(stranger.voice.request(NodeInfoRequest(), 42))
+    node.poll(0.0)
+    assert sum(isinstance(said, Reply) for said in stranger.heard()) == 20
+
+
+def test_broadcasts_reach_whoever_subscribed(wire, stranger):
+    node, heard = node_on(wire), []
+    node.subscribe(lambda received, now: heard.append((received, now)))
+    stranger.say(stranger.voice.broadcast(LogMessage(1, "servo", "hello")))
+    node.poll(0.5)
+    assert heard == [(Received(9, LogMessage(1, "servo", "hello")), 0.5)]
+
+
+def test_leaving_is_said(wire, stranger):
+    node = node_on(wire)
+    node.close()
+    assert stranger.heard()[-1].message.mode is Mode.OFFLINE
+    assert len(wire.ends) == 1
+
+
+# ------------------------------------------------------------------------------------- two nodes with one id
+
+
+def test_a_node_with_our_fixed_id_silences_us_until_it_has_gone(wire, stranger):
+    node, twin = node_on(wire), Stranger(wire, 42)
+    run(node, 0.5)
+    twin.say(twin.voice.broadcast(NodeStatus(1)))
+    run(node, 1.0, 0.5)
+    assert node.id == 0
+    assert "another node on the bus has our node id 42" in node.trouble
+    assert not node.send(LogMessage(1, "ross", "unheard"))
+    stranger.heard()
+    run(node, 4.0, 1.5)
+    assert stranger.heard() == []
+    run(node, 2.0, 5.5)
+    assert (node.id, node.trouble) == (42, "")
+    assert of(NodeStatus, stranger.heard())
+
+
+def test_a_node_with_our_allocated_id_makes_us_ask_for_another_one(wire):
+    node, twin, allocator = node_on(wire, 0), Stranger(wire, 50), Table(Stranger(wire, 1), [50, 51])
+    now = alternate(node, allocator, until=lambda: node.id)
+    assert node.id == 50
+    twin.say(twin.voice.broadcast(NodeStatus(1)))
+    node.poll(now)
+    assert node.id == 0
+    assert "has our node id 50: asking for another one" in node.trouble
+    alternate(node, allocator, now, until=lambda: node.id)
+    assert (node.id, node.trouble) == (51, "")
+
+
+# ------------------------------------------------------------------------------------- allocation
+
+
+class Table:
+    """An allocator that gives the ids of a list, one after the other."""
+
+    def __init__(self, stranger, ids):
+        self.stranger, self.ids, self.so_far, self.asked = stranger, iter(ids), b"", []
+
+    def poll(self):
+        for said in of(Allocation, self.stranger.heard()):
+            told = said.message
+            self.asked.append(told)
+            self.so_far = told.unique_id if told.first else self.so_far + told.unique_id
+            given = next(self.ids) if len(self.so_far) == 16 else 0
+            self.stranger.say(self.stranger.voice.broadcast(Allocation(given, self.so_far)))
+
+
+def alternate(node, allocator, now=0.0, *, until, within=10.0):
+    end = now + within
+    while not until():
+        assert now < end, "too late"
+        node.poll(now)
+        allocator.poll()
+        now += PERIOD
+    return now
+
+
+def test_an_id_is_asked_for_in_three_parts_and_kept(wire):
+    kept = []
+    node, allocator = node_on(wire, 0, allocated=kept.append), Table(Stranger(wire, 1), [77])
+    now = alternate(node, allocator, until=lambda: node.id)
+    assert [len(told.unique_id) for told in allocator.asked] == [6, 6, 4]
+    assert (node.id, kept) == (77, [77])
+    assert 0.6 <= now < 1.0 + 2 * 0.4 + 0.2
+
+
+def test_a_node_without_an_id_says_nothing_but_its_wish(wire, stranger):
+    node = node_on(wire, 0)
+    assert not node.send(LogMessage(1, "ross", "unheard"))
+    run(node, 10.0)
+    said = stranger.heard()
+    assert {type(each.message) for each in said} == {Allocation}
+    assert {each.node for each in said} == {0}
+    assert 10 <= len(said) <= 17  # every 0.6 to 1 s
+    assert "nobody on the bus gives one" in node.trouble
+
+
+def test_an_id_meant_for_somebody_else_is_not_ours(wire, stranger):
+    node = node_on(wire, 0)
+    for unique_id in (UNIQUE[:15] + b"x", UNIQUE[::-1], b""):
+        stranger.say(stranger.voice.broadcast(Allocation(66, unique_id)))
+    run(node, 1.0)
+    assert node.id == 0
+
+
+def test_two_nodes_that_ask_at_once_both_get_an_id(wire):
+    nodes = [node_on(wire, 0, bytes([7]) * 5 + bytes([n]) * 11) for n in range(2)]
+    allocator, now = Table(Stranger(wire, 1), range(60, 100)), 0.0
+    while not all(node.id for node in nodes) and now < 30.0:
+        for node in nodes:
+            node.poll(now)
+        allocator.poll()
+        now += PERIOD
+    assert nodes[0].id != nodes[1].id
+    assert all(node.id for node in nodes)
+
+
+# ------------------------------------------------------------------------------------- the bus
+
+
+def test_a_bus_that_is_down_is_named_and_forgotten_when_it_is_back(wire, stranger):
+    node = node_on(wire)
+    wire.down = True
+    run(node, 1.5)
+    assert node.trouble == "the bus is down"
+    wire.down = False
+    run(node, 1.5, 1.5)
+    assert node.trouble == ""
+    assert of(NodeStatus, stranger.heard())
+
+
+def test_users_of_one_bus_share_it_and_hear_the_same(wire, stranger):
+    buses = Buses(wire.open, SimClock())
+    one, other = buses.open("can:test:0"), buses.open("can:test:0")
+    assert len(wire.ends) == 2
+    frame = CanFrame(1, b"x")
+    stranger.end.send(frame)
+    assert (one.receive(), other.receive()) == ([frame], [frame])
+    one.send(frame)
+    assert other.receive() == []
+    assert stranger.end.receive() == [frame]
+    one.close()
+    one.close()
+    assert len(wire.ends) == 2
+    other.close()
+    assert len(wire.ends) == 1
+    buses.open("can:test:0").close()
+
+
+def test_a_bus_that_fails_is_opened_again(wire, stranger):
+    clock = SimClock()
+    tap = Buses(wire.open, clock).open("can:test:0")
+    wire.down = True
+    with pytest.raises(LinkError, match="the bus is down"):
+        tap.receive()
+    assert len(wire.ends) == 1
+    wire.down = False
+    with pytest.raises(LinkError, match="the bus is down"):
+        tap.receive()
+    clock.sleep(1.0)
+    frame = CanFrame(1, b"x")
+    assert eventually(tap.receive) == []  # it is opened on a thread of its own
+    stranger.end.send(frame)
+    assert tap.receive() == [frame]
+    tap.close()
+
+
+def eventually(receive):
+    for _ in range(1000):
+        with suppress(LinkError):
+            return receive()
+        time.sleep(0.01)
+    raise AssertionError("the bus does not come back")
+
+
+def test_a_wire_that_is_no_can_bus_is_not_shared(wire):
+    buses = Buses(wire.open, SimClock())
+    assert buses.open("pulses:x") is not buses.open("pulses:x")
+    assert len(wire.ends) == 2
+
+
+def test_who_shares_the_bus_finds_its_node(wire):
+    buses = Buses(wire.open, SimClock())
+    tap, driver = buses.open("can:test:0"), buses.open("can:test:0")
+    assert node_of(driver) is None
+    tap.bus.node = node = Node(Identity("x", UNIQUE, 5), tap, np.random.default_rng(1), 0.0)
+    assert node_of(driver) is node
+    assert node_of(wire.open()) is None
+
+
+# ------------------------------------------------------------------------------------- damage
+
+
+def frames_of_chance(chance, count):
+    """Frames that are nearly right more often than chance would have them."""
+    for _ in range(count):
+        identifier = chance.randrange(2**29)
+        if chance.random() < 0.7:
+            number = chance.choice([1, 5, 10, 11, 4])
+            service = number << 16 | chance.choice([0, 0x8000]) | 42 << 8 | 0x80
+            broadcast = chance.choice([1, 341, 1010, 1011, 16383, 20854, 20855]) << 8
+            identifier = chance.randrange(32) << 24 | chance.choice([service, broadcast]) | chance.randrange(128)
+        data = chance.randbytes(chance.randrange(9))
+        if data and chance.random() < 0.7:
+            data = data[:-1] + bytes([chance.choice([0xC0, 0x80, 0x20, 0x40, 0x60]) | chance.randrange(2)])
+        yield CanFrame(identifier, data, chance.random() < 0.9)
+
+
+@pytest.mark.parametrize("count", [5_000, pytest.param(100_000, marks=pytest.mark.soak)])
+def test_random_frames_never_raise(wire, count):
+    node, sender = node_on(wire), wire.open()
+    for n, frame in enumerate(frames_of_chance(random.Random(1), count)):  # noqa: S311
+        sender.send(frame)
+        if n % 10 == 0:
+            node.poll(n * 1e-4)
+            sender.receive()
+    run(node, 7.0, count * 1e-4)
+    assert node.id == 42
