@@ -134,7 +134,7 @@ class ServoNode:
 
     def _status(self) -> Status | GimbalStatus:
         known = self._options.feedback == "measured"
-        position = self.shaft.measured + self._zero if known else math.nan
+        position = self.shaft.reported + self._zero if known else math.nan
         if self._gimbal:
             return GimbalStatus(self._options.number, position)
         return Status(self._options.number, position, speed=self.shaft.rate if known else math.nan)

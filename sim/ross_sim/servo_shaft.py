@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -44,7 +44,6 @@ class Shaft:
     jammed: bool = False
     powerless: bool = False
     noisy: bool = False
-    _tremble: float = field(default=0.0, init=False)  # of the encoder [rad]
 
     def __post_init__(self) -> None:
         self.load = self.angle
@@ -56,10 +55,13 @@ class Shaft:
 
     @property
     def measured(self) -> float:
-        """The angle as the encoder sees it [rad]."""
-        unit = 2 * math.pi / self.drive.counts
-        seen = self.angle if self.drive.encoder == "motor" else self.turned
-        return round((seen + self._tremble) / unit) * unit
+        """The angle as the loop sees it [rad], which has many samples of the encoder."""
+        return self._sampled(0.0)
+
+    @property
+    def reported(self) -> float:
+        """One sample of the encoder [rad]."""
+        return self._sampled(float(self.chance.normal(0.0, NOISE)) if self.noisy else 0.0)
 
     def place(self, angle: float) -> None:
         """Stand at an angle [rad], the motor in the middle of its play."""
@@ -69,7 +71,6 @@ class Shaft:
     def live(self, goal: float | None) -> None:
         """Live for one step with a goal [rad], or without torque."""
         drive = self.drive
-        self._tremble = float(self.chance.normal(0.0, NOISE)) if self.noisy else 0.0
         pull = 0.0
         if goal is not None and not self.powerless:
             pull = drive.speed_gain * (self._wanted(goal - self.measured) - self.rate)
@@ -84,6 +85,11 @@ class Shaft:
             self.rate = 0.0
         self.angle += (before + self.rate) / 2 * STEP
         self.load = min(max(self.load, self.angle - drive.backlash / 2), self.angle + drive.backlash / 2)
+
+    def _sampled(self, noise: float) -> float:
+        unit = 2 * math.pi / self.drive.counts
+        seen = self.angle if self.drive.encoder == "motor" else self.turned
+        return round((seen + noise) / unit) * unit
 
     def _wanted(self, error: float) -> float:
         drive = self.drive

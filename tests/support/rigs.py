@@ -15,12 +15,25 @@ from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.far_end import FarEnd
 
 # Back ends, with their role where they have several.
-KINDS = ("ideal", "tb6600", "mavlink_gimbal", "mavlink_gimbal:manager", "dronecan_servo")
+KINDS = (
+    "ideal",
+    "tb6600",
+    "mavlink_gimbal",
+    "mavlink_gimbal:manager",
+    "dronecan_servo",
+    "dronecan_servo:gimbal",
+)
+ROLES: dict[str, dict[str, Any]] = {  # options of each
+    "manager": {"role": "manager"},
+    "gimbal": {"command": "gimbal"},
+    "model": {"feedback": "model"},
+}
 SPEED, ACCELERATION = math.radians(225), math.radians(112.5)
 LOWER, UPPER = math.radians(-200), math.radians(200)
 SPEEDS = {"mavlink_gimbal": math.radians(90)}  # of back ends that are slower than the paper's
 LAG = {"mavlink_gimbal": 0.3}  # of a servo that creeps into its goal [s]
 RIPPLE = {"mavlink_gimbal": 0.04}  # of a measured rate about the planned one [rad/s]
+HOMING = 2.5  # of what does not know where it is [s]
 SWING = math.radians(0.5)  # by which a rotor may swing about its windings while it moves
 
 
@@ -57,6 +70,9 @@ class Rig:
     def open(self) -> Rig:
         self.actuator.__enter__()
         self.clock.sleep(0.2)
+        if not self.state.homed:
+            self.actuator.home()
+            self.clock.sleep(HOMING)
         return self
 
     @property
@@ -79,8 +95,7 @@ class Rig:
 
 def rig_of(kind: str, **guard: Any) -> Rig:
     kind, _, role = kind.partition(":")
-    options = {"role": role} if role else {}
-    config = Config.model_validate({"actuator": {"kind": kind, "options": options}, "guard": guard})
+    config = Config.model_validate({"actuator": {"kind": kind, "options": ROLES.get(role, {})}, "guard": guard})
     clock = SimClock()
     far_end: FarEnd = plugins.load("ross_sim.far_ends", kind).make(checked_options(config))
     clock.before_calls(far_end.advance)
