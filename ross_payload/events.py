@@ -190,9 +190,16 @@ class ScoreDropped(Event):
 
 @dataclass(frozen=True, slots=True)
 class Doubted(Event):
-    """What was told from outside does not hold: the mission explores."""
+    """What is believed does not hold: the mission explores."""
 
     reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Slipped(Event):
+    """The array has turned without its actuator: steps were lost, or something has slipped on its shaft."""
+
+    shift: float  # by which every azimuth appeared to turn: the reported heading minus the true one [rad]
 
 
 @dataclass(frozen=True, slots=True)

@@ -118,6 +118,7 @@ class Capabilities:
     resolution: float  # smallest step [rad]
     continuous: bool  # turns without end
     feedback: Feedback
+    finds_zero: bool = False  # `home` goes to a switch or an index; else it declares the zero, or an encoder knows it
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,6 +255,7 @@ class Output:
     stop: bool = False  # the same, and moves are refused until `rearm`
     rearm: bool = False
     home: bool = False
+    slipped: float | None = None  # so much is the reported joint angle ahead of the true one [rad]: put it right
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,8 @@ def common_turn(seen: Observation, estimate: Estimate, spacing: float, speed_of_
     """Return the likeliest common turn of all sources [rad], and how much likelier than none it is [nat].
 
     Turned by an angle phi, the sources have the TDOAs ``tau_k(phi) = (d / v_p) cos(elevation_k) cos(azimuth_k + phi -
-    heading)``; the phi is sought for which the ITD density D is highest there: ``max_phi sum_k log(floor + D(tau_k(phi))
-    / max D)``. One orientation does not tell its sign when sources lie alike on both sides of the axis.
+    heading)``; the phi is sought for which the ITD density D is highest there: ``max_phi sum_k log(floor +
+    D(tau_k(phi)) / max D)``. One orientation does not tell its sign when sources lie alike on both sides of the axis.
 
     Two sources at 60 and -60 deg that are heard where 50 and -70 deg would be:
 

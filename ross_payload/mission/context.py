@@ -144,6 +144,7 @@ class Context:
     later: list[Order] = field(default_factory=list)  # to be obeyed when the task is over
     earth: bool | None = None  # the frame in which the task thinks, None: it does not matter yet
     holding: Follower | None = None  # the heading that was faced last
+    surveyed: tuple[Estimate, bool] | None = None  # what was explored last, and whether in the earth frame
 
     @property
     def time(self) -> float:

@@ -197,7 +197,8 @@ class Session:
     def _remember(self, events: Iterable[Event]) -> None:
         for event in events:
             if isinstance(event, SourcesEstimated) and event.final:
-                self._memory = replace(self._memory, estimate=event.estimate, earth=self._context.here.attitude.known)
+                earth, explored = self._context.here.attitude.known, not event.informed
+                self._memory = replace(self._memory, estimate=event.estimate, earth=earth, explored=explored)
 
     def _progress(self, task: Task, heard: OrientationHeard) -> Answered:
         share = min(heard.index / self._context.settings.max_rotations, 1.0)

@@ -7,7 +7,8 @@ from ross_payload.interfaces import Mission, Output, Result
 from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, FrameChanged, Settings, Step, Tools, hop
 from ross_payload.mission.exploit import run, search
-from ross_payload.mission.explore import explore, lead_in
+from ross_payload.mission.explore import lead_in
+from ross_payload.mission.slips import survey
 
 
 def mission(settings: Settings, tools: Tools, informed: Estimate | None = None, target: int | None = None) -> Mission:
@@ -46,7 +47,7 @@ def attempts(context: Context, informed: Estimate | None, target: int | None) ->
     dropped = 0
     for left in reversed(range(context.settings.max_restarts + 1)):
         try:
-            source, why, held = yield from _attempt(context, informed, target)
+            source, why, held = yield from _attempt(context, informed, target, doubts=left > 0)
         except FrameChanged as changed:
             if not left:
                 raise
@@ -59,26 +60,30 @@ def attempts(context: Context, informed: Estimate | None, target: int | None) ->
         if source is None and (informed is None or not left):
             return Result(Outcome.NO_TARGET, why)
         if source is not None:
-            dropped, why = dropped + 1, "the target's score dropped"
+            dropped += 1
         if informed is not None and left:
             context.say(Doubted(context.time, why))
         informed = target = None
-    return Result(Outcome.NO_TARGET, f"the target's score dropped {dropped} times")
+    return Result(Outcome.NO_TARGET, f"gave up after {dropped} attempts: {why}")
 
 
-def _attempt(context: Context, informed: Estimate | None, target: int | None) -> Step[tuple[int | None, str, bool]]:
+def _attempt(
+    context: Context, informed: Estimate | None, target: int | None, *, doubts: bool
+) -> Step[tuple[int | None, str, bool]]:
     """Return the target's source or why there is none, and whether it was heard to the end."""
     estimate, source = yield from _where(context, informed)
     why = ""
     if source is None:
         source, why = yield from _who(context, estimate, target)
-    return source, why, source is not None and (yield from run(context, estimate, source))
+    if source is not None:
+        why = yield from run(context, estimate, source, doubts=doubts)
+    return source, why, source is not None and not why
 
 
 def _where(context: Context, informed: Estimate | None) -> Step[tuple[Estimate, int | None]]:
     """Say what is told from outside, or explore; return it and, when the exploration has found it, the target."""
     if informed is None:
-        return (yield from explore(context))
+        return (yield from survey(context))
     context.say(SourcesEstimated(context.time, informed, rotations=0, final=True, informed=True))
     return informed, None
 

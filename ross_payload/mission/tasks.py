@@ -14,10 +14,11 @@ from ross_payload.interfaces import Output, Result, Samples
 from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, Step, exchange, hop, listen, obey, turn
 from ross_payload.mission.exploit import deliver
-from ross_payload.mission.explore import explore, lead_in
+from ross_payload.mission.explore import lead_in
 from ross_payload.mission.follow import attend, face
 from ross_payload.mission.hand import by_hand, unreachable
 from ross_payload.mission.pipeline import matched
+from ross_payload.mission.slips import survey
 from ross_payload.mission.supervise import attempts
 from ross_payload.orders import (
     Explore,
@@ -46,6 +47,7 @@ class Memory:
 
     estimate: Estimate | None = None
     earth: bool = False  # the frame of its azimuths
+    explored: bool = False  # it was heard, not told
     noise: Samples | None = None  # heard at rest while nobody talked, (2, n)
     stopped: bool = False  # by an order, and not armed again
     samples: int = 0  # heard since the session began
@@ -81,6 +83,8 @@ def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
         When an order or a fault ends it.
     """
     context.lead_in = memory.noise
+    if memory.explored and memory.estimate is not None:
+        context.surveyed = memory.estimate, memory.earth
     match task:
         case Explore():
             step = _explore(context)
@@ -107,7 +111,7 @@ def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
 
 def _explore(context: Context) -> Step[Result]:
     yield from _quiet(context)
-    estimate, _ = yield from explore(context)
+    estimate, _ = yield from survey(context)
     return Result(Outcome.COMPLETED, f"{estimate.k} sources found")
 
 

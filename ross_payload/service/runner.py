@@ -49,6 +49,7 @@ class Runner:
         self._history = JointHistory()
         self._asked = -math.inf  # when the last goal was given [s]: what was heard before knows nothing of it
         self._fault = ""
+        self._slipped = 0.0  # [rad] that the reported joint angle is ahead of the true one
         self.observers: list[Observer] = []
 
     def order(self, order: Order) -> None:
@@ -90,10 +91,11 @@ class Runner:
         attitude, after = self._mount.attitude(block.time), self._mount.attitude(end)
         if after.known != attitude.known:  # one hop is in one frame
             after = attitude
+        offset = self._offset - self._slipped
         heard = Input(
             block=block,
-            heading_start=attitude.yaw + self._joint(block.time, state) + self._offset,
-            heading_end=after.yaw + joint + self._offset,
+            heading_start=attitude.yaw + self._joint(block.time, state) + offset,
+            heading_end=after.yaw + joint + offset,
             joint=joint,
             settled=still and self._history.settled(block.time, end),
             attitude=attitude,
@@ -114,7 +116,10 @@ class Runner:
             if output.rearm:
                 self._fault = ""
                 self._actuator.rearm()
-            if output.home:
+            if output.slipped is not None and not self._actuator.capabilities.finds_zero:
+                self._slipped += output.slipped
+            elif output.home or output.slipped is not None:
+                self._slipped = 0.0
                 self._actuator.home()
             if output.goal is not None:
                 self._asked = self._clock.now()

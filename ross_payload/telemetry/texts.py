@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import degrees
 
 from ross_payload.events import (
     AlignmentPlanned,
@@ -14,6 +15,7 @@ from ross_payload.events import (
     NoiseMeasured,
     Outcome,
     ScoreDropped,
+    Slipped,
     SourcesEstimated,
     State,
     StateChanged,
@@ -54,6 +56,8 @@ def line(event: Event) -> Line | None:
             said = Severity.NOTICE, f"target recognised: {_who(event.groups[group])}"
         case ScoreDropped():
             said = Severity.WARNING, f"target lost, score {event.value:.1f} below {event.criterion:.1f}"
+        case Slipped():
+            said = Severity.WARNING, f"all azimuths shifted by {degrees(event.shift):+.0f} deg: the array has slipped"
         case Doubted():
             said = Severity.WARNING, f"exploring after all: {event.reason}"
         case Finished():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 from typing import Any, Protocol
 
@@ -16,7 +17,7 @@ class Fault(StrEnum):
 
     STALL = "stall"  # the motor loses its torque while it turns; what it turned comes to rest
     STUCK = "stuck"  # the bearing is blocked
-    SLIP = "slip"  # what turns slips on its shaft, once; a sensor on the motor's side sees nothing of it
+    SLIP = "slip"  # what turns slips on its shaft by 10 deg, once; a sensor on the motor's side sees nothing of it
     NOISY = "noisy"  # the sensor trembles by degrees
     SILENT = "silent"  # it says nothing any more, and goes on as it was told
     REBOOT = "reboot"  # it boots, once
@@ -24,6 +25,9 @@ class Fault(StrEnum):
     SATURATED = "saturated"  # others fill the bus
     DUPLICATE = "duplicate"  # somebody else on the bus has an id that is taken
     CORRUPT = "corrupt"  # what it says arrives damaged
+
+
+SLIP = math.radians(10)  # [rad]
 
 
 class FarEnd(Protocol):

@@ -16,7 +16,7 @@ from pydantic import Field
 from ross_payload.actuators.motion import Trapezoid
 from ross_payload.config import Degrees, Positive, Table
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Port, Services
-from ross_sim.far_end import Fault, checked
+from ross_sim.far_end import SLIP, Fault, checked
 
 RESOLUTION = 1e-6  # [rad]
 
@@ -147,11 +147,12 @@ class Wire:
 class IdealFarEnd:
     """The device: moves exactly as planned, reports at every advance."""
 
-    faults = frozenset({Fault.SILENT, Fault.STUCK})
+    faults = frozenset({Fault.SILENT, Fault.STUCK, Fault.SLIP})
 
     def __init__(self) -> None:
         self.port = Wire()
         self._suffers: set[Fault] = set()
+        self._slipped = 0.0  # [rad]
         self._now = 0.0
         self._since = 0.0
         self._plan = Trapezoid(0.0, 0.0, 1.0, 1.0)
@@ -172,12 +173,15 @@ class IdealFarEnd:
 
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
-        return self._plan.at(self._now - self._since)[0]
+        return self._plan.at(self._now - self._since)[0] + self._slipped
 
     def afflict(self, fault: Fault, on: bool = True) -> None:
-        """Fall silent, or stick where it is."""
-        if checked(fault, self.faults) is Fault.STUCK and on:
-            here = self.angle()
+        """Fall silent, stick where it is, or slip: its sensor is on the motor's side."""
+        if checked(fault, self.faults) is Fault.SLIP:
+            self._slipped += SLIP if on else 0.0
+            return
+        if fault is Fault.STUCK and on:
+            here = self._plan.at(self._now - self._since)[0]
             self._plan = Trapezoid(here, here, 1.0, 1.0)
         (self._suffers.add if on else self._suffers.discard)(fault)
 

@@ -24,6 +24,7 @@ from ross_payload.events import (
     OrientationHeard,
     ScoreDropped,
     Separated,
+    Slipped,
     SourcesEstimated,
     State,
     StateChanged,
@@ -200,7 +201,7 @@ def sparkline(values: Real, width: int = 60) -> str:
     return "".join(BARS[int(height * (len(BARS) - 1))] for height in heights)
 
 
-def in_words(event: Event) -> str:  # noqa: PLR0911 - one line for each kind of event
+def in_words(event: Event) -> str:  # noqa: PLR0911, PLR0912 - one line for each kind of event
     """Tell an event in words; empty when it is not worth a line."""
     match event:
         case NoiseMeasured(level_db=None):
@@ -227,8 +228,10 @@ def in_words(event: Event) -> str:  # noqa: PLR0911 - one line for each kind of 
             return f"separated by {method}, score {groups[target].value:+.1f}" + (f": {why}" if why else "")
         case ScoreDropped(value=value, criterion=criterion):
             return f"the score dropped to {value:+.1f}, below {criterion:+.1f}: start again"
+        case Slipped(shift=shift):
+            return f"all azimuths shifted by {math.degrees(shift):+.1f} deg: the array has slipped; put right"
         case Doubted(reason=reason):
-            return f"what was told from outside does not hold: {reason}; explore"
+            return f"in doubt: {reason}; explore"
         case Finished(reason=reason):
             return reason
         case _:

@@ -14,6 +14,7 @@ from pydantic import Field, model_validator
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Degrees, Positive, Table, read_toml, validated
 from ross_payload.errors import ConfigError
+from ross_sim.far_end import Fault
 from ross_sim.room import RoomSpec
 from ross_sim.speech import Voice
 from ross_sim.vehicle import Yaw
@@ -57,6 +58,14 @@ class Talker(Table):
         return self
 
 
+class Trouble(Table):
+    """[[troubles]]: what goes wrong with the actuator, and when."""
+
+    fault: Fault
+    at_s: Seconds
+    end_s: Positive | None = None  # absent: never
+
+
 class Noise(Table):
     """[noise]: sensor noise, white and independent at each microphone, and the motor.
 
@@ -98,6 +107,7 @@ class Scenario(Table):
     talkers: tuple[Talker, ...]
     noise: Noise = Noise()
     vehicle: Vehicle | None = None  # absent: the mount stands still
+    troubles: tuple[Trouble, ...] = ()
 
     @model_validator(mode="after")
     def _possible(self) -> Self:

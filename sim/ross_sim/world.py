@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import AudioBlock, AudioFlag, Real, Samples
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.far_end import FarEnd
+from ross_sim.far_end import FarEnd, Fault
 from ross_sim.motor import MotorNoise
 from ross_sim.render import Ears, Stems, gains
 from ross_sim.responses import Responses
@@ -69,7 +69,7 @@ class World:
     Raises
     ------
     ConfigError
-        When there is not one voice per talker, or at another rate.
+        When there is not one voice per talker, or at another rate; or when a trouble makes no sense for the actuator.
     """
 
     def __init__(
@@ -100,6 +100,7 @@ class World:
         self._spacing = scenario.payload.array.spacing_m
         self._ears: Ears | None = None
         self._quanta = 0
+        self._troubles = _troubles(scenario, far_end)
         self._images: list[Counts] = []
         self._noise: list[Counts] = []
         self._headings: list[float] = []
@@ -116,6 +117,8 @@ class World:
 
     def advance(self, now: float) -> None:
         """Live until ``now`` [s], one quantum later."""
+        while self._ears is not None and self._troubles and self._troubles[0][0] <= self._quanta * QUANTUM:
+            self._far_end.afflict(*self._troubles.popleft()[1:])
         begin, angle = self._heading(), self._angle
         self._far_end.advance(now)
         self._angle = self._far_end.angle()
@@ -252,6 +255,19 @@ def _stems(scenario: Scenario, voices: Sequence[Voice], cache: Path | None) -> S
         for voice, talker in zip(voices, scenario.talkers, strict=True)
     ]
     return Stems(timelines, loudness, responses, rate)
+
+
+def _troubles(scenario: Scenario, far_end: FarEnd) -> deque[tuple[float, Fault, bool]]:
+    """What goes wrong in order of time: when [s since the sound began], what, and whether it begins or ends."""
+    kind = scenario.payload.actuator.kind
+    moments = []
+    for trouble in scenario.troubles:
+        if trouble.fault not in far_end.faults:
+            there = ", ".join(sorted(far_end.faults)) or "none"
+            raise ConfigError(f"trouble '{trouble.fault}' makes no sense for {kind}; there are: {there}")
+        moments.append((trouble.at_s, trouble.fault, True))
+        moments += [] if trouble.end_s is None else [(trouble.end_s, trouble.fault, False)]
+    return deque(sorted(moments))
 
 
 def _noise_levels(scenario: Scenario) -> tuple[float, float]:

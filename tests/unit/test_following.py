@@ -1,12 +1,11 @@
-"""A vehicle that yaws is followed: by the Outputs for given Inputs; the rig is that of test_mission."""
+"""A vehicle that yaws is followed: by the Outputs for given Inputs; the rig is that of mission_bench."""
 
-import importlib.util
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+import mission_bench as base
 from ross_payload.actuators.motion import Trapezoid
 from ross_payload.angles import wrap_axis
 from ross_payload.dsp.paper_rules import paper_plan
@@ -14,10 +13,6 @@ from ross_payload.events import Checked, Doubted, OrientationHeard, Outcome, Sep
 from ross_payload.interfaces import Attitude
 from ross_payload.mission.follower import Follower
 from ross_sim.vehicle import Yaw
-
-_spec = importlib.util.spec_from_file_location("mission_rig", Path(__file__).with_name("test_mission.py"))
-base = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(base)
 
 DT = base.HOP / base.RATE  # [s]
 STILL = Yaw()

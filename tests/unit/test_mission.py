@@ -1,169 +1,29 @@
 """The mission is a coroutine: these tests send it Inputs and read its Outputs; nothing else moves."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ross_payload.dsp.alignment import plan
+from mission_bench import CHECKED, HOP, RATE, RECALLED, RUN, SETTINGS, Likes, OneGroupEach, ThreeTalkers, rig
 from ross_payload.dsp.paper_rules import paper_plan
-from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
     AlignmentPlanned,
     Checked,
-    Estimate,
     Finished,
     OrientationHeard,
     Outcome,
     ScoreDropped,
     Separated,
-    SourceEstimate,
     SourcesEstimated,
     State,
     StateChanged,
     TurnStarted,
 )
 from ross_payload.interfaces import (
-    Attitude,
-    AudioBlock,
     Groups,
-    Input,
-    Observation,
-    Score,
 )
-from ross_payload.mission.context import Settings, Tools
-from ross_payload.mission.supervise import mission
 from ross_payload.orders import Cancel, Stop
-
-RATE, HOP = 8000, 80
-SETTINGS = Settings(
-    rate=RATE,
-    spacing=0.05,
-    speed_of_sound=343.0,
-    lead_in=0.1,
-    unit=0.7,
-    rotation=np.deg2rad(15),
-    min_rotations=2,
-    max_rotations=4,
-    pipelined=False,
-    check=0.5,
-    run=1.5,
-    runs=1,
-    criterion=0.0,
-    max_restarts=1,
-    lower=-3.5,
-    upper=3.5,
-    seed=0,
-)
-
-
-@dataclass
-class ThreeTalkers:
-    """An explorer that believes in three talkers once it has heard three orientations."""
-
-    name: str = "fixed"
-    azimuths: tuple[float, ...] = (170, 70, -50)
-    certain: bool = True
-    patience: int = 3  # orientations before it believes anything
-
-    def observe(self, spectrogram, frequencies, heading, noise_psd, *, frame_period=None):
-        return Observation(heading, np.zeros(1), np.ones(1), 1.0)
-
-    def estimate(self, observations):
-        if len(observations) < self.patience:
-            return Estimate(())
-        sources = tuple(SourceEstimate(float(np.deg2rad(a)), 0.01, 0.9, True) for a in self.azimuths)
-        return Estimate(sources, certain=self.certain)
-
-
-class OneGroupEach:
-    """A separator whose group k is the mixture times k + 1, so that a voice print can tell them apart."""
-
-    name = "numbered"
-
-    def batch(self, spectrogram, scene):
-        count = scene.n_sources
-        signals = np.stack([spectrogram[0] * (k + 1) for k in range(count)])
-        return Groups(signals, tuple((k,) for k in range(count)), self.name)
-
-
-RECALLED, CHECKED, RUN = "recalled", "checked", "run"
-
-
-def occasion(voice):
-    """Tell by its length when a clip was heard: recalled clips are whole multiples of T_unit."""
-    return {RATE // 2: CHECKED, 3 * RATE // 2: RUN}.get(len(voice), RECALLED)
-
-
-@dataclass
-class Likes:
-    """A voice print that accepts the group with one number; ``mood`` overrides its score on an occasion."""
-
-    number: int
-    mood: dict = field(default_factory=dict)
-    heard: list = field(default_factory=list)
-
-    def score(self, voice, rate):
-        number = round(float(np.abs(voice).max() / 0.1)) - 1
-        when = occasion(voice)
-        self.heard.append(when)
-        mine = self.mood.get(when, 1.0)
-        mine = mine(self.heard.count(when)) if callable(mine) else mine
-        value = mine if number == self.number else -1.0
-        return Score(value, value > 0)
-
-
-@dataclass
-class Rig:
-    """Obeys Outputs like an ideal turntable that needs three hops for any turn."""
-
-    brain: object
-    joint: float = 0.0
-    goal: float = 0.0
-    moving: int = 0
-    hops: int = 0
-    events: list = field(default_factory=list)
-    outputs: list = field(default_factory=list)
-
-    def run(self, on_hop=None, limit=20000):
-        output = next(self.brain)
-        try:
-            for _ in range(limit):
-                self._obey(output)
-                heard = self._hear()
-                if on_hop is not None:
-                    heard = on_hop(self, heard) or heard
-                output = self.brain.send(heard)
-        except StopIteration as end:
-            return end.value
-        raise AssertionError("the mission does not end")
-
-    def _obey(self, output):
-        self.outputs.append(output)
-        self.events += output.events
-        if output.goal is not None:
-            self.goal, self.moving = output.goal, 3
-        if output.stop:
-            self.goal, self.moving = self.joint, 0
-
-    def _hear(self):
-        was = self.moving
-        if self.moving:
-            self.moving -= 1
-            self.joint = self.goal if not self.moving else self.joint
-        samples = np.full((2, HOP), 0.1, np.float32)
-        block = AudioBlock(samples, self.hops * HOP, self.hops * HOP / RATE)
-        self.hops += 1
-        return Input(block, self.joint, self.joint, self.joint, was == 0, Attitude(0.0, known=False))
-
-    def said(self, kind):
-        return [event for event in self.events if isinstance(event, kind)]
-
-
-def rig(likes=1, settings=SETTINGS, explorer=None, voiceprint=None, separator=None, *, planner=plan, **told):
-    stft, voiceprint = Stft(RATE, 512, 128), voiceprint or Likes(likes)
-    tools = Tools(explorer or ThreeTalkers(), stft, separator or OneGroupEach(), stft, voiceprint, planner)
-    return Rig(mission(settings, tools, **told))
 
 
 def test_target_is_found_at_its_own_alignment():
@@ -301,7 +161,7 @@ def test_a_dropped_score_starts_the_mission_again():
 def test_restarts_are_bounded():
     result = rig(voiceprint=Likes(1, {RUN: -1.0})).run()
     assert result.outcome is Outcome.NO_TARGET
-    assert "dropped 2 times" in result.reason
+    assert result.reason == "gave up after 2 attempts: the target's score dropped"
 
 
 @pytest.mark.parametrize("order", [Stop(), Cancel()])

@@ -1,12 +1,11 @@
-"""The pipelined and the informed mission, by the Outputs for given Inputs; the rig is that of test_mission."""
+"""The pipelined and the informed mission, by the Outputs for given Inputs; the rig is that of mission_bench."""
 
-import importlib.util
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+import mission_bench as base
 from ross_payload.dsp.alignment import isolation
 from ross_payload.dsp.steering import tdoa
 from ross_payload.events import (
@@ -26,10 +25,6 @@ from ross_payload.events import (
 )
 from ross_payload.mission.pipeline import agree, steady
 from ross_payload.orders import Cancel, Stop
-
-_spec = importlib.util.spec_from_file_location("mission_rig", Path(__file__).with_name("test_mission.py"))
-base = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(base)
 
 PIPELINED = replace(base.SETTINGS, pipelined=True, check=0.5, unit=0.5, max_rotations=6)
 AZIMUTHS = (170, 70, -50)

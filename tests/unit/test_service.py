@@ -1,6 +1,7 @@
 """The runner between a mission and the things that hear and turn."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -246,3 +247,45 @@ def test_a_goal_that_meets_a_stop_is_no_fault(bench):
     runner, _, far_end = bench(chooses_late(1.0))
     assert runner.run().outcome is Outcome.STOPPED
     assert far_end.angle() == 0.0
+
+
+def slips(angle):
+    heard = yield Output()
+    heard = yield Output(slipped=angle)
+    while not heard.settled:
+        heard = yield Output()
+    yield Output(stop=True)
+    return Result(Outcome.COMPLETED, "put right")
+
+
+def test_headings_are_corrected_by_a_slip_where_no_zero_can_be_found(bench):
+    runner, recorder, far_end = bench(slips(0.1))
+    runner.run()
+    assert recorder.inputs[0].heading_end == pytest.approx(math.radians(10))
+    assert recorder.inputs[-1].heading_end == pytest.approx(math.radians(10) - 0.1)
+    assert recorder.inputs[-1].joint == far_end.angle() == 0.0
+
+
+class FindsItsZero:
+    """A turntable with a switch: `home` turns it there."""
+
+    def __init__(self, guard):
+        self._guard = guard
+        self.capabilities = replace(guard.capabilities, finds_zero=True)
+        self.homed = 0
+
+    def home(self):
+        self.homed += 1
+        self._guard.command(0.3)
+
+    def __getattr__(self, name):
+        return getattr(self._guard, name)
+
+
+def test_a_zero_that_can_be_found_is_looked_for_after_a_slip(bench):
+    runner, recorder, far_end = bench(slips(0.1))
+    runner._actuator = switch = FindsItsZero(runner._actuator)
+    runner.run()
+    assert switch.homed == 1
+    assert recorder.inputs[-1].heading_end == pytest.approx(0.3 + math.radians(10), abs=1e-6)
+    assert far_end.angle() == pytest.approx(0.3, abs=1e-6)
