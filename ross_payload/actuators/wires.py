@@ -1,7 +1,7 @@
 """The wires of actuators by URL, and one that leads over TCP to a device in another process.
 
 A scheme is an entry point in ``ross_payload.wires``. Over TCP the device listens: it greets with one JSON line that
-names the protocol and tells its clock, then frames cross both ways.
+names the protocol and tells its clock (but for raw bytes, as devices of others send them), then frames cross both ways.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Codec(Protocol):
 
     @property
     def name(self) -> str:
-        """The protocol, as in the greeting."""
+        """The protocol, as in the greeting; empty: a device of others, which does not greet."""
 
     def pack(self, frame: Any) -> bytes:
         """Turn one frame into bytes."""
@@ -150,7 +150,9 @@ class TcpWire:
 
 
 def greeting(codec: Codec, clock: Clock) -> bytes:
-    """Return the first line of a device."""
+    """Return the first line of a device; nothing for a protocol that has none."""
+    if not codec.name:
+        return b""
     return json.dumps({"ross_wire": codec.name, "version": VERSION, "now": clock.now()}).encode() + b"\n"
 
 
@@ -166,13 +168,14 @@ def connect(url: str, codec: Codec, clock: Clock) -> TcpWire:
     """
     address = parse(url.partition(":")[2])
     if not isinstance(address, Tcp):
-        raise ConfigError(f"wire '{url}': wanted {codec.name}:tcp:HOST:PORT")
+        raise ConfigError(f"wire '{url}': wanted {url.partition(':')[0]}:tcp:HOST:PORT")
     try:
         connection = socket.create_connection((address.host, address.port), timeout=PATIENCE)
     except OSError as error:
         raise LinkError(f"wire '{url}': cannot connect: {error.strerror or error}") from error
     try:
-        _check(_first_line(connection, url), codec, clock, url)
+        if codec.name:
+            _check(_first_line(connection, url), codec, clock, url)
     except LinkError:
         connection.close()
         raise

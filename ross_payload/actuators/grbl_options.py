@@ -1,0 +1,90 @@
+"""[actuator.options] of ``grbl``, and what grbl's own settings must be for them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from ross_payload.config import Degrees, Positive, Table
+from ross_protocols.grbl import ACCELERATION, HOMING, IDLE_DELAY, INCHES, MAX_RATE, REPORT_MASK, STEPS, per_degree, rate
+
+ROUNDING = 0.0006  # of a setting, which is told with three decimals
+PLAUSIBLE = 1e-6  # least of what must be above 0
+
+
+class Options(Table):
+    """[actuator.options] of ``grbl``."""
+
+    port: Annotated[str, Field(pattern="^serial:")] = "serial:/dev/ttyUSB0:115200"
+    axis: Literal["X", "Y", "Z", "A", "B", "C"] = "X"  # whose millimetres are degrees of the array
+    full_steps: Annotated[int, Field(ge=20, le=400, multiple_of=4)] = 200
+    microsteps: Annotated[int, Field(ge=1, le=256)] = 16  # as set on the driver of the motor
+    gear_ratio: Positive = 1.0  # turns of the motor per turn of the array
+    max_speed_deg_s: Positive = 225.0
+    max_acceleration_deg_s2: Positive = 112.5  # grbl's $120 must not be above
+    settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # idle at one place for so long is settled
+    zero: Literal["declared", "unknown", "switch"] = "declared"  # declared: the array stands at its zero when opened
+    home_deg: Degrees = 0.0  # with a switch: joint angle where grbl stands after homing
+    homing_s: Annotated[float, Field(ge=1, le=300)] = 60.0  # with a switch: homing takes no longer
+
+    @property
+    def resolution(self) -> float:
+        """One microstep at the array [rad]."""
+        return 2 * math.pi / (self.full_steps * self.microsteps * self.gear_ratio)
+
+    @property
+    def index(self) -> int:
+        """The number of the axis, counted from 0."""
+        return "XYZABC".index(self.axis)
+
+
+def complaint(settings: dict[int, float], options: Options) -> str:
+    """Say in one line which of grbl's settings is wrong, and what it must be; empty when all are well.
+
+    >>> good = {1: 255, 10: 1, 13: 0, 22: 0, 100: 8.889, 110: 13500, 120: 112.5}
+    >>> complaint(good, Options()), complaint(good | {120: 500}, Options())
+    ('', "grbl's $120 is 500, above the acceleration of 112.5 deg/s^2 that is allowed: wanted $120=112.5")
+    """
+    steps, speed, acceleration = (first + options.index for first in (STEPS, MAX_RATE, ACCELERATION))
+    needed = (IDLE_DELAY, REPORT_MASK, INCHES, HOMING, steps, speed, acceleration)
+    for number in needed:
+        if number not in settings:
+            return f"grbl does not tell ${number}: has it an axis {options.axis}, and version 1.1?"
+    for number in (steps, speed, acceleration):
+        if settings[number] < PLAUSIBLE:
+            return f"grbl's ${number} is {settings[number]:g}: wanted a value above 0"
+    wanted, cap = per_degree(options.resolution), options.max_acceleration_deg_s2
+    if abs(settings[steps] - wanted) > ROUNDING:
+        return f"grbl's ${steps} is {settings[steps]:g} steps per degree: motor and gear want ${steps}={wanted:.3f}"
+    if settings[acceleration] > cap + ROUNDING:
+        found = f"grbl's ${acceleration} is {settings[acceleration]:g}"
+        return f"{found}, above the acceleration of {cap:g} deg/s^2 that is allowed: wanted ${acceleration}={cap:g}"
+    if options.zero == "switch" and not settings[HOMING]:
+        return "zero is 'switch', but grbl's $22 is 0: wanted $22=1"
+    return _complaint_of_modes(settings)
+
+
+def _complaint_of_modes(settings: dict[int, float]) -> str:
+    if settings[IDLE_DELAY] != 255:
+        found = f"grbl's $1 is {settings[IDLE_DELAY]:g}"
+        return f"{found}: the motor would lose its torque at rest and the position with it: wanted $1=255"
+    if not int(settings[REPORT_MASK]) & 1:
+        return f"grbl's $10 is {settings[REPORT_MASK]:g}: it would not tell machine positions: wanted $10=1"
+    if settings[INCHES]:
+        return "grbl's $13 is 1: it would report in inches: wanted $13=0"
+    return ""
+
+
+def slower(settings: dict[int, float], options: Options) -> list[str]:
+    """Say what grbl does more slowly than the options allow; moves then take longer."""
+    speed, acceleration = MAX_RATE + options.index, ACCELERATION + options.index
+    notes = []
+    if rate(settings[speed]) < math.radians(options.max_speed_deg_s) * 0.999:
+        found = f"grbl's ${speed} is {settings[speed]:g}, {settings[speed] / 60:g} deg/s"
+        notes.append(f"{found}: slower than max_speed_deg_s = {options.max_speed_deg_s:g}")
+    if settings[acceleration] < options.max_acceleration_deg_s2 * 0.999:
+        found = f"grbl's ${acceleration} is {settings[acceleration]:g} deg/s^2"
+        notes.append(f"{found}: slower than max_acceleration_deg_s2 = {options.max_acceleration_deg_s2:g}")
+    return notes
