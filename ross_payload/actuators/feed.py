@@ -9,13 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.pulses import EDGE, Edges, Line, Segment
+from ross_payload.actuators.pulses import EDGE, Edges, Level, Line, Played, RanOut, Segment
 from ross_payload.actuators.steps import Interface, Signs, Train, Wires, after, train
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import Port, Real
 
 SHORTEST = 0.001  # of a segment that is not the last [s]
 OVERDUE = 0.020  # how late a report may be before what is known counts as old [s]
+REMEMBERED = 256  # segments handed over whose steps are kept, to tell where the counter was: over a second
 
 
 class Feed:
@@ -39,7 +40,7 @@ class Feed:
         self._wires = Wires()
         self._rest = Train(np.empty(0, EDGE), np.empty(0), np.empty(0, np.int64), -math.inf)
         self._outstanding: deque[float] = deque()  # ends of segments not yet reported [s]
-        self._recent: deque[tuple[Real, Signs]] = deque()  # steps handed over, some not yet due
+        self._recent: deque[tuple[Real, Signs]] = deque(maxlen=REMEMBERED)  # steps handed over
         self.committed = -math.inf  # end of the last segment handed over [s]
 
     @property
@@ -63,8 +64,9 @@ class Feed:
         return self._wires.count * self._resolution
 
     def open(self, port: Port) -> None:
-        """Use a port."""
+        """Use a port; nobody knows the level of its DIRECTION."""
         self._port = port
+        self._wires = replace(self._wires, direction=0)
         self._outstanding.clear()
 
     def close(self) -> None:
@@ -75,11 +77,16 @@ class Feed:
             self._port.close()
             self._port = None
 
-    def take_in(self) -> None:
-        """Take in the reports that have arrived."""
+    def take_in(self) -> list[Level | RanOut]:
+        """Take in what has been played; return the other reports that have arrived."""
+        others: list[Level | RanOut] = []
         for report in self._port.receive() if self._port is not None else ():
+            if not isinstance(report, Played):
+                others.append(report)
+                continue
             while self._outstanding and self._outstanding[0] <= report.end + 1e-9:
                 self._outstanding.popleft()
+        return others
 
     def load(self, plan: Trapezoid, begin: float) -> None:
         """Replace what has not been handed over by a plan that begins at ``begin`` >= `committed` [s]."""
@@ -101,16 +108,18 @@ class Feed:
         self.committed = begin
         self._send(np.array([(0.0, line, level)], dtype=EDGE), duration)
 
-    def declare_zero(self) -> None:
-        """Call the place where the counter is 0."""
-        self._wires = replace(self._wires, count=0)
-        self._recent.clear()
+    def shift(self, n_steps: int) -> None:
+        """Call the place where the counter is by another number, ``n_steps`` more."""
+        self._wires = replace(self._wires, count=self._wires.count + n_steps)
 
-    def angle(self, now: float) -> float:
-        """The counter at ``now`` [s], in radians: steps handed over whose time has come."""
-        while self._recent and (not len(self._recent[0][0]) or self._recent[0][0][-1] <= now):
-            self._recent.popleft()
-        ahead = sum(int(signs[steps > now].sum()) for steps, signs in self._recent)
+    def angle(self, time: float) -> float:
+        """The counter at ``time`` [s], up to a second ago, in radians: steps handed over whose time has come."""
+        ahead = 0
+        for steps, signs in reversed(self._recent):
+            if len(steps):
+                if steps[-1] <= time:
+                    break
+                ahead += int(signs[np.searchsorted(steps, time, side="right") :].sum())
         return (self._wires.count - ahead) * self._resolution
 
     def known(self, now: float) -> float:

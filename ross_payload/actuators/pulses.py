@@ -8,16 +8,15 @@ from __future__ import annotations
 import struct
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ross_payload.actuators.wires import connect
-from ross_payload.errors import ConfigError, LinkError
-from ross_payload.interfaces import Clock, Port
+from ross_payload.errors import LinkError
 
 KEPT = 4096  # segments that a recording port remembers at least, of the newest
 MOST_EDGES = 1_000_000  # of one segment on a wire
@@ -27,11 +26,12 @@ Edges = NDArray[np.void]  # of dtype EDGE, sorted by time
 
 
 class Line(IntEnum):
-    """The three opto inputs of a stepper module."""
+    """The three opto inputs of a stepper module, and the switch at the array's home."""
 
     STEP = 0
     DIRECTION = 1
     ENABLE = 2
+    HOME = 3  # an input of ours: its level is reported
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,11 +48,36 @@ class Segment:
         return self.start + self.duration
 
 
+def without_steps(segment: Segment) -> Segment:
+    """Return what is left of a segment that came too late: every level that it sets, and no new step."""
+    edges = segment.edges
+    return replace(segment, edges=edges[(edges["line"] != Line.STEP) | ~edges["level"]])
+
+
 @dataclass(frozen=True, slots=True)
 class Played:
     """A report: every edge of every segment that ends by ``end`` is out."""
 
     end: float  # on the Clock [s]
+
+
+@dataclass(frozen=True, slots=True)
+class RanOut:
+    """A report: of the segment that ends at ``end`` no step went out; it came when nothing was left to play."""
+
+    end: float  # on the Clock [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """A report: the level of an input."""
+
+    line: Line
+    level: bool  # high or low
+    time: float  # on the Clock [s]
+
+
+Report = Played | RanOut | Level
 
 
 class RecordingPulses:
@@ -67,7 +92,7 @@ class RecordingPulses:
     def __init__(self, now: Callable[[], float] | None = None) -> None:
         self._now = now
         self._waiting: deque[Segment] = deque()
-        self._reports: list[Played] = []
+        self._reports: list[Report] = []
         self.sent: list[Segment] = []  # the newest
         self.n_sent = 0
 
@@ -91,6 +116,10 @@ class RecordingPulses:
         while self._waiting and self._waiting[0].end <= now + 1e-9:
             self._reports.append(Played(self._waiting.popleft().end))
 
+    def report(self, report: Report) -> None:
+        """Leave a report for the next `receive`."""
+        self._reports.append(report)
+
     def close(self) -> None:
         """Return at once; what was sent plays to its end, so that a motor is never left at speed."""
 
@@ -105,20 +134,24 @@ class PulseCodec:
 
     name = "pulses"
     _SEGMENT = struct.Struct("<cddI")  # tag, start [s], duration [s], number of edges
-    _PLAYED = struct.Struct("<cd")  # tag, end [s]
+    _END = struct.Struct("<cd")  # tag, end [s]
+    _LEVEL = struct.Struct("<cB?d")  # tag, line, level, time [s]
+    _HEADS = MappingProxyType({b"S": _SEGMENT, b"P": _END, b"R": _END, b"L": _LEVEL})
     _EDGE = EDGE.newbyteorder("<")
 
     def __init__(self) -> None:
         self._held = b""
 
     def pack(self, frame: Any) -> bytes:
-        """Turn a Segment or a Played into bytes."""
-        if isinstance(frame, Played):
-            return self._PLAYED.pack(b"P", frame.end)
+        """Turn a Segment or a report into bytes."""
+        if isinstance(frame, Level):
+            return self._LEVEL.pack(b"L", frame.line, frame.level, frame.time)
+        if isinstance(frame, Played | RanOut):
+            return self._END.pack(b"P" if isinstance(frame, Played) else b"R", frame.end)
         head = self._SEGMENT.pack(b"S", frame.start, frame.duration, len(frame.edges))
         return head + bytes(frame.edges.astype(self._EDGE).tobytes())
 
-    def feed(self, data: bytes) -> list[Segment | Played]:
+    def feed(self, data: bytes) -> list[Segment | Report]:
         """Return the frames that are complete.
 
         Raises
@@ -127,48 +160,41 @@ class PulseCodec:
             When the bytes are no frame.
         """
         self._held += data
-        frames: list[Segment | Played] = []
+        frames: list[Segment | Report] = []
         while (found := self._first()) is not None:
             frame, size = found
             frames.append(frame)
             self._held = self._held[size:]
         return frames
 
-    def _first(self) -> tuple[Segment | Played, int] | None:
-        tag, held = self._held[:1], len(self._held)
-        if tag not in (b"", b"P", b"S"):
-            raise LinkError(f"not a frame of pulses: {self._held[:8]!r}")
-        if held < (self._PLAYED.size if tag == b"P" else self._SEGMENT.size):
+    def _first(self) -> tuple[Segment | Report, int] | None:
+        tag = self._held[:1]
+        head = self._HEADS.get(tag)
+        if head is None:
+            if tag:
+                raise LinkError(f"not a frame of pulses: {self._held[:8]!r}")
             return None
-        if tag == b"P":
-            return Played(self._PLAYED.unpack_from(self._held)[1]), self._PLAYED.size
-        _, start, duration, n = self._SEGMENT.unpack_from(self._held)
+        if len(self._held) < head.size:
+            return None
+        _, *values = head.unpack_from(self._held)
+        if tag == b"S":
+            return self._segment(*values)
+        return self._report(tag, values), head.size
+
+    def _report(self, tag: bytes, values: list[Any]) -> Report:
+        if tag != b"L":
+            return Played(*values) if tag == b"P" else RanOut(*values)
+        line, level, time = values
+        if line not in tuple(Line):
+            raise LinkError(f"not a frame of pulses: line {line}")
+        return Level(Line(line), level, time)
+
+    def _segment(self, start: float, duration: float, n: int) -> tuple[Segment, int] | None:
         if n > MOST_EDGES:
             raise LinkError(f"not a frame of pulses: {n} edges")
         size = self._SEGMENT.size + n * self._EDGE.itemsize
-        if held < size:
+        if len(self._held) < size:
             return None
         edges = np.frombuffer(self._held, self._EDGE, n, self._SEGMENT.size).astype(EDGE)
         edges.setflags(write=False)
         return Segment(start, duration, edges), size
-
-
-class PulseWire:
-    """The scheme ``pulses``."""
-
-    def open(self, url: str, clock: Clock) -> Port:
-        """Open a port for edges.
-
-        Raises
-        ------
-        ConfigError
-            When the URL names none that exists.
-        """
-        if url == "pulses:recording":
-            return RecordingPulses(clock.now)
-        if url.startswith("pulses:tcp:"):
-            return connect(url, PulseCodec(), clock)
-        raise ConfigError(f"pulse port '{url}' is unknown; there are: pulses:recording, pulses:tcp:HOST:PORT")
-
-
-wire = PulseWire()

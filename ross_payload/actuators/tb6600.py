@@ -3,7 +3,7 @@
 A goal becomes a trapezoid, the trapezoid a list of edges, and the edges are handed over in segments, 40 ms ahead of
 time. A stop or a new goal plans again from the end of the last segment handed over, with continuous velocity.
 Feedback is a model: the angle is the steps handed over whose time has come. Nobody measures, so the position is
-unknown after power-up (unless declared), after `release` and after a fault, until `home` declares it.
+unknown after power-up (unless declared), after `release` and after a fault, until `home` declares it or finds a switch.
 
 Only the pump (`poll`) plans; the other methods leave a request in a queue.
 """
@@ -14,61 +14,16 @@ import math
 from collections import deque
 from dataclasses import replace
 from types import TracebackType
-from typing import Annotated, Any, Literal, Self
-
-from pydantic import Field, model_validator
+from typing import Any, Self
 
 from ross_payload.actuators.feed import Feed
+from ross_payload.actuators.homing import Seeker
 from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.pulses import Line
+from ross_payload.actuators.pulses import Level, Line
 from ross_payload.actuators.requests import Ask, Motion, Move, Requests
-from ross_payload.actuators.steps import Interface
-from ross_payload.config import Positive, Table
+from ross_payload.actuators.tb6600_options import Options
 from ross_payload.errors import ActuatorFault, LimitError, NotHomed
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Services
-
-
-class Options(Table):
-    """[actuator.options] of ``tb6600``; speed and acceleration default to the paper's."""
-
-    port: str = "pulses:recording"
-    full_steps: Annotated[int, Field(ge=20, le=400, multiple_of=4)] = 200
-    microsteps: Literal[1, 2, 4, 8, 16, 32] = 16  # as set on the module; tables of makers differ
-    gear_ratio: Positive = 1.0  # turns of the motor per turn of the array
-    max_speed_deg_s: Positive = 225.0
-    max_acceleration_deg_s2: Positive = 112.5
-    invert_direction: bool = False
-    enable_means_off: bool = True  # most modules switch off when ENA is asserted
-    pulse_us: Annotated[float, Field(ge=1, le=1000)] = 10.0
-    direction_setup_us: Annotated[float, Field(ge=1, le=1000)] = 20.0
-    direction_hold_us: Annotated[float, Field(ge=1, le=1000)] = 20.0
-    enable_lead_ms: Annotated[float, Field(ge=0, le=1000)] = 5.0
-    max_pulse_rate_hz: Annotated[float, Field(ge=10, le=200_000)] = 15_000.0
-    ahead_ms: Annotated[float, Field(ge=20, le=100)] = 40.0  # a stop's latency, and the longest pause of the program
-    settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # after the last step, for the ringing
-    zero: Literal["declared", "unknown"] = "declared"  # declared: the array stands at its zero when opened
-
-    @model_validator(mode="after")
-    def _pulses_fit(self) -> Options:
-        if self.max_pulse_rate_hz * 2e-6 * self.pulse_us > 1:
-            raise ValueError(f"max_pulse_rate_hz = {self.max_pulse_rate_hz:g} leaves no room for pulse_us twice")
-        return self
-
-    @property
-    def resolution(self) -> float:
-        """One microstep at the array [rad]."""
-        return 2 * math.pi / (self.full_steps * self.microsteps * self.gear_ratio)
-
-    @property
-    def interface(self) -> Interface:
-        """What to keep between edges."""
-        return Interface(
-            width=self.pulse_us * 1e-6,
-            setup=self.direction_setup_us * 1e-6,
-            hold=self.direction_hold_us * 1e-6,
-            period=1 / self.max_pulse_rate_hz,
-            up=not self.invert_direction,
-        )
 
 
 class Tb6600:
@@ -83,13 +38,14 @@ class Tb6600:
         self._motions = deque([Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), -math.inf)])  # by begin, the last is the plan
         self._enabled: bool | None = None
         self._homed = options.zero == "declared"
-        self._declare = False
+        self._declare = False  # the zero, or begin to look for it, once all is still and reported
+        self._seeker = Seeker(options.search, options.home_level == "high")
         self._fault = ""
         self._state = ActuatorState(0.0, 0.0, False, self._homed, healthy=True, time=-math.inf)
         self.capabilities = Capabilities(
             lower=-math.inf,
             upper=math.inf,
-            max_speed=min(math.radians(options.max_speed_deg_s), options.max_pulse_rate_hz * self._step),
+            max_speed=math.radians(options.max_speed_deg_s),
             max_acceleration=math.radians(options.max_acceleration_deg_s2),
             resolution=self._step,
             continuous=True,
@@ -116,7 +72,7 @@ class Tb6600:
         self._requests.put(Ask.HALT)
 
     def home(self) -> None:
-        """Decelerate, energise, and declare that here is the zero: there is no switch to look for."""
+        """Decelerate, energise, and declare that here is the zero, or look for the switch that tells where it is."""
         self._homed = False
         self._requests.put(Ask.HOME)
 
@@ -127,25 +83,26 @@ class Tb6600:
     def poll(self, now: float) -> None:
         """Take in reports, obey requests, hand over segments, publish the state at ``now`` [s]."""
         if self._feed.is_open:
-            self._feed.take_in()
+            self._take_in(now)
             self._look_for_starvation(now)
             for request in self._requests.taken():
                 self._obey(request, now)
+            self._seek(now)
             self._feed.top_up(now)
             self._declare_when_still(now)
         self._publish(now)
 
     def __enter__(self) -> Self:
-        """Open the wire; a declared zero is held at once, an unknown one stays without torque."""
+        """Open the wire; a declared zero is held at once, an unknown one stays without torque, any other as it was."""
         self._feed.open(self._services.open_port(self._options.port))
-        if self._enabled is None:
-            self._switch(self._homed, self._services.clock.now())
+        self._switch(self._homed if self._enabled is None else self._enabled, self._services.clock.now())
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Hand over the whole deceleration at once and close; the torque stays, so that nothing falls."""
+        self._seeker.end()
         if self._feed.is_open:
             self._halt(self._services.clock.now())
             self._feed.close()
@@ -156,7 +113,9 @@ class Tb6600:
         if isinstance(request, Move):
             if self._homed and not self._fault:
                 self._go(request, now)
-        elif request is Ask.RELEASE:
+            return
+        self._seeker.end()
+        if request is Ask.RELEASE:
             self._rest(self._from(now))
             self._feed.flush()
             self._switch(False, now)
@@ -198,18 +157,57 @@ class Tb6600:
         self._feed.switch(Line.ENABLE, on != self._options.enable_means_off, self._from(now), lead)
         self._enabled = on
 
+    # ------------------------------------------------------------------------------------------ the zero
+
     def _declare_when_still(self, now: float) -> None:
-        if not self._declare or self._feed.pending or now < self._feed.committed:
+        if not self._declare or not self._still(now):
             return
         if not self._enabled:
             self._switch(True, now)
         if not self._feed.all_reported:
             return
-        self._feed.declare_zero()
-        self._motions = deque([Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), now)])
-        self._declare, self._homed, self._fault = False, True, ""
+        self._declare, self._fault = False, ""
+        if self._options.zero == "switch":
+            self._seeker.begin(now)
+        else:
+            self._call_it(0.0, self._feed.position, now)
+
+    def _seek(self, now: float) -> None:
+        """Go on looking for the switch."""
+        if not self._seeker.active:
+            return
+        try:
+            step = self._seeker.step(self._feed.angle, now, self._still(now))
+        except ActuatorFault as fault:
+            self._lose(str(fault))
+            self._halt(now)
+            return
+        if isinstance(step, Move):
+            self._go(Move(step.goal, min(step.rate, self.capabilities.max_speed)), now)
+        elif step is Ask.HALT:
+            self._halt(now)
+        elif self._seeker.found is not None and not self._seeker.active:
+            self._call_it(math.radians(self._options.home_offset_deg), self._seeker.found, now)
+
+    def _call_it(self, angle: float, place: float, now: float) -> None:
+        """Let a place of the counter [rad] be a joint angle [rad]: the position is known; at rest only."""
+        self._feed.shift(round((angle - place) / self._step))
+        here = self._feed.position
+        self._motions = deque([Motion(Trapezoid(here, here, 1.0, 1.0), now)])
+        self._homed = True
+
+    def _still(self, now: float) -> bool:
+        return not self._feed.pending and now >= self._feed.committed
 
     # ------------------------------------------------------------------------------------------ the model
+
+    def _take_in(self, now: float) -> None:
+        for report in self._feed.take_in():
+            if not isinstance(report, Level):
+                self._lose("pulses ran out: edges came too late for the wire to play them; the position is lost")
+                self._rest(self._from(now))
+            elif report.line is Line.HOME:
+                self._seeker.take(report)
 
     def _look_for_starvation(self, now: float) -> None:
         """Fault when the edges ran out in the middle of a move: the rotor was stopped dead, who knows where."""
@@ -218,9 +216,14 @@ class Tb6600:
         rate = self._motions[-1].at(self._feed.committed)[1]
         if rate:
             late = (now - self._feed.committed) * 1e3
-            self._fault = f"pulses ran out for {late:.0f} ms at {math.degrees(rate):.1f} deg/s: the position is lost"
-            self._homed = False
+            self._lose(f"pulses ran out for {late:.0f} ms at {math.degrees(rate):.1f} deg/s: the position is lost")
             self._rest(now)
+
+    def _lose(self, why: str) -> None:
+        """Begin a fault: nobody knows where the array is."""
+        self._fault = self._fault or why
+        self._homed = self._declare = False
+        self._seeker.end()
 
     def _publish(self, now: float) -> None:
         while len(self._motions) > 1 and self._motions[1].begin <= now:
@@ -229,7 +232,7 @@ class Tb6600:
         self._state = ActuatorState(
             angle=self._feed.angle(now),
             rate=self._motions[0].at(now)[1],
-            settled=still and not self._declare and not self._fault,
+            settled=still and not (self._declare or self._seeker.active or self._fault),
             homed=self._homed,
             healthy=not self._fault,
             time=self._feed.known(now),

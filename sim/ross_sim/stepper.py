@@ -71,6 +71,7 @@ class Rotor:
         self._electrical = 0.0
         self._energised = True
         self._rested = False
+        self._blocked, self._current = False, True
         self.angle = 0.0  # of the shaft [rad]
         self.speed = 0.0  # [rad/s]
         self.worst_lag = 0.0  # [rad]
@@ -87,15 +88,24 @@ class Rotor:
         energised : bool
             Whether there is current during the whole stretch.
         """
+        energised = energised and self._current
         if not len(times) and self._at_rest(float(electrical[0]), energised):
             return
         self._energised = energised
+        if self._blocked:
+            self.speed, self._electrical = 0.0, float(electrical[-1])
+            return
         n = max(math.ceil(duration / self._longest - 1e-9), 1)
         dt = duration / n
         fields = electrical[np.searchsorted(times, (np.arange(n) + 1) * dt, side="right")]
         self._integrate(dt, fields.tolist())
         self._electrical = float(electrical[-1])
         self._snap()
+
+    def suffer(self, *, blocked: bool, current: bool) -> None:
+        """Block the bearing, or take away the current whatever the module says, from now on."""
+        self._blocked, self._current = blocked, current
+        self._rested = False
 
     @property
     def still(self) -> bool:

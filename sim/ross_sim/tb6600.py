@@ -1,20 +1,24 @@
-"""The far end of the pulse wire: a TB6600 module with its microstep counter, and the motor behind it."""
+"""The far end of the pulse wire: a TB6600 module with its microstep counter, the motor behind it, and a home switch."""
 
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ross_payload.actuators.pulses import EDGE, Edges, Line, RecordingPulses
-from ross_payload.actuators.tb6600 import Options
+from ross_payload.actuators.pulses import EDGE, Edges, Line, RanOut, RecordingPulses, Segment, without_steps
+from ross_payload.actuators.tb6600_options import Options
 from ross_payload.interfaces import Real
 from ross_sim.far_end import Fault, checked
+from ross_sim.home_switch import HomeSwitch
 from ross_sim.opto import OptoInputs, Violation, Wanted
 from ross_sim.stepper import Motor, Rotor
+
+CROWDED = 0.080  # by which a wire that others fill is late [s]
+SLIP = math.radians(10)  # of what turns on its shaft
 
 
 class Tb6600FarEnd:
@@ -28,43 +32,42 @@ class Tb6600FarEnd:
         The motor and its load.
     wanted : Wanted
         The module's timing.
+    home : HomeSwitch, optional
+        At the array.
     """
 
-    faults: frozenset[Fault] = frozenset()
+    faults = frozenset({Fault.STALL, Fault.STUCK, Fault.SLIP, Fault.SILENT, Fault.SATURATED})
 
-    def __init__(self, options: Options, motor: Motor, wanted: Wanted) -> None:
+    def __init__(self, options: Options, motor: Motor, wanted: Wanted, home: HomeSwitch | None = None) -> None:
         self.port = RecordingPulses()
         self.rotor = Rotor(motor)
         self._options = options
         self._inputs = OptoInputs(wanted)
         self._seen = 0  # segments of the port
+        self._underway: deque[tuple[float, Segment]] = deque()  # arrival [s], segment
         self._edges: Edges = np.empty(0, dtype=EDGE)  # not yet played, times on the Clock [s]
         self._count = 0
         self._on = self._means_on(False)
         self._now = 0.0
         self._periods = 0  # between rotor and windings when the torque came on
         self._lost_since: float | None = None
+        self._home = home
+        self._suffers: set[Fault] = set()
+        self._slipped = 0.0  # [rad]
 
     def advance(self, now: float) -> None:
         """Play the edges that are due and let the motor live until ``now`` [s]."""
-        self._collect()
-        if not len(self._edges) and self.rotor.still:
-            self._now = now
-            self.port.play(now)
-            return
-        due, self._edges = _split(self._edges, now)
-        for switch in due[due["line"] == Line.ENABLE]:
-            time = float(switch["time"])
-            before, due = _split(due, time)
-            self._play(before, time)
-            self._switch(bool(switch["level"]), time)
-        self._play(due, now)
-        self.port.play(now)
+        self._collect(now)
+        if len(self._edges) or not self.rotor.still:
+            self._live(now)
+        self._now = now
+        if Fault.SILENT not in self._suffers:
+            self._report(now)
 
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
         sign = -1 if self._options.invert_direction else 1
-        return sign * self.rotor.angle / self._options.gear_ratio
+        return sign * self.rotor.angle / self._options.gear_ratio + self._slipped
 
     @property
     def count(self) -> int:
@@ -82,8 +85,12 @@ class Tb6600FarEnd:
         return tuple(self._inputs.violations)
 
     def afflict(self, fault: Fault, on: bool = True) -> None:
-        """Refuse: nobody sees what happens behind an open loop."""
-        checked(fault, self.faults)
+        """Suffer where no wire tells of it, fall silent, or get segments late."""
+        if checked(fault, self.faults) is Fault.SLIP:
+            self._slipped += SLIP if on else 0.0
+            return
+        (self._suffers.add if on else self._suffers.discard)(fault)
+        self.rotor.suffer(blocked=Fault.STUCK in self._suffers, current=Fault.STALL not in self._suffers)
 
     def complaints(self) -> list[str]:
         """Return one line per rule broken, with the first case, and one about steps lost."""
@@ -95,17 +102,40 @@ class Tb6600FarEnd:
             lines.append(f"steps lost since {self._lost_since:.2f} s: {off}")
         return lines
 
-    def _collect(self) -> None:
-        """Take in the segments sent since the last advance; edges whose time has passed are played at once."""
+    def _collect(self, now: float) -> None:
+        """Take in the segments that have come over the wire by ``now`` [s]."""
+        delay = CROWDED if Fault.SATURATED in self._suffers else 0.0
         new = self.port.n_sent - self._seen
-        for segment in self.port.sent[-new:] if new else ():
-            edges = segment.edges.copy()
-            edges["time"] += segment.start
-            if len(edges) and edges["time"][0] < self._now - 1e-9:
-                self._inputs.late(self._now - float(edges["time"][0]), float(edges["time"][0]))
-                edges["time"] = np.maximum(edges["time"], self._now)
-            self._edges = np.concatenate([self._edges, edges])
+        self._underway.extend((self._now + delay, segment) for segment in (self.port.sent[-new:] if new else ()))
         self._seen = self.port.n_sent
+        while self._underway and self._underway[0][0] <= now:
+            self._arrived(*self._underway.popleft())
+
+    def _arrived(self, arrival: float, segment: Segment) -> None:
+        """Line up the edges; a segment that comes after its time takes no step, and is reported."""
+        late = arrival - segment.start - float(segment.edges["time"][0]) if len(segment.edges) else 0.0
+        if late > 1e-9:
+            self._inputs.late(late, arrival)
+            self.port.report(RanOut(segment.end))
+            segment = without_steps(segment)
+        edges = segment.edges.copy()
+        edges["time"] = np.maximum(edges["time"] + segment.start, arrival if late > 1e-9 else -math.inf)
+        self._edges = np.concatenate([self._edges, edges])
+
+    def _live(self, now: float) -> None:
+        """Play the edges that are due by ``now`` [s], and let the rotor follow."""
+        due, self._edges = _split(self._edges, now)
+        for switch in due[due["line"] == Line.ENABLE]:
+            time = float(switch["time"])
+            before, due = _split(due, time)
+            self._play(before, time)
+            self._switch(bool(switch["level"]), time)
+        self._play(due, now)
+
+    def _report(self, now: float) -> None:
+        self.port.play(now)
+        if self._home is not None:
+            self.port.report(self._home.look(self.angle(), now))
 
     def _play(self, edges: Edges, until: float) -> None:
         """Count steps and let the rotor follow; no ENABLE edge within."""
@@ -140,10 +170,25 @@ def _split(edges: Edges, time: float) -> tuple[Edges, Edges]:
 class Tb6600FarEndPlugin:
     """The module and motor behind ``tb6600``."""
 
-    def make(self, config: Options, motor: Motor | None = None, wanted: Wanted | None = None) -> Tb6600FarEnd:
+    def make(
+        self,
+        config: Options,
+        motor: Motor | None = None,
+        wanted: Wanted | None = None,
+        home: HomeSwitch | None = None,
+    ) -> Tb6600FarEnd:
         """Make a module wired as the driver's options say, at joint angle 0; a motor of its own may be heavier."""
         motor = motor or replace(Motor(), teeth=config.full_steps // 4)
-        return Tb6600FarEnd(config, motor, wanted or Wanted())
+        if config.zero == "switch":
+            home = home or switch_of(config)
+        return Tb6600FarEnd(config, motor, wanted or Wanted(), home)
+
+
+def switch_of(config: Options) -> HomeSwitch:
+    """Make a switch that closes half a step before the angle that the options name."""
+    sign = config.search.sign
+    closes = math.radians(config.home_offset_deg) - sign * config.resolution / 2
+    return HomeSwitch(closes, sign, high=config.home_level == "high")
 
 
 far_end = Tb6600FarEndPlugin()

@@ -18,7 +18,7 @@ from types import TracebackType
 from typing import Any, Protocol, Self
 
 from ross_payload import plugins
-from ross_payload.actuators.pulses import PulseCodec, RecordingPulses, Segment
+from ross_payload.actuators.pulses import Level, PulseCodec, RanOut, RecordingPulses, Segment
 from ross_payload.actuators.wires import Codec, TcpWire, connect, greeting
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import Clock, Port
@@ -85,6 +85,7 @@ class PulseSide:
         self._epoch = epoch
         self._player = RecordingPulses()
         self._inbox: SimpleQueue[Segment] = SimpleQueue()
+        self._noticed: SimpleQueue[Level | RanOut] = SimpleQueue()
 
     def arrived(self, frame: Any, now: float) -> None:
         """Queue a segment for its time."""
@@ -92,15 +93,19 @@ class PulseSide:
         self._inbox.put(replace(frame, start=frame.start - self._epoch))
 
     def due(self, now: float) -> list[Any]:
-        """Return reports of the segments that have ended."""
+        """Return reports of the segments that have ended, and what the module has noticed."""
         self._player.play(now)
-        return self._player.receive()
+        return self._player.receive() + drained(self._noticed)
 
     def exchange(self, begin: float) -> None:
-        """Give the module all that has arrived; its own reports come too late for a payload in real time."""
+        """Give the module all that has arrived; what it says of segments played comes too late for a payload."""
         for segment in drained(self._inbox):
             self._port.send(segment)
-        self._port.receive()
+        for report in self._port.receive():
+            if isinstance(report, Level):
+                self._noticed.put(replace(report, time=report.time + self._epoch))
+            elif isinstance(report, RanOut):
+                self._noticed.put(replace(report, end=report.end + self._epoch))
 
 
 class IdealSide:
