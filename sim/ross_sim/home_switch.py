@@ -21,13 +21,13 @@ class HomeSwitch:
     bounce : float
         How long it chatters [s].
     width : float
-        Of the cam [rad].
+        Of the cam [rad]: half a disc and a little tells on which side the array stands.
     """
 
     HYSTERESIS = math.radians(0.3)
 
     def __init__(
-        self, closes: float, sign: int, *, high: bool = False, bounce: float = 0.0, width: float = math.radians(30)
+        self, closes: float, sign: int, *, high: bool = False, bounce: float = 0.0, width: float = math.radians(190)
     ) -> None:
         self._closes, self._sign, self._high, self._bounce, self._width = closes, sign, high, bounce, width
         self._closed = False

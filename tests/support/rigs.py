@@ -18,6 +18,7 @@ from ross_sim.far_end import FarEnd
 KINDS = (
     "ideal",
     "tb6600",
+    "tb6600:switch",
     "mavlink_gimbal",
     "mavlink_gimbal:manager",
     "dronecan_servo",
@@ -27,12 +28,14 @@ ROLES: dict[str, dict[str, Any]] = {  # options of each
     "manager": {"role": "manager"},
     "gimbal": {"command": "gimbal"},
     "model": {"feedback": "model"},
+    "switch": {"zero": "switch", "home_offset_deg": -15.0, "home_speed_deg_s": 40.0},
 }
 SPEED, ACCELERATION = math.radians(225), math.radians(112.5)
 LOWER, UPPER = math.radians(-200), math.radians(200)
 SPEEDS = {"mavlink_gimbal": math.radians(90)}  # of back ends that are slower than the paper's
 LAG = {"mavlink_gimbal": 0.3}  # of a servo that creeps into its goal [s]
 RIPPLE = {"mavlink_gimbal": 0.04}  # of a measured rate about the planned one [rad/s]
+SEARCH = 20.0  # for a switch [s]
 HOMING = 2.5  # of what does not know where it is [s]
 SWING = math.radians(0.5)  # by which a rotor may swing about its windings while it moves
 
@@ -71,9 +74,20 @@ class Rig:
         self.actuator.__enter__()
         self.clock.sleep(0.2)
         if not self.state.homed:
-            self.actuator.home()
+            self.home()
             self.clock.sleep(HOMING)
+            self.actuator.command(0.0)
+            self.settle(within=5.0)
         return self
+
+    def home(self) -> None:
+        """Home, and wait until the zero is known and it stands there."""
+        self.actuator.home()
+        self.clock.sleep(0.5)
+        end = self.clock.now() + SEARCH
+        while not self.state.homed or (self.state.healthy and not self.state.settled):
+            assert self.clock.now() < end, self.state
+            self.clock.sleep(QUANTUM)
 
     @property
     def state(self) -> ActuatorState:
