@@ -1,15 +1,28 @@
-"""The payload as a node on a CAN bus, and what it hears there of the servo and of others."""
+"""What is said to the servo on a CAN bus, and what is heard of it and of others.
+
+One program is one node on a bus: where the payload already has one there, the driver speaks through it; else it is one.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import math
+import platform
+import re
 from collections import Counter, defaultdict
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from ross_payload import __version__
 from ross_payload.actuators.dronecan_options import Options
 from ross_payload.actuators.dronecan_watch import LATE, Traffic, Twins
 from ross_payload.angles import wrap
+from ross_payload.dronecan.hub import node_of
+from ross_payload.dronecan.node import Identity, Node
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import Port
 from ross_protocols.dronecan import (
@@ -21,12 +34,12 @@ from ross_protocols.dronecan import (
     Mode,
     NodeStatus,
     Received,
-    Sender,
     Status,
 )
 from ross_protocols.dronecan_gimbal import AngularCommand, GimbalStatus
 
-BEAT = 1.0  # [s] between two NodeStatus of ours
+NAME = "org.ross.payload"  # of our node
+MACHINE = Path("/etc/machine-id")  # tells this computer from all others
 ALIVE = 2.5  # since the last NodeStatus of the servo, and it still lives [s]
 LEVELS = (logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR)
 log = logging.getLogger(__name__)
@@ -41,8 +54,33 @@ class Place:
     count: int = 0  # of the report, modulo 32
 
 
-class Node:
-    """Sends commands and heartbeats; keeps what the servo says and what is wrong.
+class Inlet:
+    """The port of our own node: it reads what the driver has read."""
+
+    def __init__(self, port: Port) -> None:
+        self._port = port
+        self._arrived: list[Any] = []
+
+    def pull(self) -> list[Any]:
+        """Read the bus."""
+        self._arrived = self._port.receive()
+        return self._arrived
+
+    def send(self, frame: Any) -> None:
+        """Send a frame."""
+        self._port.send(frame)
+
+    def receive(self) -> list[Any]:
+        """Return what was read last."""
+        return self._arrived
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._port.close()
+
+
+class ServoClient:
+    """Sends commands; keeps what the servo says and what is wrong.
 
     Parameters
     ----------
@@ -51,40 +89,62 @@ class Node:
     port : Port
         The bus.
     now : float
-        When the node starts [s].
+        When it starts [s].
     """
 
     def __init__(self, options: Options, port: Port, now: float) -> None:
         self._options = options
         self._port = port
-        self._sender = Sender(options.own_node_id)
+        self._inlet = Inlet(port)
+        self._own = _own_node(options, self._inlet, now)
         self._assembler = Assembler()
         self._traffic = Traffic()
         self._twins: defaultdict[type[Message], Twins] = defaultdict(Twins)  # by what the servo sends
-        self._start = self._next_beat = now
+        self._start = now
         self._uptime: int | None = None  # of the servo [s]
         self._alive = -math.inf  # its last NodeStatus [s]
         self._said = ""
+        self._named = False  # we had a node id
         self.place = Place()
         self.heard = -math.inf  # any report of the servo [s]
         self.condition = ""  # of the servo, as it says itself
         self.event = ""  # what happened on the bus and is not undone by itself; whoever reads it clears it
         self.lost = False  # likewise: a set-point would make it jump, or fight with somebody
 
+    @property
+    def _node(self) -> Node:
+        """Through whom we speak."""
+        return node_of(self._port) or self._own
+
+    @property
+    def nameless(self) -> str:
+        """Why we cannot speak, in words; empty: we have a node id."""
+        return "" if self._node.id else self._node.trouble or "waiting for a node id"
+
     def take_in(self, now: float) -> None:
-        """Read the bus."""
-        frames = [frame for frame in self._port.receive() if frame.extended]
+        """Read the bus.
+
+        Raises
+        ------
+        LinkError
+            When it is down.
+        """
+        frames = [frame for frame in self._inlet.pull() if frame.extended]
+        if self._node is self._own:
+            self._own.poll(now)
         for frame in frames:
-            if frame.id & 0x7F == self._options.own_node_id:
-                self.event = f"another node on the bus has our node id {self._options.own_node_id}"
-                continue
             received = self._assembler.feed(frame)
             if received is not None:
                 self._take(received, now)
-        senders = Counter(frame.id & 0x7F for frame in frames)
+        self._watch(Counter(frame.id & 0x7F for frame in frames), now)
+
+    def _watch(self, senders: Counter[int], now: float) -> None:
         self._traffic.fed(now, senders, self._assembler.broken[self._options.node_id])
         late = now - max(self.heard, self._start) > LATE
         self.event = self.event or self._traffic.damage or (self._traffic.full if late else "")
+        if self._named and self.nameless:
+            self.event, self.lost = self.nameless, True
+        self._named = not self.nameless
 
     def missing(self, now: float) -> str:
         """Say that the servo lives but reports nothing; empty when it does, or when nothing is heard of it."""
@@ -94,27 +154,23 @@ class Node:
         what = f"{'gimbal' if self._options.command == 'gimbal' else 'actuator'} {self._options.number}"
         return f"node {self._options.node_id} lives but sends no Status of {what}; with feedback = 'model' it need not"
 
-    def beat(self, now: float) -> None:
-        """Tell the others that we live, once a second."""
-        if now >= self._next_beat - 1e-6:
-            self._next_beat = now + BEAT
-            self._send(NodeStatus(int(now - self._start)))
-
     def command(self, joint: float) -> None:
-        """Tell the servo its joint angle [rad]."""
-        self._send(self._options.message(joint))
+        """Tell the servo its joint angle [rad].
+
+        Raises
+        ------
+        LinkError
+            When the bus does not take it.
+        """
+        if not self._node.send(self._options.message(joint)):
+            raise LinkError(self._node.trouble or "a set-point was sent without a node id")
 
     def close(self) -> None:
-        """Say that we leave, where the bus still takes it, and leave."""
-        try:
-            self._send(NodeStatus(0, mode=Mode.OFFLINE))
-        except LinkError as error:
-            log.warning("%s", error)
-        self._port.close()
-
-    def _send(self, message: Message) -> None:
-        for frame in self._sender.frames(message):
-            self._port.send(frame)
+        """Say that we leave, where nobody stays, and leave."""
+        if self._node is self._own:
+            self._own.close()
+        else:
+            self._port.close()
 
     def _take(self, received: Received, now: float) -> None:
         node, message, number = received.node, received.message, self._options.number
@@ -168,3 +224,14 @@ class Node:
             health, mode = (word.name.lower().replace("_", " ") for word in (status.health, status.mode))
             code = f", code {status.vendor_code}" if status.vendor_code else ""
             self.condition = f"the servo says: health {health}, mode {mode}{code}"
+
+
+def _own_node(options: Options, port: Port, now: float) -> Node:
+    """Return a node for a driver that is alone on its bus."""
+    machine = MACHINE.read_text() if MACHINE.is_file() else platform.node()
+    unique = hashlib.blake2b(f"{machine} {options.port}".encode(), digest_size=16, person=b"ross-payload").digest()
+    major, minor = (int(part) for part in re.findall(r"\d+", __version__)[:2])
+    identity = Identity(NAME, unique, options.own_node_id, software=(major, minor))
+    node = Node(identity, port, np.random.default_rng(list(unique)), now)
+    node.stands(Health.OK, Mode.OPERATIONAL)
+    return node

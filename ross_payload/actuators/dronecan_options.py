@@ -21,7 +21,7 @@ class Options(Table):
 
     port: Annotated[str, Field(pattern="^can:")] = "can:socketcan:can0"
     node_id: NodeId = 50  # of the servo
-    own_node_id: NodeId = 121  # of this payload; nobody else may have it
+    own_node_id: Annotated[int, Field(ge=0, le=127)] = 121  # of this payload; 0: an allocator on the bus gives one
     actuator_id: Annotated[int, Field(ge=0, le=255)] = 1  # ArduPilot counts from 1
     gimbal_id: Annotated[int, Field(ge=0, le=255)] = 0  # for command = "gimbal", instead of actuator_id
     command: Literal["unitless", "position", "pwm", "gimbal"] = "unitless"

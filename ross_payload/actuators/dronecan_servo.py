@@ -17,7 +17,7 @@ from dataclasses import replace
 from types import TracebackType
 from typing import Any, Self
 
-from ross_payload.actuators.dronecan_node import Node, Place
+from ross_payload.actuators.dronecan_node import Place, ServoClient
 from ross_payload.actuators.dronecan_options import Options
 from ross_payload.actuators.dronecan_watch import TREMBLE, Tremble
 from ross_payload.actuators.motion import Trapezoid
@@ -38,12 +38,13 @@ class DronecanServo:
         self._services = services
         self._measured = options.feedback == "measured"
         self._requests = Requests()
-        self._node: Node | None = None
+        self._client: ServoClient | None = None
         self._motion: Motion | None = None  # None: nothing is sent
         self._places: deque[Place] = deque()  # of the last settle_ms
         self._homed = False  # of a model
         self._home_until = math.inf  # a model's homing is over [s]
         self._tremble = Tremble()
+        self._behind = 0  # reports in a row that were too far behind
         self._due = -math.inf  # the next set-point [s]
         self._fault = ""
         self._state = ActuatorState(0.0, 0.0, settled=False, homed=False, healthy=True, time=-math.inf)
@@ -86,25 +87,24 @@ class DronecanServo:
 
     def poll(self, now: float) -> None:
         """Read the bus, obey requests, send the set-point that is due, publish the state at ``now`` [s]."""
-        if self._node is None:
+        if self._client is None:
             return
         try:
-            self._node.take_in(now)
-            self._look(self._node, now)
+            self._client.take_in(now)
+            self._look(self._client, now)
             for request in self._requests.taken():
                 self._obey(request, now)
-            self._node.beat(now)
-            self._stream(self._node, now)
+            self._stream(self._client, now)
         except LinkError as error:  # whoever comes back to the bus must ask again
             self._latch(str(error))
             self._let_go()
             list(self._requests.taken())
-        self._publish(self._node, now)
+        self._publish(self._client, now)
 
     def __enter__(self) -> Self:
         """Join the bus and listen."""
         port = self._services.open_port(self._options.port)
-        self._node = Node(self._options, port, self._services.clock.now())
+        self._client = ServoClient(self._options, port, self._services.clock.now())
         self._state = replace(self._state, settled=False, time=-math.inf)
         self._places.clear()
         return self
@@ -113,7 +113,7 @@ class DronecanServo:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Decelerate along the trapezoid, which takes its time, and leave the bus."""
-        if self._node is None:
+        if self._client is None:
             return
         clock = self._services.clock
         self.stop()
@@ -122,19 +122,19 @@ class DronecanServo:
             clock.sleep(PERIOD / 2)
             self.poll(clock.now())
         self._motion = None
-        self._node.close()
-        self._node = None
+        self._client.close()
+        self._client = None
 
     # ------------------------------------------------------------------------------------------ what is heard
 
-    def _look(self, node: Node, now: float) -> None:
+    def _look(self, client: ServoClient, now: float) -> None:
         """Remember the newest place; latch what is wrong with it or with the bus."""
-        if node.event:
-            self._latch(node.event)
-        if node.lost:
+        if client.event:
+            self._latch(client.event)
+        if client.lost:
             self._let_go()
-        node.event, node.lost = "", False
-        place = node.place
+        client.event, client.lost = "", False
+        place = client.place
         if self._measured and place.time > (self._places[-1].time if self._places else -math.inf):
             self._places.append(self._believed(place))
             self._check_lag(self._places[-1].joint, now)
@@ -154,11 +154,13 @@ class DronecanServo:
         return place
 
     def _check_lag(self, joint: float, now: float) -> None:
-        """Latch that the servo does not follow, and hold where it is."""
+        """Latch that the servo does not follow, and hold where it is; one report alone may be a stranger's."""
         if self._motion is None or self._fault:
             return
         wanted = self._motion.at(now)[0]
-        if abs(joint - wanted) > math.radians(self._options.max_lag_deg):
+        behind = abs(joint - wanted) > math.radians(self._options.max_lag_deg)
+        self._behind = self._behind + 1 if behind else 0
+        if self._behind >= 2:
             here, there = math.degrees(joint), math.degrees(wanted)
             self._latch(f"the servo does not follow: at {here:.1f} deg when told {there:.1f} deg")
             self._hold(joint, now)
@@ -210,7 +212,7 @@ class DronecanServo:
 
     # ------------------------------------------------------------------------------------------ out
 
-    def _stream(self, node: Node, now: float) -> None:
+    def _stream(self, client: ServoClient, now: float) -> None:
         """Send the set-point that is due; after a gap the servo is at rest, so that the plan begins anew from there."""
         if self._motion is not None and now >= self._due - EARLY:
             if now - self._due > GAP and (motion := self._motion).end > self._due:
@@ -218,22 +220,22 @@ class DronecanServo:
                 there = motion.at(self._due - PERIOD)[0]
                 self._motion = Motion(Trapezoid(there, plan.goal, plan.speed, plan.acceleration), now)
             self._due = (self._due if now - self._due < PERIOD else now) + PERIOD
-            node.command(self._motion.at(now)[0])
+            client.command(self._motion.at(now)[0])
 
-    def _publish(self, node: Node, now: float) -> None:
+    def _publish(self, client: ServoClient, now: float) -> None:
         if now >= self._home_until:
             self._homed, self._home_until = True, math.inf
         wanted, rate = self._motion.at(now) if self._motion is not None else (self._state.angle, 0.0)
         known = bool(self._places) and math.isfinite(self._places[-1].joint)
         angle = self._places[-1].joint if known else self._state.angle if self._measured else wanted
-        fault = self._fault or node.condition or (node.missing(now) if self._measured else "")
+        fault = self._fault or client.nameless or client.condition or (client.missing(now) if self._measured else "")
         self._state = ActuatorState(
             angle=angle,
             rate=rate,
             settled=not fault and self._still(now) and self._arrived(angle, now),
             homed=known if self._measured else self._homed,
             healthy=not fault,
-            time=node.place.time if self._measured else node.heard,
+            time=client.place.time if self._measured else client.heard,
             fault=fault,
         )
 
