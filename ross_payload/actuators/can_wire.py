@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import socket
 from contextlib import suppress
 from typing import Any
 
@@ -15,6 +16,9 @@ from ross_payload.interfaces import Clock, Port
 from ross_protocols.can import CanFrame
 
 _URL = re.compile(r"can:(?P<interface>[a-z0-9_]+):(?P<channel>[^:]+)(:(?P<bitrate>\d{4,8}))?")
+_HUB = re.compile(r"can:socketcand:(?P<host>[^:\[\]]+):(?P<port>\d{1,5})(:(?P<channel>[A-Za-z0-9_.-]{1,16}))?")
+CHANNEL = "can0"  # of a socketcand server, unless told
+GREETING = 2.0  # [s]: so long a socketcand server may be silent
 MOST_AT_ONCE = 1000  # frames of one look at the bus
 PATIENCE = 10  # with frames that the bus does not take
 
@@ -88,10 +92,30 @@ class CanWire:
         """
         if url.startswith("can:tcp:"):
             return connect(url, CanCodec(), clock)
+        if url.startswith("can:socketcand:"):
+            return _at_hub(url)
         parts = _URL.fullmatch(url)
         if parts is None:
-            raise ConfigError(f"wire '{url}': wanted can:INTERFACE:CHANNEL[:BITRATE] or can:tcp:HOST:PORT")
+            ways = "can:INTERFACE:CHANNEL[:BITRATE], can:tcp:HOST:PORT or can:socketcand:HOST:PORT[:CHANNEL]"
+            raise ConfigError(f"wire '{url}': wanted {ways}")
         return _joined(url, parts)
+
+
+def _at_hub(url: str) -> CanPort:
+    """Join a bus that a socketcand server has."""
+    found = _HUB.fullmatch(url)
+    if found is None or not 0 < int(found["port"]) < 65536:
+        raise ConfigError(f"wire '{url}': wanted can:socketcand:HOST:PORT[:CHANNEL]")
+    host, port = found["host"], int(found["port"])
+    try:
+        with socket.create_connection((host, port), GREETING) as probe:  # python-can itself tries for 10 s
+            probe.settimeout(GREETING)
+            if probe.recv(16)[:1] != b"<":
+                raise LinkError(f"wire '{url}': no socketcand server is there")
+        options = {"host": host, "port": port, "tcp_tune": True}
+        return CanPort(can.Bus(found["channel"] or CHANNEL, "socketcand", ignore_config=True, **options), url)
+    except (can.CanError, OSError, ValueError) as error:
+        raise LinkError(f"wire '{url}': cannot join the bus: {error}") from error
 
 
 def _joined(url: str, parts: re.Match[str]) -> CanPort:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import threading
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from ross_payload.actuators.registry import checked_options
 from ross_payload.audio.files import write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError
+from ross_sim.address import tcp_address
 from ross_sim.casting import company_of
 from ross_sim.clock import SimClock
 from ross_sim.far_end import far_end_of
@@ -29,8 +29,6 @@ from ross_sim.signals import on_signal
 from ross_sim.truth import TruthWriter, facts
 from ross_sim.wires import WireServer, side_of
 from ross_sim.world import World
-
-_TCP = re.compile(r"tcp:(?P<host>\[[^\[\]]+\]|[^:\[\]]+):(?P<port>\d{1,5})")
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +111,7 @@ def later(scenario: Scenario, seconds: float) -> Scenario:
 def _outlets(sockets: Sockets, rate: int, stack: ExitStack) -> list[Outlet]:
     outlets: list[Outlet] = []
     if sockets.pcm is not None:
-        outlets.append(stack.enter_context(closing(PcmServer(*_address(sockets.pcm, "--pcm"), rate, sockets.form))))
+        outlets.append(stack.enter_context(closing(PcmServer(*tcp_address(sockets.pcm, "--pcm"), rate, sockets.form))))
     if sockets.pipe is not None:
         outlets.append(stack.enter_context(closing(Fifo(sockets.pipe, rate, sockets.form))))
     return outlets
@@ -127,14 +125,7 @@ def _wire(asked: str | None, port: str) -> tuple[str, str, int]:
     scheme, _, rest = asked.partition(":")
     if scheme != wanted:
         raise ConfigError(f"--wire {asked}: the actuator's wire is {wanted}:tcp:HOST:PORT")
-    return scheme, *_address(rest, "--wire")
-
-
-def _address(text: str, option: str) -> tuple[str, int]:
-    found = _TCP.fullmatch(text)
-    if found is None or int(found["port"]) > 65535:
-        raise ConfigError(f"{option} {text}: wanted tcp:HOST:PORT, an IPv6 host in brackets")
-    return found["host"].strip("[]"), int(found["port"])
+    return scheme, *tcp_address(rest, "--wire")
 
 
 def _tell(sockets: Sockets, outlets: list[Outlet], wire: str, scenario: Scenario, as_json: bool) -> None:
