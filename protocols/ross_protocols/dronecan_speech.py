@@ -107,7 +107,9 @@ class Ear:
         source = frame.id & 0x7F
         kind = BROADCASTS.get(frame.id >> 8 & (0xFFFF if source else 3))
         whole = None if kind is None else self._joiner.feed(frame, kind.seed)
-        return None if kind is None or whole is None else Received(source, kind.unpack(whole.payload))
+        if kind is None or whole is None:
+            return None
+        return Received(source, kind.unpack(whole.payload), whole.transfer)
 
     def _service(self, frame: CanFrame) -> Call | Reply | None:
         if not self._node or frame.id >> 8 & 0x7F != self._node or not frame.id & 0x7F:

@@ -10,13 +10,14 @@ from pydantic import Field
 
 from ross_payload.config.base import Degrees, Model, Positive, Table, read_toml, validated
 from ross_payload.config.body import Actuator, Array, Audio, Guard, Mount
+from ross_payload.config.can import Dronecan
 from ross_payload.config.ground import Link, Recording, Service, Telemetry
 from ross_payload.config.mission import APART_DEG, Exploit, Explore, Informed
 
 __all__ = [
-    "APART_DEG", "Actuator", "Array", "Audio", "Config", "Degrees", "Exploit", "Explore", "Guard", "Informed", "Link",
-    "Model", "Mount", "Positive", "Recording", "Service", "Table", "Telemetry", "as_in_paper", "load", "read_toml",
-    "validated",
+    "APART_DEG", "Actuator", "Array", "Audio", "Config", "Degrees", "Dronecan", "Exploit", "Explore", "Guard",
+    "Informed", "Link", "Model", "Mount", "Positive", "Recording", "Service", "Table", "Telemetry", "as_in_paper",
+    "load", "read_toml", "validated",
 ]  # fmt: skip
 
 
@@ -33,6 +34,7 @@ class Config(Table):
     exploit: Exploit = Exploit()
     links: tuple[Link, ...] = ()
     telemetry: Telemetry = Telemetry()
+    dronecan: Dronecan = Dronecan()
     service: Service = Service()
     recording: Recording = Recording()
     seed: Annotated[int, Field(ge=0)] = 0

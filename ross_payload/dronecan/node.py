@@ -24,7 +24,7 @@ from ross_protocols.dronecan_speech import Call, Ear, Reply, Voice
 BEAT = 1.0  # [s] between two NodeStatus
 PATIENCE = 5.0  # [s] with an allocator
 QUIET = 5.0  # [s] without a frame of another node with our id, until the id is ours again
-MOST_ANSWERS = 20  # in one poll: who asks more often asks again
+MOST_ANSWERS = 5  # in one poll: who asks more often asks again
 EARLY = 1e-6  # so much before its time something is due [s]
 log = logging.getLogger(__name__)
 

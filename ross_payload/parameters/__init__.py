@@ -3,9 +3,20 @@
 Wiring and safety ([audio], [array], [actuator], [guard], [links]) are not in the table: they belong to the file.
 """
 
-from ross_payload.parameters.kept import Kept
+from ross_payload.parameters.kept import Kept, put_aside, replace_file
 from ross_payload.parameters.listing import listing
 from ross_payload.parameters.store import Origin, Parameters
 from ross_payload.parameters.table import TABLE, Parameter, changed, value_of
 
-__all__ = ["TABLE", "Kept", "Origin", "Parameter", "Parameters", "changed", "listing", "value_of"]
+__all__ = [
+    "TABLE",
+    "Kept",
+    "Origin",
+    "Parameter",
+    "Parameters",
+    "changed",
+    "listing",
+    "put_aside",
+    "replace_file",
+    "value_of",
+]

@@ -74,7 +74,17 @@ def write(path: Path, kept: Mapping[str, Kept]) -> None:
         When it cannot be written.
     """
     rows = (f"{name} = {{ value = {k.value!r}, replaced = {k.replaced!r} }}\n" for name, k in sorted(kept.items()))
-    text = f"{HEAD}version = {VERSION}\n\n[parameters]\n{''.join(rows)}"
+    replace_file(path, f"{HEAD}version = {VERSION}\n\n[parameters]\n{''.join(rows)}")
+
+
+def replace_file(path: Path, text: str) -> None:
+    """Write a file crash-safe, and its folder where it is missing.
+
+    Raises
+    ------
+    OSError
+        When it cannot be written.
+    """
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     fresh = path.with_name(path.name + ".new")
     with fresh.open("w", encoding="utf-8") as file:

@@ -67,6 +67,16 @@ class Parameters:
         place = named(name).place
         return Origin.IN_FLIGHT if name in self._kept else origin_in(self._said, *place)
 
+    def said(self, name: str) -> float:
+        """Return what the file of the configuration says, or the default.
+
+        Raises
+        ------
+        ConfigError
+            When there is no such parameter.
+        """
+        return value_of(self._said, name)
+
     def set(self, name: str, value: float) -> None:
         """Change a value; it is in force at once and soon in the file.
 

@@ -9,7 +9,7 @@ import click
 
 @click.command("run", short_help="Run the payload that a TOML file describes.")
 @click.argument("file", type=click.Path(path_type=Path))
-def command(file: Path) -> None:
+def command(file: Path) -> int:
     """Run the payload that a TOML FILE describes until Ctrl-C or SIGTERM: it hears, obeys orders and reports.
 
     Nothing turns before it is ordered, unless the file says so ([service] autostart).
@@ -17,4 +17,4 @@ def command(file: Path) -> None:
     from ross_payload.config import load
     from ross_payload.service.live import live
 
-    live(load(file))
+    return live(load(file))

@@ -21,6 +21,7 @@ from ross_payload.audio.live import LiveSource
 from ross_payload.audio.sources import open_source
 from ross_payload.clock import SystemClock, synchronised_time
 from ross_payload.config import Config
+from ross_payload.dronecan.hub import Buses
 from ross_payload.errors import AudioEnded, ConfigError
 from ross_payload.events import Event
 from ross_payload.interfaces import Input, VoicePrint
@@ -39,13 +40,24 @@ from ross_payload.timebase import Timebase
 from ross_payload.voiceprint import VoiceStore
 
 PATIENCE = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
+AGAIN = 75  # exit code: start me again; EX_TEMPFAIL of sysexits.h
 SWITCH = 0.001  # [s] after which a thread that computes lets the pump have its turn
 
 log = logging.getLogger(__name__)
 
 
-def live(config: Config) -> None:
-    """Run the payload until SIGINT, SIGTERM or the end of its audio.
+class Again:
+    """Whether somebody has asked for a restart; asked on the pump, read when all is over."""
+
+    asked = False
+
+    def ask(self) -> None:
+        """Have the service manager start us again."""
+        self.asked = True
+
+
+def live(config: Config) -> int:
+    """Run the payload until SIGINT, SIGTERM, a restart or the end of its audio; return the exit code.
 
     Raises
     ------
@@ -59,7 +71,8 @@ def live(config: Config) -> None:
         clock, manager = SystemClock(), Manager.of()
         watchdog = Watchdog(manager, clock, {MISSION: PATIENCE * config.audio.buffer_s})
         latch = StopLatch(state_folder(config) / "stopped")
-        parts = stack.enter_context(_parts(config, clock, latch))
+        again = Again()
+        parts = stack.enter_context(_parts(config, clock, latch, again))
         pumping = Pumping(clock)
         runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, pumping, latch)))
         stack.callback(clock.every(POLL, lambda: pumping.poll(runner)))
@@ -69,6 +82,7 @@ def live(config: Config) -> None:
         log.info("ross %s: %s on %s", __version__, config.actuator.kind, config.audio.source)
         manager.ready("idle")
         _run(runner, manager)
+    return AGAIN if again.asked else 0
 
 
 def state_path(config: Config, environment: Mapping[str, str] = os.environ) -> Path:
@@ -115,7 +129,7 @@ class Pumping:
 
 
 @contextmanager
-def _parts(config: Config, clock: SystemClock, latch: StopLatch) -> Iterator[Parts]:
+def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -> Iterator[Parts]:
     state = state_folder(config)
     with ExitStack() as stack:
         parameters = stack.enter_context(Parameters(config, state / "params.toml"))
@@ -130,7 +144,7 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch) -> Iterator[Par
             clock=clock,
             source=source,
             watched=source if isinstance(source, LiveSource) else None,
-            open_port=opener(links, config.telemetry.component_id, clock),
+            open_port=Buses(opener(links, config.telemetry.component_id, clock), clock).open,
             links=links,
             mount=mount_of(config, clock, links, timebase),
             timebase=timebase,
@@ -141,6 +155,8 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch) -> Iterator[Par
             drained=in_background,
             voiceprint=_enrolled(config),
             stopped=latch.closed,
+            state=state,
+            restart=again.ask,
             stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",
         )
 

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
 
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import open_actuator
@@ -26,6 +29,7 @@ from ross_payload.recording.manifest import Beginning
 from ross_payload.recording.recorder import Recorder
 from ross_payload.recording.shelf import Shelf
 from ross_payload.service.assemble import settings_of, tools_of
+from ross_payload.service.dronecan import node_on_bus
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.telemetry.service import Telemetry
 from ross_payload.timebase import Timebase
@@ -53,6 +57,9 @@ class Parts:
     voiceprint: VoicePrint | None = None
     stamp: Callable[[], str] = lambda: ""  # of a new recording
     stopped: bool = False  # by an order, before it was started again
+    state: Path | None = None  # folder of what outlives a restart
+    rng: np.random.Generator = field(default_factory=np.random.default_rng)
+    restart: Callable[[], None] | None = None  # has this program started again when it ends; None: nobody would
 
 
 @contextmanager
@@ -66,6 +73,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
     """
     config, clock = parts.parameters.config, parts.clock
     with ExitStack() as stack:
+        aboard = stack.enter_context(node_on_bus(config, clock, parts.open_port, parts.state, parts.rng))
         actuator = stack.enter_context(open_actuator(config, Services(clock, parts.open_port)))
         stack.enter_context(parts.source)
         recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
@@ -81,6 +89,11 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         component = parts.links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.sent(parts.timebase.usec(), frame))
         runner.observers = [ears, telemetry, recorder, *observers]
+        if aboard is not None:
+            speaking = aboard.speaking(
+                parts.parameters, actuator, parts.timebase, give=runner.order, restart=parts.restart
+            )
+            runner.observers.append(stack.enter_context(speaking))
         stack.callback(clock.every(POLL, parts.links.poll))
         stack.callback(clock.every(LOOK, Changes(parts.links.status, ears.health, recorder.status).poll))
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
+from ross_payload.actuators.registry import checked_options
+from ross_payload.actuators.wires import open_wire
+from ross_payload.config import Config
+from ross_payload.dronecan.hub import Buses
 from ross_payload.errors import ConfigError
 from ross_payload.events import Event
-from ross_payload.interfaces import Input
+from ross_payload.interfaces import Clock, Input, Port
 from ross_payload.links import Links
 from ross_payload.orders import Shutdown
 from ross_payload.parameters import Parameters
@@ -86,7 +92,7 @@ def _parts(
     return Parts(
         clock=clock,
         source=world.source,
-        open_port=lambda url: far_end.port,
+        open_port=Buses(_opener(config, far_end, clock), clock).open,
         links=links,
         mount=mount,
         timebase=timebase,
@@ -94,7 +100,19 @@ def _parts(
         shelf=Shelf(tape or state / "recordings"),
         drained=drained(clock),
         voiceprint=company.voiceprint,
+        state=state,
+        rng=np.random.default_rng(config.seed),
     )
+
+
+def _opener(config: Config, far_end: FarEnd, clock: Clock) -> Callable[[str], Port]:
+    """Return what opens wires: our node's bus is a real one, unless it is the one of the simulated actuator."""
+    simulated = getattr(checked_options(config), "port", "")
+
+    def open_port(url: str) -> Port:
+        return open_wire(url, clock) if url == config.dronecan.port != simulated else far_end.port
+
+    return open_port
 
 
 class Following:

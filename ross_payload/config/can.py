@@ -1,0 +1,31 @@
+"""The table of the payload as a node on a CAN bus."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from ross_payload.config.base import Table
+
+
+class Dronecan(Table):
+    """[dronecan]: the payload as a node on a DroneCAN bus; whoever is on the bus may talk to it."""
+
+    port: Annotated[str, Field(pattern="^(can:.+)?$")] = ""  # can:INTERFACE:CHANNEL[:BITRATE]; empty: no node
+    node_id: Annotated[int, Field(ge=0, le=125)] = (
+        121  # nobody else may have it; 0: asked of an allocator on the bus, mostly the autopilot
+    )
+    allocator: bool = False  # give ids to nodes that ask for one; only where nobody else on the bus does
+    may_set: bool = True  # other nodes may set parameters, not only read them
+    may_restart: bool = False  # other nodes may restart the payload while no task runs
+    status_hz: Annotated[float, Field(gt=0, le=20)] = 5.0  # ross.Status
+    sources_hz: Annotated[float, Field(gt=0, le=5)] = 1.0  # ross.Sources, besides when they change
+
+    @model_validator(mode="after")
+    def _possible(self) -> Dronecan:
+        if 100 <= self.node_id <= 105:
+            raise ValueError(f"node_id = {self.node_id}: an autopilot takes 100 to 105 for cameras; take another one")
+        if self.allocator and not self.node_id:
+            raise ValueError("allocator = true gives ids to others, so it needs a node_id of its own, found 0")
+        return self

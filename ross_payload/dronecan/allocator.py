@@ -1,0 +1,104 @@
+"""Our node gives ids to nodes that have none: a centralised allocator of DroneCAN."""
+
+from __future__ import annotations
+
+import logging
+
+from ross_payload.dronecan.kept import Kept
+from ross_payload.dronecan.neighbours import Neighbours
+from ross_payload.dronecan.node import Node
+from ross_protocols.dronecan import Received
+from ross_protocols.dronecan_allocation import FOLLOW_UP_TIMEOUT, Allocation
+from ross_protocols.dronecan_services import UNIQUE, NodeInfo, NodeInfoRequest
+from ross_protocols.dronecan_speech import Reply
+
+LISTEN = 3.0  # [s] before the first id is given: who is there says so every second
+HIGHEST = 125  # 126 and 127 are left to tools
+AVOIDED = range(100, 106)  # PX4's parameter bridge takes these for cameras and drops what is meant for the node
+log = logging.getLogger(__name__)
+
+
+class Allocator:
+    """Gives each unique id a node id, the same one every time, and never one that was heard in use.
+
+    Parameters
+    ----------
+    node
+        Ours; it has an id.
+    kept
+        Whom we gave which id.
+    now
+        When it begins [s].
+    """
+
+    def __init__(self, node: Node, kept: Kept, now: float) -> None:
+        self._node = node
+        self._kept = kept
+        self._begin = now + LISTEN
+        self._neighbours = Neighbours()
+        self._so_far = b""  # of the unique id that is being told
+        self._heard_at = now  # [s]
+        self._rival: int | None = None
+        node.subscribe(self._hear)
+        node.replies(self._learn)
+
+    def poll(self, now: float) -> None:
+        """Note who is there; ask one who has not said who he is."""
+        for other, time in self._node.seen.items():
+            if other:
+                self._neighbours.heard(other, time)
+        stranger = self._neighbours.next(now)
+        if stranger is not None:
+            self._node.request(NodeInfoRequest(), stranger)
+
+    def _learn(self, reply: Reply, now: float) -> None:
+        if isinstance(reply.response, NodeInfo):
+            self._neighbours.told(reply.node, reply.response.unique_id)
+
+    def _hear(self, heard: Received, now: float) -> None:
+        if not isinstance(heard.message, Allocation):
+            return
+        if heard.node:
+            self._meet(heard.node)
+        elif self._rival is None and now >= self._begin and self._neighbours.all_known:
+            self._take(heard.message, now)
+
+    def _meet(self, rival: int) -> None:
+        """Two allocators would give one id to two nodes: we give way."""
+        if self._rival is None:
+            log.warning("DroneCAN: node %d gives node ids too: we give none any more", rival)
+        self._rival = rival
+
+    def _take(self, asked: Allocation, now: float) -> None:
+        """Take one part of a unique id; when it is whole, give an id, else ask for the next part."""
+        if asked.first or now - self._heard_at > FOLLOW_UP_TIMEOUT:
+            self._so_far = b""
+        if not asked.unique_id or bool(self._so_far) == asked.first or len(self._so_far + asked.unique_id) > UNIQUE:
+            return
+        self._so_far, self._heard_at = self._so_far + asked.unique_id, now
+        given = self._id_for(self._so_far, asked.node_id, now) if len(self._so_far) == UNIQUE else 0
+        if given is None:
+            log.warning("DroneCAN: a node asks for an id, and all are in use")
+            return
+        self._node.send(Allocation(given, self._so_far))
+        if given:
+            log.info("DroneCAN: gave node id %d to %s", given, self._so_far.hex())
+            self._so_far = b""
+
+    def _id_for(self, unique_id: bytes, wanted: int, now: float) -> int | None:
+        """Return the id of a node; None: there is none left."""
+        known = self._kept.table.get(unique_id)
+        if known is not None and not self._is_anothers(known, unique_id, now):
+            return known
+        taken = {self._node.id, *AVOIDED, *self._kept.table.values(), *self._neighbours.ids, *self._node.seen}
+        upwards = range(wanted, HIGHEST + 1) if wanted else range(0)
+        free = next((number for number in (*upwards, *range(HIGHEST, 0, -1)) if number not in taken), None)
+        if free is not None:
+            self._kept.gave(unique_id, free)
+        return free
+
+    def _is_anothers(self, node_id: int, unique_id: bytes, now: float) -> bool:
+        """Tell whether somebody else lives under an id."""
+        if node_id == self._node.id:
+            return True
+        return self._neighbours.present(node_id, now) and self._neighbours.who(node_id) != unique_id
