@@ -1,0 +1,330 @@
+"""Pulses on pins: what lgpio is given, what comes out of it, and what the module and motor make of that."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fake_lgpio import FakeLgpio
+from ross_payload.actuators.gpio_wire import GpioPulses, pins_of, wave
+from ross_payload.actuators.guard import Guard
+from ross_payload.actuators.pulses import EDGE, Level, Line, Played, RanOut, Segment
+from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.actuators.wires import open_wire
+from ross_payload.config import Config
+from ross_payload.errors import ConfigError, LinkError
+from ross_payload.interfaces import Services
+from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.tb6600 import Tb6600FarEnd, far_end
+
+URL = "pulses:lgpio:0:17,27,22"
+SWITCH_PIN = 23
+
+
+class Bench:
+    """The driver on pins, the module and the motor on the same pins, in simulated time."""
+
+    def __init__(self, phase: float = 0.0, **options: Any) -> None:
+        options = {"port": URL} | options
+        config = Config.model_validate({"actuator": {"kind": "tb6600", "options": options}})
+        self.clock = SimClock()
+        self.gpio = FakeLgpio(self.clock, phase)
+        self.far: Tb6600FarEnd = far_end.make(checked_options(config))
+        self.clock.before_calls(self._carry)
+        self.guard: Guard = open_actuator(config, Services(self.clock, self.open_port))
+        self.guard.__enter__()
+        self.clock.every(QUANTUM, lambda: self.guard.poll(self.clock.now()))
+        self.clock.sleep(0.2)
+
+    def open_port(self, url: str) -> GpioPulses:
+        return GpioPulses(self.gpio, pins_of(url), self.clock)
+
+    def _carry(self, now: float) -> None:
+        edges = self.gpio.new_edges()
+        self.far.port.send(Segment(0.0, now, edges))
+        self.far.advance(now)
+        for report in self.far.port.receive():
+            if isinstance(report, Level):
+                self.gpio.inputs[SWITCH_PIN] = int(report.level)
+
+    def go(self, goal_deg: float, duration: float = 5.0) -> Bench:
+        self.guard.command(math.radians(goal_deg))
+        self.clock.sleep(duration)
+        return self
+
+    @property
+    def true_deg(self) -> float:
+        return math.degrees(self.far.angle())
+
+
+@pytest.fixture
+def clock() -> SimClock:
+    return SimClock()
+
+
+@pytest.fixture
+def gpio(clock: SimClock) -> FakeLgpio:
+    return FakeLgpio(clock)
+
+
+@pytest.fixture
+def port(gpio: FakeLgpio, clock: SimClock) -> GpioPulses:
+    return GpioPulses(gpio, pins_of(URL), clock)
+
+
+def segment(start: float, duration: float, *edges: tuple[float, Line, bool]) -> Segment:
+    return Segment(start, duration, np.array(list(edges), dtype=EDGE))
+
+
+def pulse(time: float) -> tuple[tuple[float, Line, bool], ...]:
+    return (time, Line.STEP, True), (time + 10e-6, Line.STEP, False)
+
+
+# ------------------------------------------------------------------------------------------ waves
+
+
+def test_a_wave_waits_until_the_first_edge_and_after_the_last() -> None:
+    pulses, end = wave(segment(5.0, 0.01, *pulse(0.002)), origin=5.0, written=0)
+    assert pulses == [(0, 0, 2000), (1, 1, 10), (0, 1, 7990)]
+    assert end == 10_000
+
+
+def test_edges_of_one_microsecond_become_one_pulse_that_touches_only_their_lines() -> None:
+    together = segment(0.0, 1e-3, (0.0, Line.DIRECTION, True), (0.0, Line.ENABLE, False))
+    assert wave(together, 0.0, 0)[0] == [(0b010, 0b110, 1000)]
+
+
+def test_a_segment_without_edges_is_a_rest() -> None:
+    assert wave(segment(1.5, 0.25), origin=1.0, written=500_000) == ([(0, 0, 250_000)], 750_000)
+
+
+times = st.lists(st.floats(5e-6, 0.01), min_size=1, max_size=30).map(np.cumsum)
+
+
+@given(times, st.floats(0, 1e5), st.integers(1, 20))
+def test_rounding_never_adds_up_and_waves_of_a_stream_fit_together(ends: np.ndarray, origin: float, n: int) -> None:
+    """Each edge is within a microsecond of its time, whatever stretches the stream is cut into."""
+    written, total, found = 0, 0, []
+    for begin, end in zip(np.concatenate([[0.0], ends]), ends, strict=False):
+        edges = np.linspace(0, end - begin, n, endpoint=False)
+        lines = [(time, Line.STEP, index % 2 == 0) for index, time in enumerate(edges)]
+        pulses, written = wave(segment(origin + begin, end - begin, *lines), origin, written)
+        for _, mask, delay in pulses:
+            found += [total] * bool(mask)
+            assert delay >= 0
+            total += delay
+    assert total == written
+    assert written == pytest.approx(ends[-1] * 1e6, abs=0.6)
+    assert len(found) <= n * len(ends)
+
+
+@given(st.floats(0, 1e6), st.floats(0, 1), st.integers(1, 1000))
+def test_edges_whole_microseconds_and_a_trifle_apart_stay_so_far_apart(start: float, first: float, gap: int) -> None:
+    edges = segment(start, 2.0, (first, Line.STEP, True), (first + gap * 1e-6 + 1e-8, Line.STEP, False))
+    pulses, _ = wave(edges, start, 0)
+    assert next(delay for bits, mask, delay in pulses if bits & mask) >= gap
+
+
+# ------------------------------------------------------------------------------------------ the port
+
+
+def test_the_lines_are_claimed_with_the_level_that_the_first_segment_wants(gpio: FakeLgpio, port: GpioPulses) -> None:
+    assert gpio.claimed == []
+    port.send(segment(0.0, 0.005, (0.0, Line.ENABLE, True)))
+    assert gpio.claimed == [([17, 27, 22], [0, 0, 1])]
+
+
+def test_segments_that_follow_one_another_come_out_without_a_gap(
+    gpio: FakeLgpio, port: GpioPulses, clock: SimClock
+) -> None:
+    for index in range(8):
+        port.send(segment(index * 0.0101, 0.0101, *pulse(0.0)))
+        if index > 1:
+            clock.sleep(0.01)
+    clock.sleep(0.2)
+    port.receive()
+    rises = [time for time, line, level in gpio.edges if (line, level) == (Line.STEP, 1)]
+    assert np.diff(rises).tolist() == [10_100] * 7
+    assert len(gpio.starts) == 1
+
+
+def test_a_segment_is_reported_when_it_is_out_and_not_before(port: GpioPulses, clock: SimClock) -> None:
+    port.send(segment(0.0, 0.03, *pulse(0.0)))
+    seen = []
+    for _ in range(8):
+        clock.sleep(0.01)
+        seen.append(port.receive())
+    assert seen[:4] == [[]] * 4  # the thread wakes at 20 ms
+    assert seen[4] == [Played(0.03)]
+    assert seen[5:] == [[]] * 3
+
+
+def test_more_segments_than_the_library_takes_wait_for_room(gpio: FakeLgpio, port: GpioPulses, clock: SimClock) -> None:
+    for index in range(25):
+        port.send(segment(index * 0.002, 0.002, *pulse(0.0)))
+    assert gpio.most == 10
+    for _ in range(10):
+        clock.sleep(0.01)
+        port.receive()
+    assert sum(level for _, line, level in gpio.edges if line == Line.STEP) == 25
+
+
+def test_a_stream_that_ran_dry_takes_no_step_until_it_is_told_anew(
+    gpio: FakeLgpio, port: GpioPulses, clock: SimClock
+) -> None:
+    port.send(segment(0.0, 0.01, *pulse(0.0)))
+    clock.sleep(0.05)
+    port.send(segment(0.01, 0.01, (0.0, Line.DIRECTION, True), *pulse(0.001)))
+    assert port.receive() == [Played(0.01), RanOut(0.02)]
+    clock.sleep(0.05)
+    assert port.receive() == [Played(0.02)]
+    assert sum(level for _, line, level in gpio.edges if line == Line.STEP) == 1
+    assert gpio.edges[-1][1:] == (Line.DIRECTION, 1)
+    port.send(segment(clock.now(), 0.01, *pulse(0.001)))
+    clock.sleep(0.05)
+    assert port.receive() == [Played(0.11)]
+    assert sum(level for _, line, level in gpio.edges if line == Line.STEP) == 2
+
+
+def test_closing_waits_until_the_last_edge_is_out_and_gives_the_chip_back(
+    gpio: FakeLgpio, port: GpioPulses, clock: SimClock
+) -> None:
+    for index in range(20):
+        port.send(segment(index * 0.1, 0.1, *pulse(0.05)))
+    port.close()
+    port.close()
+    assert sum(level for _, line, level in gpio.edges if line == Line.STEP) == 20
+    assert gpio.open_handles == 0
+    assert 2.0 <= clock.now() <= 2.1
+    assert port.receive() == []
+    with pytest.raises(LinkError, match="closed"):
+        port.send(segment(3.0, 0.01))
+
+
+def test_a_switch_is_read_at_every_look_with_its_pull_up(gpio: FakeLgpio, clock: SimClock) -> None:
+    port = GpioPulses(gpio, pins_of(f"{URL},{SWITCH_PIN}"), clock)
+    assert gpio.flags == {SWITCH_PIN: FakeLgpio.SET_PULL_UP}
+    clock.sleep(0.01)
+    gpio.inputs[SWITCH_PIN] = 0
+    assert port.receive() == [Level(Line.HOME, False, 0.01)]
+
+
+@pytest.mark.parametrize(
+    ("url", "words"),
+    [
+        (f"{URL},{SWITCH_PIN},5", "wanted pulses:lgpio:CHIP:STEP,DIRECTION,ENABLE"),
+        ("pulses:lgpio:17,27,22", "wanted pulses:lgpio:CHIP"),
+        ("pulses:lgpio:0:17,x,22", "all numbers"),
+        ("pulses:lgpio:0:17,27,17", "a line twice"),
+    ],
+)
+def test_a_url_that_names_no_pins_is_one_clear_line(url: str, words: str) -> None:
+    with pytest.raises(ConfigError, match=words):
+        open_wire(url, SimClock())
+
+
+def test_no_chip_and_a_line_that_is_taken_are_one_clear_line_and_leave_nothing_open(clock: SimClock) -> None:
+    gpio = FakeLgpio(clock, taken=(22, SWITCH_PIN))
+    with pytest.raises(LinkError, match=r"/dev/gpiochip3: can not open gpiochip: is it there"):
+        GpioPulses(gpio, pins_of("pulses:lgpio:3:17,27,22"), clock)
+    with pytest.raises(LinkError, match="/dev/gpiochip0: GPIO busy"):
+        GpioPulses(gpio, pins_of(f"{URL},{SWITCH_PIN}"), clock)
+    assert gpio.open_handles == 0
+    with pytest.raises(LinkError, match="/dev/gpiochip0: GPIO busy"):
+        GpioPulses(gpio, pins_of(URL), clock).send(segment(0.0, 0.01))
+
+
+def test_options_that_do_not_fit_pins_are_refused() -> None:
+    with pytest.raises(ConfigError, match="wanted at most 40"):
+        Bench(ahead_ms=50)
+    with pytest.raises(ConfigError, match="wants a HOME line"):
+        Bench(zero="switch")
+
+
+# ------------------------------------------------------------------------------------------ the whole way
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.003, 0.0199])
+@pytest.mark.parametrize("options", [{}, {"invert_direction": True, "enable_means_off": False, "gear_ratio": 3.0}])
+def test_a_move_on_pins_ends_at_its_goal_with_the_module_s_timing_kept(phase: float, options: dict[str, Any]) -> None:
+    bench = Bench(phase, **options).go(90.0).go(-45.0)
+    assert bench.true_deg == pytest.approx(-45.0, abs=1e-9)
+    assert bench.far.complaints() == []
+    assert bench.guard.state().settled
+    assert bench.gpio.most <= 8  # 60 ms: what is handed over ahead, and until the thread wakes
+
+
+def test_a_stop_on_pins_travels_the_braking_distance_and_100_ms_at_most() -> None:
+    bench = Bench()
+    bench.guard.command(math.radians(190))
+    bench.clock.sleep(1.0)
+    here, rate = bench.true_deg, math.degrees(bench.guard.state().rate)
+    bench.guard.stop()
+    bench.clock.sleep(3.0)
+    assert rate**2 / (2 * 112.5) * 0.9 < bench.true_deg - here <= rate**2 / (2 * 112.5) + 0.1 * (rate + 112.5 * 0.05)
+    assert bench.far.complaints() == []
+
+
+def test_closing_in_mid_move_decelerates_and_opening_again_sends_direction_and_enable_anew() -> None:
+    bench = Bench()
+    bench.guard.command(math.radians(190))
+    bench.clock.sleep(1.0)
+    here = bench.true_deg
+    bench.guard.__exit__(None, None, None)
+    assert bench.true_deg - here > 40
+    assert bench.gpio.open_handles == 0
+    bench.guard.__enter__()
+    bench.clock.sleep(0.2)
+    assert bench.gpio.claimed[-1] == ([17, 27, 22], [0, 0, 0])
+    bench.go(190.0)
+    assert bench.true_deg == pytest.approx(190.0, abs=0.06)
+    assert bench.far.complaints() == []
+
+
+def test_homing_on_pins_finds_the_switch() -> None:
+    bench = Bench(port=f"{URL},{SWITCH_PIN}", zero="switch", home_offset_deg=-15.0)
+    bench.guard.home()
+    bench.clock.sleep(12.0)
+    assert bench.guard.state().homed
+    assert bench.go(30.0).true_deg == pytest.approx(30.0, abs=0.12)
+    assert bench.far.complaints() == []
+
+
+def test_a_process_that_dies_at_full_speed_stops_the_edges_at_once() -> None:
+    """The thread of the library dies with it; a light array then falls into step where the windings stand."""
+    bench = Bench()
+    bench.guard.command(math.radians(190))
+    bench.clock.sleep(1.5)
+    bench.gpio.gpiochip_close(0)
+    here = bench.true_deg
+    bench.guard.poll = lambda now: None  # type: ignore[method-assign]
+    bench.clock.sleep(2.0)
+    assert bench.true_deg - here < 7.2 + 1.8
+
+
+step = st.tuples(st.floats(-199, 199), st.floats(1, 400), st.integers(1, 80), st.booleans())
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    steps=st.lists(step, min_size=1, max_size=5), microsteps=st.sampled_from([1, 4, 16, 32]), phase=st.floats(0, 0.02)
+)
+def test_no_sequence_of_goals_and_stops_breaks_the_module_s_timing_on_pins(
+    steps: list[tuple[float, float, int, bool]], microsteps: int, phase: float
+) -> None:
+    bench = Bench(phase, microsteps=microsteps)
+    for goal, rate, quanta, stop in steps:
+        bench.guard.command(math.radians(goal), math.radians(rate))
+        bench.clock.sleep(quanta * QUANTUM)
+        if stop:
+            bench.guard.stop()
+            bench.guard.rearm()
+    bench.guard.stop()
+    bench.clock.sleep(3.0)
+    assert bench.far.complaints() == []
+    assert bench.far.angle() == pytest.approx(bench.guard.state().angle, abs=1e-9)
