@@ -96,7 +96,7 @@ class CanWire:
             return _at_hub(url)
         parts = _URL.fullmatch(url)
         if parts is None:
-            ways = "can:INTERFACE:CHANNEL[:BITRATE], can:tcp:HOST:PORT or can:socketcand:HOST:PORT[:CHANNEL]"
+            ways = "can:INTERFACE:CHANNEL[:BITRATE] or can:tcp:HOST:PORT, or can:socketcand:HOST:PORT[:CHANNEL]"
             raise ConfigError(f"wire '{url}': wanted {ways}")
         return _joined(url, parts)
 

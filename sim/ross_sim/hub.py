@@ -47,8 +47,10 @@ class Hub:
         async with server:
             told(server.sockets[0].getsockname()[1])
             await ended.wait()
-            for client in tuple(self._clients):
+            for client in self._clients:
                 client.writer.transport.abort()
+            while self._clients:
+                await asyncio.sleep(0)
 
     async def _attend(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         client = _Client(writer)
