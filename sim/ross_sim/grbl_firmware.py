@@ -12,8 +12,9 @@ from collections.abc import Callable, Generator
 
 from ross_protocols.grbl import HOMING, IDLE_DELAY, SOFT_LIMITS, State
 from ross_sim.grbl_gcode import Line, Modes, Refused, understood
-from ross_sim.grbl_planner import Axis, Motion
-from ross_sim.grbl_settings import DEVIATION, DIRECTION, LOCATE, PULL_OFF, SEEK, Settings
+from ross_sim.grbl_homing import homing
+from ross_sim.grbl_planner import Motion
+from ross_sim.grbl_settings import DEVIATION, Settings
 
 RECEIVE_BUFFER = 128  # [bytes]
 LONGEST = 80  # line [bytes]
@@ -46,6 +47,7 @@ class Firmware:
         self._turning = axes.index(turning)
         self._switch = switch
         self.motion = Motion(self.settings.axes, self.settings[DEVIATION])
+        self._asked = self._cancelling = False
         self._begin(self._locked)
 
     def boot(self) -> None:
@@ -86,7 +88,7 @@ class Firmware:
             self._asked = False
             self._say(self._report())
         if self._homing is not None:
-            next(self._homing, None)
+            self._home(self._homing)
         else:
             self._read()
         before, after = self.motion.piece()
@@ -107,9 +109,8 @@ class Firmware:
         self._modes = Modes()
         self._received: deque[int] = deque()
         self._line = bytearray()
-        self._asked: bool = False
-        self._cancelling: bool = False
-        self._homing: Generator[None, None, None] | None = None
+        self._asked = self._cancelling = False
+        self._homing: Generator[None, None, int] | None = None
         self._told = 0  # reports, which tell more now and then
         self._say(BANNER)
         if state is State.ALARM:
@@ -143,6 +144,17 @@ class Firmware:
         self.state, self._homing = State.ALARM, None
         self._say(f"ALARM:{number}")
 
+    def _home(self, cycle: Generator[None, None, int]) -> None:
+        try:
+            next(cycle)
+        except StopIteration as over:
+            if over.value:
+                self._alarm(over.value)
+                self._begin(State.ALARM)
+            else:
+                self.state, self._homing = State.IDLE, None
+                self._say("ok")
+
     def _come_to_rest(self) -> None:
         if self.state is State.HOLD:
             return
@@ -155,7 +167,7 @@ class Firmware:
 
     def _read(self) -> None:
         """Take lines out of the buffer for as long as there is room for what they order."""
-        while self._received and self.motion.free and self._homing is None:
+        while self._received and self.motion.free and self.state not in (State.HOME, State.SLEEP):
             byte = self._received.popleft()
             if byte not in b"\r\n":
                 self._line.append(byte)
@@ -203,7 +215,8 @@ class Firmware:
         elif command == "H":
             if not self.settings[HOMING]:
                 raise Refused(5)
-            self.state, self._homing = State.HOME, self._home()
+            self.state = State.HOME
+            self._homing = homing(self.motion, self.settings, self._turning, self._switch)
         elif command == "SLP":
             self.state = State.SLEEP
             self._say("[MSG:Sleeping]")
@@ -248,38 +261,6 @@ class Firmware:
                 target[n] = steps if absolute else target[n] + steps
         return target
 
-    # ------------------------------------------------------------------------------------------ homing
-
-    def _home(self) -> Generator[None, None, None]:
-        """Seek the switch, pull off, find it again slowly, pull off; the position is then known."""
-        sign = -1 if int(self.settings[DIRECTION]) >> self._turning & 1 else 1
-        travel, pull_off = self.settings.travels[self._turning], self.settings[PULL_OFF]
-        trouble = 0
-        for rate, search in ((self.settings[SEEK], 1.5 * travel), (self.settings[LOCATE], 5 * pull_off)):
-            self._go(sign * search, rate)
-            while self.motion.moving and not self._switch():
-                yield
-            trouble = trouble or (0 if self._switch() else 9)
-            self.motion.clear()
-            self._go(-sign * pull_off, rate)
-            while self.motion.moving:
-                yield
-            trouble = trouble or (8 if self._switch() else 0)
-        if trouble:
-            self._alarm(trouble)
-            self._begin(State.ALARM)
-            return
-        place = list(self.motion.position)
-        place[self._turning] = round((-pull_off if sign > 0 else pull_off - travel) * self._axis.steps)
-        self.motion.place(place)
-        self.state, self._homing = State.IDLE, None
-        self._say("ok")
-
-    def _go(self, distance: float, rate: float) -> None:
-        target = list(self.motion.position)
-        target[self._turning] += round(distance * self._axis.steps)
-        self.motion.add(target, rate)
-
     # ------------------------------------------------------------------------------------------ words
 
     def _report(self) -> str:
@@ -296,7 +277,3 @@ class Firmware:
     def _say(self, *lines: str) -> None:
         for line in lines:
             self.out += line.encode() + b"\r\n"
-
-    @property
-    def _axis(self) -> Axis:
-        return self.motion.axes[self._turning]

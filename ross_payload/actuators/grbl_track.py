@@ -1,0 +1,102 @@
+"""What grbl's reports say about the turn: where it is, how fast, since when at rest, and whether it is our move."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+from ross_protocols.grbl import Report, State
+
+AHEAD = 0.05  # the speed in a report is that of the motor so much later: grbl prepares its steps [s]
+MOVING = (State.JOG, State.RUN, State.HOLD, State.HOME)
+TREMBLE = 2  # steps by which a report may be off without being impossible
+
+
+class Track:
+    """Follows the reports of one axis.
+
+    Parameters
+    ----------
+    index
+        Of the axis.
+    resolution
+        One step [rad].
+    """
+
+    def __init__(self, index: int, resolution: float) -> None:
+        self._index = index
+        self._resolution = resolution
+        self._speeds: deque[tuple[float, float]] = deque(maxlen=8)  # time [s], [rad/s]
+        self._nearest = math.inf  # to the goal so far [steps]
+        self.count: int | None = None  # grbl's counter
+        self.direction = 1
+        self.rate = 0.0  # [rad/s]
+        self.goal: int | None = None  # of a jog that is to arrive [steps]
+        self.ours = False  # whether what moves is our doing
+        self.still_since = math.inf  # [s]
+
+    def possible(self, report: Report, elapsed: float, fastest: float) -> bool:
+        """Whether the axis can be there, after ``elapsed`` [s] at ``fastest`` [rad/s] at most."""
+        count = self.count_of(report)
+        if count is None or self.count is None:
+            return count is not None
+        return abs(count - self.count) * self._resolution <= fastest * elapsed + TREMBLE * self._resolution
+
+    def count_of(self, report: Report) -> int | None:
+        """Return the counter that a report tells; None when it tells none of this axis."""
+        if report.machine is None or len(report.machine) <= self._index:
+            return None
+        return round(report.machine[self._index] / self._resolution)
+
+    def follow(self, report: Report, time: float) -> str:
+        """Take in a report made at ``time`` [s]; say what is strange about it."""
+        count, before = self.count_of(report), self.count
+        if count is None:
+            return "grbl tells no machine position of this axis"
+        moved = 0 if before is None else count - before
+        if moved:
+            self.direction = 1 if moved > 0 else -1
+        at_rest = report.state not in MOVING
+        if not at_rest or moved:
+            self.still_since = math.inf
+        elif math.isinf(self.still_since):
+            self.still_since = time
+        self.count = count
+        self._speeds.append((time, report.speed or 0.0))
+        self.rate = 0.0 if at_rest else self.direction * self._speed(time - AHEAD)
+        return self._strange(report, moved)
+
+    def begin(self, goal: int, now: float) -> None:
+        """Expect a jog of ours to ``goal`` [steps]; it is prepared at once, and so is told to be fast at once."""
+        here = goal if self.count is None else self.count
+        self.goal, self._nearest, self.still_since, self.ours = goal, abs(goal - here), math.inf, True
+        self.direction = 1 if goal >= here else -1
+        while self._speeds and self._speeds[-1][0] >= now - AHEAD:
+            self._speeds.pop()
+        self._speeds.append((now - AHEAD, 0.0))
+
+    def _speed(self, time: float) -> float:
+        """Return the speed told at ``time`` [s], between two reports where it must be [rad/s]."""
+        later = self._speeds[0]
+        if time <= later[0]:
+            return later[1]
+        for earlier, later in zip(self._speeds, list(self._speeds)[1:], strict=False):
+            if time <= later[0]:
+                part = (time - earlier[0]) / (later[0] - earlier[0])
+                return earlier[1] + part * (later[1] - earlier[1])
+        return later[1]
+
+    def _strange(self, report: Report, moved: int) -> str:
+        if report.state in (State.RUN, State.CHECK):
+            return f"somebody else runs a program: grbl says {report.state}"
+        if report.state in (State.HOLD, State.DOOR):
+            return f"grbl has stopped: {report.doing}"
+        if not self.ours and (report.state is State.JOG or moved):
+            return "somebody else moves grbl"
+        if self.goal is None or self.count is None:
+            return ""
+        away = abs(self.goal - self.count)
+        if away > self._nearest + TREMBLE:
+            return "somebody else moves grbl: it goes away from our goal"
+        self._nearest = min(self._nearest, away)
+        return ""
