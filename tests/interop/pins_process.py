@@ -1,0 +1,45 @@
+"""Turn by 90 degrees on pins with the real lgpio, run with a preloaded chip; prints what was planned, as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from itertools import pairwise
+
+import numpy as np
+
+from ross_payload.actuators.motion import Trapezoid
+from ross_payload.actuators.pulses import EDGE, Level, Line, Played, Segment
+from ross_payload.actuators.steps import Interface, Wires, train
+from ross_payload.actuators.wires import open_wire
+from ross_payload.clock import SystemClock
+
+PIECE = 0.1  # [s]
+
+
+def main() -> None:
+    clock = SystemClock()
+    port = open_wire("pulses:lgpio:0:17,27,22,23", clock)
+    start = clock.now()
+    interface = Interface(width=10e-6, setup=20e-6, hold=20e-6, period=67e-6)
+    laid = train(Trapezoid(0.0, math.pi / 2, math.radians(225), 6.0), start, Wires(), interface, math.radians(0.1125))
+    enable = np.array([(start, Line.ENABLE, True)], dtype=EDGE)
+    edges = np.concatenate([enable, laid.edges])
+    cuts = np.append(np.arange(start, laid.end, PIECE), laid.end)
+    for begin, end in pairwise(cuts):
+        piece = edges[(edges["time"] >= begin) & ((edges["time"] < end) | (end == laid.end))].copy()
+        piece["time"] -= begin
+        port.send(Segment(begin, end - begin, piece))
+    reports = []
+    while len(reports) < len(cuts) - 1 and clock.now() < laid.end + 20:
+        clock.sleep(0.01)
+        arrived = port.receive()
+        assert Level(Line.HOME, True, arrived[-1].time) == arrived[-1]
+        reports += [(report.end, clock.now()) for report in arrived if isinstance(report, Played)]
+    port.close()
+    planned = [(float(time), int(line), bool(level)) for time, line, level in edges]
+    json.dump({"planned": planned, "reports": reports, "cuts": cuts.tolist()}, sys.stdout)
+
+
+main()
