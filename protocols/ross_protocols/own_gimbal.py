@@ -22,6 +22,7 @@ PITCHYAW = 1000  # command
 RETRACT, NEUTRAL = 1, 2  # flags
 HAS_RETRACT, HAS_NEUTRAL, HAS_YAW, HAS_FOLLOW, HAS_LOCK, HAS_EARTH_FRAME = 1, 2, 256, 512, 1024, 4096  # capabilities
 AT_YAW_LIMIT, ENCODER, MOTOR, COMMS = 4, 8, 32, 128  # failure flags
+FAULTS = ENCODER | MOTOR | COMMS
 VENDOR = b"RoSS"
 
 
@@ -96,12 +97,11 @@ def set_point_of(message: Any) -> SetPoint | None:
     return SetPoint(target, getattr(message, "gimbal_device_id", 0), aim_of(message.flags, yaw, rate))
 
 
-def commanded(command: Command) -> tuple[float, Aim | None]:
-    """Return the device id of a pitch-yaw command, and what it asks for."""
+def commanded(command: Command) -> Aim | None:
+    """Return what a pitch-yaw command asks for; None: nothing about yaw."""
     yaw, rate = (math.radians(number) for number in (command.numbers[1], command.numbers[3]))
     flags = command.numbers[4]
-    aim = aim_of(int(flags), yaw, rate) if math.isfinite(flags) and flags >= 0 else None
-    return command.numbers[6], aim
+    return aim_of(int(flags), yaw, rate) if math.isfinite(flags) and flags >= 0 else None
 
 
 def aim_of(flags: int, yaw: float, rate: float) -> Aim | None:

@@ -6,16 +6,17 @@ import math
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ross_payload.config.base import Degrees, Model, Positive, Table, read_toml, validated
 from ross_payload.config.body import Actuator, Array, Audio, Guard, Mount
 from ross_payload.config.can import Dronecan
-from ross_payload.config.ground import Link, Recording, Service, Telemetry
+from ross_payload.config.ground import Gimbal, Link, Recording, Service, Telemetry
 from ross_payload.config.mission import APART_DEG, Exploit, Explore, Informed
 
 __all__ = [
-    "APART_DEG", "Actuator", "Array", "Audio", "Config", "Degrees", "Dronecan", "Exploit", "Explore", "Guard",
+    "APART_DEG", "Actuator", "Array", "Audio", "Config", "Degrees", "Dronecan", "Exploit", "Explore",
+    "Gimbal", "Guard",
     "Informed", "Link", "Model", "Mount", "Positive", "Recording", "Service", "Table", "Telemetry", "as_in_paper",
     "load", "read_toml", "validated",
 ]  # fmt: skip
@@ -34,10 +35,20 @@ class Config(Table):
     exploit: Exploit = Exploit()
     links: tuple[Link, ...] = ()
     telemetry: Telemetry = Telemetry()
+    gimbal: Gimbal = Gimbal()
     dronecan: Dronecan = Dronecan()
     service: Service = Service()
     recording: Recording = Recording()
     seed: Annotated[int, Field(ge=0)] = 0
+
+    @model_validator(mode="after")
+    def _one_gimbal(self) -> Config:
+        mode, number = self.gimbal.mode, self.gimbal.component_id
+        if mode != "off" and self.actuator.kind == "mavlink_gimbal":
+            raise ValueError(f"gimbal.mode = '{mode}': wanted 'off', for a mavlink_gimbal shows itself")
+        if mode != "off" and number == self.telemetry.component_id:
+            raise ValueError(f"gimbal.component_id = {number}: wanted another one than telemetry.component_id")
+        return self
 
     @property
     def hop(self) -> int:

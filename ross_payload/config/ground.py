@@ -34,6 +34,15 @@ class Telemetry(Table):
     mirror_hz: Annotated[float, Field(ge=0, le=10)] = 1.0  # NAMED_VALUE_FLOAT and DEBUG_FLOAT_ARRAY; 0: never
 
 
+class Gimbal(Table):
+    """[gimbal]: the array as a MAVLink gimbal, which shows where it points and may be pointed by hand."""
+
+    mode: Literal["off", "standalone", "device"] = (
+        "off"  # standalone: we are its manager, too; device: the autopilot is; with mavlink_gimbal only off
+    )
+    component_id: Literal[0, 154, 171, 172, 173, 174, 175] = 0  # 0: 154, or the next one that nobody has
+
+
 class Service(Table):
     """[service]: how `ross run` lives."""
 

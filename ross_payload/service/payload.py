@@ -18,6 +18,7 @@ from ross_payload.actuators.registry import open_actuator
 from ross_payload.audio.health import HealthMonitor
 from ross_payload.audio.live import Watched
 from ross_payload.config import Config
+from ross_payload.gimbal import Gimbal
 from ross_payload.interfaces import AudioSource, Clock, Mount, Port, Services, VoicePrint
 from ross_payload.links import Links
 from ross_payload.logs import Changes
@@ -89,6 +90,8 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         component = parts.links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.sent(parts.timebase.usec(), frame))
         runner.observers = [ears, telemetry, recorder, *observers]
+        if config.gimbal.mode != "off":
+            runner.observers.append(stack.enter_context(_gimbal(parts, actuator, runner, recorder)))
         if aboard is not None:
             speaking = aboard.speaking(
                 parts.parameters, actuator, parts.timebase, give=runner.order, restart=parts.restart
@@ -128,6 +131,18 @@ def beginning(session: Session, actuator: Guard, config: Config) -> Beginning | 
     travel = actuator.capabilities
     voice = config.service.target
     return Beginning("session", session.config, travel.lower, travel.upper, voice, session.memory)
+
+
+def _gimbal(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder) -> Gimbal:
+    return Gimbal(
+        parts.parameters.config,
+        parts.clock,
+        parts.links,
+        actuator,
+        parts.mount,
+        give=runner.order,
+        tap=lambda frame: recorder.sent(parts.timebase.usec(), frame),
+    )
 
 
 def _telemetry(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder, ears: HealthMonitor) -> Telemetry:

@@ -56,24 +56,32 @@ class Streams(Protocol):
 
 
 class Requests:
-    """Obeys the commands that ask for messages; `CommandServer` acknowledges them."""
+    """Obeys the commands that ask for messages; whoever calls acknowledges them.
 
-    def __init__(self, endpoint: Endpoint, streams: Streams) -> None:
+    ``made`` makes what there is only on request, by message id; None: what the payload itself has.
+    """
+
+    def __init__(
+        self, endpoint: Endpoint, streams: Streams, made: Mapping[int, Callable[[], Any]] | None = None
+    ) -> None:
         self._endpoint = endpoint
         self._streams = streams
         self._allowance = Allowance(BURST, RATE)
         self._now = 0.0
-        content = files()
-        self._made: Mapping[int, Callable[[], Any]] = {
-            VERSION: version_message,
-            PROTOCOL: protocol_message,
-            METADATA: lambda: metadata_message(content, self._now),
-        }
+        self._made = self._of_the_payload() if made is None else made
         self._commands: Mapping[int, Callable[[Command, str], Verdict]] = {
             REQUEST_MESSAGE: self._request,
             SET_INTERVAL: self._set_interval,
             GET_INTERVAL: self._get_interval,
-            **dict.fromkeys(OLD_REQUESTS, self._old_request),
+            **{old: self._old_request for old, number in OLD_REQUESTS.items() if number in self._made},
+        }
+
+    def _of_the_payload(self) -> Mapping[int, Callable[[], Any]]:
+        content = files()
+        return {
+            VERSION: version_message,
+            PROTOCOL: protocol_message,
+            METADATA: lambda: metadata_message(content, self._now),
         }
 
     def obey(self, command: Command, link: str, now: float) -> Verdict | None:

@@ -1,0 +1,112 @@
+"""Set-points of somebody to orders for the mission: given once, renewed as long as they are fresh."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import count
+
+from ross_payload.angles import wrap
+from ross_payload.orders import Cancel, Order, Point
+from ross_protocols.gimbal import Address
+from ross_protocols.own_gimbal import Aim, Rest
+
+SAME = math.radians(0.05)  # [rad]: what is asked for anew is no other set-point
+CHANGE = math.radians(1.0)  # [rad]: what somebody has said for long is an order when it changes by more
+SENDERS = 16  # whose set-points are remembered
+
+
+def alike(one: Aim, other: Aim, within: float) -> bool:
+    """Tell whether two aims ask for the same, their yaws ``within`` so much [rad]."""
+    if (one.earth, one.rest, one.rate, one.yaw is None) != (other.earth, other.rest, other.rate, other.yaw is None):
+        return False
+    return one.yaw is None or other.yaw is None or abs(wrap(one.yaw - other.yaw)) <= within
+
+
+class Said:
+    """What somebody said when it could not be obeyed: only a change of it is an order.
+
+    >>> said, who = Said(), (1, 1)
+    >>> said.note(who, Aim(1.0))
+    >>> said.is_news(who, Aim(1.0)), said.is_news(who, Aim(1.1)), said.is_news(who, Aim(1.0))
+    (False, True, True)
+    """
+
+    def __init__(self) -> None:
+        self._past: dict[Address, Aim] = {}
+
+    def note(self, who: Address, aim: Aim) -> None:
+        """Remember what somebody says in vain."""
+        self.forget(who)
+        self._past[who] = aim
+        if len(self._past) > SENDERS:
+            self.forget(next(iter(self._past)))
+
+    def forget(self, who: Address) -> None:
+        """Take whatever somebody says next for an order."""
+        self._past.pop(who, None)
+
+    def is_news(self, who: Address, aim: Aim) -> bool:
+        """Tell whether somebody says something else than what could not be obeyed; then all that follows is news."""
+        if who in self._past and alike(aim, self._past[who], CHANGE):
+            return False
+        self.forget(who)
+        return True
+
+
+class Hand:
+    """Gives the mission what is asked for.
+
+    Parameters
+    ----------
+    give
+        Hands an order to the runner.
+    park
+        Joint angle of the retracted position [rad].
+    """
+
+    def __init__(self, give: Callable[[Order], None], park: float) -> None:
+        self.aim: Aim | None = None  # in force
+        self._give = give
+        self._park = park
+        self._numbers = count(-1, -1)
+        self._fresh = math.inf  # until then a rate counts [s]
+
+    def point(self, aim: Aim, offset: float, until: float) -> None:
+        """Ask for an aim; ``offset`` is the yaw at joint angle 0 [rad], a rate alone counts ``until`` then [s]."""
+        self._fresh = until if aim.yaw is None and aim.rate else math.inf
+        if self.aim is None or not alike(aim, self.aim, SAME):
+            self.aim = aim
+            self._give(self._order(aim, offset))
+
+    def still(self) -> None:
+        """Ask for rest."""
+        if self.aim is not None:
+            self.forget()
+            self._give(Point(rate=0.0, number=next(self._numbers)))
+
+    def cancel(self) -> int:
+        """End the task that runs; return the number of the order."""
+        number = next(self._numbers)
+        self.forget()
+        self._give(Cancel(number=number))
+        return number
+
+    def forget(self) -> None:
+        """Nothing is in force any more."""
+        self.aim, self._fresh = None, math.inf
+
+    def tick(self, now: float) -> None:
+        """End a rate that nobody has renewed."""
+        if now > self._fresh:
+            self.still()
+
+    def _order(self, aim: Aim, offset: float) -> Point:
+        number = next(self._numbers)
+        if aim.rest is not None:
+            return Point(joint=self._park if aim.rest is Rest.RETRACTED else -offset, number=number)
+        if aim.yaw is None:
+            return Point(rate=aim.rate, number=number)
+        if aim.earth:
+            return Point(heading=aim.yaw, rate=aim.rate, number=number)
+        return Point(joint=wrap(aim.yaw - offset), rate=aim.rate, number=number)

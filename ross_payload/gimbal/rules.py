@@ -1,0 +1,116 @@
+"""Who is obeyed when. The last explicit act counts: an order for a task, or taking control; what streams does not.
+
+- While a task of the mission runs, the mission is in control, and nobody else points.
+- Taking control by CONFIGURE ends the task. The array is at rest, and the mission does not go on by itself.
+- Ordering a task takes control back from whoever had it.
+- A set-point that was said in vain is not obeyed later, unless it changes.
+- A rate counts as long as somebody renews it.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import replace
+
+from ross_payload.events import Answer, Answered, Event
+from ross_payload.gimbal.body import Body
+from ross_payload.gimbal.control import NOBODY, Control
+from ross_payload.gimbal.hand import Hand, Said
+from ross_payload.gimbal.watch import Watch
+from ross_payload.orders import Order
+from ross_payload.telemetry.requests import ACCEPTED, Verdict
+from ross_protocols.commands import Result
+from ross_protocols.gimbal import Address
+from ross_protocols.own_gimbal import Aim
+
+FAILED = (Answer.REFUSED, Answer.FAILED, Answer.CANCELLED)
+PATIENCE = 1.5  # [s] that a rate counts: ground stations send one every 0.5 s, and links lose some
+
+log = logging.getLogger(__name__)
+
+
+class Rules:
+    """Judges set-points and control, and gives the orders that follow.
+
+    Parameters
+    ----------
+    body
+        What would turn.
+    give
+        Hands an order to the runner.
+    payload
+        Tells the address of the mission.
+    """
+
+    def __init__(self, body: Body, give: Callable[[Order], None], payload: Callable[[], Address]) -> None:
+        self._body = body
+        self._payload = payload
+        self._watch = Watch()
+        self._hand = Hand(give, body.park)
+        self._said = Said()
+        self._control = Control()
+
+    @property
+    def control(self) -> Control:
+        """Who is in control, the mission while a task of it runs."""
+        return replace(self._control, primary=self._payload()) if self._watch.busy else self._control
+
+    @property
+    def aim(self) -> Aim | None:
+        """What the array follows, or has reached, by hand."""
+        return self._hand.aim
+
+    def said(self, event: Event) -> None:
+        """Take what the mission says."""
+        busy = self._watch.busy
+        self._watch.said(event)
+        if self._watch.busy and not busy:
+            self._control = Control()
+            self._hand.forget()
+        elif isinstance(event, Answered) and event.order < 0 and event.answer in FAILED:
+            self._hand.forget()
+
+    def tick(self, now: float) -> None:
+        """End what nobody renews."""
+        self._hand.tick(now)
+
+    def point(self, aim: Aim, who: Address, now: float, patience: float = PATIENCE) -> Verdict:
+        """Obey a command; a rate alone counts for ``patience`` [s]."""
+        verdict = self._judged(aim, who, now)
+        if verdict is ACCEPTED:
+            self._said.forget(who)
+            self._hand.point(aim, self._body.offset(), now + patience)
+        return verdict
+
+    def stream(self, aim: Aim, who: Address, now: float, patience: float = PATIENCE) -> None:
+        """Obey a message, one of many that nobody acknowledges, unless it only repeats what was said in vain."""
+        if self._judged(aim, who, now) is not ACCEPTED:
+            self._said.note(who, aim)
+        elif self._said.is_news(who, aim):
+            self.point(aim, who, now, patience)
+
+    def meet(self, aim: Aim, who: Address) -> None:
+        """Note what somebody said before we listened: it is no order."""
+        self._said.note(who, aim)
+
+    def configure(self, control: Control, who: Address, taken: bool) -> None:
+        """Let others be in control; who takes it finds the array at rest, and so does who comes after a release."""
+        if control.primary == self._payload():
+            control = replace(control, primary=NOBODY)
+        if control.primary != NOBODY and taken:
+            self._said.forget(control.primary)
+            if self._watch.busy:
+                self._watch.cancelled(self._hand.cancel())
+        if control.primary != self._control.primary:
+            log.info("gimbal: %d/%d is in control, as %d/%d wished", *control.primary, *who)
+            self._hand.still()
+        self._control = control
+
+    def _judged(self, aim: Aim, who: Address, now: float) -> Verdict:
+        if self._watch.busy:
+            return Verdict(Result.DENIED, "a task of the mission runs: take control first")
+        if not self._control.allows(who):
+            return Verdict(Result.DENIED, "somebody else is in control")
+        reason = self._watch.barred or self._body.unable(aim, now)
+        return Verdict(Result.TEMPORARILY_REJECTED, reason) if reason else ACCEPTED

@@ -1,0 +1,89 @@
+"""The payload of `hand_bench` with its gimbal component on links whose far ends a test holds in its hands."""
+
+from types import SimpleNamespace
+
+from hand_bench import HandBench
+from links_bench import Wire
+from ross_payload.config import Link
+from ross_payload.gimbal import Gimbal
+from ross_payload.links import Links
+from ross_protocols.codec import Decoder, Encoder
+from ross_protocols.dialect import common
+
+GROUND, AUTOPILOT = "udpout:ground:1", "udpout:autopilot:1"
+LONG = common.MAVLink_command_long_message
+
+
+class Station:
+    """Somebody on a link: what it says, and what it hears."""
+
+    def __init__(self, bench, url, system, component):
+        self._bench, self._encoder = bench, Encoder(system, component)
+        self._wire = bench.wires[url]
+
+    def say(self, time, *messages):
+        """A step of a script: say something."""
+        return time, lambda: self._wire.coming.extend(self._encoder.encode(message) for message in messages)
+
+    def command(self, time, number, *values, component=154):
+        """A step of a script: command."""
+        values = [float(value) for value in (*values, *[0] * (7 - len(values)))]
+        return self.say(time, LONG(1, component, number, 0, *values))
+
+    def stream(self, begin, end, message, period=0.02):
+        """Steps of a script: say the same again and again."""
+        return [self.say(begin + period * step, message) for step in range(round((end - begin) / period))]
+
+
+class TimedWire(Wire):
+    """Remembers when a frame was sent."""
+
+    def __init__(self, clock):
+        super().__init__()
+        self._clock, self._ear, self.heard = clock, Decoder(), []
+
+    def send(self, frame):
+        self.heard += [(self._clock.now(), packet) for packet in self._ear.feed(frame)]
+
+
+class GimbalBench(HandBench):
+    """A payload with two links, one to a ground station and one to an autopilot."""
+
+    def __init__(self, stack, mode, base=None, accept=(), **config):
+        gimbal = {"mode": mode} | config.pop("gimbal", {})
+        super().__init__(stack, base, **{"gimbal": gimbal} | config)
+        links = stack.enter_context(Links(self.clock, 1))
+        self.links = links
+        self.wires = {url: TimedWire(self.clock) for url in (GROUND, AUTOPILOT)}
+        links.attach(Link(url=GROUND, accept=accept), self.wires[GROUND])
+        links.attach(Link(url=AUTOPILOT, role="autopilot"), self.wires[AUTOPILOT])
+        self.clock.every(0.01, links.poll)
+        gimbal = Gimbal(self.config, self.clock, links, self.actuator, self.base, give=self.runner.order)
+        self.runner.observers.append(stack.enter_context(gimbal))
+        self.ground, self.other = Station(self, GROUND, 255, 190), Station(self, GROUND, 254, 190)
+        self.autopilot = Station(self, AUTOPILOT, 1, 1)
+
+    def told(self, name, url=GROUND, begin=0.0, end=1e9):
+        """What the gimbal has said on a link: messages, each with its time."""
+        said = [(time, packet) for time, packet in self.wires[url].heard if packet.name == name]
+        return [
+            SimpleNamespace(at=time, sender=packet.component_id, **packet.message.to_dict())
+            for time, packet in said
+            if begin <= time <= end
+        ]
+
+    def results(self, number):
+        """The results of the commands with this number, in order."""
+        return [ack.result for ack in self.told("COMMAND_ACK") if ack.command == number]
+
+    def status(self, time):
+        """The manager's status at a time."""
+        return self.told("GIMBAL_MANAGER_STATUS", end=time)[-1]
+
+    def attitude(self, time, url=GROUND):
+        """The device's attitude at a time."""
+        return self.told("GIMBAL_DEVICE_ATTITUDE_STATUS", url, end=time)[-1]
+
+    def primary(self, time):
+        status = self.status(time)
+        return status.primary_control_sysid, status.primary_control_compid
