@@ -115,21 +115,18 @@ _TO_QUICK_STOP = {State.OPERATION_ENABLED: 0x02, State.QUICK_STOP_ACTIVE: 0x02}
 def controlword(status: int, wanted: State) -> int:
     """Return the controlword that takes a drive one step towards a state.
 
-    ``wanted`` is operation enabled, quick stop active, or switch on disabled. Only the last one resets a fault, and
-    then the drive stays disabled; a drive that is on another way, or that nobody understands, gets no voltage. A
-    reset is an edge: a controlword without it must go before.
+    ``wanted`` is operation enabled, quick stop active, or switch on disabled. Nothing here resets a fault: that is
+    `FAULT_RESET`, after a controlword without it, and it leaves the drive disabled. A drive that is on another way,
+    or that nobody understands, gets no voltage.
 
     >>> [hex(controlword(status, State.OPERATION_ENABLED)) for status in (0x250, 0x231, 0x233, 0x237, 0x218)]
     ['0x6', '0x7', '0xf', '0xf', '0x0']
-    >>> hex(controlword(0x0237, State.QUICK_STOP_ACTIVE)), hex(controlword(0x0218, State.SWITCH_ON_DISABLED))
-    ('0x2', '0x80')
+    >>> hex(controlword(0x0237, State.QUICK_STOP_ACTIVE)), hex(controlword(0x0237, State.SWITCH_ON_DISABLED))
+    ('0x2', '0x0')
     """
+    steps = {State.OPERATION_ENABLED: _TO_ENABLED, State.QUICK_STOP_ACTIVE: _TO_QUICK_STOP}.get(wanted, {})
     state = state_of(status)
-    if wanted is State.OPERATION_ENABLED:
-        return _TO_ENABLED.get(state, 0) if state else 0
-    if wanted is State.QUICK_STOP_ACTIVE:
-        return _TO_QUICK_STOP.get(state, 0) if state else 0
-    return FAULT_RESET if state is State.FAULT else 0
+    return steps.get(state, 0) if state else 0
 
 
 class Homing(Enum):

@@ -1,0 +1,300 @@
+"""A drive on a CAN bus that speaks CANopen and CiA 402: it makes the trapezoid, we say where to and how fast.
+
+A goal is one set-point; the drive's own reports, 50 a second, say where it is and whether it is there. It is enabled
+by the first goal or by homing and by nothing else. It listens to our heartbeat: when that ends it stops by itself and
+switches off. Whatever is in doubt makes us send the same quick stop; only `home` resets a fault, and the drive stays
+off then.
+
+Only the pump (`poll`) acts; the other methods leave a request in a queue.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from dataclasses import replace
+from types import TracebackType
+from typing import Any, Self
+
+from ross_payload.actuators.canopen_drive_axis import Axis
+from ross_payload.actuators.canopen_drive_link import Link
+from ross_payload.actuators.canopen_drive_options import Options
+from ross_payload.actuators.canopen_drive_places import Places
+from ross_payload.actuators.canopen_drive_setup import Setup
+from ross_payload.actuators.canopen_drive_watch import ENABLE, Watch
+from ross_payload.actuators.requests import Ask, Move, Requests
+from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
+from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Services
+from ross_protocols import cia402
+from ross_protocols.canopen_sdo import Write
+from ross_protocols.cia402 import Homing, Mode, State
+
+REPEAT = 0.1  # [s] between two equal orders
+EARLY = 1e-6  # so much before its time something is due [s]
+OFF = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.SWITCHED_ON, State.FAULT, State.NOT_READY)
+log = logging.getLogger(__name__)
+
+
+class CanopenDrive:
+    """The driver: sans I/O over a port of CAN frames."""
+
+    def __init__(self, options: Options, services: Services) -> None:
+        self._options = options
+        self._services = services
+        self._requests = Requests()
+        self._link: Link | None = None
+        self._setup = Setup(options)
+        self._axis = Axis()
+        speed = math.radians(options.max_speed_deg_s)
+        self._places = Places(options.settle_ms * 1e-3, 1.5 * speed)
+        self._known = False  # where the drive counts 0
+        self._homing = False  # asked for, and not over
+        self._watch = Watch()
+        self._sent: tuple[int, int, int] | None = None
+        self._due = -math.inf  # the next repetition [s]
+        self._fault = ""
+        self._state = ActuatorState(0.0, 0.0, settled=False, homed=False, healthy=True, time=-math.inf)
+        self.capabilities = Capabilities(
+            lower=math.radians(options.lower_deg),
+            upper=math.radians(options.upper_deg),
+            max_speed=speed,
+            max_acceleration=math.radians(options.max_acceleration_deg_s2),
+            resolution=options.resolution,
+            continuous=False,
+            feedback=Feedback.MEASURED,
+        )
+
+    def command(self, angle: float, rate: float | None = None) -> None:
+        """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal."""
+        if not self.capabilities.lower <= angle <= self.capabilities.upper:
+            raise LimitError(f"goal {math.degrees(angle):.2f} deg is outside the travel of the drive")
+        if self._fault:
+            raise ActuatorFault(self._fault)
+        if not self._state.homed:
+            raise NotHomed("where the drive stands is not known: home first")
+        self._requests.put(Move(angle, min(rate or math.inf, self.capabilities.max_speed)))
+
+    def state(self) -> ActuatorState:
+        """Return the state at the last poll; not settled while a request waits."""
+        return self._state if self._requests.empty else replace(self._state, settled=False)
+
+    def stop(self) -> None:
+        """Let the drive slow down along its ramp, and hold."""
+        self._requests.put(Ask.HALT)
+
+    def home(self) -> None:
+        """Forget a fault, reset the drive's, and find home where its encoder does not know it."""
+        self._requests.put(Ask.HOME)
+
+    def release(self) -> None:
+        """Switch the drive off; its encoder goes on counting."""
+        self._requests.put(Ask.RELEASE)
+
+    def poll(self, now: float) -> None:
+        """Read the bus, obey requests, tell the drive what is due, publish the state at ``now`` [s]."""
+        if self._link is None:
+            return
+        try:
+            self._link.take_in(now)
+            self._look(self._link, now)
+            self._set_up(self._link, now)
+            for request in self._requests.taken():
+                self._obey(request, self._link)
+            self._link.beat(now)
+            self._steer(self._link, now)
+        finally:
+            self._publish(self._link)
+
+    def __enter__(self) -> Self:
+        """Join the bus; asking the drive who it is and telling it how to move begins with the first poll."""
+        port = self._services.open_port(self._options.port)
+        self._state = replace(self._state, settled=False, homed=False, healthy=True, fault="", time=-math.inf)
+        self._link = Link(self._options, port, self._services.clock.now())
+        self._axis, self._watch, self._fault, self._homing = Axis(), Watch(), "", False
+        self._known = self._known or self._absolute
+        self._begin(self._link)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Let the drive decelerate, which takes its time, switch off and expect no more of us; leave the bus."""
+        if self._link is None:
+            return
+        try:
+            self._leave(self._link)
+        except LinkError as gone:
+            log.warning("%s", gone)
+        self._link.close()
+        self._link = None
+
+    # ------------------------------------------------------------------------------------------ set-up
+
+    def _begin(self, link: Link) -> None:
+        """Ask and tell everything from the beginning; what is not running obeys nothing."""
+        self._setup, self._sent = Setup(self._options), None
+        self._places.clear()
+        link.hold()
+
+    def _set_up(self, link: Link, now: float) -> None:
+        answers, link.answers = link.answers, []
+        if self._fault or self._setup.done:
+            return
+        try:
+            for answer in answers:
+                self._setup.take(answer)
+            asked = self._setup.ask(now)
+        except ActuatorFault as fault:
+            self._latch(str(fault))
+            return
+        if asked:
+            link.ask(asked)
+        elif self._setup.done:
+            link.start(now)
+
+    def _leave(self, link: Link) -> None:
+        clock = self._services.clock
+        patience = self.capabilities.max_speed / self.capabilities.max_acceleration + ENABLE
+        until = clock.now() + patience if link.running else -math.inf
+        self._axis.end(State.QUICK_STOP_ACTIVE)
+        self.poll(clock.now())
+        while clock.now() < until and cia402.state_of(link.report.status) not in OFF:
+            clock.sleep(0.01)
+            self.poll(clock.now())
+        link.hold()
+        expect_nothing = cia402.CONSUMER_HEARTBEAT
+        link.ask(Write(expect_nothing.index, expect_nothing.sub, expect_nothing.pack(0)))
+        clock.sleep(0.03)
+        link.take_in(clock.now())
+
+    # ------------------------------------------------------------------------------------------ what is heard
+
+    def _look(self, link: Link, now: float) -> None:
+        """Remember the newest place; latch what is wrong with the drive or on the bus."""
+        if link.restarted:
+            link.restarted, self._known = False, self._absolute
+            if not self._fault and not self._setup.done:
+                self._begin(link)  # it has just been switched on
+        if link.running and link.report.time > self._state.time:
+            rate = link.velocity / self._options.scale
+            jump = self._places.take(self._options.joint(link.report.position), rate, link.report.time)
+            self._latch(f"the drive's position cannot be true: it {jump}" if jump else "")
+        self._latch(link.event)
+        link.event = ""
+        if link.fresh:
+            self._latch(self._watch.trouble(self._axis, link.report, link.emergency, now) if not self._fault else "")
+            if self._homing:
+                self._go_home(link, now)
+
+    def _latch(self, fault: str) -> None:
+        """Keep the first fault and let the drive stop and switch off."""
+        if fault:
+            self._fault = self._fault or fault
+            self._homing = False
+            self._axis.end(State.QUICK_STOP_ACTIVE)
+
+    def _go_home(self, link: Link, now: float) -> None:
+        """Reset a fault, then find home where the encoder does not know it."""
+        if cia402.state_of(link.report.status) in (State.FAULT, State.FAULT_REACTION):
+            if not self._axis.resetting:
+                self._axis.reset()
+        elif self._absolute:
+            self._homing, self._known = False, True
+            self._axis.halt()
+        elif self._axis.mode is not Mode.HOMING:
+            self._axis.home()
+        else:
+            self._end_homing(self._watch.homing(self._axis, link.report, now))
+
+    def _end_homing(self, homing: Homing) -> None:
+        if homing is Homing.FAILED:
+            self._latch("the drive has not found home: it reports a homing error")
+        elif homing is Homing.DONE:
+            self._homing, self._known, self._sent = False, True, None
+            self._axis.mode = Mode.PROFILE_POSITION
+            self._places.clear()
+
+    # ------------------------------------------------------------------------------------------ requests
+
+    def _obey(self, request: Move | Ask, link: Link) -> None:
+        if isinstance(request, Move):
+            if not self._fault and self._known:
+                speed = self._options.span(math.degrees(request.rate))
+                self._axis.go(self._options.counts(request.goal), speed)
+        elif request is Ask.HALT:
+            self._homing = False
+            self._axis.halt()
+        elif request is Ask.RELEASE:
+            self._homing = False
+            self._axis.end(State.QUICK_STOP_ACTIVE if self._fault else State.SWITCH_ON_DISABLED)
+        elif not self._homing:
+            self._home(link)
+
+    def _home(self, link: Link) -> None:
+        self._homing, self._known = True, self._absolute
+        self._fault, link.event, link.emergency = "", "", None
+        if self._axis.mode is Mode.HOMING:  # one that was broken off
+            self._axis.end(State.QUICK_STOP_ACTIVE)
+        self._places.clear()
+        if not link.running:
+            self._begin(link)
+
+    # ------------------------------------------------------------------------------------------ out
+
+    def _steer(self, link: Link, now: float) -> None:
+        """Send an order that is new, or old enough to be repeated."""
+        if not link.fresh:
+            return
+        axis = self._axis
+        word = axis.word(link.report)
+        if self._sent is None and not axis.offered:
+            axis.target = link.report.position
+        order = (word, axis.target, axis.mode)
+        if order != self._sent or now >= self._due - EARLY:
+            self._sent, self._due = order, now + REPEAT
+            if axis.offered:
+                link.limit(axis.offered.speed)
+            link.steer(*order)
+
+    def _publish(self, link: Link) -> None:
+        report = link.report
+        angle = self._options.joint(report.position) if link.fresh else self._state.angle
+        homed = link.fresh and self._known and not (self._homing and not self._absolute)
+        settled = homed and not (self._fault or self._homing) and self._arrived(angle, report.status)
+        self._state = ActuatorState(
+            angle=angle,
+            rate=0.0 if settled or not link.fresh else link.velocity / self._options.scale,
+            settled=settled,
+            homed=homed,
+            healthy=not self._fault,
+            time=report.time if link.fresh else link.heard,
+            fault=self._fault,
+        )
+
+    def _arrived(self, angle: float, status: int) -> bool:
+        """Whether the drive is still, and where it was last sent to as it says itself and as we see."""
+        if not self._places.still(self.capabilities.resolution):
+            return False
+        goal = self._axis.goal
+        if goal is None:
+            return True
+        near = abs(angle - self._options.joint(goal.target)) <= self.capabilities.resolution
+        return near and self._axis.taken and bool(status & cia402.REACHED)
+
+    @property
+    def _absolute(self) -> bool:
+        """Whether the encoder knows where it is without homing."""
+        return self._options.homing == "none"
+
+
+class CanopenDriveBackend:
+    """Drive on a CAN bus that speaks CANopen (CiA 402): profile position, homing, position from its encoder."""
+
+    Config: type[Any] = Options
+
+    def open(self, config: Options, services: Services) -> Actuator:
+        """Make the driver."""
+        return CanopenDrive(config, services)
+
+
+backend = CanopenDriveBackend()

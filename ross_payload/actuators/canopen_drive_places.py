@@ -1,0 +1,59 @@
+"""Where a drive said it was, lately: whether it is still, and whether that can be true."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+LATE = 0.04  # by which reports may be late or come together [s]
+JUMP = math.radians(2)  # more than this between two reports, and the speed does not explain it, is none [rad]
+
+
+class Places:
+    """Joint angles of the last moments.
+
+    Parameters
+    ----------
+    settle : float
+        For so long it must have been in one place to be still [s].
+    top : float
+        The highest speed that can be true [rad/s].
+
+    Examples
+    --------
+    >>> places = Places(settle=0.1, top=4.0)
+    >>> places.take(0.0, 0.0, 1.00), places.take(0.01, 0.5, 1.02)
+    ('', '')
+    >>> places.take(0.51, 0.5, 1.04)
+    'jumps by 28.6 deg at 28.6 deg/s'
+    """
+
+    def __init__(self, settle: float, top: float) -> None:
+        self._settle, self._top = settle, top
+        self._places: deque[tuple[float, float]] = deque()  # time [s], joint angle [rad]
+
+    def clear(self) -> None:
+        """Forget all."""
+        self._places.clear()
+
+    def take(self, joint: float, rate: float, now: float) -> str:
+        """Take a report of angle and speed; say what cannot be true about it."""
+        fault = self._doubt(joint, rate, now)
+        self._places.append((now, joint))
+        while len(self._places) > 1 and self._places[1][0] <= now - self._settle:
+            self._places.popleft()
+        return fault
+
+    def still(self, within: float) -> bool:
+        """Whether all places are one [rad]."""
+        joints = [joint for _, joint in self._places]
+        return bool(joints) and max(joints) - min(joints) <= within
+
+    def _doubt(self, joint: float, rate: float, now: float) -> str:
+        if not self._places:
+            return ""
+        time, before = self._places[-1]
+        way, most = abs(joint - before), abs(rate) * (now - time + LATE) + JUMP
+        if abs(rate) > self._top or way > most:
+            return f"jumps by {math.degrees(way):.1f} deg at {math.degrees(abs(rate)):.1f} deg/s"
+        return ""

@@ -1,0 +1,93 @@
+"""The object dictionary of the simulated CANopen drive, as its data sheet says."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+
+from ross_protocols.canopen import Item
+from ross_protocols.canopen_sdo import (
+    NO_OBJECT,
+    NO_SUBINDEX,
+    ONLY_READ,
+    ONLY_WRITTEN,
+    TOO_HIGH,
+    TOO_LOW,
+    WRONG_LENGTH,
+    Abort,
+    Read,
+    Value,
+    Write,
+    Written,
+)
+from ross_protocols.eds import data_sheet, entries_of
+
+
+class Objects:
+    r"""Values by index and subindex; reads and writes from the bus are checked, those of the firmware are not.
+
+    >>> objects = Objects(node=5)
+    >>> objects.answer(Read(0x1000, 0))
+    Value(index=4096, sub=0, data=b'\x92\x01\x02\x00')
+    >>> print(objects.answer(Write(0x6041, 0, bytes(2))))
+    it can only be read
+    """
+
+    def __init__(self, node: int) -> None:
+        self.entries = entries_of(data_sheet("ross_drive"), node)
+        self.written: Callable[[int, int], None] = lambda index, sub: None  # told what the bus has written
+        self._values: dict[tuple[int, int], int] = {}
+        self.reset()
+
+    def reset(self) -> None:
+        """Take the values of the data sheet."""
+        self._values = {key: entry.default for key, entry in self.entries.items()}
+
+    def __getitem__(self, item: Item) -> int:
+        return self._values[item.index, item.sub]
+
+    def __setitem__(self, item: Item, value: int) -> None:
+        self._values[item.index, item.sub] = value
+
+    def at(self, index: int, sub: int) -> int:
+        """Return a value."""
+        return self._values[index, sub]
+
+    def item(self, index: int, sub: int) -> Item:
+        """Return what an entry is."""
+        return self.entries[index, sub].item
+
+    def answer(self, asked: Read | Write) -> Value | Written | Abort:
+        """Answer a read or write from the bus."""
+        code = self._refusal(asked)
+        if code:
+            return Abort(asked.index, asked.sub, code)
+        if isinstance(asked, Write):
+            self.write(asked.index, asked.sub, self.item(asked.index, asked.sub).unpack(asked.data))
+            return Written(asked.index, asked.sub)
+        return Value(asked.index, asked.sub, self.data(asked.index, asked.sub))
+
+    def data(self, index: int, sub: int) -> bytes:
+        """Return an entry as bytes."""
+        return self.item(index, sub).pack(self.at(index, sub))
+
+    def write(self, index: int, sub: int, value: int) -> None:
+        """Set an entry from the bus."""
+        self._values[index, sub] = value
+        self.written(index, sub)
+
+    def _refusal(self, asked: Read | Write) -> int:
+        entry = self.entries.get((asked.index, asked.sub))
+        if entry is None:
+            return NO_SUBINDEX if any(index == asked.index for index, _ in self.entries) else NO_OBJECT
+        if isinstance(asked, Read):
+            return 0 if entry.readable else ONLY_WRITTEN
+        if not entry.writable:
+            return ONLY_READ
+        try:
+            value = entry.item.unpack(asked.data)
+        except struct.error:
+            return WRONG_LENGTH
+        if entry.lowest is not None and value < entry.lowest:
+            return TOO_LOW
+        return TOO_HIGH if entry.highest is not None and value > entry.highest else 0
