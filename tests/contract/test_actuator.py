@@ -5,11 +5,8 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, example, given, settings
-from hypothesis import strategies as st
 
 from rigs import ACCELERATION, KINDS, LOWER, SWING, UPPER, Rig, rig_of
 from ross_payload.actuators.registry import open_actuator
@@ -242,49 +239,3 @@ def test_the_guard_s_caps_reach_the_back_end(kind: str) -> None:
         before = rig.state.rate
     assert math.degrees(fastest) == pytest.approx(20, abs=2e-5 + math.degrees(rig.ripple))
     assert math.degrees(steepest) <= 40 * QUANTUM * 1.001 + math.degrees(rig.ripple)
-
-
-step = st.tuples(
-    st.floats(-250, 250),  # goal [deg]
-    st.one_of(st.none(), st.floats(1, 400)),  # rate [deg/s]
-    st.integers(0, 90),  # quanta until the next
-    st.sampled_from(["go", "go", "go", "stop"]),
-)
-
-# A gimbal's loop that catches up with a plan: its rate changes by more than the plan's within 10 ms.
-SPEEDING_UP = [(-1.0, 1.0, 57, "go"), (40.0, None, 62, "go"), (0.0, None, 44, "go"), (42.0, None, 10, "go")]
-
-
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(steps=st.lists(step, min_size=1, max_size=8))
-@example(steps=SPEEDING_UP)
-def test_no_sequence_of_commands_breaks_a_limit_or_a_cap(kind: str, steps: list[tuple[Any, ...]]) -> None:
-    rig = rig_of(kind).open()
-    for goal, rate, quanta, what in steps:
-        _ask(rig, what, goal, rate)
-        before = rig.state
-        for _ in range(quanta):
-            rig.clock.sleep(QUANTUM)
-            state = rig.state
-            beyond = SWING if rig.ripple else 0.0
-            assert LOWER - beyond <= state.angle <= UPPER + beyond
-            assert LOWER - SWING <= rig.far_end.angle() <= UPPER + SWING
-            assert abs(state.rate) <= rig.speed * (1 + 1e-9) + rig.ripple
-            passed = max(state.time - before.time, QUANTUM)  # between two reports
-            assert abs(state.rate - before.rate) <= ACCELERATION * passed * 1.001 + rig.ripple
-            before = state
-    rig.actuator.stop()
-    rig.clock.sleep(3.0)
-    assert rig.state.rate == 0.0
-    assert rig.far_end.complaints() == []
-
-
-def _ask(rig: Rig, what: str, goal: float, rate: float | None) -> None:
-    if what == "stop":
-        rig.actuator.stop()
-        rig.actuator.rearm()
-        return
-    try:
-        rig.actuator.command(math.radians(goal), None if rate is None else math.radians(rate))
-    except LimitError:
-        assert not -200 <= goal <= 200
