@@ -199,6 +199,8 @@ class DronecanServo:
         elif self._motion is not None and self._places:
             if math.isnan(self._places[-1].joint):
                 self._let_go()
+            elif self._motion.at(now)[1]:
+                self._motion = Motion(Trapezoid.to_rest(*self._motion.at(now), self._acceleration), now)
             else:
                 self._hold(self._places[-1].joint, now)
 
