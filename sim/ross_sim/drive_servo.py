@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 STEP = 0.001  # of the simulation [s]
-TREMBLE = math.radians(3)  # of an encoder that is broken [rad]
+TREMBLE = math.radians(2)  # of an encoder that is broken, one standard deviation [rad]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Axle:
     @property
     def counts(self) -> int:
         """What the encoder counts, on the side of the motor."""
-        tremble = self.chance.uniform(-TREMBLE, TREMBLE) if self.trembling else 0.0
+        tremble = self.chance.normal(0.0, TREMBLE) if self.trembling else 0.0
         return round((self.angle - self.slipped + tremble) * self.scale)
 
     @property

@@ -23,6 +23,8 @@ KINDS = (
     "mavlink_gimbal:manager",
     "dronecan_servo",
     "dronecan_servo:gimbal",
+    "grbl",
+    "canopen_drive",
 )
 ROLES: dict[str, dict[str, Any]] = {  # options of each
     "manager": {"role": "manager"},
@@ -33,8 +35,9 @@ ROLES: dict[str, dict[str, Any]] = {  # options of each
 SPEED, ACCELERATION = math.radians(225), math.radians(112.5)
 LOWER, UPPER = math.radians(-200), math.radians(200)
 SPEEDS = {"mavlink_gimbal": math.radians(90)}  # of back ends that are slower than the paper's
-LAG = {"mavlink_gimbal": 0.3}  # of a servo that creeps into its goal [s]
-RIPPLE = {"mavlink_gimbal": 0.04}  # of a measured rate about the planned one [rad/s]
+OPENING = {"canopen_drive": 0.8}  # of what is asked and told a lot before it is ready [s]
+LAG = {"mavlink_gimbal": 0.3, "canopen_drive": 0.1}  # of what creeps into its goal, or is enabled by it [s]
+RIPPLE = {"mavlink_gimbal": 0.04, "canopen_drive": 0.04, "grbl": 0.025}  # of a measured rate about the planned one [rad/s]
 SEARCH = 20.0  # for a switch [s]
 HOMING = 2.5  # of what does not know where it is [s]
 SWING = math.radians(0.5)  # by which a rotor may swing about its windings while it moves
@@ -69,10 +72,11 @@ class Rig:
     lag: float = 0.0  # [s]
     ripple: float = 0.0  # [rad/s]
     speed: float = SPEED  # [rad/s]
+    opening: float = 0.2  # [s]
 
     def open(self) -> Rig:
         self.actuator.__enter__()
-        self.clock.sleep(0.2)
+        self.clock.sleep(self.opening)
         if not self.state.homed:
             self.home()
             self.clock.sleep(HOMING)
@@ -117,4 +121,5 @@ def rig_of(kind: str, **guard: Any) -> Rig:
     actuator = open_actuator(config, Services(clock, lambda url: wire))
     clock.every(QUANTUM, lambda: actuator.poll(clock.now()))
     slack = LAG.get(kind, 0.0), RIPPLE.get(kind, 0.0)
-    return Rig(clock, far_end, wire, actuator, *slack, speed=SPEEDS.get(kind, SPEED))
+    opening = OPENING.get(kind, 0.2)
+    return Rig(clock, far_end, wire, actuator, *slack, speed=SPEEDS.get(kind, SPEED), opening=opening)
