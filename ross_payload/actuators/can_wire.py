@@ -112,7 +112,7 @@ def _at_hub(url: str) -> CanPort:
             probe.settimeout(GREETING)
             if probe.recv(16)[:1] != b"<":
                 raise LinkError(f"wire '{url}': no socketcand server is there")
-        options = {"host": host, "port": port, "tcp_tune": True}
+        options: dict[str, Any] = {"host": host, "port": port, "tcp_tune": True}
         return CanPort(can.Bus(found["channel"] or CHANNEL, "socketcand", ignore_config=True, **options), url)
     except (can.CanError, OSError, ValueError) as error:
         raise LinkError(f"wire '{url}': cannot join the bus: {error}") from error

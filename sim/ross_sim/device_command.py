@@ -42,7 +42,7 @@ def command(
     """
     from contextlib import ExitStack
 
-    from ross_sim.device_leads import Lead, lead_of
+    from ross_sim.device_leads import Lead, connected
     from ross_sim.device_session import live, planned
     from ross_sim.far_end import far_end_of
 
@@ -51,9 +51,9 @@ def command(
     turns = [turn for fault in faults for turn in planned(fault, far_end.faults)]
 
     def connect(epoch: float, stack: ExitStack) -> Lead:
-        lead, address = lead_of(config, wire, far_end, epoch=epoch, stack=stack)
-        _tell(config.actuator.kind, address, as_json)
-        return lead
+        connection = connected(config, wire, far_end, epoch=epoch, stack=stack)
+        _tell(config.actuator.kind, connection.address, as_json)
+        return connection.lead
 
     live(far_end, connect, turns, click.echo)
     return 0
@@ -92,11 +92,9 @@ def _option(text: str) -> tuple[str, Any]:
 
 def _tell(kind: str, address: str, as_json: bool) -> None:
     """Say that the device is ready, and what a payload's configuration needs."""
+    from ross_sim.device_leads import advice
+
     if as_json:
         click.echo(json.dumps({"kind": kind, "wire": address}))
-        return
-    click.echo(f'ready. The payload\'s configuration:\n\n[actuator]\nkind = "{kind}"')
-    if kind == "mavlink_gimbal":
-        click.echo(f'\n[[links]]\nurl = "{address}"\nrole = "autopilot"')
     else:
-        click.echo(f'options = {{ port = "{address}" }}')
+        click.echo(f"ready. The payload's configuration:\n\n{advice(kind, address)}")

@@ -2,84 +2,108 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 from ross_payload.actuators.registry import checked_options
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Clock, Port
-from ross_payload.links import LinkPort, open_port
+from ross_payload.interfaces import Clock
+from ross_payload.links import open_port
 from ross_payload.links.address import Tcp, Udp, parse
 from ross_sim.address import tcp_address
 from ross_sim.far_end import FarEnd
-from ross_sim.gimbal import GimbalFarEnd
+from ross_sim.gimbal import GimbalFarEnd, Wire
+from ross_sim.pty_port import PtyServer
 from ross_sim.wires import WireServer, side_of
 
 LINK = "udpin:127.0.0.1:14560"  # of a gimbal, unless told
+PTY = "serial:pty"  # of a controller on a serial line, unless told
+BAUD = 115200  # of a pseudo terminal, which has none
+
+
+class Exchange(Protocol):
+    """What frames go through."""
+
+    def send(self, frame: Any) -> None:
+        """Send one frame."""
+
+    def receive(self) -> list[Any]:
+        """Return what has arrived."""
 
 
 class Lead(Protocol):
     """Connects a far end with what is outside."""
 
-    def exchange(self, now: float) -> None:
-        """Give to the far end what has arrived by ``now`` [s of its time], and send what it says."""
+    def exchange(self, begin: float) -> None:
+        """Give to the far end what has arrived by ``begin`` [s of its time], and send what it says."""
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """A far end that is connected."""
+
+    lead: Lead
+    address: str  # that a payload needs
+    used: Callable[[], bool]  # whether a payload was ever there
 
 
 class JoinedLead:
-    """A bus or a line that is there already: the device is one more on it."""
-
-    def __init__(self, outside: Port, far_end: Port) -> None:
-        self._outside = outside
-        self._far_end = far_end
-
-    def exchange(self, now: float) -> None:
-        """Pass frames on, both ways."""
-        for frame in self._outside.receive():
-            self._far_end.send(frame)
-        for frame in self._far_end.receive():
-            self._outside.send(frame)
-
-
-class MavlinkLead:
-    """A MAVLink link to a gimbal and, where there is one, its autopilot; bytes take effect when they arrived.
+    """Passes frames on between a far end and something that is there already; they take effect when they arrived.
 
     Parameters
     ----------
-    link
-        Open.
+    outside
+        A bus, a line or a link.
     far_end
-        Speaks and hears frames.
+        The payload's end of the simulated wire.
     clock
         Tells when something arrives.
     epoch
         Time 0 of the far end on that clock [s].
     """
 
-    def __init__(self, link: LinkPort, far_end: GimbalFarEnd, clock: Clock, epoch: float) -> None:
-        self._link = link
-        self._wire = far_end.port
+    def __init__(self, outside: Exchange, far_end: Exchange, clock: Clock, epoch: float) -> None:
+        self._outside = outside
+        self._far_end = far_end
         self._clock = clock
         self._epoch = epoch
-        self._waiting: list[tuple[float, bytes]] = []
-        self.used = False  # whether anybody has ever spoken
+        self._waiting: list[tuple[float, Any]] = []
+        self.used = False
 
-    def exchange(self, now: float) -> None:
-        """Let the far end hear what has arrived by then, and say what it has to say."""
+    def exchange(self, begin: float) -> None:
+        """Pass frames on, both ways."""
         arrived = self._clock.now() - self._epoch
-        self._waiting += [(arrived, data) for data in self._link.receive()]
+        self._waiting += [(arrived, frame) for frame in self._outside.receive()]
         self.used = self.used or bool(self._waiting)
-        while self._waiting and self._waiting[0][0] <= now:
-            self._wire.sent.append(self._waiting.pop(0)[1])
+        while self._waiting and self._waiting[0][0] <= begin:
+            self._far_end.send(self._waiting.pop(0)[1])
+        for frame in self._far_end.receive():
+            self._outside.send(frame)
+
+
+class EncodedWire:
+    """The wire of a gimbal, for who has frames already."""
+
+    def __init__(self, wire: Wire) -> None:
+        self._wire = wire
+
+    def send(self, frame: bytes) -> None:
+        """Let the gimbal and its autopilot hear bytes."""
+        self._wire.sent.append(frame)
+
+    def receive(self) -> list[bytes]:
+        """Return the frames that they have sent."""
         frames, self._wire.arrived = self._wire.arrived, []
-        for frame in frames:
-            self._link.send(frame)
+        return frames
 
 
-def lead_of(config: Config, wire: str | None, far_end: FarEnd, *, epoch: float, stack: ExitStack) -> tuple[Lead, str]:
-    """Connect a far end; return with what, and the address that a payload needs.
+def connected(config: Config, wire: str | None, far_end: FarEnd, *, epoch: float, stack: ExitStack) -> Connection:
+    """Connect a far end.
 
     Parameters
     ----------
@@ -104,19 +128,29 @@ def lead_of(config: Config, wire: str | None, far_end: FarEnd, *, epoch: float, 
         url = wire or LINK
         link = open_port(url, clock)
         stack.callback(link.close)
-        return MavlinkLead(link, far_end, clock, epoch), opposite(url)
+        lead = JoinedLead(link, EncodedWire(far_end.port), clock, epoch)
+        return Connection(lead, opposite(url), lambda: lead.used)
     scheme = checked_options(config).port.partition(":")[0]
-    wire = wire or f"{scheme}:tcp:127.0.0.1:0"
+    wire = wire or (PTY if scheme == "serial" else f"{scheme}:tcp:127.0.0.1:0")
     if wire.partition(":")[0] != scheme:
-        raise ConfigError(f"--wire {wire}: a {config.actuator.kind} has a wire {scheme}:")
-    if wire.startswith(f"{scheme}:tcp:"):
-        host, number = tcp_address(wire.partition(":")[2], "--wire")
-        side = side_of(scheme, far_end.port, epoch)
-        server = stack.enter_context(WireServer(host, number, side, clock))
-        return side, f"{scheme}:tcp:{wire.split(':', 2)[2].rpartition(':')[0]}:{server.port}"
+        raise ConfigError(f"--wire {wire}: the actuator's wire is {scheme}:")
+    if wire == PTY or wire.startswith(f"{scheme}:tcp:"):
+        return _served(scheme, wire, far_end, epoch, stack)
     outside = open_wire(wire, clock)
     stack.callback(outside.close)
-    return JoinedLead(outside, far_end.port), wire
+    lead = JoinedLead(outside, far_end.port, clock, epoch)
+    return Connection(lead, wire, lambda: lead.used)
+
+
+def _served(scheme: str, wire: str, far_end: FarEnd, epoch: float, stack: ExitStack) -> Connection:
+    side, clock = side_of(scheme, far_end.port, epoch), SystemClock()
+    if wire == PTY:
+        terminal = stack.enter_context(PtyServer(side, clock))
+        return Connection(side, f"serial:{terminal.name}:{BAUD}", lambda: True)
+    host, port = tcp_address(wire.partition(":")[2], "--wire")
+    server = stack.enter_context(WireServer(host, port, side, clock))
+    name = f"[{host}]" if ":" in host else host
+    return Connection(side, f"{scheme}:tcp:{name}:{server.port}", lambda: server.used)
 
 
 def opposite(url: str) -> str:
@@ -131,3 +165,10 @@ def opposite(url: str) -> str:
     kinds = ("udpout", "udpin") if isinstance(address, Udp) else ("tcp", "tcpin")
     host = f"[{address.host}]" if ":" in address.host else address.host
     return f"{kinds[0] if address.listen else kinds[1]}:{host}:{address.port}"
+
+
+def advice(kind: str, address: str) -> str:
+    """Return what a payload's configuration says of this device."""
+    if kind == "mavlink_gimbal":
+        return f'[actuator]\nkind = "{kind}"\n\n[[links]]\nurl = "{address}"\nrole = "autopilot"'
+    return f'[actuator]\nkind = "{kind}"\noptions = {{ port = "{address}" }}'

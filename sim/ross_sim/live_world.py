@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ross_sim.clock import QUANTUM
+from ross_sim.device_leads import Lead
 from ross_sim.outlets import Outlet
 from ross_sim.realtime import RealTime
 from ross_sim.truth import TruthWriter
-from ross_sim.wires import Side
 from ross_sim.world import World
 
 STRETCH = 50  # quanta between two writes of what is true
@@ -33,7 +33,7 @@ class LiveWorld:
     """
 
     def __init__(
-        self, world: World, side: Side, outlets: Sequence[Outlet], truth: TruthWriter, real_time: RealTime
+        self, world: World, side: Lead, outlets: Sequence[Outlet], truth: TruthWriter, real_time: RealTime
     ) -> None:
         self._world = world
         self._side = side

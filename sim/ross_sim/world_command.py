@@ -23,7 +23,7 @@ def _folder(context: click.Context, parameter: click.Parameter, value: str | Non
 @click.option("--pcm", metavar="tcp:HOST:PORT", help="Serve the sound there; default: tcp:127.0.0.1:0 unless --pipe.")
 @click.option("--pipe", type=click.Path(path_type=Path), help="Write the sound into this named pipe.")
 @click.option("--format", "form", type=click.Choice(FORMATS), default="s24le", show_default=True)
-@click.option("--wire", metavar="SCHEME:tcp:HOST:PORT", help="Serve the actuator there; default: a free local port.")
+@click.option("--wire", metavar="URL", help="Serve the actuator there, or join there; default: a free local port.")
 @click.option("--actuator", "-a", help="Actuator back end, instead of the scenario's.")
 @click.option("--start", type=click.Choice(["connect", "now"]), default="connect", show_default=True,
               help="When the scenario begins: with the first listener of --pcm, else of --wire; or now.")  # fmt: skip

@@ -11,13 +11,13 @@ from pathlib import Path
 import click
 from threadpoolctl import threadpool_limits
 
-from ross_payload.actuators.registry import checked_options
 from ross_payload.audio.files import write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError
 from ross_sim.address import tcp_address
 from ross_sim.casting import company_of
 from ross_sim.clock import SimClock
+from ross_sim.device_leads import advice, connected
 from ross_sim.far_end import far_end_of
 from ross_sim.live import waiting
 from ross_sim.live_world import LiveWorld
@@ -27,7 +27,6 @@ from ross_sim.realtime import RealTime
 from ross_sim.scenario import Cast, Scenario
 from ross_sim.signals import on_signal
 from ross_sim.truth import TruthWriter, facts
-from ross_sim.wires import WireServer, side_of
 from ross_sim.world import World
 
 
@@ -38,7 +37,7 @@ class Sockets:
     pcm: str | None  # tcp:HOST:PORT
     pipe: Path | None
     form: str  # of the samples
-    wire: str | None  # SCHEME:tcp:HOST:PORT; None: a free local port
+    wire: str | None  # URL of the actuator's wire or link; None: the usual one
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,14 +70,16 @@ def run(scenario: Scenario, sockets: Sockets, wishes: Wishes, out: OutDir | None
         truth = stack.enter_context(TruthWriter(out, world.rate, len(cast.talkers)))
         outlets = _outlets(sockets, world.rate, stack)
         real_time = RealTime(clock, wall, lambda line: click.echo(f"ross: {line}", err=True))
-        scheme, host, port = _wire(sockets.wire, checked_options(config).port)
-        side = side_of(scheme, far_end.port, real_time.epoch)
-        server = stack.enter_context(WireServer(host, port, side, wall))
-        _tell(sockets, outlets, f"{scheme}:tcp:{host}:{server.port}", scenario, wishes.as_json)
-        live = LiveWorld(world, side, outlets, truth, real_time)
-        doors: list[PcmServer | WireServer]
-        doors = [outlet for outlet in outlets if isinstance(outlet, PcmServer)] or [server]
-        live.live(lambda: wishes.at_once or any(door.used for door in doors), ended.is_set)
+        actuator = connected(config, sockets.wire, far_end, epoch=real_time.epoch, stack=stack)
+        _tell(sockets, outlets, actuator.address, scenario, wishes.as_json)
+        live = LiveWorld(world, actuator.lead, outlets, truth, real_time)
+        servers = [outlet for outlet in outlets if isinstance(outlet, PcmServer)]
+
+        def wanted() -> bool:
+            used = any(server.used for server in servers) if servers else actuator.used()
+            return wishes.at_once or used
+
+        live.live(wanted, ended.is_set)
         how = {"quiet_s": wishes.quiet, "late_s": round(real_time.worst, 3), "complaints": far_end.complaints()}
         truth.finish(facts(scenario, cast) | live.account() | how)
 
@@ -117,17 +118,6 @@ def _outlets(sockets: Sockets, rate: int, stack: ExitStack) -> list[Outlet]:
     return outlets
 
 
-def _wire(asked: str | None, port: str) -> tuple[str, str, int]:
-    """Scheme, host and port of the wire; the scheme is that of the actuator's own port."""
-    wanted = port.partition(":")[0]
-    if asked is None:
-        return wanted, "127.0.0.1", 0
-    scheme, _, rest = asked.partition(":")
-    if scheme != wanted:
-        raise ConfigError(f"--wire {asked}: the actuator's wire is {wanted}:tcp:HOST:PORT")
-    return scheme, *tcp_address(rest, "--wire")
-
-
 def _tell(sockets: Sockets, outlets: list[Outlet], wire: str, scenario: Scenario, as_json: bool) -> None:
     """Say that the world is ready, and what a payload's configuration needs."""
     pcm = next((outlet.port for outlet in outlets if isinstance(outlet, PcmServer)), None)
@@ -139,5 +129,5 @@ def _tell(sockets: Sockets, outlets: list[Outlet], wire: str, scenario: Scenario
         click.echo(json.dumps({"pcm": source, "pipe": pipe, "wire": wire, "rate_hz": config.audio.rate_hz}))
         return
     click.echo(f"{scenario.title}: ready. The payload's configuration:\n\n[audio]")
-    click.echo(f'source = "{source or "device:NAME"}"\nrate_hz = {config.audio.rate_hz}\n\n[actuator]')
-    click.echo(f'kind = "{config.actuator.kind}"\noptions = {{ port = "{wire}" }}')
+    click.echo(f'source = "{source or "device:NAME"}"\nrate_hz = {config.audio.rate_hz}\n')
+    click.echo(advice(config.actuator.kind, wire))
