@@ -1,0 +1,167 @@
+"""A whole payload in simulated time, in a silent room, whose node is on a bus; a script lives along, hop by hop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dronecan_wire import Stranger, of
+from ross_payload.config import Config
+from ross_payload.dronecan.hub import Buses
+from ross_payload.interfaces import AudioBlock, Port
+from ross_payload.links import Links
+from ross_payload.mount import FixedMount
+from ross_payload.orders import Shutdown
+from ross_payload.parameters import Parameters
+from ross_payload.recording.shelf import Shelf
+from ross_payload.service.payload import Parts, assembled
+from ross_payload.service.runner import Runner
+from ross_payload.timebase import Timebase
+from ross_protocols.dronecan_speech import Reply
+from ross_sim.clock import SimClock
+from ross_sim.far_end import far_end_of
+from ross_sim.tape import drained
+
+URL = "can:test:0"
+HOPS = 6000  # a script that takes longer has failed
+
+
+class Peer(Stranger):
+    """Another node: asks, and remembers what it hears."""
+
+    def __init__(self, wire, node_id=9):
+        super().__init__(wire, node_id)
+        self.all, self.answers = [], []
+
+    def listen(self):
+        for said in self.heard():
+            (self.answers if isinstance(said, Reply) else self.all).append(said)
+
+    def ask(self, request, node=121):
+        """Ask, and give hops until the answer is there; none comes within half a second: None."""
+        self.answers.clear()
+        self.say(self.voice.request(request, node))
+        for _ in range(50):
+            yield
+            self.listen()
+            if self.answers:
+                return self.answers[-1].response
+        return None
+
+    def wait(self, seconds):
+        for _ in range(round(seconds * 100)):
+            yield
+            self.listen()
+
+    def latest(self, kind):
+        return of(kind, self.all)[-1].message
+
+
+class Silence:
+    """Two microphones that hear nothing, in lock-step with the clock."""
+
+    rate = 16000
+
+    def __init__(self, clock: SimClock) -> None:
+        self._clock = clock
+        self._index = 0
+
+    def read(self, n: int) -> AudioBlock:
+        time = self._clock.now()
+        self._clock.sleep(n / self.rate)
+        self._index += n
+        return AudioBlock(np.zeros((2, n), np.float32), self._index - n, time)
+
+    def __enter__(self) -> Silence:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Nothing to give back."""
+
+
+@dataclass
+class Bench:
+    """What a script works with."""
+
+    clock: SimClock
+    parameters: Parameters
+    runner: Runner
+    restarts: list[str]
+    orders: list[Any]  # that reached the mission
+    heard: Any = None  # the latest Input
+
+    def tell(self, *events: Any) -> None:
+        """Let everybody who watches the mission believe that it said something."""
+        for event in events:
+            for observer in self.runner.observers[:-1]:
+                observer.said(event, self.heard)
+
+
+class Living:
+    """An observer that lets a script live: a generator that yields when a hop shall pass."""
+
+    def __init__(self, bench: Bench, script: Iterator[None]) -> None:
+        self._bench = bench
+        self._script = script
+        self._hops = 0
+        self._done = False
+
+    def heard(self, heard: Any) -> None:
+        self._hops += 1
+        self._bench.heard = heard
+        self._bench.orders += heard.orders
+        if not self._done and next(self._script, self) is self:
+            self._done = True
+            self._bench.runner.order(Shutdown())
+        assert self._hops < HOPS, "the script waits for ever"
+
+    def said(self, event: Any, heard: Any) -> None:
+        """What is said goes over the bus."""
+
+
+def payload(tables: dict[str, Any], open_can: Callable[[str], Port], folder: Path) -> Any:
+    """A payload with an ideal actuator; tables of its configuration may be given."""
+    config = Config.model_validate({"actuator": {"kind": "ideal"}, "dronecan": {"port": URL}} | tables)
+    return _aboard(config, open_can, folder)
+
+
+@contextmanager
+def _aboard(config: Config, open_can: Callable[[str], Port], folder: Path) -> Iterator[Bench]:
+    clock, far_end, restarts = SimClock(), far_end_of(config), []
+    clock.before_calls(far_end.advance)
+    buses = Buses(lambda url: open_can(url) if url.startswith("can:") else far_end.port, clock)
+    with Links.open((), clock, system_id=1, state=folder) as links, Parameters(config, folder / "params.toml") as kept:
+        parts = Parts(
+            clock=clock,
+            source=Silence(clock),
+            open_port=buses.open,
+            links=links,
+            mount=FixedMount(None),
+            timebase=Timebase(clock),
+            parameters=kept,
+            shelf=Shelf(folder / "recordings"),
+            drained=drained(clock),
+            state=folder,
+            rng=np.random.default_rng(1),
+            restart=lambda: restarts.append("asked"),
+        )
+        with assembled(parts) as runner:
+            yield Bench(clock, kept, runner, restarts, [])
+
+
+def live(bench: Bench, script: Iterator[None]) -> None:
+    """Run the payload until the script ends, or somebody shuts it down."""
+    bench.runner.observers.append(Living(bench, script))
+    bench.runner.run()
+
+
+def play(script, wire, folder, **tables):
+    """Let a script live with a payload; return the bench."""
+    with payload(tables, wire.open, folder) as bench:
+        live(bench, script(bench))
+    return bench
