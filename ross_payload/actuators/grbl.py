@@ -1,9 +1,9 @@
 """A stepper motor behind a microcontroller with stock grbl 1.1, which owns the timing of the steps.
 
 A goal becomes one jog; grbl plans the trapezoid with its own $110 and $120. A goal that replaces another, and a stop,
-cancel the jog (0x85), which slows down; the new jog begins from rest. Reports are asked for with ``?``, every 20 ms
-while something moves. They tell grbl's counter of steps: where the motor was told to be, which is why the feedback is a
-model; nobody measures. Reset, alarm, sleep or a line that was lost make the position unknown until `home`.
+cancel the jog (0x85), which slows down; the new jog begins from rest. ``?`` asks for a report every 20 ms. It tells
+grbl's counter of steps: where the motor was told to be, which is why the feedback is a model; nobody measures. Reset,
+alarm, sleep or a line that was lost make the position unknown until `home`.
 
 What takes several exchanges is a script: a generator that goes on with every poll. Only the pump (`poll`) runs them;
 the other methods leave a request in a queue.
@@ -25,7 +25,7 @@ from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Services
 from ross_protocols.grbl import State
 
-MOVING, RESTING = 0.020, 0.100  # [s] between two reports
+PERIOD = 0.020  # [s] between two reports
 STALE = 0.3  # [s]: a report that is older proves nothing
 PAUSE = 0.010  # between two polls while closing [s]
 Script = Generator[None, None, None]
@@ -98,7 +98,7 @@ class Grbl:
             for request in self._requests.taken():
                 self._script = self._obey(session, request)
             self._go_on()
-            session.ask(now, MOVING if self._script is not None or not self._still(session) else RESTING)
+            session.ask(now, PERIOD)
         except LinkError as error:
             session.forget()
             self._lose(str(error), known=False)

@@ -7,7 +7,7 @@ from collections import deque
 
 from ross_protocols.grbl import Report, State
 
-AHEAD = 0.05  # the speed in a report is that of the motor so much later: grbl prepares its steps [s]
+AHEAD = 0.045  # the speed in a report is that of the motor so much later: grbl prepares its steps [s]
 MOVING = (State.JOG, State.RUN, State.HOLD, State.HOME)
 TREMBLE = 2  # steps by which a report may be off without being impossible
 
@@ -62,7 +62,8 @@ class Track:
         elif math.isinf(self.still_since):
             self.still_since = time
         self.count = count
-        self._speeds.append((time, report.speed or 0.0))
+        if not at_rest:
+            self._speeds.append((time, report.speed or 0.0))
         self.rate = 0.0 if at_rest else self.direction * self._speed(time - AHEAD)
         return self._strange(report, moved)
 
@@ -71,8 +72,7 @@ class Track:
         here = goal if self.count is None else self.count
         self.goal, self._nearest, self.still_since, self.ours = goal, abs(goal - here), math.inf, True
         self.direction = 1 if goal >= here else -1
-        while self._speeds and self._speeds[-1][0] >= now - AHEAD:
-            self._speeds.pop()
+        self._speeds.clear()
         self._speeds.append((now - AHEAD, 0.0))
 
     def _speed(self, time: float) -> float:

@@ -1,8 +1,8 @@
 """How grbl moves: a look-ahead planner of straight lines, and step segments prepared ahead of the motor.
 
 The speed along the blocks is that of grbl: constant acceleration up to the feed rate, down to what the junction ahead
-allows, to rest at the end of the last block. What is prepared cannot be taken back, so a hold begins to slow down
-`AHEAD` later, and the speed told in reports is ahead of the motor by as much.
+allows, to rest at the end of the last block. Steps are prepared in segments of 10 ms, five at most, which cannot be
+taken back: a hold begins to slow down 40 to 50 ms later, and reports tell the speed of what was prepared last.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 PIECE = 0.001  # of a motion, with constant acceleration [s]
-AHEAD = 0.050  # five segments of 10 ms
+SEGMENT = 10  # pieces that are prepared at once
+AHEAD = 5 * SEGMENT  # pieces that are prepared at most
 BLOCKS = 15  # that can wait
 
 Vector = tuple[float, ...]
@@ -75,7 +76,7 @@ class Motion:
     @property
     def moving(self) -> bool:
         """Whether there is anything left to do, but for a hold."""
-        return bool(self._prepared) or (bool(self._blocks) and not (self._holding and self.speed == 0.0))
+        return bool(self._prepared) or self._going
 
     @property
     def planned(self) -> tuple[int, ...]:
@@ -124,10 +125,9 @@ class Motion:
 
     def piece(self) -> tuple[Vector, Vector]:
         """Let one piece pass; return the positions [steps] before and after it."""
-        while len(self._prepared) < AHEAD / PIECE and self._blocks:
-            if self._holding and self.speed == 0.0:
-                break
-            self._prepared.append(self._prepare())
+        while len(self._prepared) <= AHEAD - SEGMENT and self._going:
+            for _ in range(SEGMENT):
+                self._prepared.append(self._prepare())
         before = self._position
         if self._prepared:
             self._position = self._prepared.popleft()
@@ -152,8 +152,15 @@ class Motion:
             speed = min(block.entry, math.sqrt(speed**2 + 2 * block.acceleration * block.length))
         return speed
 
+    @property
+    def _going(self) -> bool:
+        """Whether there is more to prepare."""
+        return bool(self._blocks) and not (self._holding and self.speed == 0.0)
+
     def _prepare(self) -> Vector:
         """Compute one piece; a block that ends within it hands over to the next."""
+        if not self._going:
+            return self._prepared[-1]
         left, position = PIECE, self._blocks[0].at(self._travelled)
         while left > 1e-12 and self._blocks:
             block = self._blocks[0]

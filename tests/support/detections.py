@@ -100,4 +100,11 @@ DETECTIONS: dict[tuple[str, Fault], Detection | None] = {
     ("canopen_drive", Fault.SATURATED): Detection(0.4, "node 5 has been silent .* the bus is full"),
     ("canopen_drive", Fault.DUPLICATE): Detection(0.1, "two devices have node id 5"),
     ("canopen_drive", Fault.CORRUPT): Detection(0.3, "arrive damaged|cannot be true"),
+    ("grbl", Fault.STALL): None,
+    ("grbl", Fault.STUCK): None,
+    ("grbl", Fault.SLIP): None,
+    ("grbl", Fault.SILENT): Detection(0.6, r"no report for 0\.5"),
+    ("grbl", Fault.REBOOT): Detection(0.1, "has restarted"),
+    ("grbl", Fault.TAKEN): Detection(3.0, "somebody else"),
+    ("grbl", Fault.CORRUPT): Detection(0.6, "serial line is noisy"),
 }

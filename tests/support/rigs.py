@@ -37,7 +37,8 @@ LOWER, UPPER = math.radians(-200), math.radians(200)
 SPEEDS = {"mavlink_gimbal": math.radians(90)}  # of back ends that are slower than the paper's
 OPENING = {"canopen_drive": 0.8}  # of what is asked and told a lot before it is ready [s]
 LAG = {"mavlink_gimbal": 0.3, "canopen_drive": 0.1}  # of what creeps into its goal, or is enabled by it [s]
-RIPPLE = {"mavlink_gimbal": 0.04, "canopen_drive": 0.04, "grbl": 0.025}  # of a measured rate about the planned one [rad/s]
+RIPPLE = {"mavlink_gimbal": 0.04, "canopen_drive": 0.04, "grbl": 0.03}  # of a measured rate [rad/s]
+LATE = {"grbl": 0.02}  # of travel beyond 100 ms: steps that grbl has prepared cannot be taken back [s]
 SEARCH = 20.0  # for a switch [s]
 HOMING = 2.5  # of what does not know where it is [s]
 SWING = math.radians(0.5)  # by which a rotor may swing about its windings while it moves
@@ -72,6 +73,7 @@ class Rig:
     lag: float = 0.0  # [s]
     ripple: float = 0.0  # [rad/s]
     speed: float = SPEED  # [rad/s]
+    late: float = 0.0  # [s]
     opening: float = 0.2  # [s]
 
     def open(self) -> Rig:
@@ -121,5 +123,5 @@ def rig_of(kind: str, **guard: Any) -> Rig:
     actuator = open_actuator(config, Services(clock, lambda url: wire))
     clock.every(QUANTUM, lambda: actuator.poll(clock.now()))
     slack = LAG.get(kind, 0.0), RIPPLE.get(kind, 0.0)
-    opening = OPENING.get(kind, 0.2)
-    return Rig(clock, far_end, wire, actuator, *slack, speed=SPEEDS.get(kind, SPEED), opening=opening)
+    late, opening = LATE.get(kind, 0.0), OPENING.get(kind, 0.2)
+    return Rig(clock, far_end, wire, actuator, *slack, speed=SPEEDS.get(kind, SPEED), late=late, opening=opening)
