@@ -7,71 +7,20 @@ from itertools import pairwise
 
 import pytest
 
+from can_servo_bench import OWN, SERVO, Rig
 from ross_payload.actuators.dronecan_options import Options
-from ross_payload.actuators.registry import checked_options, open_actuator
-from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault, ConfigError, NotHomed
-from ross_payload.interfaces import Services
 from ross_protocols.dronecan import (
     ArrayCommand,
-    Assembler,
     Command,
     Health,
     LogMessage,
     Mode,
     NodeStatus,
-    Sender,
     Status,
 )
-from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.clock import QUANTUM
 from ross_sim.servo import ServoFarEnd, ServoNode, far_end
-
-OWN, SERVO = 121, 50
-
-
-class Rig:
-    """A guarded driver, its servo, and everything that the driver has sent."""
-
-    def __init__(self, guard=None, drive=None, **options):
-        config = Config.model_validate(
-            {"actuator": {"kind": "dronecan_servo", "options": options}, "guard": guard or {}}
-        )
-        self.options = checked_options(config)
-        self.clock = SimClock()
-        self.far_end = far_end.make(self.options, drive)
-        self.node = self.far_end.node
-        self.heard, self._assembler = [], Assembler()
-        self.passes = lambda frame: True  # whether the bus takes a frame of the driver
-        self.clock.before_calls(self._advance)
-        self.actuator = open_actuator(config, Services(self.clock, lambda url: self.far_end.port))
-        self.clock.every(QUANTUM, lambda: self.actuator.poll(self.clock.now()))
-        self.actuator.__enter__()
-        self.clock.sleep(0.2)
-
-    def _advance(self, now):
-        self.far_end.port.sent = list(filter(self.passes, self.far_end.port.sent))
-        for frame in self.far_end.port.sent:
-            if received := self._assembler.feed(frame):
-                self.heard.append((now, received.message))
-        self.far_end.advance(now)
-
-    def say(self, node, message):
-        self.far_end.port.arrived += Sender(node).frames(message)
-
-    def go(self, degrees, seconds=0.0):
-        self.actuator.command(math.radians(degrees))
-        self.clock.sleep(seconds)
-
-    @property
-    def state(self):
-        return self.actuator.state()
-
-    @property
-    def true_deg(self):
-        return math.degrees(self.far_end.angle())
-
-    def values(self):
-        return [command.value for _, each in self.heard if isinstance(each, ArrayCommand) for command in each.commands]
 
 
 def test_nothing_is_commanded_before_the_first_goal():

@@ -1,0 +1,259 @@
+"""The driver of a DroneCAN servo on buses that fail and among strangers."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from can_servo_bench import Rig
+from ross_payload.dronecan.hub import Buses
+from ross_payload.dronecan.node import Identity, Node
+from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
+from ross_protocols.can import CanFrame
+from ross_protocols.dronecan import ArrayCommand, Health, Mode, NodeStatus
+from ross_protocols.dronecan_gimbal import AngularCommand, GimbalStatus
+from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.far_end import Fault
+
+MODEL = {"feedback": "model"}
+GIMBAL = {"command": "gimbal"}
+COMMANDS = ["unitless", "position", "pwm", "gimbal"]
+
+
+class BreakableWire:
+    """A bus that may be down: neither takes frames nor gives any."""
+
+    def __init__(self, port):
+        self._port = port
+        self.down = self.deaf = False
+
+    def send(self, frame):
+        if self.down or self.deaf:
+            raise LinkError("wire 'can:x' takes no frames: no buffer")
+        self._port.send(frame)
+
+    def receive(self):
+        arrived = self._port.receive()
+        if self.down:
+            raise LinkError("wire 'can:x' is down: Network is down")
+        return arrived
+
+    def close(self):
+        self._port.close()
+
+
+def breakable(**options):
+    wires = []
+    rig = Rig(wrap=lambda port: wires.append(BreakableWire(port)) or wires[0], **options)
+    return rig, wires[0]
+
+
+# ------------------------------------------------------------------------------------------ the bus goes and comes
+
+
+def test_a_bus_that_goes_down_is_named_and_the_servo_stops_at_the_last_set_point():
+    rig, wire = breakable()
+    rig.go(150, 0.8)
+    wire.down, here = True, rig.true_deg
+    rig.clock.sleep(0.02)
+    assert rig.state.fault == "wire 'can:x' is down: Network is down"
+    rig.clock.sleep(2.0)
+    assert abs(rig.true_deg - here) < 5
+    assert not rig.state.settled
+
+
+@pytest.mark.parametrize("what", ["down", "deaf"])
+def test_a_bus_that_comes_back_moves_nothing_until_it_is_asked(what):
+    rig, wire = breakable()
+    rig.go(150, 0.8)
+    setattr(wire, what, True)
+    rig.clock.sleep(0.5)
+    rig.actuator.home()  # in vain: this is not kept for later
+    rig.clock.sleep(1.5)
+    assert rig.state.fault.startswith("wire 'can:x'")
+    setattr(wire, what, False)
+    said, stands = len(rig.values()), rig.true_deg
+    rig.clock.sleep(2.0)
+    assert len(rig.values()) == said
+    assert rig.true_deg == pytest.approx(stands, abs=0.1)
+    with pytest.raises(ActuatorFault):
+        rig.go(20)
+
+
+@pytest.mark.parametrize("options", [{}, MODEL, GIMBAL])
+def test_after_the_bus_came_back_home_and_rearm_make_it_move_again(options):
+    rig, wire = breakable(**options)
+    rig.actuator.home()
+    rig.clock.sleep(3.0)
+    rig.go(100, 0.8)
+    wire.down = True
+    rig.clock.sleep(1.0)
+    wire.down = False
+    rig.clock.sleep(0.1)
+    rig.actuator.home()
+    rig.clock.sleep(3.0)
+    rig.actuator.rearm()
+    rig.go(-20, 4.0)
+    assert rig.state.settled
+    assert rig.true_deg == pytest.approx(-20, abs=0.25)
+
+
+def test_closing_while_the_bus_is_down_takes_no_time():
+    rig, wire = breakable()
+    rig.go(150, 0.8)
+    wire.down, begin = True, rig.clock.now()
+    rig.actuator.__exit__(None, None, None)
+    assert rig.clock.now() - begin < 0.05
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_program_that_hangs_or_dies_leaves_a_servo_at_its_last_set_point(command):
+    rig = Rig(command=command)
+    rig.go(150, 0.8)
+    rig.hang()
+    last = rig.true_deg
+    rig.clock.sleep(3.0)
+    assert abs(rig.true_deg - last) < 5  # one set-point at 90 deg/s, and what it lagged
+    assert rig.node.shaft.rate == 0.0
+
+
+@pytest.mark.parametrize("pause", [0.15, 0.6, 3.0])
+def test_after_a_pause_of_the_program_set_points_go_on_where_they_ended(pause):
+    rig = Rig(**MODEL)
+    rig.actuator.home()
+    rig.clock.sleep(3.0)
+    rig.go(150, 0.8)
+    rig.hang()
+    rig.clock.sleep(pause)
+    before = len(rig.values()) - 1
+    rig.clock.every(QUANTUM, lambda: rig.actuator.poll(rig.clock.now()))
+    rig.clock.sleep(4.0)
+    joints = [math.degrees(rig.options.joint_of(value)) for value in rig.values()[before:]]
+    steps = [after - earlier for earlier, after in pairwise(joints)]
+    assert abs(steps[0]) < 0.2
+    assert max(steps) <= 225 * 0.02 + 0.2
+    assert joints[-1] == pytest.approx(150, abs=0.2)
+
+
+# ------------------------------------------------------------------------------------------ strangers
+
+
+def test_a_double_that_was_switched_on_with_the_servo_is_noticed():
+    rig = Rig()
+    rig.far_end.afflict(Fault.DUPLICATE)
+    rig.clock.sleep(0.2)
+    assert rig.state.fault in (
+        "another node has the servo's id 50",
+        "the servo restarted after 0 s, or another node has the servo's id: where it stands is in doubt",
+    )
+
+
+def test_two_masters_do_not_fight():
+    rig = Rig()
+    rig.go(100, 0.8)
+    rig.far_end.afflict(Fault.TAKEN)
+    rig.clock.sleep(0.1)
+    said = len(rig.values())
+    rig.clock.sleep(2.0)
+    assert len(rig.values()) == said
+    assert rig.true_deg == pytest.approx(0, abs=0.25)  # where the other one holds it
+
+
+def test_a_gimbal_has_no_business_with_commands_of_actuators():
+    rig = Rig(gimbal_id=1, **GIMBAL)
+    rig.say(9, ArrayCommand(()))
+    rig.say(9, AngularCommand(2, 1.0))
+    rig.say(9, GimbalStatus(2, 1.0))
+    rig.clock.sleep(0.1)
+    assert rig.state.healthy
+    rig.say(9, AngularCommand(1, 1.0))
+    rig.clock.sleep(0.1)
+    assert "node 9 commands actuator 1 too" in rig.state.fault
+
+
+def test_a_bus_that_only_reports_do_not_pass_is_named_too():
+    rig = Rig()
+    rig.go(100, 0.5)
+    flood = CanFrame(12 << 24 | 20998 << 8 | 7, bytes(7) + b"\xc0")  # between commands and reports
+    plug = rig.far_end.bus.plug()
+    rig.clock.before_calls(lambda now: plug.sent.extend([flood] * 100))
+    rig.clock.sleep(0.6)
+    assert rig.state.fault.startswith("the bus is full: ")
+    assert rig.state.fault.endswith("most of them from node 7")
+
+
+def test_a_frame_lost_now_and_then_is_no_fault():
+    rig = Rig()
+    rig.far_end._seat.plug.damage = 0.03
+    for goal in (120, -120, 0):
+        rig.go(goal, 5.0)
+        assert rig.state.healthy
+        assert rig.state.settled
+
+
+def test_a_good_encoder_does_not_tremble():
+    rig = Rig()
+    for goal in (3, -150, 150, 149, 0):
+        rig.go(goal, 5.0)
+        assert rig.state.healthy
+
+
+def test_a_trembling_encoder_is_noticed_at_rest():
+    rig = Rig()
+    rig.far_end.afflict(Fault.NOISY)
+    rig.clock.sleep(1.0)
+    assert "trembles" in rig.state.fault
+
+
+# ------------------------------------------------------------------------------------------ who we are
+
+
+def test_without_a_node_id_nothing_is_said_but_the_question_for_one():
+    rig = Rig(own_node_id=0)
+    assert rig.state.fault == "waiting for a node id"
+    with pytest.raises(ActuatorFault, match="waiting for a node id"):
+        rig.go(10)
+    frames = []
+    rig.passes = lambda frame: frames.append(frame) or True
+    rig.clock.sleep(6.0)
+    assert {frame.id & 0x7F for frame in frames} == {0}
+    assert "nobody on the bus gives one" in rig.state.fault
+    assert rig.values() == []
+
+
+def test_where_the_payload_is_a_node_already_the_driver_speaks_through_it():
+    clock, shared = SimClock(), []
+
+    def wrap(port):
+        buses = Buses(lambda url: port, clock)
+        tap = buses.open("can:x:y")
+        identity = Identity("org.ross.payload", bytes(16), 77)
+        shared.append(Node(identity, tap, np.random.default_rng(0), 0.0))
+        shared[0].stands(Health.OK, Mode.OPERATIONAL)
+        tap.bus.node = shared[0]
+        return buses.open("can:x:y")
+
+    rig = Rig(wrap=wrap)
+    rig.clock.every(QUANTUM, lambda: shared[0].poll(rig.clock.now()))
+    senders = set()
+    rig.passes = lambda frame: senders.add(frame.id & 0x7F) or True
+    rig.go(30, 3.0)
+    assert rig.state.settled
+    assert senders == {77}
+    beats = [message for _, message in rig.heard if isinstance(message, NodeStatus)]
+    assert len(beats) == 3
+
+
+@pytest.mark.parametrize("goal", [math.nan, math.inf, -math.inf, 1e9], ids=str)
+def test_a_goal_that_is_none_is_refused_by_the_driver_itself(goal):
+    rig = Rig()
+    with pytest.raises(LimitError, match="outside the travel"):
+        rig.actuator._actuator.command(goal)
+    rig.clock.sleep(0.5)
+    assert rig.values() == []
+
+
+def test_a_model_that_is_not_homed_refuses():
+    with pytest.raises(NotHomed):
+        Rig(**MODEL).actuator._actuator.command(0.1)
