@@ -105,12 +105,12 @@ class Managed:
         return {}
 
     def asked(self, aim: Aim | None, heard: Heard) -> None:
-        """Take a set-point of the autopilot; the one that it begins with is no order."""
+        """Take a set-point of the autopilot; the one that it begins with, also after a silence, is no order."""
         who = sender(heard)
         if heard.role != "autopilot" or who != (self._system_id(), AUTOPILOT) or not heard.may_order:
             return
         now = self._clock.now()
-        if aim is not None and self._heard == -math.inf:
+        if aim is not None and self.failures:
             self._rules.meet(aim, who)
         self._heard = now
         if aim is not None:

@@ -85,7 +85,7 @@ class Rules:
 
     def stream(self, aim: Aim, who: Address, now: float, patience: float = PATIENCE) -> None:
         """Obey a message, one of many that nobody acknowledges, unless it only repeats what was said in vain."""
-        if self._judged(aim, who, now) is not ACCEPTED:
+        if self._forbidden(who) or self._watch.barred:
             self._said.note(who, aim)
         elif self._said.is_news(who, aim):
             self.point(aim, who, now, patience)
@@ -108,9 +108,13 @@ class Rules:
         self._control = control
 
     def _judged(self, aim: Aim, who: Address, now: float) -> Verdict:
-        if self._watch.busy:
-            return Verdict(Result.DENIED, "a task of the mission runs: take control first")
-        if not self._control.allows(who):
-            return Verdict(Result.DENIED, "somebody else is in control")
+        forbidden = self._forbidden(who)
+        if forbidden:
+            return Verdict(Result.DENIED, forbidden)
         reason = self._watch.barred or self._body.unable(aim, now)
         return Verdict(Result.TEMPORARILY_REJECTED, reason) if reason else ACCEPTED
+
+    def _forbidden(self, who: Address) -> str:
+        if self._watch.busy:
+            return "a task of the mission runs: take control first"
+        return "" if self._control.allows(who) else "somebody else is in control"
