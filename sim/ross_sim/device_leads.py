@@ -21,7 +21,7 @@ from ross_sim.gimbal import GimbalFarEnd, Wire
 from ross_sim.pty_port import PtyServer
 from ross_sim.wires import WireServer, side_of
 
-LINK = "udpin:127.0.0.1:14560"  # of a gimbal, unless told
+LINK = "udpout:127.0.0.1:14560"  # of a gimbal, unless told: it speaks first
 PTY = "serial:pty"  # of a controller on a serial line, unless told
 BAUD = 115200  # of a pseudo terminal, which has none
 

@@ -1,0 +1,121 @@
+"""A simulated device in a process of its own, and a guarded driver that turns it, in real time."""
+
+from __future__ import annotations
+
+import json
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from ross_payload.actuators.guard import Guard
+from ross_payload.actuators.mavlink_port import opener
+from ross_payload.actuators.registry import open_actuator
+from ross_payload.clock import SystemClock
+from ross_payload.config import Config
+from ross_payload.interfaces import Services
+from ross_payload.links import Links
+
+ROSS = (sys.executable, "-m", "ross_payload.cli")
+PERIOD = 0.010  # of the pump [s]
+
+
+def free_udp_port() -> int:
+    """Tell a port that nobody listens on."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+class Process:
+    """A ``ross`` command that tells where it is and obeys lines."""
+
+    def __init__(self, running: subprocess.Popen[str], log: Path) -> None:
+        self.running = running
+        self.log = log
+        self.told: dict[str, Any] = json.loads(running.stdout.readline() if running.stdout else "")
+
+    def ask(self, line: str) -> dict[str, Any]:
+        """Say a line and return the answer."""
+        assert self.running.stdin and self.running.stdout
+        self.running.stdin.write(line + "\n")
+        self.running.stdin.flush()
+        answer: dict[str, Any] = json.loads(self.running.stdout.readline())
+        return answer
+
+
+@contextmanager
+def ross(folder: Path, *command: str, before: tuple[str, ...] = ROSS) -> Iterator[Process]:
+    """Start a command that ends by SIGTERM, in good order and without a word."""
+    log = folder / f"{command[0]}-{len(list(folder.iterdir()))}.log"
+    with log.open("w") as file:
+        pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": file}
+        with subprocess.Popen([*before, *command], cwd=folder, text=True, **pipes) as running:
+            try:
+                yield Process(running, log)
+            finally:
+                running.terminate()
+                running.wait(30)
+    assert (running.returncode, log.read_text()) == (0, "")
+
+
+@contextmanager
+def device(folder: Path, kind: str, *more: str) -> Iterator[Process]:
+    """Start ``ross device``; a gimbal at a free port."""
+    wire = ("--wire", f"udpout:127.0.0.1:{free_udp_port()}") if kind == "gimbal" and "--wire" not in more else ()
+    with ross(folder, "device", kind, "--json", *wire, *more) as process:
+        yield process
+
+
+class Driver:
+    """A guarded driver on the system's clock, polled by its pump."""
+
+    def __init__(self, actuator: Guard, clock: SystemClock, poll: Callable[[], None]) -> None:
+        self.actuator = actuator
+        self.clock = clock
+        self.poll = poll
+
+    def until(self, true: Callable[[], bool], seconds: float = 20.0) -> None:
+        """Wait for something to be true."""
+        end = time.monotonic() + seconds
+        while not true():
+            assert time.monotonic() < end, self.actuator.state()
+            time.sleep(0.005)
+
+    def ready(self) -> None:
+        """Wait until it may be moved, and home it when it has to be."""
+        self.until(lambda: self.actuator.state().healthy)
+        if not self.actuator.state().homed:
+            self.actuator.home()
+        self.until(lambda: self.actuator.state().homed and self.actuator.state().settled)
+
+    def turn(self, goal: float) -> None:
+        """Go somewhere [rad] and wait until it is there."""
+        self.actuator.command(goal)
+        self.until(lambda: self.actuator.state().settled)
+
+
+@contextmanager
+def driver(told: dict[str, Any], pump: bool = True, **options: Any) -> Iterator[Driver]:
+    """Open the driver that fits what a device has told."""
+    links = [{"url": told["wire"], "role": "autopilot"}] if told["kind"] == "mavlink_gimbal" else []
+    port = {} if links else {"port": told["wire"]}
+    actuator = {"kind": told["kind"], "options": port | options}
+    config = Config.model_validate({"actuator": actuator, "links": links})
+    clock = SystemClock()
+    with ExitStack() as stack:
+        hub = stack.enter_context(Links.open(config.links, clock))
+        guard = open_actuator(config, Services(clock, opener(hub, 191, clock)))
+        stack.enter_context(guard)
+
+        def poll() -> None:
+            hub.poll()
+            guard.poll(clock.now())
+
+        if pump:
+            stack.callback(clock.every(PERIOD, poll))
+        yield Driver(guard, clock, poll)
