@@ -108,22 +108,6 @@ def enroll(name: str, file: Path | None, forget: bool) -> None:
     click.echo(f"enrolled {name}; 'ross enroll {name} --forget' deletes the voice print")
 
 
-@ross.command(short_help="List the actuator back ends.")
-@click.option("--json", "as_json", is_flag=True, help="For machines.")
-def actuators(as_json: bool) -> None:
-    """List the actuator back ends and whether they can be used here."""
-    import json
-
-    from ross_payload.actuators.registry import describe
-
-    rows = describe()
-    if as_json:
-        click.echo(json.dumps([{"name": row.name, "usable": row.usable, "about": row.about} for row in rows]))
-        return
-    for row in rows:
-        click.echo(f"{row.name:<16} {'usable' if row.usable else 'not usable':<11} {row.about}")
-
-
 def main() -> None:
     """Run the command line; a user's mistake gets one line and exit code 2."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # the same clean end as Ctrl-C, also while setting up

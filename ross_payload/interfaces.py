@@ -178,6 +178,14 @@ class Actuator(Protocol):
         """Stop and close."""
 
 
+class Identified(Protocol):
+    """An actuator that can also tell what its device says of itself."""
+
+    @property
+    def identity(self) -> str:
+        """Vendor, model, name, version, as the device tells them, in one line; empty while it has not."""
+
+
 class Port(Protocol):
     """A wire: serial, UDP, TCP, CAN, pulses, or an in-process one."""
 

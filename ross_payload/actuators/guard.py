@@ -57,6 +57,11 @@ class Guard:
         """Whether a stop is latched."""
         return self._stopped
 
+    @property
+    def identity(self) -> str:
+        """What the device says of itself; empty when it says nothing, or its driver does not ask."""
+        return str(getattr(self._actuator, "identity", ""))
+
     def command(self, angle: float, rate: float | None = None) -> None:
         """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal in flight."""
         self._refuse_when_latched()

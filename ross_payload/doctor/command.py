@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-COLOURS = {"ok": "green", "warn": "yellow", "fail": "red"}
 EPILOG = "Exit codes: 0 it will run, perhaps with warnings; 2 something must be mended first, or bad input."
 
 
@@ -27,19 +26,14 @@ def command(config: Path, as_json: bool) -> int:
     from ross_payload.doctor.examine import examine
     from ross_payload.doctor.finding import Finding, Verdict, worst
     from ross_payload.doctor.machine import Machine
+    from ross_payload.doctor.show import shown
 
     settings, findings = load(config), list[Finding]()
     for finding in examine(settings, Machine(), SystemClock()):
         findings.append(finding)
         if not as_json:
-            _show(finding.verdict, finding.check, finding.found, finding.todo)
+            shown(finding)
     verdict = worst(findings)
     if as_json:
         click.echo(json.dumps({"verdict": verdict, "checks": [asdict(finding) for finding in findings]}, indent=2))
     return 2 if verdict is Verdict.FAIL else 0
-
-
-def _show(verdict: str, check: str, found: str, todo: str) -> None:
-    click.echo(f"{click.style(f'{verdict:<5}', fg=COLOURS[verdict])} {check:<12} {found}")
-    if todo:
-        click.echo(f"{'':<18} -> {todo}")

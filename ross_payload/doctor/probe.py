@@ -1,0 +1,174 @@
+"""What a person does first with something new that turns: open it, look at it, and only if asked move it.
+
+Everything goes through the guard. Nothing moves unless homing or a move is asked for, and whatever ends the probe, a
+stop comes first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from ross_payload.actuators.guard import Guard
+from ross_payload.actuators.registry import open_actuator
+from ross_payload.config import Config
+from ross_payload.doctor.finding import Finding, fail, ok, warn
+from ross_payload.doctor.probe_moves import Figures, Leg, figures, judge, make
+from ross_payload.errors import ActuatorError, RossError
+from ross_payload.interfaces import ActuatorState, Feedback, Services
+
+POLL = 0.010  # [s]
+FOUND = 5.0  # that an actuator may take to report for the first time [s]
+REST = 2.0  # of looking at it at rest [s]
+BRAKING = 5.0  # that it may take to stand still at the end [s]
+RESTLESS = math.radians(0.3)  # at rest: more is worth a word [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What may move."""
+
+    home: bool = False
+    move: Callable[[], bool] = field(default=lambda: False)  # asked when all is ready to move
+
+
+@dataclass(slots=True)
+class Results:
+    """The numbers behind the findings, as far as it came."""
+
+    kind: str = ""
+    identity: str = ""
+    feedback: str = ""
+    report_rate_hz: float = math.nan
+    oldest_report_s: float = math.nan
+    noise_deg: float = math.nan  # from lowest to highest at rest
+    move: Figures | None = None
+
+
+def probe(config: Config, services: Services, wishes: Wishes, results: Results) -> Generator[Finding]:
+    """Open the actuator of a configuration, look at it, move it if that is wished; yield what is found."""
+    results.kind = config.actuator.kind
+    try:
+        guard = open_actuator(config, services)
+    except RossError as error:
+        yield fail("open", str(error), "see `ross actuators` and the page of this actuator")
+        return
+    try:
+        with _polled(guard, services):
+            yield from _examined(guard, config, services, wishes, results)
+    except RossError as error:
+        yield fail("open", str(error), "wire, power, permission? See the page of this actuator")
+
+
+def _examined(guard: Guard, config: Config, services: Services, wishes: Wishes, results: Results) -> Iterator[Finding]:
+    state = _first_report(guard, services)
+    if not state.healthy and not (wishes.home and state.time > -math.inf):
+        yield fail("report", state.fault, "wire, power, ids? See 'what happens when' on the page of this actuator")
+        return
+    yield from _identified(guard, results)
+    if wishes.home:
+        yield _homed(guard, config, services)
+    elif not state.homed:
+        yield warn("zero", "it does not know where it is", "`--home`, when nothing is in the way; it may turn")
+    yield from _at_rest(guard, config, services, results)
+    state = guard.state()
+    if state.healthy and state.homed and wishes.move():
+        yield from _moved(guard, services, results)
+
+
+@contextmanager
+def _polled(guard: Guard, services: Services) -> Iterator[None]:
+    """Keep a guarded actuator open and polled; at the end it stops and stands still before it is closed."""
+    clock = services.clock
+    with guard:
+        cancel = clock.every(POLL, lambda: guard.poll(clock.now()))
+        try:
+            yield
+        finally:
+            guard.stop()
+            end = clock.now() + BRAKING
+            clock.sleep(2 * POLL)
+            while guard.state().rate and clock.now() < end:
+                clock.sleep(POLL)
+            cancel()
+
+
+def _first_report(guard: Guard, services: Services) -> ActuatorState:
+    end = services.clock.now() + FOUND
+    while not guard.state().healthy and services.clock.now() < end:
+        services.clock.sleep(POLL)
+    return guard.state()
+
+
+def _identified(guard: Guard, results: Results) -> Iterator[Finding]:
+    able = guard.capabilities
+    results.identity, results.feedback = guard.identity, str(able.feedback)
+    yield ok("device", f"{results.kind}: {results.identity or 'it says nothing of itself'}")
+    lower, upper, speed, acceleration, step = (
+        math.degrees(value)
+        for value in (able.lower, able.upper, able.max_speed, able.max_acceleration, able.resolution)
+    )
+    yield ok("limits", f"{lower:.1f} to {upper:.1f} deg, {speed:.4g} deg/s, {acceleration:.4g} deg/s^2")
+    yield ok("feedback", f"{able.feedback}, in steps of {step:.3g} deg")
+
+
+def _homed(guard: Guard, config: Config, services: Services) -> Finding:
+    try:
+        guard.home()
+    except ActuatorError as error:
+        return fail("zero", str(error), "see the page of this actuator")
+    end = services.clock.now() + config.guard.max_move_s
+    while services.clock.now() < end:
+        services.clock.sleep(POLL)
+        state = guard.state()
+        if state.homed and state.settled:
+            return ok("zero", f"found; it stands at {math.degrees(state.angle):.2f} deg")
+    return fail("zero", guard.state().fault or "not found in time", "see the page of this actuator")
+
+
+def _at_rest(guard: Guard, config: Config, services: Services, results: Results) -> Iterator[Finding]:
+    """Look at the reports of something that stands still."""
+    clock, reports, ages = services.clock, [guard.state()], [0.0]
+    begin = clock.now()
+    while clock.now() < begin + REST:
+        clock.sleep(POLL)
+        state = guard.state()
+        ages.append(clock.now() - state.time)
+        if state.time > reports[-1].time:
+            reports.append(state)
+    state = reports[-1]
+    if not guard.state().healthy or len(reports) < 2:
+        yield fail("report", guard.state().fault or "no second report", "wire, power?")
+        return
+    results.oldest_report_s = max(ages)
+    results.report_rate_hz = 1 / (sum(b.time - a.time for a, b in pairwise(reports)) / (len(reports) - 1))
+    angles = [math.degrees(report.angle) for report in reports]
+    results.noise_deg = max(angles) - min(angles)
+    rate = f"{results.report_rate_hz:.0f} reports/s, none older than {results.oldest_report_s:.3f} s"
+    if results.oldest_report_s > config.guard.watchdog_s / 2:
+        yield warn("report", rate, f"raise guard.watchdog_s = {config.guard.watchdog_s:g}, or mend the link")
+    else:
+        yield ok("report", rate)
+    yield _noise(angles[-1], results, math.degrees(guard.capabilities.resolution))
+
+
+def _noise(angle: float, results: Results, step: float) -> Finding:
+    if results.feedback == Feedback.MODEL:
+        return ok("at rest", f"believed at {angle:.2f} deg; nobody measures")
+    found = f"at {angle:.2f} deg, within {results.noise_deg:.3g} deg"
+    if results.noise_deg > max(math.degrees(RESTLESS), 3 * step):
+        return warn("at rest", found, "it hunts, its sensor is noisy, or somebody turns it")
+    return ok("at rest", found)
+
+
+def _moved(guard: Guard, services: Services, results: Results) -> Iterator[Finding]:
+    legs: list[Leg] = []
+    trouble = make(guard, services.clock, legs)
+    if trouble is not None:
+        yield trouble
+        return
+    results.move = figures(legs)
+    yield from judge(results.move, guard.capabilities)
