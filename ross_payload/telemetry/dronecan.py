@@ -95,7 +95,7 @@ class DronecanReport:
         for event, heard in drained(self._events):
             self._reporter.handle(event, self._snapshot(heard))
             self._follow(event)
-        if self._status_due.due(now):
+        if self._latest is not None and self._status_due.due(now):  # before that the actuator is not ready either
             self._reporter.observe(self._snapshot(self._latest))
             self._node.stands(health(self._state), Mode.OPERATIONAL, int(self._state or State.IDLE))
             self._node.send(status_of(self._reporter.status, self._alignment))

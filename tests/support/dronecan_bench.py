@@ -28,6 +28,8 @@ from ross_sim.far_end import far_end_of
 from ross_sim.tape import drained
 
 URL = "can:test:0"
+SEED = 1
+UNIQUE_ID = np.random.default_rng(SEED).bytes(16)  # of the payload
 HOPS = 6000  # a script that takes longer has failed
 
 
@@ -147,7 +149,7 @@ def _aboard(config: Config, open_can: Callable[[str], Port], folder: Path) -> It
             shelf=Shelf(folder / "recordings"),
             drained=drained(clock),
             state=folder,
-            rng=np.random.default_rng(1),
+            rng=np.random.default_rng(SEED),
             restart=lambda: restarts.append("asked"),
         )
         with assembled(parts) as runner:
@@ -160,8 +162,8 @@ def live(bench: Bench, script: Iterator[None]) -> None:
     bench.runner.run()
 
 
-def play(script, wire, folder, **tables):
+def play(script, open_can, folder, **tables):
     """Let a script live with a payload; return the bench."""
-    with payload(tables, wire.open, folder) as bench:
+    with payload(tables, open_can, folder) as bench:
         live(bench, script(bench))
     return bench

@@ -35,7 +35,7 @@ def test_every_parameter_is_read_by_index_and_by_name(wire, peer, tmp_path):
         assert (yield from peer.ask(GetSetRequest(index=len(TABLE)))) == GetSetResponse()
         assert (yield from peer.ask(GetSetRequest("NO_SUCH", value=1.0))) == GetSetResponse()
 
-    play(script, wire, tmp_path)
+    play(script, wire.open, tmp_path)
 
 
 def test_what_is_set_is_in_force_and_reaches_the_mission(wire, peer, tmp_path):
@@ -48,7 +48,7 @@ def test_what_is_set_is_in_force_and_reaches_the_mission(wire, peer, tmp_path):
         assert answer.value == 3
         yield from peer.wait(0.1)
 
-    orders = play(script, wire, tmp_path).orders
+    orders = play(script, wire.open, tmp_path).orders
     assert orders[:3] == [Set("EXP_UNIT", 2.5), Set("EXP_PIPELINED", 1.0), Set("EXP_MIN_ROT", 3.0)]
     assert "EXP_UNIT = { value = 2.5" in (tmp_path / "params.toml").read_text()
 
@@ -59,7 +59,7 @@ def test_a_value_that_is_not_allowed_changes_nothing(wire, peer, tmp_path, value
         answer = yield from peer.ask(GetSetRequest("EXP_MAX_ROT", value=value))
         assert answer.value == 12
 
-    play(script, wire, tmp_path)
+    play(script, wire.open, tmp_path)
 
 
 def test_erase_sets_back_what_was_set_and_save_says_that_it_is_kept(wire, peer, tmp_path):
@@ -72,7 +72,7 @@ def test_erase_sets_back_what_was_set_and_save_says_that_it_is_kept(wire, peer, 
             assert bench.parameters.value(name) == bench.parameters.said(name)
         assert (yield from peer.ask(OpcodeRequest(7))) == OpcodeResponse(False)
 
-    play(script, wire, tmp_path)
+    play(script, wire.open, tmp_path)
 
 
 def test_nothing_is_set_where_the_configuration_forbids_it(wire, peer, tmp_path):
@@ -80,7 +80,7 @@ def test_nothing_is_set_where_the_configuration_forbids_it(wire, peer, tmp_path)
         assert (yield from peer.ask(GetSetRequest("EXP_UNIT", value=2.5))).value == 3.0
         assert (yield from peer.ask(OpcodeRequest(Opcode.ERASE))) == OpcodeResponse(False)
 
-    play(script, wire, tmp_path, dronecan={"port": URL, "may_set": False})
+    play(script, wire.open, tmp_path, dronecan={"port": URL, "may_set": False})
 
 
 def test_a_restart_is_an_orderly_end_where_it_is_allowed(wire, peer, tmp_path):
@@ -92,7 +92,7 @@ def test_a_restart_is_an_orderly_end_where_it_is_allowed(wire, peer, tmp_path):
         yield from peer.wait(10.0)
         raise AssertionError("the payload goes on")
 
-    bench = play(script, wire, tmp_path, dronecan={"port": URL, "may_restart": True})
+    bench = play(script, wire.open, tmp_path, dronecan={"port": URL, "may_restart": True})
     assert bench.restarts == ["asked"]
 
 
@@ -109,8 +109,8 @@ def test_a_restart_is_refused_without_leave_and_while_a_task_runs(wire, peer, tm
         yield from peer.wait(0.5)
         assert (yield from peer.ask(RestartRequest())) == RestartResponse(True)
 
-    play(refused, wire, tmp_path)
-    play(turning, wire, tmp_path, dronecan={"port": URL, "may_restart": True})
+    play(refused, wire.open, tmp_path)
+    play(turning, wire.open, tmp_path, dronecan={"port": URL, "may_restart": True})
 
 
 def test_it_tells_who_it_is_for_ever(wire, peer, tmp_path):
@@ -120,7 +120,7 @@ def test_it_tells_who_it_is_for_ever(wire, peer, tmp_path):
         told.append((yield from peer.ask(NodeInfoRequest())))
 
     for _ in range(2):
-        play(script, wire, tmp_path)
+        play(script, wire.open, tmp_path)
     assert told[0].name == "org.ross.payload"
     assert told[0].unique_id == told[1].unique_id
     assert isinstance(told[0], NodeInfo)
@@ -135,7 +135,7 @@ def test_two_payloads_of_one_id_name_the_other_and_are_silent(wire, peer, tmp_pa
         yield from peer.wait(3.0)
         assert peer.all == []
 
-    play(script, wire, tmp_path)
+    play(script, wire.open, tmp_path)
     assert "another node on the bus has our node id 121: silent until it has gone" in caplog.text
 
 
@@ -148,7 +148,7 @@ def test_a_bus_that_goes_and_comes_back_does_not_end_the_mission(wire, peer, tmp
         yield from peer.wait(20.0)
 
     caplog.set_level("INFO")
-    play(script, wire, tmp_path)
+    play(script, wire.open, tmp_path)
     assert "DroneCAN: the bus is down" in caplog.text
     assert "DroneCAN: over: " in caplog.text
 

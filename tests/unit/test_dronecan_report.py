@@ -47,7 +47,7 @@ def test_status_comes_five_times_a_second_and_follows_a_turn(wire, peer, tmp_pat
         assert peer.latest(RossStatus).heading == pytest.approx(0.5, abs=0.01)
         assert peer.latest(RossStatus).settled
 
-    play(script, wire, tmp_path)
+    play(script, wire.open, tmp_path)
 
 
 def test_a_stop_is_no_illness_and_a_heartbeat_goes_on(wire, peer, tmp_path):
@@ -55,7 +55,7 @@ def test_a_stop_is_no_illness_and_a_heartbeat_goes_on(wire, peer, tmp_path):
         bench.runner.order(Stop())
         yield from peer.wait(2.5)
 
-    play(script, wire, tmp_path)
+    play(script, wire.open, tmp_path)
     beats = [said.message for said in of(NodeStatus, peer.all)]
     assert len(beats) >= 3
     assert {beat.mode for beat in beats[1:-1]} == {Mode.OPERATIONAL}
@@ -97,7 +97,7 @@ def test_what_the_mission_finds_is_told_at_once_and_every_second(wire, peer, tmp
         yield from peer.wait(3.0)
         assert 2 <= len(of(RossSources, peer.all)) <= 4
 
-    play(script, wire, tmp_path)
+    play(script, wire.open, tmp_path)
 
 
 def test_news_are_log_messages_and_a_fault_is_an_error(wire, peer, tmp_path):
@@ -110,4 +110,4 @@ def test_news_are_log_messages_and_a_fault_is_an_error(wire, peer, tmp_path):
         assert (3, "mission over: the motor is gone") in said
         assert peer.latest(NodeStatus).health is Health.ERROR
 
-    play(script, wire, tmp_path)
+    play(script, wire.open, tmp_path)

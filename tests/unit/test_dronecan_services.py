@@ -4,12 +4,12 @@ import math
 import random
 import struct
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
+from dronecan_types import load_ours
 from ross_protocols.can import CanFrame
 from ross_protocols.dronecan import DroneCanError, Health, Mode, NodeStatus
 from ross_protocols.dronecan_allocation import Allocation
@@ -18,7 +18,6 @@ from ross_protocols.dronecan_ross import RossSource, RossSources, RossStatus
 from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
 from ross_protocols.dronecan_transfer import MOST_BEGUN, ROOM, Header, Joiner, split
 
-DSDL = Path(__file__).parents[2] / "protocols" / "dronecan" / "ross"
 UNIQUE = bytes(range(100, 116))
 STATUS = NodeStatus(86400, Health.WARNING, Mode.MAINTENANCE, 513)
 REQUESTS = [
@@ -126,7 +125,7 @@ def test_random_bytes_are_read_or_refused_in_one_way(value, payload):
 def dronecan():
     """An implementation that we did not write, with our own messages."""
     package = pytest.importorskip("dronecan")
-    package.load_dsdl(str(DSDL))
+    load_ours(package)
     return package
 
 
