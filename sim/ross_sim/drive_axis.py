@@ -87,7 +87,7 @@ class Axis:
             return
         option = self._objects[cia402.ABORT_CONNECTION]
         if option == 1:
-            self._fail(LIFE_MISSED)
+            self.fail(LIFE_MISSED)
         elif option == 2:
             self._disable(State.SWITCH_ON_DISABLED)
         elif option == cia402.QUICK_STOP_ON_SILENCE:
@@ -133,7 +133,7 @@ class Axis:
         window, patience = self._objects[cia402.FOLLOWING_WINDOW], self._objects[cia402.FOLLOWING_TIME] * 1e-3
         self._behind = self._behind + STEP if window != NEVER and lag > window else 0.0
         if self._behind > patience and self.state is State.OPERATION_ENABLED:
-            self._fail(FOLLOWING_ERROR)
+            self.fail(FOLLOWING_ERROR)
 
     def _proceed(self, now: float) -> None:
         over = now >= self._motion.end
@@ -182,7 +182,8 @@ class Axis:
         self.state, self._next, self._search = State.QUICK_STOP_ACTIVE, None, None
         self._brake(cia402.QUICK_STOP_DECELERATION)
 
-    def _fail(self, code: int) -> None:
+    def fail(self, code: int) -> None:
+        """Report an error and stop because of it."""
         self._report(code)
         self._quick_stop()
         self.state = State.FAULT_REACTION
