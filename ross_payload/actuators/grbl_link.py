@@ -74,9 +74,8 @@ class Dialogue:
         """Note a line that cannot be true."""
         self._damage.append((now, text))
 
-    @property
-    def noise(self) -> str:
+    def noise(self, now: float) -> str:
         """Say that the line is noisy; empty when it is not."""
-        if len(self._damage) < DAMAGED or self._damage[-1][0] - self._damage[0][0] > WITHIN:
+        if len(self._damage) < DAMAGED or self._damage[0][0] < now - WITHIN:
             return ""
         return f"the serial line is noisy: {DAMAGED} damaged lines within {WITHIN:g} s, such as {self._damage[-1][1]}"

@@ -12,6 +12,7 @@ from ross_payload.actuators.grbl_track import Track
 from ross_payload.errors import ActuatorFault
 from ross_payload.interfaces import Port
 from ross_protocols.grbl import (
+    ACCELERATION,
     HOLD,
     JOG_CANCEL,
     MAX_RATE,
@@ -83,7 +84,7 @@ class Session:
             trouble = self._hear(message)
             if trouble:
                 return trouble
-        noise = self._dialogue.noise if self.identified else ""
+        noise = self._dialogue.noise(now) if self.identified else ""
         self.position_known = self.identified
         return noise
 
@@ -117,7 +118,8 @@ class Session:
         until = self._now + PATIENCE
         while self.doing is None:
             if self._now > until:
-                hint = f" ({self._dialogue.noise}: is the baud rate right?)" if self._dialogue.noise else ""
+                noise = self._dialogue.noise(self._now)
+                hint = f" ({noise}: is the baud rate right?)" if noise else ""
                 raise ActuatorFault(f"nobody answers on {self._options.port} as grbl 1.1 does{hint}")
             yield
         yield from self.come_to_rest()
@@ -135,25 +137,26 @@ class Session:
         wrong = complaint(self._settings, self._options)
         if wrong:
             raise ActuatorFault(wrong)
+        self.track.acceleration = math.radians(self._settings[ACCELERATION + self._options.index])
         for note in slower(self._settings, self._options):
             LOG.warning("%s: moves take longer", note)
         yield from self._reported()
         self._starting, self.identified, self.position_known = False, True, True
 
     def come_to_rest(self) -> Script:
-        """Cancel what moves until grbl says that it is at rest; a reset ends homing."""
+        """Cancel what moves until grbl says that it is at rest; a reset ends homing, an answer may have been lost."""
         self.track.goal, again, until = None, -math.inf, self._now + ANSWER
         if self.homing:
             yield from self.reset()
         while self._dialogue.waiting or not self._at_rest():
-            if self._dialogue.waiting and self._now > until:
-                raise ActuatorFault("grbl does not answer")
+            if self._now > until:
+                self._dialogue.waiting = False
             self.track.ours = True
             if self._now >= again:
                 again = self._now + AGAIN
                 self._dialogue.signal(HOLD if self.doing is State.RUN else JOG_CANCEL)
             yield
-        self.track.ours = False
+        self.track.rest()
 
     def jog(self, count: int, speed: float) -> Script:
         """Go to a counter [steps] at most at ``speed`` [rad/s], until grbl is idle there."""
@@ -161,7 +164,7 @@ class Session:
         yield from self._told(jog(self._options.axis, count * self._options.resolution, speed))
         while not self._at_rest():
             yield
-        self.track.goal, self.track.ours = None, False
+        self.track.rest()
         here = self.track.count
         if here is None or abs(here - count) > NEAR or self.doing is not State.IDLE:
             found, wanted = (math.degrees((each or 0) * self._options.resolution) for each in (here, count))
@@ -178,7 +181,7 @@ class Session:
             self.homing = False
         self.track.count = None  # the counter is another one now
         yield from self._reported()
-        self.track.ours = False
+        self.track.rest()
 
     def unlock(self) -> Script:
         """End an alarm."""

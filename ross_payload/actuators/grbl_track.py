@@ -9,6 +9,8 @@ from ross_protocols.grbl import Report, State
 
 AHEAD = 0.045  # the speed in a report is that of the motor so much later: grbl prepares its steps [s]
 MOVING = (State.JOG, State.RUN, State.HOLD, State.HOME)
+SLOWED, MARGIN, LATENESS = 0.9, math.radians(1), 0.15  # of the highest speed; farther than needed to brake [rad], [s]
+SURE = 3  # reports in a row: one may be damaged
 TREMBLE = 2  # steps by which a report may be off without being impossible
 
 
@@ -28,11 +30,15 @@ class Track:
         self._resolution = resolution
         self._speeds: deque[tuple[float, float]] = deque(maxlen=8)  # time [s], [rad/s]
         self._nearest = math.inf  # to the goal so far [steps]
+        self._peak = 0.0  # highest speed of the jog so far [rad/s]
+        self.acceleration = math.inf  # grbl's [rad/s^2]
+        self._doubts = 0  # strange reports in a row
+        self._rest: int | None = None  # the counter where it is to stay [steps]
         self.count: int | None = None  # grbl's counter
         self.direction = 1
         self.rate = 0.0  # [rad/s]
         self.goal: int | None = None  # of a jog that is to arrive [steps]
-        self.ours = False  # whether what moves is our doing
+        self.ours = True  # whether what moves is our doing
         self.still_since = math.inf  # [s]
 
     def possible(self, report: Report, elapsed: float, fastest: float) -> bool:
@@ -65,12 +71,15 @@ class Track:
         if not at_rest:
             self._speeds.append((time, report.speed or 0.0))
         self.rate = 0.0 if at_rest else self.direction * self._speed(time - AHEAD)
-        return self._strange(report, moved)
+        strange = self._strange(report)
+        self._doubts = self._doubts + 1 if strange else 0
+        return strange if self._doubts >= SURE else ""
 
     def begin(self, goal: int, now: float) -> None:
         """Expect a jog of ours to ``goal`` [steps]; it is prepared at once, and so is told to be fast at once."""
         here = goal if self.count is None else self.count
         self.goal, self._nearest, self.still_since, self.ours = goal, abs(goal - here), math.inf, True
+        self._peak = 0.0
         self.direction = 1 if goal >= here else -1
         self._speeds.clear()
         self._speeds.append((now - AHEAD, 0.0))
@@ -86,12 +95,16 @@ class Track:
                 return earlier[1] + part * (later[1] - earlier[1])
         return later[1]
 
-    def _strange(self, report: Report, moved: int) -> str:
+    def rest(self) -> None:
+        """Expect nothing to move any more."""
+        self.goal, self.ours, self._rest = None, False, self.count
+
+    def _strange(self, report: Report) -> str:
         if report.state in (State.RUN, State.CHECK):
             return f"somebody else runs a program: grbl says {report.state}"
         if report.state in (State.HOLD, State.DOOR):
             return f"grbl has stopped: {report.doing}"
-        if not self.ours and (report.state is State.JOG or moved):
+        if not self.ours and (report.state is State.JOG or self.count != self._rest):
             return "somebody else moves grbl"
         if self.goal is None or self.count is None:
             return ""
@@ -99,4 +112,12 @@ class Track:
         if away > self._nearest + TREMBLE:
             return "somebody else moves grbl: it goes away from our goal"
         self._nearest = min(self._nearest, away)
+        return self._slowed(report.speed or 0.0, away * self._resolution)
+
+    def _slowed(self, speed: float, away: float) -> str:
+        """Say when it brakes ``away`` [rad] from the goal, farther than it needs to."""
+        self._peak = max(self._peak, speed)
+        needed = speed**2 / (2 * self.acceleration) + LATENESS * speed + MARGIN
+        if speed < SLOWED * self._peak and away > needed:
+            return f"somebody else slows grbl down, {math.degrees(away):.1f} deg before our goal"
         return ""

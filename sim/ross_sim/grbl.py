@@ -95,7 +95,8 @@ class GrblFarEnd:
             case Fault.REBOOT, True:
                 self.firmware.boot()
             case Fault.TAKEN, True:
-                self._stranger = ["\x85", "$J=G91G21" + self._options.axis + "-45F1800"]
+                back = -1 if self.firmware.forward else 1
+                self._stranger = ["\x85", f"$J=G91G21{self._options.axis}{45 * back}F1800"]
             case _, True:
                 self._suffering.add(fault)
             case _:

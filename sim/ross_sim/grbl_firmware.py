@@ -74,6 +74,11 @@ class Firmware:
         """The step counter of the axis that turns."""
         return self.motion.position[self._turning]
 
+    @property
+    def forward(self) -> bool:
+        """Whether the axis that turns is not to go back."""
+        return self.motion.planned[self._turning] >= self.count
+
     def take(self, data: bytes) -> None:
         """Take in bytes from the line; what does not fit into the buffer is lost."""
         for byte in data:

@@ -105,6 +105,6 @@ DETECTIONS: dict[tuple[str, Fault], Detection | None] = {
     ("grbl", Fault.SLIP): None,
     ("grbl", Fault.SILENT): Detection(0.6, r"no report for 0\.5"),
     ("grbl", Fault.REBOOT): Detection(0.1, "has restarted"),
-    ("grbl", Fault.TAKEN): Detection(3.0, "somebody else"),
+    ("grbl", Fault.TAKEN): Detection(1.5, "somebody else"),
     ("grbl", Fault.CORRUPT): Detection(0.6, "serial line is noisy"),
 }
