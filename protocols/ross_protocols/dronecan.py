@@ -9,22 +9,17 @@ from __future__ import annotations
 
 import math
 import struct
-from binascii import crc_hqx
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Self
 
-from ross_protocols.can import MOST_DATA, CanFrame
+from ross_protocols.can import CanFrame
 from ross_protocols.dronecan_gimbal import AngularCommand, GimbalStatus
+from ross_protocols.dronecan_transfer import Header, Joiner, split
 
-NODES = range(1, 128)
-MOST_PAYLOAD = 256  # of a message here [bytes]
 MOST_COMMANDS = 15  # in one message
-START, END, TOGGLE, COUNT = 0x80, 0x40, 0x20, 0x1F  # in a tail byte
-SERVICE = 0x80  # in an identifier
-NONE = -1  # no transfer has begun
 NAN = math.nan
 
 
@@ -194,58 +189,36 @@ class Sender:
         >>> [frame.data.hex() for frame in Sender(9).frames(Status(1, 0.5))]
         ['cd1b010038007e80', '007e7f60']
         """
-        number, payload = IDS[type(message)], message.pack()
-        transfer, self._counts[number] = self._counts[number] % 32, self._counts[number] + 1
-        if len(payload) >= MOST_DATA:
-            payload = struct.pack("<H", crc_hqx(payload, SEEDS[number])) + payload
-        parts = [payload[begin : begin + 7] for begin in range(0, len(payload), 7)] or [b""]
-        identifier = PRIORITIES[number] << 24 | number << 8 | self._node
-        return [CanFrame(identifier, part + _tail(n, len(parts), transfer)) for n, part in enumerate(parts)]
-
-
-def _tail(n: int, of: int, transfer: int) -> bytes:
-    return bytes([START * (n == 0) | END * (n == of - 1) | TOGGLE * (n % 2) | transfer])
+        number = IDS[type(message)]
+        transfer, self._counts[number] = self._counts[number], self._counts[number] + 1
+        header = Header(number, self._node, priority=PRIORITIES[number])
+        return split(header.identifier, message.pack(), SEEDS[number], transfer)
 
 
 class Assembler:
     """Turns frames of a bus into messages; what is broken, unknown or a service is dropped."""
 
     def __init__(self) -> None:
-        self.broken: Counter[int] = Counter()  # transfers that came damaged or in part, by node
-        self._begun: dict[int, tuple[int, bytes]] = {}  # by identifier: the tail wanted next, the data so far
+        self._joiner = Joiner()
+
+    @property
+    def broken(self) -> Counter[int]:
+        """Transfers that came damaged or in part, by node."""
+        return self._joiner.broken
 
     def feed(self, frame: CanFrame) -> Received | None:
         """Return the message that this frame completes."""
-        number, node = frame.id >> 8 & 0xFFFF, frame.id & 0x7F
-        if not frame.extended or frame.id & SERVICE or not node or number not in TYPES or not frame.data:
+        header = Header.of(frame.id)
+        number, node = header.number, header.source
+        if not frame.extended or header.destination is not None or not node or number not in TYPES:
             return None
-        payload = self._payload(frame, number)
-        if payload is None:
+        whole = self._joiner.feed(frame, SEEDS[number])
+        if whole is None:
             return None
         try:
-            return Received(node, TYPES[number](payload), frame.data[-1] & COUNT)
+            return Received(node, TYPES[number](whole.payload), whole.transfer)
         except (struct.error, DroneCanError):
             return None
-
-    def _payload(self, frame: CanFrame, number: int) -> bytes | None:
-        """Return the payload of a transfer that is whole and right."""
-        data, tail = frame.data[:-1], frame.data[-1]
-        wanted, before = self._begun.pop(frame.id, (NONE, b""))
-        if tail & START:
-            self.broken[frame.id & 0x7F] += wanted != NONE
-            wanted, before = tail & COUNT, b""
-        whole = before + data
-        if tail & ~(START | END) != wanted or len(before) > MOST_PAYLOAD:
-            self.broken[frame.id & 0x7F] += 1
-        elif not tail & END:
-            self._begun[frame.id] = (wanted ^ TOGGLE, whole)
-        elif tail & START:
-            return whole
-        elif crc_hqx(whole[2:], SEEDS[number]) == int.from_bytes(whole[:2], "little"):
-            return whole[2:]
-        else:
-            self.broken[frame.id & 0x7F] += 1
-        return None
 
 
 def as_sent(value: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from binascii import crc_hqx
+from collections import Counter
 from dataclasses import dataclass
 
 from ross_protocols.can import MOST_DATA, CanFrame
@@ -13,6 +14,7 @@ SERVICE, REQUEST = 0x80, 0x8000  # bits of an identifier
 START, END, TOGGLE, COUNT = 0x80, 0x40, 0x20, 0x1F  # of a tail byte
 ROOM = MOST_DATA - 1  # for the payload of a frame [bytes]
 MOST_PAYLOAD = 1024  # of a transfer that is read [bytes]
+NOTHING = -1  # has begun
 MOST_BEGUN = 256  # transfers that are not whole yet
 
 
@@ -78,29 +80,33 @@ class Whole:
 
 
 class Joiner:
-    """Puts frames together; what is broken is dropped. The caller knows which types there are."""
+    """Puts frames together; what is broken is dropped and counted. The caller knows which types there are."""
 
     def __init__(self) -> None:
+        self.broken: Counter[int] = Counter()  # transfers that came damaged or in part, by source
         self._begun: dict[int, tuple[int, bytes]] = {}  # by identifier: the tail wanted next, the data so far
 
     def feed(self, frame: CanFrame, seed: int) -> Whole | None:
         """Return the transfer that this frame completes; ``seed`` is that of its type."""
         if not frame.data:
             return None
-        data, tail = frame.data[:-1], frame.data[-1]
-        wanted, before = self._begun.pop(frame.id, (-1, b""))
+        data, tail, source = frame.data[:-1], frame.data[-1], frame.id & 0x7F
+        wanted, before = self._begun.pop(frame.id, (NOTHING, b""))
         if tail & START:
+            self.broken[source] += wanted != NOTHING
             wanted, before = tail & COUNT, b""
-        if tail & ~(START | END) != wanted or len(before) > MOST_PAYLOAD:
-            return None
         whole = before + data
-        if not tail & END:
+        if tail & ~(START | END) != wanted or len(before) > MOST_PAYLOAD:
+            self.broken[source] += 1
+        elif not tail & END:
             self._begin(frame.id, wanted ^ TOGGLE, whole)
-            return None
-        if tail & START:
+        elif tail & START:
             return Whole(whole, tail & COUNT)
-        right = crc_hqx(whole[2:], seed) == int.from_bytes(whole[:2], "little")
-        return Whole(whole[2:], tail & COUNT) if right else None
+        elif crc_hqx(whole[2:], seed) == int.from_bytes(whole[:2], "little"):
+            return Whole(whole[2:], tail & COUNT)
+        else:
+            self.broken[source] += 1
+        return None
 
     def _begin(self, identifier: int, tail: int, whole: bytes) -> None:
         self._begun[identifier] = tail, whole
