@@ -117,8 +117,9 @@ def serial_devices(config: Config) -> list[str]:
 
 
 def can_interfaces(config: Config) -> list[str]:
-    """Return the CAN interfaces that the actuator's options name."""
-    found = [name for text in _texts(config.actuator.options) for name in CAN.findall(text)]
+    """Return the CAN interfaces that the actuator's options and [dronecan] name."""
+    texts = [*_texts(config.actuator.options), config.dronecan.port]
+    found = [name for text in texts for name in CAN.findall(text)]
     return list(dict.fromkeys(found))
 
 

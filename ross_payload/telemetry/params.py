@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 from ross_payload.errors import ConfigError
 from ross_payload.links import Heard
-from ross_payload.parameters import TABLE, Parameters
+from ross_payload.parameters import TABLE, Parameters, value_of
 from ross_payload.telemetry.allowance import Allowance
 from ross_payload.telemetry.identity import Endpoint
 from ross_protocols.params import (
@@ -62,6 +62,7 @@ class ParameterServer:
         self._changed = changed
         self._say = say
         self._waiting: deque[tuple[int, str | None]] = deque()  # index and link
+        self._known = parameters.config
         self._due = 0.0
         self._now = 0.0
         self._notes = deque(parameters.notes)
@@ -95,6 +96,7 @@ class ParameterServer:
     def tick(self, now: float) -> None:
         """Send the next answer when it is due; tell what there is to tell about the file."""
         self._now = now
+        self._look()
         if self._waiting and now >= self._due:
             self._due = now + PACE
             index, link = self._waiting.popleft()
@@ -106,6 +108,14 @@ class ParameterServer:
             self._trouble = self._parameters.trouble
             if self._trouble:
                 self._say(Severity.ERROR, self._trouble)
+
+    def _look(self) -> None:
+        """Tell everybody what was set by another way than ours."""
+        before, self._known = self._known, self._parameters.config
+        if before is not self._known:
+            for index, name in enumerate(NAMES):
+                if value_of(before, name) != value_of(self._known, name):
+                    self._answer(index, EVERYWHERE)
 
     def _set(self, name: str, value: float) -> bool:
         """Set a value, or say why not; either way everybody is told which one is in force."""

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from ross_payload.plugins import available
+from ross_payload.service.live import AGAIN
 
 UNIT = Path(__file__).parents[2] / "docs" / "examples" / "ross.service"
 
@@ -55,7 +56,11 @@ def test_the_unit_is_hardened(unit):
 def test_a_wrong_configuration_does_not_restart_and_a_crash_does(service):
     assert service["Restart"] == "on-failure"
     assert service["RestartPreventExitStatus"] == "2"
-    assert service["SuccessExitStatus"] == "130"
+    assert service["SuccessExitStatus"].split() == ["130", str(AGAIN)]
+
+
+def test_a_restart_that_was_asked_for_is_no_failure_and_happens(service):
+    assert service["RestartForceExitStatus"] == str(AGAIN)
 
 
 def test_the_program_of_the_unit_is_a_command(service):

@@ -149,6 +149,10 @@ def test_words_that_hold_can_are_no_interface():
     assert wires.can_interfaces(turns) == ["vcan1"]
 
 
+def test_the_bus_of_our_own_node_is_looked_at():
+    assert wires.can_interfaces(config(dronecan={"port": "can:socketcan:can3"})) == ["can3"]
+
+
 def test_a_port_that_another_program_has_is_found(tmp_path):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("127.0.0.1", 0))

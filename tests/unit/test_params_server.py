@@ -257,3 +257,10 @@ def test_on_a_bad_link_all_parameters_arrive_and_what_is_set_is_set(sky, odds, s
     payload.parameters.close()
     assert payload.changes == [("EXP_UNIT", 5.0)]
     assert fetched(payload) == pytest.approx(wanted | {"EXP_UNIT": 5.0})
+
+
+def test_what_is_set_by_another_way_is_told_to_everybody(payload):
+    payload.parameters.set("EXP_UNIT", 2.5)
+    payload.parameters.set("XPL_RUNS", 3)
+    assert [(told.param_id, told.param_value) for told in payload.wait(0.2)] == [("EXP_UNIT", 2.5), ("XPL_RUNS", 3.0)]
+    assert payload.wait(0.5) == []
