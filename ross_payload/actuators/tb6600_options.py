@@ -45,9 +45,10 @@ class Options(Table):
         if self.max_pulse_rate_hz * 2e-6 * self.pulse_us > 1:
             raise ValueError(f"max_pulse_rate_hz = {self.max_pulse_rate_hz:g} leaves no room for pulse_us twice")
         needed = math.radians(self.max_speed_deg_s) / self.resolution
-        if needed * self.interface.period > 1:
+        if needed * (self.interface.period - NOISE) > 1 + 1e-9:
             found = f"max_speed_deg_s = {self.max_speed_deg_s:g} needs {needed:.0f} pulses/s"
-            raise ValueError(f"{found}, wanted at most max_pulse_rate_hz = {self.max_pulse_rate_hz:g}")
+            cap = f"max_pulse_rate_hz = {self.max_pulse_rate_hz:g} in whole microseconds"
+            raise ValueError(f"{found}, wanted at most {1 / self.interface.period:.0f} ({cap})")
         return self
 
     @model_validator(mode="after")

@@ -185,9 +185,9 @@ class Tb6600FarEndPlugin:
 
 
 def switch_of(config: Options) -> HomeSwitch:
-    """Make a switch that closes half a step before the angle that the options name."""
+    """Make a switch that closes at the step nearest to the angle that the options name, or a little before it."""
     sign = config.search.sign
-    closes = math.radians(config.home_offset_deg) - sign * config.resolution / 2
+    closes = (round(math.radians(config.home_offset_deg) / config.resolution) - 0.3 * sign) * config.resolution
     return HomeSwitch(closes, sign, high=config.home_level == "high")
 
 

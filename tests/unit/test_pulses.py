@@ -130,7 +130,8 @@ def test_a_recording_port_with_a_clock_plays_by_itself() -> None:
 
 
 def test_an_unknown_pulse_port_is_an_error_that_names_those_that_exist() -> None:
-    with pytest.raises(ConfigError, match=r"'pulses:gpio17' is unknown; there are: pulses:recording"):
+    there = "pulses:recording, pulses:tcp:HOST:PORT, pulses:lgpio:CHIP:STEP"
+    with pytest.raises(ConfigError, match=f"'pulses:gpio17' is unknown; there are: {there}"):
         open_wire("pulses:gpio17", SimClock())
 
 

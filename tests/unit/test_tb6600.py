@@ -17,9 +17,10 @@ from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.pulses import EDGE, Line, Segment
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.config import Config
-from ross_payload.errors import ActuatorFault, NotHomed
+from ross_payload.errors import ActuatorFault, ConfigError, NotHomed
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.far_end import Fault
 from ross_sim.stepper import Motor
 from ross_sim.tb6600 import Tb6600FarEnd, far_end
 
@@ -168,6 +169,62 @@ def test_pulses_that_run_out_in_mid_move_are_a_fault_that_loses_the_position() -
     assert not state.settled
     with pytest.raises(ActuatorFault):
         bench.guard.command(0.0)
+
+
+def test_segments_that_the_wire_gets_too_late_are_a_fault_that_loses_the_position() -> None:
+    """The program knows nothing of a pause of the wire; the other end does."""
+    bench = Bench()
+    bench.guard.command(3.0)
+    bench.clock.sleep(0.8)
+    bench.far.afflict(Fault.SATURATED)
+    bench.clock.sleep(0.2)
+    state = bench.guard.state()
+    assert state.fault.startswith("pulses ran out: edges came too late")
+    assert not state.homed
+    bench.far.afflict(Fault.SATURATED, on=False)
+    bench.clock.sleep(0.5)
+    bench.guard.home()
+    bench.clock.sleep(0.5)
+    bench.guard.rearm()
+    here = bench.true_deg
+    assert bench.go(9.0).true_deg - here == pytest.approx(9.0, abs=0.12)
+
+
+@pytest.mark.parametrize(
+    ("options", "pulses"),
+    [
+        ({"microsteps": 32, "gear_ratio": 5.0}, 20000),
+        ({"max_speed_deg_s": 1700.0}, 15111),
+        ({"max_pulse_rate_hz": 1990.0}, 2000),  # 2000 would do
+    ],
+)
+def test_a_speed_that_needs_more_pulses_than_the_cap_is_refused(options: dict[str, Any], pulses: int) -> None:
+    with pytest.raises(ConfigError, match=rf"needs {pulses} pulses/s, wanted at most .*max_pulse_rate_hz"):
+        Bench(**options)
+
+
+@pytest.mark.parametrize("stays", [Fault.STALL, Fault.STUCK, Fault.SLIP])
+def test_what_happens_behind_an_open_loop_the_driver_cannot_know(stays: Fault) -> None:
+    bench = Bench()
+    bench.guard.command(math.radians(90))
+    bench.clock.sleep(0.8)
+    bench.far.afflict(stays)
+    bench.clock.sleep(3.0)
+    state = bench.guard.state()
+    assert state.healthy
+    assert state.settled
+    assert math.degrees(state.angle) == pytest.approx(90.0)
+    assert abs(bench.true_deg - 90.0) > 5
+
+
+def test_a_process_that_dies_at_full_speed_leaves_at_most_40_ms_of_pulses() -> None:
+    bench = Bench()
+    bench.guard.command(3.0)
+    bench.clock.sleep(1.5)
+    here, rate = bench.true_deg, math.degrees(bench.guard.state().rate)
+    bench.cancel()
+    bench.clock.sleep(2.0)
+    assert bench.true_deg - here < rate * 0.05 + 7.2
 
 
 def test_the_state_follows_the_shaft_within_half_a_degree_while_turning() -> None:

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_payload.actuators.pulses import EDGE, Played, PulseCodec, RecordingPulses, Segment
+from ross_payload.actuators.pulses import EDGE, Level, Line, Played, PulseCodec, RanOut, RecordingPulses, Segment
 from ross_payload.actuators.wires import TcpWire, greeting, open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
@@ -76,18 +76,19 @@ def same(found, wanted):
 
 @given(sizes=st.lists(st.integers(1, 40), min_size=1, max_size=30))
 def test_pulses_cross_exactly_in_pieces_of_any_size(sizes):
-    sent = [Segment(1 / 3, 0.02, EDGES), Played(2 / 7), Segment(0.4, 0.0, EDGES[:0])]
+    reports = [Played(2 / 7), Level(Line.HOME, True, 1 / 7), RanOut(5 / 7), Level(Line.STEP, False, 0.0)]
+    sent = [Segment(1 / 3, 0.02, EDGES), *reports, Segment(0.4, 0.0, EDGES[:0])]
     data = b"".join(PulseCodec().pack(frame) for frame in sent)
     codec, got, position = PulseCodec(), [], 0
     for size in [*sizes, len(data)]:
         got += codec.feed(data[position : position + size])
         position += size
     assert same(got[0], sent[0])
-    assert got[1] == sent[1]
-    assert same(got[2], sent[2])
+    assert got[1:-1] == reports
+    assert same(got[-1], sent[-1])
 
 
-@pytest.mark.parametrize("data", [b"GET / HTTP/1.1\r\n\r\n", b"S" + bytes(16) + b"\xff" * 4])
+@pytest.mark.parametrize("data", [b"GET / HTTP/1.1\r\n\r\n", b"S" + bytes(16) + b"\xff" * 4, b"L\x09" + bytes(9)])
 def test_bytes_that_are_no_pulses_are_refused(data):
     with pytest.raises(LinkError, match="not a frame of pulses"):
         PulseCodec().feed(data)
@@ -118,6 +119,18 @@ def test_a_segment_is_reported_when_the_clock_has_passed_it_and_played_in_the_ti
     (played,) = port.sent
     assert played.start == pytest.approx(5.0, abs=1.0)
     assert (played.edges == EDGES).all()
+
+
+def test_what_the_module_notices_crosses_in_the_time_of_the_clock():
+    port, epoch = RecordingPulses(), CLOCK.now() - 5.0
+    side = PulseSide(port, epoch)
+    with served(side) as (wire, _):
+        for report in (Played(4.0), Level(Line.HOME, False, 4.5), RanOut(4.75)):
+            port.report(report)
+        side.exchange(begin=5.0)
+        reports = []
+        until(lambda: reports.extend(wire.receive()) or len(reports) == 2)
+    assert reports == [Level(Line.HOME, False, 4.5 + epoch), RanOut(4.75 + epoch)]
 
 
 def test_a_goal_takes_effect_when_it_has_arrived_and_the_report_tells_the_time_of_both():
