@@ -202,7 +202,7 @@ def settings_of(kind: str, **options: Any) -> config.Config:
 
 
 def test_options_are_lowered_to_the_caps_of_the_guard() -> None:
-    settings = settings_of("tb6600", max_speed_deg_s=9999, max_acceleration_deg_s2=50)
+    settings = settings_of("tb6600", max_speed_deg_s=999, max_acceleration_deg_s2=50)
     options = checked_options(settings)
     assert (options.max_speed_deg_s, options.max_acceleration_deg_s2) == (225, 50)
 
