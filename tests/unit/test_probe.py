@@ -99,7 +99,7 @@ def test_it_moves_slowly() -> None:
     assert math.degrees(fastest) == pytest.approx(5.0, abs=0.1)
 
 
-@pytest.mark.parametrize("kind", ["tb6600:switch", "canopen_drive"])
+@pytest.mark.parametrize("kind", ["tb6600:switch", "dronecan_servo:model"])
 def test_one_that_does_not_know_where_it_is_says_what_to_do_and_is_not_moved(kind: str) -> None:
     on = Workbench(kind)
     findings = on.probe(move=lambda: pytest.fail("asked to move it"))
