@@ -103,7 +103,7 @@ class Rules:
             if self._watch.busy:
                 self._watch.cancelled(self._hand.cancel())
         if control.primary != self._control.primary:
-            log.info("gimbal: %d/%d is in control, as %d/%d wished", *control.primary, *who)
+            log.info("%s is in control, as %d/%d wished", _named(control.primary), *who)
             self._hand.still()
         self._control = control
 
@@ -118,3 +118,7 @@ class Rules:
         if self._watch.busy:
             return "a task of the mission runs: take control first"
         return "" if self._control.allows(who) else "somebody else is in control"
+
+
+def _named(who: Address) -> str:
+    return "nobody" if who == NOBODY else f"{who[0]}/{who[1]}"
