@@ -246,18 +246,18 @@ def test_our_allocator_gives_an_id_to_a_node_that_asks(peer, aboard, channel, ua
         assert (asker.given, asker.told) == (125, UNIQUE)
 
 
-def test_all_our_frames_of_a_minute_are_read_without_an_error(peer, aboard):
+def test_whatever_we_find_is_read_without_an_error(peer, aboard):
     hooked = []
     peer.node.add_transfer_hook(hooked.append)
 
     def script(bench):
         rng = np.random.default_rng(1)
-        for hop in range(3000):
+        for hop in range(1500):
             peer.node.spin(0)  # which raises on any transfer that it does not understand
-            if hop % 100 == 0:
-                sources = tuple(SourceEstimate(*rng.uniform(0, 1, 3), resolved=False) for _ in range(hop // 400))
+            if hop % 50 == 0:
+                sources = tuple(SourceEstimate(*rng.uniform(0, 1, 3), resolved=False) for _ in range(hop // 200))
                 bench.tell(SourcesEstimated(1.0, Estimate(sources), 3, final=True))
             yield
 
     aboard(script)
-    assert len(hooked) > 150
+    assert len(hooked) > 75

@@ -95,6 +95,7 @@ class Bench:
     runner: Runner
     restarts: list[str]
     orders: list[Any]  # that reached the mission
+    far_end: Any
     heard: Any = None  # the latest Input
 
     def tell(self, *events: Any) -> None:
@@ -126,17 +127,17 @@ class Living:
         """What is said goes over the bus."""
 
 
-def payload(tables: dict[str, Any], open_can: Callable[[str], Port], folder: Path) -> Any:
-    """A payload with an ideal actuator; tables of its configuration may be given."""
+def payload(tables: dict[str, Any], open_can: Callable[[str], Port] | None, folder: Path) -> Any:
+    """A payload, unless told otherwise with an ideal actuator; without ``open_can`` the bus is the actuator's."""
     config = Config.model_validate({"actuator": {"kind": "ideal"}, "dronecan": {"port": URL}} | tables)
     return _aboard(config, open_can, folder)
 
 
 @contextmanager
-def _aboard(config: Config, open_can: Callable[[str], Port], folder: Path) -> Iterator[Bench]:
+def _aboard(config: Config, open_can: Callable[[str], Port] | None, folder: Path) -> Iterator[Bench]:
     clock, far_end, restarts = SimClock(), far_end_of(config), []
     clock.before_calls(far_end.advance)
-    buses = Buses(lambda url: open_can(url) if url.startswith("can:") else far_end.port, clock)
+    buses = Buses(lambda url: open_can(url) if open_can and url.startswith("can:") else far_end.port, clock)
     with Links.open((), clock, system_id=1, state=folder) as links, Parameters(config, folder / "params.toml") as kept:
         parts = Parts(
             clock=clock,
@@ -153,7 +154,7 @@ def _aboard(config: Config, open_can: Callable[[str], Port], folder: Path) -> It
             restart=lambda: restarts.append("asked"),
         )
         with assembled(parts) as runner:
-            yield Bench(clock, kept, runner, restarts, [])
+            yield Bench(clock, kept, runner, restarts, [], far_end)
 
 
 def live(bench: Bench, script: Iterator[None]) -> None:

@@ -10,9 +10,10 @@ from ross_payload.config import Config
 from ross_payload.errors import ConfigError, LinkError
 from ross_payload.orders import Cancel, Set, TurnTo
 from ross_payload.parameters import TABLE
-from ross_protocols.dronecan import NodeStatus
+from ross_protocols.dronecan import ArrayCommand, NodeStatus, Received
 from ross_protocols.dronecan_params import GetSetRequest, GetSetResponse, Opcode, OpcodeRequest, OpcodeResponse
 from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
+from ross_protocols.dronecan_speech import Ear
 
 
 @pytest.fixture
@@ -151,6 +152,28 @@ def test_a_bus_that_goes_and_comes_back_does_not_end_the_mission(wire, peer, tmp
     play(script, wire.open, tmp_path)
     assert "DroneCAN: the bus is down" in caplog.text
     assert "DroneCAN: over: " in caplog.text
+
+
+def test_driver_and_node_on_one_bus_are_one_node(tmp_path):
+    servo = {"kind": "dronecan_servo", "options": {"port": URL}}
+    heard = {}
+
+    def script(bench):
+        plug, ear = bench.far_end.bus.plug(), Ear(0)
+        bench.runner.order(TurnTo(0.5))
+        for hop in range(300):
+            for frame in plug.receive():
+                said = ear.feed(frame)
+                if isinstance(said, Received):
+                    heard.setdefault((said.node, type(said.message)), []).append(hop)
+            yield
+        assert bench.heard.fault == ""
+        assert bench.far_end.angle() == pytest.approx(0.5, abs=0.02)
+
+    play(script, None, tmp_path, actuator=servo, dronecan={"port": URL, "node_id": 122})
+    assert {node for node, _ in heard} == {50, 122}
+    assert len(heard[122, NodeStatus]) in (2, 3)
+    assert len(heard[122, ArrayCommand]) > 100
 
 
 # ------------------------------------------------------------------------------------- bad input
