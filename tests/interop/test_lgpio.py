@@ -67,12 +67,13 @@ def test_every_edge_comes_out_once_and_in_order(played: dict[str, Any]) -> None:
 
 
 def test_the_stream_begins_at_the_next_waking_and_does_not_drift(played: dict[str, Any]) -> None:
+    """Lateness of a busy computer is not judged; a sleep that adds up would be 0.1 s behind at the end."""
     times = np.array([edge[0] for edge in changes(played["lines"])])
     behind = times - np.array([edge[0] for edge in played["planned"][1:]])
-    thirds = [np.median(third) for third in np.array_split(behind, 3)]
-    assert min(thirds) >= -0.001
-    assert np.percentile(behind, 10) <= WAKING + 0.010
-    assert np.ptp([np.min(third) for third in np.array_split(behind, 3)]) < 0.002
+    least = [np.min(third) for third in np.array_split(behind, 3)]
+    assert min(least) >= -0.001
+    assert min(least) <= WAKING + 0.1
+    assert np.ptp(least) < 0.02
 
 
 def test_a_wave_is_reported_after_its_last_edge(played: dict[str, Any]) -> None:
