@@ -21,6 +21,7 @@ LONGEST = 80  # line [bytes]
 BANNER = "\r\nGrbl 1.1h ['$' for help]"
 BUILD = ("[VER:1.1h.20190825:]", "[OPT:V,15,128]")
 HELP = "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]"
+OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59", "G28", "G30", "G92")
 LOCKED = "[MSG:'$H'|'$X' to unlock]"
 MOVES = (State.JOG, State.RUN, State.HOLD, State.HOME)
 
@@ -217,6 +218,9 @@ class Firmware:
     def _at_rest(self, command: str) -> None:
         if command == "I":
             self._say(*BUILD)
+        elif command == "#":
+            zeros = self._vector([0.0] * len(self._axes))
+            self._say(*(f"[{name}:{zeros}]" for name in OFFSETS), "[TLO:0.000]", f"[PRB:{zeros}:0]")
         elif command == "H":
             if not self.settings[HOMING]:
                 raise Refused(5)
@@ -269,15 +273,18 @@ class Firmware:
     # ------------------------------------------------------------------------------------------ words
 
     def _report(self) -> str:
-        places = (steps / axis.steps for steps, axis in zip(self.motion.position, self.motion.axes, strict=True))
+        places = [steps / axis.steps for steps, axis in zip(self.motion.position, self.motion.axes, strict=True)]
         speed = self.motion.speed * 60 if self.state in MOVES else 0.0
         held = f":{int(self.motion.moving)}" if self.state is State.HOLD else ""
-        machine = ",".join(f"{place:.3f}" for place in places)
-        zeros = ",".join(["0.000"] * len(self._axes))
+        machine = self._vector(places)
+        zeros = self._vector([0.0] * len(self._axes))
         more = {0: f"|WCO:{zeros}", 1: "|Ov:100,100,100"}.get(self._told % 30, "")
         pins = f"|Pn:{self._axes[self._turning]}" if self._switch() else ""
         self._told += 1
         return f"<{self.state}{held}|MPos:{machine}|FS:{speed:.0f},0{pins}{more}>"
+
+    def _vector(self, places: list[float]) -> str:
+        return ",".join(f"{place:.3f}" for place in places)
 
     def _say(self, *lines: str) -> None:
         for line in lines:
