@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from ross_protocols import gimbal, vehicle
@@ -15,10 +16,29 @@ from ross_protocols.vehicle import VehicleAttitude
 from ross_sim.gimbal_device import EARLY, Servo
 
 HEARTBEAT, ATTITUDE, SET_ATTITUDE = 0, 30, 284  # message ids
+PITCH_YAW = 1000  # command, in degrees
+FAILED = common.MAV_RESULT_FAILED
 PERIODS = {HEARTBEAT: 1.0, ATTITUDE: 0.04, SET_ATTITUDE: 0.02}  # [s]
 ADJUSTABLE = (gimbal.MANAGER_STATUS, gimbal.DEVICE_ATTITUDE, ATTITUDE)
 DEVICE_ID = 1  # of its first gimbal, whatever its component id is
 SILENT = 1.0  # [s] after which a device is not healthy and its attitude not passed on
+
+
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """COMMAND_LONG or COMMAND_INT."""
+
+    number: int
+    values: tuple[float, ...]  # params 1 to 4
+    flags: int
+    gimbal_device_id: int
+
+    @classmethod
+    def of(cls, message: Any) -> _Order:
+        long = message.get_type() == "COMMAND_LONG"
+        flags, device = (message.param5, message.param7) if long else (message.x, message.z)
+        values = message.param1, message.param2, message.param3, message.param4
+        return cls(message.command, values, _whole(flags), _whole(device))
 
 
 class ArduPilot:
@@ -27,6 +47,7 @@ class ArduPilot:
     def __init__(self, address: Address, device: Address, servo: Servo, yaw: Callable[[float], float]) -> None:
         self.address = address
         self.primary: Address = (0, 0)
+        self._said_primary: Address = (0, 0)
         self._device = device
         self._servo = servo
         self._yaw = yaw
@@ -34,7 +55,7 @@ class ArduPilot:
         self._lock = False  # from north
         self._running = 0.0  # a rate [rad/s] that nobody has stopped
         self._heard: tuple[float, Any] | None = None  # when [s], the device's attitude
-        self._told = False  # the device has told what it is
+        self._told: Any = None  # what the device is
         self._asked = -math.inf
         self._periods = dict(PERIODS)
         self._due: dict[int, float] = {}
@@ -44,14 +65,18 @@ class ArduPilot:
         """Obey, and remember what the device says."""
         message = packet.message
         if (packet.system_id, packet.component_id) == self._device:
-            self._told = self._told or packet.name == "GIMBAL_DEVICE_INFORMATION"
+            if packet.name == "GIMBAL_DEVICE_INFORMATION":
+                self._told = message
             if packet.name == "GIMBAL_DEVICE_ATTITUDE_STATUS":
                 self._heard = now, message
         if (getattr(message, "target_system", 0), getattr(message, "target_component", 0)) != self.address:
             return []
         if packet.name == "GIMBAL_MANAGER_SET_PITCHYAW":
-            self._point(message, math.degrees(message.pitch), math.degrees(message.yaw))
-        elif packet.name == "COMMAND_LONG":
+            self._point(message, (message.pitch, message.yaw), (message.pitch_rate, message.yaw_rate))
+        elif packet.name == "GIMBAL_MANAGER_SET_ATTITUDE":
+            yaw, pitch, _ = vehicle.euler(message.q)
+            self._point(message, (pitch, yaw), (message.angular_velocity_y, message.angular_velocity_z))
+        elif packet.name in ("COMMAND_LONG", "COMMAND_INT"):
             return self._command(packet, now)
         return []
 
@@ -60,7 +85,10 @@ class ArduPilot:
         self._aim += self._running * (now - self._then)
         self._then = now
         said = []
-        if not self._told and now - self._asked >= 1.0:
+        if self.primary != self._said_primary:
+            self._said_primary = self.primary
+            said += self._message(gimbal.MANAGER_STATUS, now)
+        if self._told is None and now - self._asked >= 1.0:
             self._asked = now
             said.append(gimbal.request(self._device, gimbal.DEVICE_INFORMATION))
         for number, period in self._periods.items():
@@ -73,17 +101,18 @@ class ArduPilot:
         """Let somebody else configure the gimbal."""
         self.primary = whom
 
-    def _point(self, message: Any, pitch: float, yaw: float) -> None:
-        """Take a pitch and a yaw [deg, clockwise], or rates; angles with finite rates are ignored, as measured."""
-        rates = message.pitch_rate, message.yaw_rate
-        if all(map(math.isfinite, rates)):
-            if not (math.isfinite(pitch) and math.isfinite(yaw)):
-                self._running = -message.yaw_rate
-            return
-        if math.isfinite(pitch) and math.isfinite(yaw) and message.gimbal_device_id in (0, DEVICE_ID):
-            aim = clockwise(math.radians(yaw))
+    def _point(self, message: Any, angles: tuple[float, float], rates: tuple[float, float]) -> bool:
+        """Take pitch and yaw [rad, clockwise], or their rates [rad/s]; neither when both are told, as measured."""
+        if message.gimbal_device_id not in (0, DEVICE_ID):
+            return False
+        angled, rated = all(map(math.isfinite, angles)), all(map(math.isfinite, rates))
+        if angled and not rated:
             self._running, self._lock = 0.0, bool(message.flags & gimbal.YAW_LOCK)
+            aim = clockwise(angles[1])
             self._aim = aim if self._lock else self._within(aim)
+        elif rated and not angled:
+            self._running = clockwise(rates[1])
+        return angled or rated
 
     def _within(self, aim: float) -> float:
         """Clamp to the travel, on the turn that is nearest to the last aim inside it."""
@@ -92,24 +121,43 @@ class ArduPilot:
         return min(inside or [min(max(aim, self._servo.lower), self._servo.upper)], key=lambda t: abs(t - self._aim))
 
     def _command(self, packet: Packet, now: float) -> list[Any]:
-        message = packet.message
+        order = _Order.of(packet.message)
         sender = packet.system_id, packet.component_id
-        answers: list[Any] = []
-        if message.command == gimbal.CONFIGURE:
-            self._configure(message.param1, sender)
-        elif message.command == gimbal.REQUEST_MESSAGE:
-            answers = self._message(int(message.param1), now)
-        elif message.command == gimbal.MESSAGE_INTERVAL and int(message.param1) in ADJUSTABLE:
-            self._periods[int(message.param1)] = message.param2 / 1e6
-        accepted = common.MAV_RESULT_ACCEPTED
+        result, answers = common.MAV_RESULT_ACCEPTED, list[Any]()
+        if order.number == PITCH_YAW:
+            pitch, yaw, *rates = map(math.radians, order.values[:4])
+            result = FAILED if not self._point(order, (pitch, yaw), (rates[0], rates[1])) else result
+        elif order.number == gimbal.CONFIGURE:
+            result = FAILED if not self._configure(order, sender) else result
+        elif order.number == gimbal.REQUEST_MESSAGE:
+            answers = self._message(_whole(order.values[0]), now)
+            result = result if answers else FAILED
+        elif order.number == gimbal.MESSAGE_INTERVAL and order.values[0] in ADJUSTABLE:
+            self._set_interval(int(order.values[0]), order.values[1])
+        elif order.number != gimbal.MESSAGE_INTERVAL:
+            result = common.MAV_RESULT_UNSUPPORTED
         whom = {"target_system": sender[0], "target_component": sender[1]}
-        return [common.MAVLink_command_ack_message(message.command, accepted, **whom), *answers]
+        return [common.MAVLink_command_ack_message(order.number, result, **whom), *answers]
 
-    def _configure(self, primary: float, sender: Address) -> None:
-        if primary == gimbal.ITSELF:
+    def _set_interval(self, number: int, microseconds: float) -> None:
+        self._due.pop(number, None)
+        if microseconds > 0:
+            self._periods[number] = microseconds / 1e6
+        else:
+            self._periods.pop(number, None)
+
+    def _configure(self, order: _Order, sender: Address) -> bool:
+        """Record who is in control; tell whether that could be."""
+        system, component = order.values[:2]
+        if order.gimbal_device_id not in (0, DEVICE_ID) or not (-3 <= system <= 255 and -3 <= component <= 255):
+            return False
+        if system == gimbal.ITSELF:
             self.primary = sender
-        elif primary == gimbal.NOBODY and self.primary == sender:
+        elif system == gimbal.NOBODY and self.primary == sender:
             self.primary = 0, 0
+        elif system >= 0:
+            self.primary = int(system), int(component)
+        return True
 
     def _message(self, number: int, now: float) -> list[Any]:
         boot = round(now * 1e3)
@@ -125,10 +173,12 @@ class ArduPilot:
                 return [common.MAVLink_gimbal_manager_information_message(boot, 0, DEVICE_ID, *travel)]
             case gimbal.MANAGER_STATUS:
                 return [common.MAVLink_gimbal_manager_status_message(boot, 12, DEVICE_ID, *self.primary, 0, 0)]
+            case gimbal.DEVICE_INFORMATION if self._told is not None:
+                return [_passed_on(self._told)]
         return self._gimbal_message(number, boot, now)
 
     def _gimbal_message(self, number: int, boot: int, now: float) -> list[Any]:
-        if number == SET_ATTITUDE and self._told:
+        if number == SET_ATTITUDE and self._told is not None:
             said = gimbal.point_device(self._device, self._aim)
             said.flags = 4 | 8 | gimbal.YAW_LOCK if self._lock else 0
             return [said]
@@ -140,3 +190,17 @@ class ArduPilot:
             )
             return [said]
         return []
+
+
+def _passed_on(told: Any) -> Any:
+    """Return the information of a device as that of the manager's own."""
+    fields = {name: getattr(told, name) for name in told.fieldnames} | {"gimbal_device_id": DEVICE_ID}
+    return type(told)(**{name: _text(value) for name, value in fields.items()})
+
+
+def _text(value: Any) -> Any:
+    return value.encode() if isinstance(value, str) else value
+
+
+def _whole(number: float) -> int:
+    return int(number) if math.isfinite(number) else 0
