@@ -50,6 +50,7 @@ class Rules:
         self._hand = Hand(give, body.park)
         self._said = Said()
         self._control = Control()
+        self._streams = NOBODY  # who sent the last set-point that nobody acknowledges
 
     @property
     def control(self) -> Control:
@@ -69,7 +70,7 @@ class Rules:
             self._control = Control()
             self._hand.forget()
         elif isinstance(event, Answered) and event.order < 0 and event.answer in FAILED:
-            self._hand.forget()
+            self._fail(cancelled=event.answer is Answer.CANCELLED)
 
     def tick(self, now: float) -> None:
         """End what nobody renews."""
@@ -88,6 +89,7 @@ class Rules:
         if self._forbidden(who) or self._watch.barred:
             self._said.note(who, aim)
         elif self._said.is_news(who, aim):
+            self._streams = who
             self.point(aim, who, now, patience)
 
     def meet(self, aim: Aim, who: Address) -> None:
@@ -106,6 +108,12 @@ class Rules:
             log.info("%s is in control, as %d/%d wished", _named(control.primary), *who)
             self._hand.still()
         self._control = control
+
+    def _fail(self, *, cancelled: bool) -> None:
+        """Forget what could not be followed to its end; what somebody has cancelled does not begin again by itself."""
+        if cancelled and self._hand.aim is not None:
+            self._said.note(self._streams, self._hand.aim)
+        self._hand.forget()
 
     def _judged(self, aim: Aim, who: Address, now: float) -> Verdict:
         forbidden = self._forbidden(who)

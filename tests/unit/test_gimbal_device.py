@@ -8,7 +8,7 @@ import pytest
 from gimbal_bench import AUTOPILOT, GimbalBench, Station
 from hand_bench import Base
 from ross_payload.events import Answer
-from ross_payload.orders import Cancel, Explore
+from ross_payload.orders import Cancel, Explore, Rearm, Stop
 from ross_protocols import gimbal
 from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import common
@@ -159,6 +159,28 @@ def test_its_stream_does_not_fight_the_mission_and_is_obeyed_after_it_when_it_ch
     assert one.attitude(8.0).failure_flags == 0
     assert one.angle(10.9) == one.angle(10.0) > -60
     assert one.angle(13.9) == pytest.approx(-80, abs=0.05)
+
+
+def test_an_operator_who_cancels_is_not_overruled_by_the_stream(bench):
+    one = bench()
+    vehicle = Vehicle(one)
+    one.live(12.0, vehicle.pilot(3.5, deg(150)), one.order(4.5, Cancel(number=1)), vehicle.pilot(9.0, deg(20)))
+    assert 0 > one.angle(8.9) == one.angle(7.0) > -150
+    assert one.angle(11.9) == pytest.approx(-20, abs=0.05)
+
+
+def test_after_a_stop_the_stream_moves_nothing_until_it_changes(bench):
+    one = bench()
+    vehicle = Vehicle(one)
+    one.live(
+        13.0,
+        vehicle.pilot(3.5, deg(150)),
+        one.order(4.5, Stop(number=1)),
+        one.order(7.0, Rearm(number=2)),
+        vehicle.pilot(10.0, deg(20)),
+    )
+    assert one.angle(9.9) == one.angle(6.9)
+    assert one.angle(12.9) == pytest.approx(-20, abs=0.05)
 
 
 @pytest.mark.parametrize("who", ["ground", "other", "stranger", "neighbour"])
