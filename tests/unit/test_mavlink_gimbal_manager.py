@@ -1,0 +1,221 @@
+"""The simulated gimbal manager beside what an ArduPilot does; what the driver makes of one that refuses or pretends."""
+
+import math
+
+import pytest
+
+from ross_payload.actuators.registry import open_actuator
+from ross_payload.config import Config
+from ross_payload.errors import ActuatorFault
+from ross_payload.interfaces import Services
+from ross_protocols import gimbal
+from ross_protocols.codec import Decoder, Encoder
+from ross_protocols.dialect import common
+from ross_protocols.vehicle import quaternion
+from ross_sim.clock import SimClock
+from ross_sim.gimbal import GimbalFarEnd
+from ross_sim.gimbal_device import Device, Servo
+
+SERVO = Servo(math.radians(-202), math.radians(202), max_speed=2.0, max_acceleration=4.0)
+ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
+NAN = math.nan
+QUARTER = math.pi / 2
+
+
+class Ground:
+    """A ground station alone with an autopilot and its gimbal, in simulated time."""
+
+    def __init__(self, **far_end):
+        self.clock = SimClock()
+        self.far_end = GimbalFarEnd(SERVO, autopilot=True, **far_end)
+        self.clock.before_calls(self.far_end.advance)
+        self.clock.sleep(1.5)
+        self.encoder, self.decoder = Encoder(255, 190), Decoder()
+
+    def say(self, message):
+        """Send; return what is said within 50 ms."""
+        self.far_end.port.arrived.clear()
+        self.far_end.port.sent.append(self.encoder.encode(message))
+        self.clock.sleep(0.05)
+        return [packet.message for packet in self.decoder.feed(b"".join(self.far_end.port.arrived))]
+
+    def order(self, number, *values):
+        numbers = [*values, *[0.0] * (7 - len(values))]
+        said = self.say(common.MAVLink_command_long_message(1, 1, number, 0, *numbers))
+        return next(message.result for message in said if message.get_type() == "COMMAND_ACK")
+
+    def turned(self):
+        """Where the gimbal points two seconds later [deg], clockwise."""
+        self.clock.sleep(2.0)
+        return -math.degrees(self.far_end.angle())
+
+
+@pytest.fixture
+def ground():
+    return Ground()
+
+
+def test_command_1000_points_in_degrees_clockwise(ground):
+    assert ground.order(1000, 0.0, 30.0, NAN, NAN, 12.0, 0.0, 1.0) == ACCEPTED
+    assert ground.turned() == pytest.approx(30.0, abs=0.05)
+
+
+def test_command_1000_as_an_integer_turns_at_a_rate_until_it_is_stopped(ground):
+    def rate(degrees):
+        numbers = (NAN, NAN, 0.0, degrees, 12, 0, 0.0)
+        return common.MAVLink_command_int_message(1, 1, 0, 1000, 0, 0, *numbers)
+
+    ground.say(rate(10.0))
+    assert ground.turned() == pytest.approx(20.0, abs=2.0)
+    ground.say(rate(0.0))
+    stands = ground.turned()
+    assert ground.turned() == pytest.approx(stands, abs=0.05)
+
+
+def test_message_282_points_by_a_quaternion(ground):
+    q = quaternion(math.radians(-25), 0.0, 0.0)
+    ground.say(common.MAVLink_gimbal_manager_set_attitude_message(1, 1, 12, 1, q, NAN, NAN, NAN))
+    assert ground.turned() == pytest.approx(-25.0, abs=0.05)
+
+
+def test_message_287_with_angles_and_rates_is_ignored(ground):
+    ground.say(common.MAVLink_gimbal_manager_set_pitchyaw_message(1, 1, 32, 0, 0.0, 0.5, 0.0, 0.1))
+    assert ground.turned() == pytest.approx(0.0, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("number", "values", "result"),
+    [
+        (1000, (NAN, NAN, NAN, NAN), FAILED),
+        (1000, (0.0, 30.0, NAN, NAN, 0.0, 0.0, 5.0), FAILED),
+        (1001, (-2.0, -2.0, -1.0, -1.0, 0.0, 0.0, 5.0), FAILED),
+        (1001, (300.0, 1.0), FAILED),
+        (1001, (-2.0, -2.0, -1.0, -1.0), ACCEPTED),
+        (512, (99999.0,), FAILED),
+        (512, (NAN,), ACCEPTED),
+        (400, (1.0,), UNSUPPORTED),
+    ],
+)
+def test_what_a_command_is_answered_with(ground, number, values, result):
+    assert ground.order(number, *values) == result
+
+
+def test_control_is_recorded_for_whom_it_is_asked_and_given_back_by_them_alone(ground):
+    ground.order(1001, 7.0, 8.0)
+    assert ground.far_end.autopilot.primary == (7, 8)
+    ground.order(1001, -3.0, -3.0)
+    assert ground.far_end.autopilot.primary == (7, 8)
+    ground.order(1001, -2.0, -2.0)
+    assert ground.far_end.autopilot.primary == (255, 190)
+    ground.order(1001, -3.0, -3.0)
+    assert ground.far_end.autopilot.primary == (0, 0)
+
+
+class Bench:
+    """The guarded driver as the client of the simulated autopilot."""
+
+    def __init__(self, far_end, **options):
+        config = Config.model_validate({"actuator": {"kind": "mavlink_gimbal", "options": options}})
+        self.clock, self.far_end = SimClock(), far_end
+        self.clock.before_calls(far_end.advance)
+        self.actuator = open_actuator(config, Services(self.clock, lambda url: far_end.port))
+        self.clock.every(0.01, lambda: self.actuator.poll(self.clock.now()))
+        self.actuator.__enter__()
+        self.clock.sleep(1.5)
+
+    @property
+    def fault(self):
+        return self.actuator.state().fault
+
+
+def test_a_manager_that_refuses_control_is_named_and_nothing_moves():
+    far_end = GimbalFarEnd(SERVO, autopilot=True)
+    obeyed = far_end.autopilot.hear
+
+    def refusing(packet, now):
+        if packet.name == "COMMAND_LONG" and packet.message.command == gimbal.CONFIGURE:
+            whom = {"target_system": packet.system_id, "target_component": packet.component_id}
+            return [common.MAVLink_command_ack_message(gimbal.CONFIGURE, DENIED, **whom)]
+        return obeyed(packet, now)
+
+    far_end.autopilot.hear = refusing
+    rig = Bench(far_end)
+    assert "component 1 of system 1 refuses us control" in rig.fault
+    with pytest.raises(ActuatorFault):
+        rig.actuator.command(0.5)
+    rig.clock.sleep(1.0)
+    assert far_end.angle() == 0.0
+
+
+def test_without_a_gimbal_every_acknowledgement_is_worth_nothing():
+    far_end = GimbalFarEnd(SERVO, autopilot=True)
+    far_end.device.mute = True
+    rig = Bench(far_end)
+    assert far_end.autopilot.primary == (1, 191)
+    assert "the gimbal does not report its attitude" in rig.fault
+    with pytest.raises(ActuatorFault):
+        rig.actuator.command(0.5)
+    assert not rig.actuator.state().settled
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "words"),
+    [
+        (NAN, QUARTER, "absurd limits, nan to 90 deg"),
+        (1.0, -1.0, "absurd limits, 57 to -57 deg"),
+        (math.inf, -math.inf, "absurd limits, inf to -inf deg"),
+        (0.0, 0.0, "absurd limits, 0 to 0 deg"),
+        (-math.inf, 0.1, "turns from -inf to 6 deg"),
+    ],
+)
+@pytest.mark.parametrize("role", ["client", "manager"])
+def test_absurd_limits_of_a_gimbal_are_one_clear_line_and_no_motion(role, lower, upper, words):
+    class Absurd(Device):
+        def _information(self, now):
+            told = super()._information(now)
+            told.yaw_min, told.yaw_max = -upper, -lower
+            return told
+
+    far_end = GimbalFarEnd(SERVO, autopilot=role == "client")
+    far_end.device.__class__ = Absurd
+    if far_end.autopilot is not None:
+        far_end.autopilot._servo = Servo(lower, upper, 1.0, 1.0)
+    rig = Bench(far_end, role=role)
+    assert words in rig.fault
+    with pytest.raises(ActuatorFault):
+        rig.actuator.command(0.1)
+    rig.clock.sleep(1.0)
+    assert far_end.angle() == 0.0
+
+
+def test_a_gimbal_that_does_not_know_its_limits_is_believed_to_have_those_of_the_options():
+    far_end = GimbalFarEnd(SERVO, autopilot=True)
+    far_end.autopilot._servo = Servo(NAN, NAN, 1.0, 1.0)
+    assert Bench(far_end).fault == ""
+
+
+@pytest.mark.parametrize("role", ["client", "manager"])
+def test_a_slip_on_the_platform_is_seen_by_nobody(role):
+    from ross_sim.far_end import Fault
+
+    far_end = GimbalFarEnd(SERVO, autopilot=role == "client")
+    rig = Bench(far_end, role=role)
+    far_end.afflict(Fault.SLIP)
+    rig.actuator.command(0.3)
+    rig.clock.sleep(3.0)
+    assert rig.actuator.state().settled
+    assert far_end.angle() - rig.actuator.state().angle == pytest.approx(math.radians(10), abs=0.002)
+
+
+def test_a_dead_device_that_its_manager_repeats_is_not_believed():
+    """An autopilot passes the last attitude on for a second; a set-point back to it would make the gimbal swing."""
+    far_end = GimbalFarEnd(SERVO, autopilot=True)
+    rig = Bench(far_end)
+    rig.actuator.command(3.0)
+    rig.clock.sleep(1.0)
+    far_end.device.mute = True
+    before = far_end.angle()
+    for _ in range(400):
+        rig.clock.sleep(0.01)
+        assert far_end.angle() >= before - SERVO.resolution
+        before = far_end.angle()
