@@ -26,7 +26,6 @@ from ross_payload.actuators.requests import Ask, Move, Requests
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Services
 from ross_protocols import cia402
-from ross_protocols.canopen_sdo import Write
 from ross_protocols.cia402 import Homing, Mode, State
 
 REPEAT = 0.1  # [s] between two equal orders
@@ -161,11 +160,7 @@ class CanopenDrive:
         while clock.now() < until and cia402.state_of(link.report.status) not in OFF:
             clock.sleep(0.01)
             self.poll(clock.now())
-        link.hold()
-        expect_nothing = cia402.CONSUMER_HEARTBEAT
-        link.ask(Write(expect_nothing.index, expect_nothing.sub, expect_nothing.pack(0)))
-        clock.sleep(0.03)
-        link.take_in(clock.now())
+        link.part()
 
     # ------------------------------------------------------------------------------------------ what is heard
 
@@ -173,18 +168,20 @@ class CanopenDrive:
         """Remember the newest place; latch what is wrong with the drive or on the bus."""
         if link.restarted:
             link.restarted, self._known = False, self._absolute
-            if not self._fault and not self._setup.done:
+            if not (self._fault or self._setup.done):
                 self._begin(link)  # it has just been switched on
         if link.running and link.report.time > self._state.time:
             rate = link.velocity / self._options.scale
+            if self._axis.mode is Mode.HOMING:
+                self._places.clear()  # the drive will count from elsewhere
             jump = self._places.take(self._options.joint(link.report.position), rate, link.report.time)
             self._latch(f"the drive's position cannot be true: it {jump}" if jump else "")
         self._latch(link.event)
         link.event = ""
         if link.fresh:
-            self._latch(self._watch.trouble(self._axis, link.report, link.emergency, now) if not self._fault else "")
             if self._homing:
                 self._go_home(link, now)
+            self._latch(self._watch.trouble(self._axis, link.report, link.emergency, now) if not self._fault else "")
 
     def _latch(self, fault: str) -> None:
         """Keep the first fault and let the drive stop and switch off."""
@@ -200,6 +197,8 @@ class CanopenDrive:
                 self._axis.reset()
         elif self._absolute:
             self._homing, self._known = False, True
+            if self._axis.resetting:
+                self._axis.end(State.SWITCH_ON_DISABLED)
             self._axis.halt()
         elif self._axis.mode is not Mode.HOMING:
             self._axis.home()
@@ -233,6 +232,7 @@ class CanopenDrive:
     def _home(self, link: Link) -> None:
         self._homing, self._known = True, self._absolute
         self._fault, link.event, link.emergency = "", "", None
+        self._watch = Watch()
         if self._axis.mode is Mode.HOMING:  # one that was broken off
             self._axis.end(State.QUICK_STOP_ACTIVE)
         self._places.clear()

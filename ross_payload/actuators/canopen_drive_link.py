@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from ross_payload.actuators.canopen_drive_options import Options
 from ross_payload.actuators.canopen_drive_setup import BEAT, COMMAND, PLACE, RATE, SPEED
 from ross_payload.interfaces import Port
+from ross_protocols import cia402
 from ross_protocols.can import CanFrame
 from ross_protocols.canopen import (
     EMERGENCY,
@@ -122,6 +123,12 @@ class Link:
     def limit(self, speed: int) -> None:
         """Send the speed of the next set-point [counts/s]."""
         self._send(RPDO[1], packed(RATE, (speed,)))
+
+    def part(self) -> None:
+        """Let the drive hear from us no more, and not mind."""
+        beat = cia402.CONSUMER_HEARTBEAT
+        self.hold()
+        self.ask(Write(beat.index, beat.sub, beat.pack(0)))
 
     def close(self) -> None:
         """Leave the bus."""

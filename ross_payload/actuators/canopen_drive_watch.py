@@ -11,6 +11,7 @@ from ross_protocols.canopen import Emergency
 from ross_protocols.cia402 import Homing, Mode, State
 
 EXPLAIN = 0.05  # so long a drive may take to say why it is in a fault [s]
+BEHIND = 0.2  # so long it may be behind its plan without a fault of its own [s]
 ENABLE = 1.0  # so long it may take to switch on, or to be reset [s]
 START = 0.1  # so long it may take to forget that it was homed before [s]
 
@@ -20,7 +21,7 @@ class Watch:
 
     def __init__(self) -> None:
         self._wanted = State.QUICK_STOP_ACTIVE
-        self._since = self._faulty = self._seeking = math.inf  # [s]
+        self._since = self._faulty = self._late = self._seeking = math.inf  # [s]
         self._enabled = False  # it has been, since that was wanted
 
     def trouble(self, axis: Axis, report: Report, emergency: Emergency | None, now: float) -> str:
@@ -51,7 +52,8 @@ class Watch:
         if state is State.OPERATION_ENABLED:
             self._enabled = True
             late = report.mode == Mode.PROFILE_POSITION and report.status & cia402.FOLLOWING_ERROR
-            return "the drive does not follow: it reports a following error" if late else ""
+            self._late = min(self._late, now) if late else math.inf
+            return "the drive does not follow: it reports a following error" if now >= self._late + BEHIND else ""
         if self._enabled:
             return f"the drive has left 'operation enabled' by itself: {words(report)}"
         return f"the drive does not switch on: {words(report)}" if now >= self._since + ENABLE else ""

@@ -1,0 +1,212 @@
+"""A CANopen drive in trouble: without us, with faults of its own, with others on the bus."""
+
+import pytest
+
+from drive_bench import NODE, OWN, Bench
+from ross_payload.actuators.canopen_drive_axis import Axis
+from ross_payload.actuators.canopen_drive_link import Report
+from ross_payload.actuators.canopen_drive_watch import Watch
+from ross_payload.errors import ActuatorFault
+from ross_protocols import cia402
+from ross_protocols.can import CanFrame
+from ross_protocols.canopen import NmtCommand, NmtState, heartbeat, nmt
+from ross_protocols.canopen_sdo import Read, Write, request
+from ross_protocols.cia402 import State
+from ross_sim.clock import QUANTUM
+from ross_sim.far_end import Fault
+
+RPDO1, RPDO2 = 0x200 + NODE, 0x300 + NODE
+
+
+def braking(degrees_per_second):
+    return degrees_per_second / 112.5
+
+
+def resets(bench):
+    return [data for data in bench.frames(RPDO1) if data[0] & cia402.FAULT_RESET]
+
+
+# -------------------------------------------------------------------------------------------------- without us
+
+
+def test_a_drive_whose_master_dies_brakes_and_switches_off():
+    bench = Bench().open()
+    bench.go(-150)
+    bench.settle()
+    bench.go(190, 0.8)
+    bench.cancel()  # nobody polls any more
+    here, fastest = bench.true_deg, 0.8 * 112.5 + 0.52 * 112.5  # it accelerates on until it misses us
+    bench.clock.sleep(0.5 + braking(fastest) + 0.2)
+    assert bench.drive_state is State.SWITCH_ON_DISABLED
+    stopped = bench.true_deg
+    assert stopped - here < 0.52 * fastest + fastest**2 / (2 * 112.5)
+    assert stopped < 150
+    bench.clock.sleep(2.0)
+    assert bench.true_deg == stopped
+
+
+def test_closing_tells_the_drive_to_expect_nothing():
+    bench = Bench().open()
+    bench.go(10)
+    bench.settle()
+    bench.close()
+    bench.clock.sleep(QUANTUM)
+    assert bench.drive_state is State.SWITCH_ON_DISABLED
+    assert bench.drive.nmt is NmtState.PRE_OPERATIONAL
+    bench.far_end.port.receive()
+    bench.clock.sleep(3.0)
+    assert {frame.id for frame in bench.far_end.port.receive()} == {0x700 + NODE}  # no emergency
+
+
+def test_closing_does_not_hang_on_a_bus_that_is_gone():
+    bench = Bench().open()
+    bench.go(90, 0.5)
+    bench.wire.passes = lambda frame: False
+    began = bench.clock.now()
+    bench.close()
+    assert bench.clock.now() - began < 225 / 112.5 + 1.2
+
+
+def test_our_heartbeat_beats_ten_times_a_second():
+    bench = Bench().open()
+    began = bench.clock.now()
+    bench.clock.sleep(2.0)
+    assert len(bench.frames(0x700 + OWN, began)) in (20, 21)
+
+
+# -------------------------------------------------------------------------------------------------- faults
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [(0x3210, "overvoltage in the DC link (0x3210)"), (0x4310, "drive too hot (0x4310)"), (0x7305, "encoder fault")],
+)
+def test_a_fault_is_told_in_the_drive_s_words_and_stops_it(code, words):
+    bench = Bench().open()
+    bench.go(120, 0.8)
+    bench.drive.axis.fail(code)
+    bench.clock.sleep(0.05)
+    assert bench.fault.startswith("the drive is in fault: ")
+    assert words in bench.fault
+    bench.clock.sleep(2.0)
+    assert bench.drive_state is State.FAULT
+    with pytest.raises(ActuatorFault):
+        bench.go(0)
+
+
+def test_only_home_resets_a_fault_and_the_drive_stays_off_until_a_goal():
+    bench = Bench().open()
+    bench.go(40, 0.3)
+    bench.drive.axis.fail(0x2310)
+    bench.clock.sleep(3.0)
+    assert resets(bench) == []
+    bench.actuator.home()
+    bench.clock.sleep(1.0)
+    assert bench.drive_state is State.SWITCH_ON_DISABLED
+    bench.actuator.rearm()
+    bench.clock.sleep(1.0)
+    assert bench.drive_state is State.SWITCH_ON_DISABLED
+    bench.go(-10)
+    bench.settle()
+    assert bench.true_deg == pytest.approx(-10, abs=0.1)
+
+
+def test_a_release_on_a_fault_resets_nothing():
+    bench = Bench(guard={"on_fault": "release"}).open()
+    bench.go(40, 0.3)
+    bench.drive.axis.fail(0x2310)
+    bench.clock.sleep(3.0)
+    assert bench.drive_state is State.FAULT
+    assert resets(bench) == []
+
+
+def test_a_drive_that_is_in_fault_when_it_is_opened_stays_so():
+    bench = Bench()
+    bench.drive.axis.fail(0x5441)
+    bench.open()
+    bench.clock.sleep(1.0)
+    assert bench.fault.startswith("the drive is in fault")
+    assert resets(bench) == []
+
+
+def test_a_fault_that_comes_back_is_told_again():
+    bench = Bench().open()
+    bench.far_end.afflict(Fault.STUCK)
+    for _ in range(2):
+        bench.go(30, 2.0)
+        assert "following error (0x8611)" in bench.fault
+        bench.actuator.home()
+        bench.clock.sleep(0.5)
+        bench.actuator.rearm()
+
+
+def test_a_fault_that_cannot_be_reset_and_a_drive_that_does_not_switch_on_are_told():
+    faulty, off = Report(State.FAULT.bits | 0x200), Report(State.SWITCH_ON_DISABLED.bits | 0x200)
+    axis, watch = Axis(), Watch()
+    axis.reset()
+    assert watch.trouble(axis, faulty, None, 0.0) == ""
+    assert "cannot be reset: it does not say why" in watch.trouble(axis, faulty, None, 1.01)
+    axis.go(0, 1)
+    assert watch.trouble(axis, off, None, 2.0) == ""
+    found = watch.trouble(axis, off, None, 3.01)
+    assert found == "the drive does not switch on: it is in 'switch on disabled', without voltage at its motor"
+
+
+def test_a_drive_that_is_switched_off_in_a_move_is_not_switched_on_again():
+    bench = Bench().open()
+    bench.go(120, 0.8)
+    bench.drive.axis.obey(0)  # its safety input
+    bench.clock.sleep(2.0)
+    assert "has left 'operation enabled' by itself: it is in 'switch on disabled'" in bench.fault
+    assert bench.drive_state is State.SWITCH_ON_DISABLED
+
+
+# -------------------------------------------------------------------------------------------------- others
+
+
+@pytest.mark.parametrize(
+    ("frame", "words"),
+    [
+        (nmt(NmtCommand.STOP, NODE), "another master on the bus orders node 5: 2"),
+        (nmt(NmtCommand.RESET_NODE, 0), "another master on the bus orders node all: 129"),
+        (CanFrame(RPDO2, bytes(4), extended=False), "another master on the bus commands node 5"),
+        (request(NODE, Write(0x6081, 0, bytes(4))), "another master on the bus commands node 5"),
+        (heartbeat(OWN, NmtState.OPERATIONAL), "another node on the bus has our node id 127"),
+        (heartbeat(NODE, NmtState.STOPPED), "the drive at node 5 is stopped and obeys no set-points"),
+        (CanFrame(0x180 + NODE, bytes(3), extended=False), "frames of node 5 arrive damaged: a report of 3 bytes"),
+        (CanFrame(0x580 + NODE, bytes(8), extended=False), "two devices have node id 5: both answer"),
+    ],
+)
+def test_what_does_not_belong_on_the_bus_ends_a_move_with_its_name(frame, words):
+    bench = Bench().open()
+    bench.go(120, 0.8)
+    bench.wire.brought.append(frame)
+    bench.clock.sleep(2 * QUANTUM)
+    assert words in bench.fault
+    bench.clock.sleep(2.0)
+    assert bench.drive_state is State.SWITCH_ON_DISABLED
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        nmt(NmtCommand.STOP, 9),
+        heartbeat(9, NmtState.BOOT_UP),
+        request(NODE, Read(0x6064, 0)),
+        CanFrame(RPDO1, bytes(7), extended=True),
+        CanFrame(0x180 + 9, bytes(2), extended=False),
+    ],
+)
+def test_the_traffic_of_others_is_no_matter(frame):
+    bench = Bench().open()
+    bench.go(60, 0.3)
+    bench.wire.brought.append(frame)
+    bench.settle()
+    assert bench.state.healthy
+
+
+def test_two_drives_with_one_id_are_told_when_they_are_opened():
+    bench = Bench()
+    bench.far_end.afflict(Fault.DUPLICATE)
+    bench.open()
+    assert bench.fault == "two devices have node id 5: both answer"
