@@ -2,6 +2,9 @@
 
 import json
 import math
+import re
+import subprocess
+import sys
 import time
 from contextlib import contextmanager
 
@@ -210,3 +213,16 @@ def test_an_autopilot_manages_and_points_it(ross_run, free_port, tmp_path):
             flight.until(lambda: abs(flight.yaw() - 45.0) < 0.2)
     finally:
         flight.close()
+
+
+def test_the_guide_points_a_simulated_payload(free_port, living, request, tmp_path):
+    page = (request.config.rootpath / "docs" / "how-to" / "turntable-as-gimbal.md").read_text(encoding="utf-8")
+    scenario = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)[1]
+    program = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
+    (tmp_path / "gimbal.toml").write_text(scenario)
+    url = f"127.0.0.1:{free_port()}"
+    served = ("sitl", "--serve", "--speed", "1", "--scenario", "gimbal.toml", "--telemetry", f"udpout:{url}")
+    with living(served, tmp_path):
+        command = [sys.executable, "-c", program, f"udpin://{url}"]
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=100)
+    assert done.stdout.splitlines()[-1] == "there"
