@@ -177,8 +177,10 @@ class Session:
         self.homing, self.track.ours = True, True
         try:
             yield from self._told(b"$H\n", patience=self._options.homing_s)
-        finally:
+        except ActuatorFault:
             self.homing = False
+            raise
+        self.homing = False
         self.track.count = None  # the counter is another one now
         yield from self._reported()
         self.track.rest()
@@ -208,7 +210,7 @@ class Session:
         elif isinstance(message, Info):
             self._version = message.text if message.key == "VER" else self._version
         elif isinstance(message, Alarm):
-            self.position_known = False
+            self.position_known = self.homing = False
             return f"grbl: {message.words}"
         elif isinstance(message, Banner):
             return self._greeted()
