@@ -1,10 +1,17 @@
 """What a payload on a bus tells of its mission: status, sources, news, health."""
 
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from dronecan_bench import Peer, play
 from dronecan_wire import Wire, of
+from ross_payload.config import Config, validated
 from ross_payload.events import (
     AlignmentCandidate,
     AlignmentPlanned,
@@ -20,7 +27,11 @@ from ross_payload.events import (
 )
 from ross_payload.orders import Stop, TurnTo
 from ross_protocols.dronecan import Health, LogMessage, Mode, NodeStatus
-from ross_protocols.dronecan_ross import RossSources, RossStatus
+from ross_protocols.dronecan_ross import RossSource, RossSources, RossStatus
+from ross_protocols.dronecan_speech import Voice
+from ross_sim.can_bus import lasts
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -111,3 +122,29 @@ def test_news_are_log_messages_and_a_fault_is_an_error(wire, peer, tmp_path):
         assert peer.latest(NodeStatus).health is Health.ERROR
 
     play(script, wire.open, tmp_path)
+
+
+# ------------------------------------------------------------------------------------- what the guide says
+
+
+def block(language):
+    page = (ROOT / "docs" / "how-to" / "dronecan-node.md").read_text(encoding="utf-8")
+    return re.search(rf"```{language}\n(.*?)```", page, re.DOTALL).group(1)
+
+
+def test_the_table_of_the_guide_is_valid():
+    assert validated(Config, tomllib.loads(block("toml")), "the guide").dronecan.node_id == 121
+
+
+def test_the_program_of_the_guide_prints_what_it_says():
+    pytest.importorskip("dronecan")
+    done = subprocess.run([sys.executable, "-c", block("python")], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == block("python").rpartition("# ")[2].strip()
+
+
+def test_six_talkers_take_the_frames_that_the_guide_says():
+    sources = RossSources(1, tuple(RossSource(0.1, 0.1, 1.0) for _ in range(6)))
+    voice = Voice(121)
+    a_second = [*voice.broadcast(sources), *voice.broadcast(NodeStatus(1)), *(voice.broadcast(RossStatus(0)) * 5)]
+    assert len(a_second) == 36
+    assert sum(map(lasts, a_second)) == pytest.approx(0.005, abs=0.0005)
