@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
+EARLY = 1e-6  # so much before its time something is due [s]
 LATE = 0.04  # by which reports may be late or come together [s]
 JUMP = math.radians(2)  # more than this between two reports, and the speed does not explain it, is none [rad]
 
@@ -45,9 +46,11 @@ class Places:
         return fault
 
     def still(self, within: float) -> bool:
-        """Whether all places are one [rad]."""
+        """Whether all places of that time are one [rad]; not as long as they are of less."""
+        if not self._places or self._places[-1][0] - self._places[0][0] < self._settle - EARLY:
+            return False
         joints = [joint for _, joint in self._places]
-        return bool(joints) and max(joints) - min(joints) <= within
+        return max(joints) - min(joints) <= within
 
     def _doubt(self, joint: float, rate: float, now: float) -> str:
         if not self._places:

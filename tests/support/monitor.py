@@ -43,6 +43,9 @@ TOLERATED = {
         angle_deg=0.5, speed_deg_s=1.0, acceleration=0.2, report_deg_s=2.0, report_acceleration=1.0
     ),  # its own loop around a plan, its rate measured by itself
     "dronecan_servo": Excess(angle_deg=0.5, speed_deg_s=1.0, acceleration=0.5),  # set-points in steps of 20 ms
+    "canopen_drive": Excess(
+        angle_deg=0.5, speed_deg_s=1.0, acceleration=0.3, report_deg_s=1.0, report_acceleration=1.5
+    ),  # its measured rate comes every 20 ms, in a frame of its own
 }
 
 

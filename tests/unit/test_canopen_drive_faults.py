@@ -210,3 +210,17 @@ def test_two_drives_with_one_id_are_told_when_they_are_opened():
     bench.far_end.afflict(Fault.DUPLICATE)
     bench.open()
     assert bench.fault == "two devices have node id 5: both answer"
+
+
+def test_homing_in_a_move_is_a_stop_and_settled_only_when_it_is_over():
+    bench = Bench().open()
+    bench.go(117, 0.5)
+    bench.actuator.home()
+    moving = []
+    for _ in range(300):
+        bench.clock.sleep(QUANTUM)
+        if bench.state.settled:
+            moving.append(bench.far_end.axle.rate)
+    assert moving
+    assert set(moving) == {0.0}
+    assert bench.true_deg < 45
