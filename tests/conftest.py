@@ -12,6 +12,18 @@ settings.load_profile("shared machine")
 ROOT = Path(__file__).parents[1]
 
 
+def pytest_addoption(parser):
+    parser.addoption("--actuator", metavar="FILE", help="Hold a real device to the contract: a payload's TOML file.")
+    parser.addoption("--actuator-kind", metavar="NAME", help="Hold this back end and its far end to the contract.")
+
+
+def pytest_configure(config):
+    if config.getoption("--actuator-kind"):
+        import rigs
+
+        rigs.KINDS = (config.getoption("--actuator-kind"),)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def own_folders(tmp_path_factory):
     """Rooms and synthetic voices are cached beside pytest's own cache; voice prints go to a temporary folder."""
