@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ross_payload.angles import wrap
 from ross_payload.events import Outcome, State
@@ -20,6 +21,7 @@ from ross_payload.orders import Order, Point
 LINGER = 1.0  # [s] at rest behind the last set-point: then others may begin without ending anything
 AHEAD = 3.0  # [s] of a turn at a rate that are asked for at once
 RENEW = 1.0  # [s] after which they are asked for again
+SLOWEST = math.radians(0.01)  # rate below which nothing turns [rad/s]
 FOLLOW = math.radians(0.25)  # a heading that is off by more is corrected [rad]
 
 
@@ -54,6 +56,13 @@ def unreachable(point: Point, here: Input) -> str:
     return "the attitude of the vehicle is not known" if unknown else ""
 
 
+def _sensible(point: Point) -> float | None:
+    """Return the rate of a set-point, none that is too slow to be one."""
+    if not point.rate or abs(point.rate) >= SLOWEST:
+        return point.rate
+    return 0.0 if point.joint is None and point.heading is None else SLOWEST
+
+
 def _latest(context: Context, orders: Sequence[Order]) -> Point | None:
     """Return the last set-point among some orders, and obey the others."""
     latest = None
@@ -74,7 +83,7 @@ class _Hand:
 
     def __init__(self, context: Context, point: Point) -> None:
         self._context = context
-        self.point = point
+        self.point = Point()
         self._goal = context.here.joint  # that is wanted at last [rad]; set-points are on the turn nearest to it
         self._trail: deque[tuple[float, float]] = deque()  # time [s], heading at joint angle 0 [rad]
         self.take(point)
@@ -83,7 +92,7 @@ class _Hand:
         """Follow this set-point from here."""
         if self.point.joint is None and self.point.heading is None:
             self._goal = self._context.here.joint
-        self.point = point
+        self.point = replace(point, rate=_sensible(point))
         self._start, self._since = self._context.here.joint, self._context.time
         self._asked = math.nan  # joint angle that the motor was asked for [rad]
 

@@ -2,12 +2,14 @@
 
 import math
 from contextlib import ExitStack
+from dataclasses import asdict
 
 import pytest
 
 from hand_bench import Base, HandBench
 from ross_payload.events import Answer, Finished, State
 from ross_payload.orders import Cancel, Explore, Point, Rearm, Stop
+from ross_payload.recording.journal import order_of
 
 
 def deg(angle):
@@ -149,3 +151,28 @@ def test_a_stop_wins_and_stays(bench):
     assert one.angle(5.9) == one.angle(3.5) != 0.0
     assert one.answers(-3)[0] is Answer.ACCEPTED
     assert one.angle(8.9) == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_rate_that_is_none_turns_nothing(bench):
+    one = bench()
+    one.live(5.0, one.order(0.5, Point(rate=1e-40)), one.order(1.5, Point(joint=deg(30), rate=1e-40)))
+    assert max(abs(angle) for _, angle, _ in one.trace) < deg(0.1)
+    assert State.FAULT not in [state for state, _ in one.states()]
+
+
+@pytest.mark.parametrize("kind", ["tb6600", "dronecan_servo"])
+def test_real_drivers_follow_a_stream_a_rate_and_a_turning_base(bench, kind):
+    one = bench(Base(yaw=0.0, rate=deg(6)), actuator={"kind": kind})
+    stream = [one.order(1.0 + 0.02 * step, Point(joint=deg(0.3 * step))) for step in range(100)]  # 15 deg/s
+    one.live(18.0, *stream, one.order(5.0, Point(rate=deg(-20))), one.order(8.0, Point(heading=deg(40))))
+    assert one.speed(2.8) == pytest.approx(15, abs=3)
+    assert one.angle(4.9) == pytest.approx(29.7, abs=0.5)
+    assert one.speed(7.5) == pytest.approx(-20, abs=1)
+    assert [one.heading(time) for time in (14.0, 17.9)] == pytest.approx([40, 40], abs=1.5)
+    assert State.FAULT not in [state for state, _ in one.states()]
+    assert one.far_end.complaints() == []
+
+
+def test_a_recording_knows_the_set_point_again():
+    point = Point(heading=0.5, rate=0.1, number=-3)
+    assert order_of({"order": "Point", **asdict(point)}) == point

@@ -8,12 +8,15 @@ import pytest
 from gimbal_bench import AUTOPILOT, GimbalBench, Station
 from hand_bench import Base
 from ross_payload.events import Answer
+from ross_payload.interfaces import Attitude
+from ross_payload.mount import AutopilotMount
 from ross_payload.orders import Cancel, Explore, Rearm, Stop
+from ross_payload.timebase import Timebase
 from ross_protocols import gimbal
 from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import common
 from ross_protocols.gimbal import EARTH_FRAME, VEHICLE_FRAME, YAW_LOCK
-from ross_protocols.vehicle import euler, quaternion
+from ross_protocols.vehicle import VehicleAttitude, euler, gimbal_state, quaternion
 from ross_sim.gimbal_device import Servo
 from ross_sim.gimbal_manager import ArduPilot
 
@@ -124,6 +127,31 @@ def test_the_pilot_locks_it_to_north(bench):
     vehicle = Vehicle(one)
     one.live(12.0, vehicle.pilot(4.0, deg(-60), LOCKED))
     assert [one.heading(time) for time in (8.0, 10.0, 11.9)] == pytest.approx([60] * 3, abs=0.8)
+    assert one.attitude(11.0).flags == LOCKED
+
+
+class Told(Base):
+    """A base of which the payload knows what the autopilot says."""
+
+    mount = None
+
+    def attitude(self, time):
+        return self.mount.attitude(time) if self.mount else Attitude(0.0, known=False)
+
+
+def test_a_lock_is_held_by_what_the_autopilot_tells_gimbals(bench):
+    one = bench(Told(yaw=deg(10), rate=deg(8)))
+    one.base.mount = AutopilotMount(one.links.component(191), one.clock, Timebase(one.clock), fresh=0.5, system_id=1)
+    steps = [
+        one.autopilot.say(
+            0.02 * step, gimbal_state(VehicleAttitude(0.02 * step, deg(10 + 0.16 * step), 0.0, 0.0, deg(8)))
+        )
+        for step in range(600)
+    ]
+    first, second = set_attitude(deg(20), flags=28), set_attitude(deg(-60), flags=28)
+    one.live(12.0, *steps, *one.autopilot.stream(2.0, 4.0, first), *one.autopilot.stream(4.0, 12.0, second))
+    true = [one.angle(time) + 10 + 8 * time for time in (8.0, 10.0, 11.9)]
+    assert true == pytest.approx([60] * 3, abs=1.0)
     assert one.attitude(11.0).flags == LOCKED
 
 
