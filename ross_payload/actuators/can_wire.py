@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import socket
 from contextlib import suppress
+from itertools import islice
 from typing import Any
 
 import can
@@ -58,7 +59,7 @@ class CanPort:
             When the bus is down.
         """
         try:
-            arrived = [message for _ in range(MOST_AT_ONCE) if (message := self._bus.recv(0)) is not None]
+            arrived = list(islice(iter(lambda: self._bus.recv(0), None), MOST_AT_ONCE))
         except (can.CanError, OSError) as error:
             raise LinkError(f"wire '{self._url}' is down: {error}") from error
         return [
