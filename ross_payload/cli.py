@@ -60,11 +60,13 @@ def check(file: Path) -> None:
     from ross_payload.actuators.registry import check_options
     from ross_payload.config import load, read_toml
     from ross_payload.service.assemble import explorer_of
+    from ross_payload.service.dronecan import check_one_id
 
     if "talkers" in read_toml(file):
         raise ConfigError(f"{file}: this is a scenario of the simulator: ross sitl --scenario {file}")
     loaded = load(file)
     check_options(loaded)
+    check_one_id(loaded)
     explorer_of(loaded)
     if loaded.exploit.separator not in plugins.available("ross_payload.separators"):
         plugins.load("ross_payload.separators", loaded.exploit.separator)

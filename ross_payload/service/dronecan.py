@@ -24,6 +24,7 @@ from ross_payload.parameters import Parameters
 from ross_payload.telemetry.dronecan import DronecanReport
 from ross_payload.timebase import Timebase
 from ross_protocols.dronecan_services import MAGIC, RestartRequest, RestartResponse
+from ross_protocols.values import Severity
 
 NAME = "org.ross.payload"
 FILE = "dronecan.json"  # in the state folder
@@ -46,7 +47,7 @@ def node_on_bus(
     if not config.dronecan.port:
         yield None
         return
-    _check_one_id(config)
+    check_one_id(config)
     with ExitStack() as stack:
         kept = stack.enter_context(Kept(None if state is None else state / FILE, rng))
         port = open_port(config.dronecan.port)
@@ -64,8 +65,14 @@ def identity(config: Config, kept: Kept) -> Identity:
     return Identity(NAME, kept.unique_id, config.dronecan.node_id, kept.node_id, (major, minor))
 
 
-def _check_one_id(config: Config) -> None:
-    """One payload is one node on a bus."""
+def check_one_id(config: Config) -> None:
+    """One payload is one node on a bus.
+
+    Raises
+    ------
+    ConfigError
+        When a driver on the bus of our node has a node id of its own.
+    """
     asked, options = config.dronecan, checked_options(config)
     own = options.own_node_id if "own_node_id" in options.model_fields_set else asked.node_id
     if getattr(options, "port", "") == asked.port and own != asked.node_id:
@@ -80,6 +87,7 @@ class Aboard:
         self._config = config
         self._clock = clock
         self._kept = kept
+        self._trouble = ""
         self.node = node
 
     @contextmanager
@@ -90,6 +98,7 @@ class Aboard:
         timebase: Timebase,
         *,
         give: Callable[[Order], None],
+        say: Callable[[Severity, str], None],
         restart: Callable[[], None] | None,
     ) -> Iterator[DronecanReport]:
         """Answer about parameters and restarts, give ids, and tell of the mission.
@@ -98,6 +107,8 @@ class Aboard:
         ----------
         give
             Hands an order to the runner.
+        say
+            Tells an operator something.
         restart
             Sees to it that this program is started again when it has ended; None: nobody would.
         """
@@ -111,6 +122,7 @@ class Aboard:
         def poll() -> None:
             now = self._clock.now()
             report.poll(now)
+            self._complain(say)
             if allocator is not None:
                 allocator.poll(now)
 
@@ -119,6 +131,12 @@ class Aboard:
             yield report
         finally:
             cancel()
+
+    def _complain(self, say: Callable[[Severity, str], None]) -> None:
+        """Tell an operator once what is wrong with the bus or our id: over the bus nobody would hear it."""
+        before, self._trouble = self._trouble, self.node.trouble
+        if self._trouble and self._trouble != before:
+            say(Severity.WARNING, f"CAN: {self._trouble}")
 
 
 def _restarted(

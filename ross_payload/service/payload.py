@@ -94,7 +94,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
             runner.observers.append(stack.enter_context(_gimbal(parts, actuator, runner, recorder)))
         if aboard is not None:
             speaking = aboard.speaking(
-                parts.parameters, actuator, parts.timebase, give=runner.order, restart=parts.restart
+                parts.parameters, actuator, parts.timebase, give=runner.order, say=telemetry.say, restart=parts.restart
             )
             runner.observers.append(stack.enter_context(speaking))
         stack.callback(clock.every(POLL, parts.links.poll))

@@ -144,6 +144,10 @@ class Telemetry:
 
     # ------------------------------------------------------------------------------------- on the pump
 
+    def say(self, severity: Severity, text: str) -> None:
+        """Tell an operator something."""
+        self._say(severity, text)
+
     def poll(self) -> None:
         """Take in what was left here, and send what is due."""
         now = self._clock.now()

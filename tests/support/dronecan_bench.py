@@ -22,7 +22,9 @@ from ross_payload.recording.shelf import Shelf
 from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Runner
 from ross_payload.timebase import Timebase
+from ross_protocols.codec import Decoder
 from ross_protocols.dronecan_speech import Reply
+from ross_protocols.values import Text
 from ross_sim.clock import SimClock
 from ross_sim.far_end import far_end_of
 from ross_sim.tape import drained
@@ -96,6 +98,19 @@ class Bench:
     restarts: list[str]
     orders: list[Any]  # that reached the mission
     far_end: Any
+    said: dict[int, str]  # STATUSTEXT, by id
+
+    @property
+    def texts(self) -> list[str]:
+        """What an operator on MAVLink would read."""
+        return list(self.said.values())
+
+    def sent(self, frame: bytes) -> None:
+        """Take what leaves on MAVLink."""
+        for packet in Decoder().feed(frame):
+            if isinstance(packet.value, Text):
+                self.said[packet.value.id] = self.said.get(packet.value.id, "") + packet.value.text
+
     heard: Any = None  # the latest Input
 
     def tell(self, *events: Any) -> None:
@@ -154,7 +169,9 @@ def _aboard(config: Config, open_can: Callable[[str], Port] | None, folder: Path
             restart=lambda: restarts.append("asked"),
         )
         with assembled(parts) as runner:
-            yield Bench(clock, kept, runner, restarts, [], far_end)
+            bench = Bench(clock, kept, runner, restarts, [], far_end, {})
+            links.component(config.telemetry.component_id).tap(bench.sent)
+            yield bench
 
 
 def live(bench: Bench, script: Iterator[None]) -> None:

@@ -140,6 +140,19 @@ def test_two_payloads_of_one_id_name_the_other_and_are_silent(wire, peer, tmp_pa
     assert "another node on the bus has our node id 121: silent until it has gone" in caplog.text
 
 
+def test_an_operator_on_mavlink_hears_of_a_clash_once(wire, peer, tmp_path):
+    def script(bench):
+        twin = Peer(wire, 121)
+        for _ in range(5):
+            twin.say(twin.voice.broadcast(NodeStatus(1)))
+            yield from peer.wait(1.0)
+
+    texts = play(script, wire.open, tmp_path).texts
+    assert [text for text in texts if "CAN: " in text] == [
+        "RoSS: CAN: another node on the bus has our node id 121: silent until it has gone"
+    ]
+
+
 def test_a_bus_that_goes_and_comes_back_does_not_end_the_mission(wire, peer, tmp_path, caplog):
     def script(bench):
         yield from peer.wait(0.5)
