@@ -13,7 +13,13 @@ from device_bench import device, driver, ross
 
 pytest.importorskip("can")
 
-KINDS = {"gimbal": {}, "servo": {}, "drive": {}, "grbl": {}, "stepper": {}}
+KINDS = {
+    "gimbal": {},
+    "servo": {},
+    "drive": {},
+    "grbl": {},
+    "stepper": {"ahead_ms": 100.0},
+}  # on a computer that is busy
 
 
 @pytest.mark.parametrize("kind", KINDS)

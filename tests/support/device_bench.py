@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from ross_payload.actuators.mavlink_port import opener
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
+from ross_payload.errors import ActuatorError
 from ross_payload.interfaces import Services
 from ross_payload.links import Links
 
@@ -87,11 +88,17 @@ class Driver:
             time.sleep(0.005)
 
     def ready(self) -> None:
-        """Wait until it may be moved, and home it when it has to be."""
-        self.until(lambda: self.actuator.state().healthy)
-        if not self.actuator.state().homed:
-            self.actuator.home()
-        self.until(lambda: self.actuator.state().homed and self.actuator.state().settled)
+        """Wait until it may be moved; home it when it has to be, and again when a busy computer was too late."""
+        end = time.monotonic() + 30.0
+        while not (self.actuator.state().homed and self.actuator.state().settled):
+            assert time.monotonic() < end, self.actuator.state()
+            if self.actuator.state().healthy and not self.actuator.state().homed:
+                self.actuator.home()
+            elif "ran out" in self.actuator.state().fault:
+                self.actuator.home()
+                with suppress(ActuatorError):
+                    self.actuator.rearm()
+            time.sleep(0.3)
 
     def turn(self, goal: float) -> None:
         """Go somewhere [rad] and wait until it is there."""
