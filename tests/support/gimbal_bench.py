@@ -1,5 +1,6 @@
 """The payload of `hand_bench` with its gimbal component on links whose far ends a test holds in its hands."""
 
+import math
 from types import SimpleNamespace
 
 from hand_bench import HandBench
@@ -9,9 +10,31 @@ from ross_payload.gimbal import Gimbal
 from ross_payload.links import Links
 from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import common
+from ross_protocols.vehicle import quaternion
 
 GROUND, AUTOPILOT = "udpout:ground:1", "udpout:autopilot:1"
 LONG = common.MAVLink_command_long_message
+REQUEST, INTERVAL, POINT, CONFIGURE = 512, 511, 1000, 1001
+ACCEPTED, TEMPORARILY_REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
+NAN = math.nan
+TAKE, GIVE = (-2, -2, -1, -1), (-3, -3, -1, -1)
+READY = 3.0  # [s]: by then it speaks
+FOLLOW, LOCK = 32, 16 | 64
+
+
+def deg(angle):
+    return math.radians(angle)
+
+
+def pitchyaw(yaw=NAN, rate=NAN, flags=FOLLOW, device=1):
+    """GIMBAL_MANAGER_SET_PITCHYAW; clockwise [rad]."""
+    return common.MAVLink_gimbal_manager_set_pitchyaw_message(1, 154, flags, device, 0.0, yaw, NAN, rate)
+
+
+def set_attitude(yaw=NAN, rate=NAN, flags=0, target=(1, 154)):
+    """GIMBAL_DEVICE_SET_ATTITUDE; clockwise [rad]."""
+    q = quaternion(yaw, 0.0, 0.0) if math.isfinite(yaw) else (NAN,) * 4
+    return common.MAVLink_gimbal_device_set_attitude_message(*target, flags, q, NAN, NAN, rate)
 
 
 class Station:
