@@ -1,0 +1,203 @@
+"""The package `canopen`, in real time: its 402 master drives the simulated drive; its reader takes our data sheet."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("can")
+canopen = pytest.importorskip("canopen")
+
+from canopen.profiles.p402 import BaseNode402  # noqa: E402
+
+from ross_payload.actuators.canopen_drive import backend  # noqa: E402
+from ross_payload.actuators.canopen_drive_options import Options  # noqa: E402
+from ross_payload.actuators.wires import open_wire  # noqa: E402
+from ross_payload.clock import SystemClock  # noqa: E402
+from ross_payload.interfaces import Services  # noqa: E402
+from ross_sim.drive import DriveFarEnd  # noqa: E402
+from ross_sim.drive_objects import Objects  # noqa: E402
+
+NODE = 5
+SHEET = Path(__file__).parents[2] / "protocols" / "canopen" / "ross_drive.eds"
+PATIENCE = 20.0  # with a computer that has much else to do [s]
+numbers = count()
+
+
+class Emulated:
+    """The simulated drive on a bus of python-can, in real time on a thread of its own."""
+
+    def __init__(self, channel: str, **options: Any) -> None:
+        self.far_end = DriveFarEnd(Options(node_id=NODE, **options), np.random.default_rng(0))
+        self.node = self.far_end.node
+        self._port = open_wire(f"can:virtual:{channel}", SystemClock())
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._live, name="drive")
+
+    def __enter__(self) -> Emulated:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        self._thread.join()
+        self._port.close()
+
+    def _live(self) -> None:
+        begin = time.monotonic()
+        while not self._over.wait(0.002):
+            for frame in self._port.receive():
+                self.node.take(frame)
+            for frame in self.node.live(round(time.monotonic() - begin, 3)):
+                self._port.send(frame)
+
+
+@pytest.fixture
+def channel() -> str:
+    return f"canopen-{next(numbers)}"
+
+
+@pytest.fixture
+def drive(channel: str) -> Iterator[Emulated]:
+    with Emulated(channel, homing="negative_limit", zero_deg=-30.0, homing_deg_s=60.0) as drive:
+        yield drive
+
+
+@pytest.fixture
+def master(channel: str, drive: Emulated) -> Iterator[BaseNode402]:
+    """Their node for our drive, set up as their manual says."""
+    network = canopen.Network()
+    network.connect(channel=channel, interface="virtual", ignore_config=True)
+    try:
+        node = BaseNode402(NODE, str(SHEET))
+        network.add_node(node)
+        node.sdo.RESPONSE_TIMEOUT = PATIENCE / 4
+        node.nmt.state = "PRE-OPERATIONAL"
+        node.setup_402_state_machine()
+        node.tpdo[1].period = 0.02  # so that it waits for reports and does not ask
+        node.TIMEOUT_CHECK_TPDO = node.TIMEOUT_SWITCH_STATE_FINAL = node.TIMEOUT_SWITCH_OP_MODE = PATIENCE
+        node.nmt.state = "OPERATIONAL"
+        yield node
+    finally:
+        network.disconnect()
+
+
+def until(true: Callable[[], bool]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def position(master: BaseNode402) -> int:
+    return int(master.tpdo_values[0x6064])
+
+
+def go(master: BaseNode402, target: int) -> None:
+    """Their controlword, their process data, our handshake."""
+    master.controlword = 0x0F
+    until(lambda: not master.statusword & 0x1000)
+    master.rpdo[1]["Target position"].raw = target
+    master.controlword = 0x3F
+    until(lambda: bool(master.statusword & 0x1000))
+
+
+def test_their_master_enables_homes_and_moves_our_drive(master: BaseNode402, drive: Emulated) -> None:
+    until(lambda: master.state == "SWITCH ON DISABLED")
+    master.sdo["Homing method"].raw = 17  # the negative limit switch
+    assert master.homing(timeout=PATIENCE)
+    assert abs(drive.far_end.angle() - math.radians(-30)) < math.radians(3)
+    master.op_mode = "PROFILED POSITION"
+    until(lambda: master.op_mode == "PROFILED POSITION")
+    master.sdo["Profile velocity"].raw = 60000
+    master.rpdo[2]["Profile velocity"].raw = 60000
+    for target in (9000, -4000):
+        go(master, target)
+        until(lambda target=target: bool(master.statusword & 0x400) and abs(position(master) - target) <= 20)
+        assert abs(master.sdo["Position actual value"].raw - target) <= 20
+
+
+def test_their_master_reads_the_emergency_and_resets_the_fault(master: BaseNode402, drive: Emulated) -> None:
+    master.state = "OPERATION ENABLED"
+    drive.node.axis.fail(0x4310)
+    until(lambda: master.state == "FAULT")
+    until(lambda: bool(master.emcy.active))
+    assert master.emcy.active[0].code == 0x4310
+    assert master.sdo["Error code"].raw == 0x4310
+    master.controlword = 0x00
+    master.controlword = 0x80
+    until(lambda: master.state == "SWITCH ON DISABLED")
+    until(lambda: not master.emcy.active)
+
+
+def test_their_synchronisation_is_answered(master: BaseNode402, drive: Emulated) -> None:
+    master.nmt.state = "PRE-OPERATIONAL"
+    master.tpdo[1].trans_type = 1
+    master.tpdo[1].save()
+    master.nmt.state = "OPERATIONAL"
+    heard = []
+    master.tpdo[1].add_callback(heard.append)
+    time.sleep(0.2)
+    assert heard == []
+    for number in range(1, 4):
+        master.network.sync.transmit()
+        until(lambda number=number: len(heard) == number)
+
+
+def test_their_reset_boots_our_drive(master: BaseNode402, drive: Emulated) -> None:
+    master.sdo["Profile velocity"].raw = 77
+    master.nmt.state = "RESET"
+    master.nmt.wait_for_bootup(PATIENCE)
+    assert master.sdo["Profile velocity"].raw == 10000
+
+
+def test_their_reads_and_writes_that_are_refused_tell_why(master: BaseNode402) -> None:
+    with pytest.raises(canopen.SdoAbortedError, match="0x06010002"):
+        master.sdo.download(0x6041, 0, b"\0\0")
+    with pytest.raises(canopen.SdoAbortedError, match="0x06020000"):
+        master.sdo.upload(0x2000, 0)
+    with pytest.raises(canopen.SdoAbortedError, match="0x06070010"):
+        master.sdo.download(0x6081, 0, b"\0")
+
+
+def test_their_reader_finds_in_our_data_sheet_what_our_drive_has() -> None:
+    theirs = canopen.import_od(str(SHEET), node_id=NODE)
+    ours = Objects(NODE).entries
+    found = {}
+    for entry in theirs.values():
+        variables = entry.values() if hasattr(entry, "values") else [entry]
+        found |= {(variable.index, variable.subindex): variable for variable in variables}
+    assert found.keys() == ours.keys()
+    for key, variable in found.items():
+        assert (variable.default, variable.access_type) == (ours[key].default, ours[key].access), key
+        assert (variable.min, variable.max) == (ours[key].lowest, ours[key].highest), key
+        assert len(variable) == 8 * ours[key].item.size, key
+
+
+def test_our_driver_drives_our_drive_on_a_bus_of_python_can(channel: str) -> None:
+    """In real time: what the package's master can do, ours can on the same bus."""
+    clock = SystemClock()
+    services = Services(clock, lambda url: open_wire(url, clock))
+    with Emulated(channel) as drive:
+        actuator = backend.open(Options(port=f"can:virtual:{channel}", node_id=NODE), services)
+        with actuator:
+            end = clock.now() + PATIENCE
+            while not actuator.state().homed:
+                actuator.poll(clock.now())
+                assert clock.now() < end, actuator.state()
+                clock.sleep(0.005)
+            actuator.command(0.5)
+            while not actuator.state().settled:
+                actuator.poll(clock.now())
+                assert clock.now() < end, actuator.state()
+                clock.sleep(0.005)
+            assert drive.far_end.angle() == pytest.approx(0.5, abs=math.radians(0.1))
+        assert actuator.state().healthy
