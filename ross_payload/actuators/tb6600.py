@@ -50,6 +50,7 @@ class Tb6600:
             resolution=self._step,
             continuous=True,
             feedback=Feedback.MODEL,
+            finds_zero=options.zero == "switch",
         )
 
     def command(self, angle: float, rate: float | None = None) -> None:

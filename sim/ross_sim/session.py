@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,8 +17,9 @@ from ross_payload.angles import wrap
 from ross_payload.audio.files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
+from ross_payload.config import Guard as Rules
 from ross_payload.events import Event, Separated
-from ross_payload.interfaces import Attitude, Input, Mount, Result, Services
+from ross_payload.interfaces import ActuatorState, Attitude, Input, Mount, Result, Services
 from ross_payload.links import Links
 from ross_payload.mission.supervise import mission
 from ross_payload.mount import fixed_mount, mount_of
@@ -109,7 +111,7 @@ def perform(
         world = World(scenario, cast.talkers, far_end, clock, config.seed)
         collector = Collector(_wav(stack, out, config))
         actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
-        _find(actuator, far_end, clock, config.guard.watchdog_s)
+        _find(actuator, far_end, clock, config.guard)
         stack.enter_context(world.source)
         mount, _ = aboard(scenario, clock, links)
         clock.every(POLL, links.poll)
@@ -159,11 +161,19 @@ def aboard(scenario: Scenario, clock: SimClock, links: Links) -> tuple[Mount, Ti
     return mount_of(config, clock, links, timebase), timebase
 
 
-def _find(actuator: Guard, far_end: FarEnd, clock: SimClock, patience: float) -> None:
-    """Give an actuator that has to be looked for on its bus some time before the sound begins; others take none."""
+def _find(actuator: Guard, far_end: FarEnd, clock: SimClock, rules: Rules) -> None:
+    """Give an actuator that has to be looked for, or has to look for its zero, time before the sound begins."""
     far_end.advance(clock.now())
     actuator.poll(clock.now())
-    while not actuator.state().healthy and clock.now() < patience:
+    _wait(actuator, clock, lambda state: state.healthy, rules.watchdog_s)
+    if not actuator.state().homed:
+        actuator.home()
+        _wait(actuator, clock, lambda state: state.homed, rules.max_move_s)
+
+
+def _wait(actuator: Guard, clock: SimClock, done: Callable[[ActuatorState], bool], patience: float) -> None:
+    end = clock.now() + patience
+    while not done(actuator.state()) and clock.now() < end:
         clock.sleep(POLL)
         actuator.poll(clock.now())
 
