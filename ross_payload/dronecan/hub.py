@@ -141,7 +141,7 @@ class Bus:
             return coming.result()
         except RossError as error:
             self._retry_at = self._clock.now() + self._backoff.wait()
-            raise LinkError(str(error)) from error
+            raise LinkError(self._down) from error  # the first cause, not a new one every time
 
 
 def _close_late(coming: Future[Port]) -> None:

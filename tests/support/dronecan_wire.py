@@ -29,7 +29,7 @@ class Wire:
 
 class End:
     def __init__(self, wire):
-        self.wire, self.frames, self.closed = wire, [], False
+        self.wire, self.frames = wire, []
 
     def send(self, frame):
         if self.wire.down:
@@ -45,7 +45,6 @@ class End:
         return frames
 
     def close(self):
-        self.closed = True
         if self in self.wire.ends:
             self.wire.ends.remove(self)
 

@@ -1,11 +1,14 @@
 """Our node on a bus in this process, in virtual time: its id, its heartbeat, clashes, and who shares the bus."""
 
 import random
+import threading
 import time
 from contextlib import suppress
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as some
 
 from dronecan_wire import PERIOD, UNIQUE, Stranger, Wire, node_on, of, run
 from ross_payload.dronecan.hub import Buses, node_of
@@ -223,6 +226,48 @@ def test_a_bus_that_fails_is_opened_again(wire, stranger):
     tap.close()
 
 
+def test_a_bus_that_does_not_come_back_is_one_trouble(wire):
+    clock = SimClock()
+    tap = Buses(wire.open, clock).open("can:test:0")
+    node = Node(Identity("x", UNIQUE, 5), tap, np.random.default_rng(1), 0.0)
+    wire.down, troubles = True, set()
+    for _ in range(50):
+        clock.sleep(0.5)
+        node.poll(clock.now())
+        time.sleep(0.002)  # for the thread that tries to open it
+        troubles.add(node.trouble)
+    assert troubles == {"the bus is down"}
+    node.close()
+
+
+def test_a_bus_that_comes_back_when_nobody_wants_it_is_closed_again(wire):
+    clock, wanted, opened = SimClock(), threading.Event(), threading.Event()
+    ports = iter([wire.open])
+
+    def slowly(url):
+        for at_once in ports:
+            return at_once()
+        assert wanted.wait(20)
+        port = wire.open()
+        opened.set()
+        return port
+
+    tap = Buses(slowly, clock).open("can:test:0")
+    wire.down = True
+    for _ in range(2):
+        with pytest.raises(LinkError):
+            tap.receive()
+        clock.sleep(1.0)
+    wire.down = False
+    tap.close()
+    wanted.set()
+    assert opened.wait(20)
+    deadline = time.monotonic() + 20
+    while wire.ends and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert wire.ends == []
+
+
 def eventually(receive):
     for _ in range(1000):
         with suppress(LinkError):
@@ -262,6 +307,25 @@ def frames_of_chance(chance, count):
         if data and chance.random() < 0.7:
             data = data[:-1] + bytes([chance.choice([0xC0, 0x80, 0x20, 0x40, 0x60]) | chance.randrange(2)])
         yield CanFrame(identifier, data, chance.random() < 0.9)
+
+
+IDENTIFIERS = some.builds(
+    lambda priority, number, source: priority << 24 | number << 8 | source,
+    some.integers(0, 31),
+    some.one_of(some.integers(0, 2**16 - 1), some.sampled_from([1, 341, 16383, 20855, 0x01AA, 0x0BAA, 0x0AAA, 0x05AA])),
+    some.integers(0, 255),
+)  # 0xNNAA: requests for node 42, when the source has bit 7 set
+FRAMES = some.builds(CanFrame, IDENTIFIERS, some.binary(max_size=8), some.booleans())
+
+
+@given(some.lists(FRAMES, max_size=40))
+def test_whatever_is_on_the_bus_the_node_lives_and_keeps_its_id_or_says_why(frames):
+    wire, now = Wire(), 0.0
+    node, sender = node_on(wire), wire.open()
+    for frame in frames:
+        sender.send(frame)
+        node.poll(now := now + PERIOD)
+    assert (node.id == 42) == (node.trouble == "")
 
 
 @pytest.mark.parametrize("count", [5_000, pytest.param(100_000, marks=pytest.mark.soak)])
