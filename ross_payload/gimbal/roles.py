@@ -40,7 +40,7 @@ class Role(Protocol):
     def streams(self, flags: Callable[[], int]) -> dict[int, tuple[Make, float]]:
         """Return what is said regularly beside what every device says; ``flags`` are those of the device."""
 
-    def made(self, axis: Axis) -> dict[int, Make]:
+    def made(self, axis: Callable[[], Axis]) -> dict[int, Make]:
         """Return what there is on request beside what every device has."""
 
     def asked(self, aim: Aim | None, heard: Heard) -> None:
@@ -68,9 +68,9 @@ class Manager:
 
         return {MANAGER_STATUS: (status, REPORTING)}
 
-    def made(self, axis: Axis) -> dict[int, Make]:
+    def made(self, axis: Callable[[], Axis]) -> dict[int, Make]:
         """Return the information."""
-        return {MANAGER_INFORMATION: lambda boot: manager_information(boot, self.device_id, axis)}
+        return {MANAGER_INFORMATION: lambda boot: manager_information(boot, self.device_id, axis())}
 
     def asked(self, aim: Aim | None, heard: Heard) -> None:
         """Take a set-point of anybody who may order something."""
@@ -100,7 +100,7 @@ class Managed:
         """Return nothing more."""
         return {}
 
-    def made(self, axis: Axis) -> dict[int, Make]:
+    def made(self, axis: Callable[[], Axis]) -> dict[int, Make]:
         """Return nothing more."""
         return {}
 

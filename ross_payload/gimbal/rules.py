@@ -69,6 +69,8 @@ class Rules:
         if self._watch.busy and not busy:
             self._control = Control()
             self._hand.forget()
+        elif self._watch.barred:
+            self._fail(cancelled=True)
         elif isinstance(event, Answered) and event.order < 0 and event.answer in FAILED:
             self._fail(cancelled=event.answer is Answer.CANCELLED)
 
@@ -76,21 +78,25 @@ class Rules:
         """End what nobody renews."""
         self._hand.tick(now)
 
-    def point(self, aim: Aim, who: Address, now: float, patience: float = PATIENCE) -> Verdict:
-        """Obey a command; a rate alone counts for ``patience`` [s]."""
+    def point(self, aim: Aim, who: Address, now: float) -> Verdict:
+        """Obey a command."""
         verdict = self._judged(aim, who, now)
         if verdict is ACCEPTED:
             self._said.forget(who)
-            self._hand.point(aim, self._body.offset(), now + patience)
+            self._hand.forget()  # also what is in force already is ordered once more
+            self._hand.point(aim, self._body.offset(), now + PATIENCE)
         return verdict
 
     def stream(self, aim: Aim, who: Address, now: float, patience: float = PATIENCE) -> None:
-        """Obey a message, one of many that nobody acknowledges, unless it only repeats what was said in vain."""
+        """Obey a message, one of many that nobody acknowledges, unless it only repeats what was said in vain.
+
+        A rate alone counts for ``patience`` [s].
+        """
         if self._forbidden(who) or self._watch.barred:
             self._said.note(who, aim)
-        elif self._said.is_news(who, aim):
+        elif self._said.is_news(who, aim) and not self._body.unable(aim, now):
             self._streams = who
-            self.point(aim, who, now, patience)
+            self._hand.point(aim, self._body.offset(), now + patience)
 
     def meet(self, aim: Aim, who: Address) -> None:
         """Note what somebody said before we listened: it is no order."""

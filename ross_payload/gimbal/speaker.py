@@ -46,13 +46,13 @@ class Speaker:
         self._role = role
         self._endpoint = Endpoint(links, component_id)
         self._device_ids = 0, role.device_id, component_id
-        axis, number = body.axis(), role.device_id
+        number = role.device_id
         streams: dict[int, tuple[Make, float]] = {
             BEAT: (lambda boot: heartbeat(well=not self._pose().failures & FAULTS), BEATING),
             DEVICE_ATTITUDE: (lambda boot: attitude_status(boot, number, self._pose()), TELLING),
         }
         streams |= role.streams(lambda: flags_of(self._pose()))
-        made = {DEVICE_INFORMATION: lambda boot: device_information(boot, number, axis)} | role.made(axis)
+        made = {DEVICE_INFORMATION: lambda boot: device_information(boot, number, body.axis())} | role.made(body.axis)
         timed = {number: (self._timed(make), period) for number, (make, period) in streams.items()}
         self._voice = Voice(links, links.component(component_id), timed)
         on_request = {number: self._timed(make) for number, make in made.items()}

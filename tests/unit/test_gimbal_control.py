@@ -241,3 +241,10 @@ def test_a_stop_wins_until_the_payload_is_armed_again(bench):
     assert one.attitude(7.0).failure_flags == 0
     assert one.angle(10.9) == pytest.approx(-90, abs=0.05)
     assert State.STOPPED in [state for state, _ in one.states()]
+
+
+def test_a_command_is_an_order_though_it_says_what_the_last_one_said(bench):
+    one = bench()
+    same = (POINT, 0, 30, NAN, NAN, FOLLOW, 0, 1)
+    one.live(9.0, one.ground.command(3.0, *same), one.ground.command(6.0, *same))
+    assert (one.answers(-1), one.answers(-2)) == ([Answer.ACCEPTED, Answer.DONE],) * 2
