@@ -7,8 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 import can
-import dronecan
 from dronecan.driver.common import AbstractDriver, CANFrame
+
+import dronecan
 
 
 class BusDriver(AbstractDriver):  # type: ignore[misc]
@@ -38,7 +39,7 @@ def peer(channel: str, node_id: int, name: str = "org.example.peer") -> Any:
     return dronecan.node.Node(BusDriver(bus), node_id, node_info=info, mode=mode, catch_handler_exceptions=False)
 
 
-def spin_until(node: Any, true: Callable[[], Any], within: float = 20.0) -> float:
+def spin_until(node: Any, true: Callable[[], Any], within: float = 60.0) -> float:
     """Let the node live until something is true; how long that took [s]."""
     begin = time.monotonic()
     while not true():
