@@ -178,7 +178,7 @@ class MavlinkGimbal:
         self._go(Trapezoid(here, here, 1.0, 1.0), now)
 
     def _go(self, plan: Trapezoid, now: float) -> None:
-        self._motion, self._restless = Motion(plan, now), now
+        self._motion, self._restless, self._sent = Motion(plan, now), now, -math.inf
 
     # ------------------------------------------------------------------------------------------ leading
 
@@ -200,7 +200,7 @@ class MavlinkGimbal:
         self._look_whether_it_follows(now)
         if self._motion is not None and now - self._sent >= PERIOD - EARLY:
             self._sent = now
-            self._port.send(peer.point(self._motion.at(now)[0]))
+            self._port.send(peer.point(self._motion.at(now + PERIOD)[0]))  # where it should be when the next one comes
 
     def _look_whether_it_follows(self, now: float) -> None:
         """Decelerate when nobody knows where the gimbal is; hold it where it is when it does not follow."""

@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
-RESTART = 1.0  # [s] by which a clock goes back when its device has restarted
+BACK = 0.4  # [s]: what is no older than this may have come by a longer way, what is older is of another clock
+AHEAD = 1.0  # [s] by which a clock may be ahead of the time that has passed
 LASTING = 1.0  # [s] in which clashes count together
 CLASHES = 3  # between two clocks, until they are no accident
 DRIFT = 1e-3  # by which two clocks may go apart [s/s]
@@ -31,7 +32,7 @@ class Line:
 
     def leads_to(self, boot: float, now: float) -> bool:
         """Tell whether a report is a later one of the same clock."""
-        return 0.0 < boot - self.boot <= now - self.heard + RESTART
+        return 0.0 < boot - self.boot <= now - self.heard + AHEAD
 
 
 @dataclass(slots=True)
@@ -59,7 +60,7 @@ class SenderClock:
         if line is None or line.leads_to(boot, now):
             self._line = Line(boot, now, now)
             return Verdict.NEWS
-        if -RESTART <= boot - line.boot <= 0.0:
+        if -BACK <= boot - line.boot <= 0.0:
             return Verdict.OLD
         self._other = Line(boot, now, now)
         if other is None or not other.leads_to(boot, now):

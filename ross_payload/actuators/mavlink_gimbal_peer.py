@@ -63,6 +63,7 @@ class Client:
     us: Address = (0, 0)
     had_control: bool = False
     refused: bool = False  # when we asked for control
+    asked: int = 0  # times, for attitudes
     asking: Asking = field(default_factory=Asking)
 
     def heard(self, arrived: Arrived, now: float) -> None:
@@ -99,9 +100,15 @@ class Client:
                 gimbal.request(self.manager, gimbal.MANAGER_STATUS),
             ]
         if self.asking.too_few(now):
-            whom = [self.manager] if self.device is None else [self.manager, self.device]
-            questions += [gimbal.interval(address, gimbal.DEVICE_ATTITUDE, WANTED) for address in whom]
+            questions += [gimbal.interval(address, gimbal.DEVICE_ATTITUDE, WANTED) for address in self._reporters()]
+            self.asked += 1
         return questions
+
+    def _reporters(self) -> list[Address]:
+        """Whom to ask for attitudes: the device itself, and its manager when that was not enough."""
+        if self.device is None:
+            return [self.manager]
+        return [self.device, self.manager] if self.asked else [self.device]
 
     def point(self, angle: float) -> Any:
         """Return the message that points at a joint angle [rad]."""

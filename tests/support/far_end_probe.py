@@ -19,7 +19,7 @@ from ross_sim.far_end import far_end_of
 
 # What a driver's command changes at each far end.
 GOALS = {
-    "gimbal": lambda far_end: round(far_end.device._goal, 6),
+    "gimbal": lambda far_end: round(far_end.autopilot._aim, 6),
     "servo": lambda far_end: far_end.node._goal,
     "drive": lambda far_end: far_end.node.objects[cia402.TARGET],
     "grbl": lambda far_end: far_end.firmware.busy,
