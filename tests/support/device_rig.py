@@ -15,7 +15,7 @@ from ross_payload.doctor.wired import POLL, wired
 from ross_payload.interfaces import Port
 from ross_sim.far_end import Fault
 
-OPENING = 3.0  # of what boots when it is opened [s]
+OPENING = 2.0  # of what boots when it is opened [s]
 PATIENCE = 4.0  # times that of the simulated
 
 
