@@ -1,9 +1,8 @@
 """A drive on a CAN bus that speaks CANopen and CiA 402: it makes the trapezoid, we say where to and how fast.
 
-A goal is one set-point; the drive's own reports, 50 a second, say where it is and whether it is there. It is enabled
-by the first goal or by homing and by nothing else. It listens to our heartbeat: when that ends it stops by itself and
-switches off. Whatever is in doubt makes us send the same quick stop; only `home` resets a fault, and the drive stays
-off then.
+A goal is one set-point; the drive's own reports, 50 a second, say where it is and whether it is there. The first goal
+or homing enables it, nothing else. When our heartbeat ends it stops by itself and switches off. Whatever is in doubt
+makes us send the same quick stop; only `home` resets a fault, and the drive stays off then.
 
 Only the pump (`poll`) acts; the other methods leave a request in a queue.
 """
@@ -101,6 +100,9 @@ class CanopenDrive:
                 self._obey(request, self._link)
             self._link.beat(now)
             self._steer(self._link, now)
+        except LinkError as down:
+            self._latch(str(down))
+            raise
         finally:
             self._publish(self._link)
 
@@ -152,9 +154,8 @@ class CanopenDrive:
             link.start(now)
 
     def _leave(self, link: Link) -> None:
-        clock = self._services.clock
-        patience = self.capabilities.max_speed / self.capabilities.max_acceleration + ENABLE
-        until = clock.now() + patience if link.running else -math.inf
+        clock, braking = self._services.clock, self.capabilities.max_speed / self.capabilities.max_acceleration
+        until = clock.now() + braking + ENABLE if link.running else -math.inf
         self._axis.end(State.QUICK_STOP_ACTIVE)
         self.poll(clock.now())
         while clock.now() < until and cia402.state_of(link.report.status) not in OFF:
@@ -186,8 +187,7 @@ class CanopenDrive:
     def _latch(self, fault: str) -> None:
         """Keep the first fault and let the drive stop and switch off."""
         if fault:
-            self._fault = self._fault or fault
-            self._homing = False
+            self._fault, self._homing = self._fault or fault, False
             self._axis.end(State.QUICK_STOP_ACTIVE)
 
     def _go_home(self, link: Link, now: float) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.config import Config
+from ross_payload.errors import LinkError
 from ross_payload.interfaces import ActuatorState, Services
 from ross_protocols.can import CanFrame
 from ross_protocols.canopen import Item
@@ -27,6 +28,7 @@ class Wire:
         self.sent: list[tuple[float, CanFrame]] = []
         self.brought: list[CanFrame] = []
         self.passes: Callable[[CanFrame], bool] = lambda frame: True
+        self.down = False
 
     def send(self, frame: CanFrame) -> None:
         self.sent.append((self._clock.now(), frame))
@@ -34,6 +36,8 @@ class Wire:
             self._port.send(frame)
 
     def receive(self) -> list[CanFrame]:
+        if self.down:
+            raise LinkError("the bus is down")
         arrived, self.brought = self._port.receive() + self.brought, []
         return [frame for frame in arrived if self.passes(frame)]
 

@@ -58,6 +58,29 @@ def test_closing_tells_the_drive_to_expect_nothing():
     assert {frame.id for frame in bench.far_end.port.receive()} == {0x700 + NODE}  # no emergency
 
 
+@pytest.mark.parametrize("outage", [0.1, 2.0])
+def test_a_bus_that_comes_back_finds_the_drive_stopped_and_leaves_it_so(outage):
+    bench = Bench().open()
+    bench.go(-150)
+    bench.settle()
+    bench.go(190, 0.8)
+    bench.wire.down = True
+    bench.clock.sleep(outage)
+    assert bench.fault == "the bus is down"
+    bench.wire.down = False
+    bench.clock.sleep(3.0)
+    stopped = bench.true_deg
+    bench.clock.sleep(1.0)
+    assert bench.true_deg == stopped < 150
+    assert bench.drive_state is State.SWITCH_ON_DISABLED
+    bench.actuator.home()
+    bench.clock.sleep(0.2)
+    bench.actuator.rearm()
+    bench.go(0)
+    bench.settle()
+    assert bench.true_deg == pytest.approx(0, abs=0.1)
+
+
 def test_closing_does_not_hang_on_a_bus_that_is_gone():
     bench = Bench().open()
     bench.go(90, 0.5)
