@@ -1,0 +1,66 @@
+"""Missions with a stepper: as good as with an ideal actuator, also with a switch for its zero and after a slip."""
+
+import json
+
+import pytest
+
+SWITCH = """
+[payload.actuator]
+kind = "tb6600"
+[payload.actuator.options]
+zero = "switch"
+home_offset_deg = -15.0
+"""
+SLIP = """
+title = "The array slips, and finds its zero by its switch"
+payload.explore.max_rotations = 6
+payload.exploit.runs = 3
+noise.snr_db = 25
+[[talkers]]
+azimuth_deg = 40
+[[talkers]]
+azimuth_deg = 155
+[[talkers]]
+azimuth_deg = -80
+[[troubles]]
+fault = "slip"
+at_s = 34
+"""
+
+
+@pytest.fixture
+def fly(run):
+    def call(*arguments):
+        code, out, err = run("sitl", "--json", *arguments)
+        assert code == 0, err
+        return json.loads(out)
+
+    return call
+
+
+def worst_azimuth(report):
+    assert report["k"] == report["k_true"] == 3
+    return max(abs(source["azimuth_error_deg"]) for source in report["sources"])
+
+
+def gain(report):
+    return next(group["si_sdri_db"] for group in report["groups"] if group["target"])
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", range(5))
+def test_the_default_mission_is_as_good_as_with_an_ideal_actuator(fly, seed):
+    stepper, ideal = (fly("--actuator", kind, "--seed", seed) for kind in ("tb6600", "ideal"))
+    assert worst_azimuth(stepper) <= 0.5
+    assert gain(stepper) == pytest.approx(gain(ideal), abs=0.3)
+    assert "complaints" not in stepper
+
+
+@pytest.mark.soak
+def test_a_slip_is_put_right_by_the_switch(fly, tmp_path):
+    scenario = tmp_path / "slip.toml"
+    scenario.write_text(SLIP + SWITCH)
+    report = fly("--scenario", scenario)
+    assert report["slips_deg"] == [pytest.approx(-10, abs=0.5)]
+    assert worst_azimuth(report) <= 0.5
+    assert gain(report) > 20
