@@ -140,7 +140,8 @@ class ServoClient:
 
     def _watch(self, senders: Counter[int], now: float) -> None:
         self._traffic.fed(now, senders, self._assembler.broken[self._options.node_id])
-        late = now - max(self.heard, self._start) > LATE
+        patience = ALIVE if math.isinf(self.place.time) else LATE  # with a servo that only beats, or reports
+        late = now - max(self.heard, self._start) > patience
         self.event = self.event or self._traffic.damage or (self._traffic.full if late else "")
         if self._named and self.nameless:
             self.event, self.lost = self.nameless, True

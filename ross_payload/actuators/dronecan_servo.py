@@ -3,6 +3,7 @@
 A goal becomes a trapezoid; where it is *now* goes out as a position, a unitless value, a pulse width or the attitude of
 a gimbal for as long as a goal is held. Nothing but positions is ever sent, so a program that dies leaves a servo that
 stops at the last one.
+
 Only the servo's own reports make it settled. A servo whose Status has no position is driven by a model: its place is
 known after `home` has sent it to joint angle 0.
 

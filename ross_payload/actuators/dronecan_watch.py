@@ -9,7 +9,7 @@ from itertools import pairwise
 TURNS = 32  # transfers are counted modulo this
 WINDOW = 0.5  # in which damage and traffic are judged [s]
 MOST_BROKEN = 6  # transfers in a window
-FULL = 2000.0  # frames a second: a quarter of a bus at 1 Mbit/s, and more than 16 nodes like ours
+FULL = 3000.0  # frames a second: what a bus at 500 kbit/s takes, and half of one at 1 Mbit/s
 LATE = 0.3  # without a report on a full bus [s]
 TURNING_POINTS, OF_PAIRS = 4, 10  # by which it is judged whether a position trembles
 TREMBLE = math.radians(0.3)  # of a bad encoder: at rest a good one stands still, in a move it goes one way [rad]

@@ -183,6 +183,21 @@ def test_a_bus_that_only_reports_do_not_pass_is_named_too():
     assert rig.state.fault.endswith("most of them from node 7")
 
 
+@pytest.mark.parametrize("beats_only", [False, True])
+def test_a_busy_bus_on_which_the_servo_is_heard_is_no_fault(beats_only):
+    rig = Rig(guard={"watchdog_s": 2.5}, **(MODEL if beats_only else {}))
+    rig.node._next_report = math.inf if beats_only else 0.0
+    rig.actuator.__exit__(None, None, None)
+    rig.actuator.__enter__()
+    plug = rig.far_end.bus.plug()
+    rig.clock.before_calls(lambda now: plug.sent.extend([CanFrame(30 << 24 | 20998 << 8 | 7, bytes(8))] * 100))
+    rig.actuator.home()
+    rig.clock.sleep(3.0)
+    rig.go(60, 4.0)
+    assert rig.state.healthy, rig.state.fault
+    assert rig.state.settled
+
+
 def test_a_frame_lost_now_and_then_is_no_fault():
     rig = Rig()
     rig.far_end._seat.plug.damage = 0.03
