@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +20,7 @@ from ross_payload.actuators.pulses import EDGE, Level, Line, Played, RanOut, Seg
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.actuators.wires import open_wire
 from ross_payload.config import Config
-from ross_payload.errors import ConfigError, LinkError
+from ross_payload.errors import ConfigError, LinkError, PluginError
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.tb6600 import Tb6600FarEnd, far_end
@@ -237,6 +240,29 @@ def test_no_chip_and_a_line_that_is_taken_are_one_clear_line_and_leave_nothing_o
     assert gpio.open_handles == 0
     with pytest.raises(LinkError, match="/dev/gpiochip0: GPIO busy"):
         GpioPulses(gpio, pins_of(URL), clock).send(segment(0.0, 0.01))
+
+
+def test_a_missing_library_is_one_line_with_both_remedies(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "lgpio", None)
+    before = Path.cwd()
+    with pytest.raises(
+        PluginError, match=r"needs the package lgpio: pip install 'ross-payload\[gpio\]'.* python3-lgpio"
+    ):
+        open_wire(URL, SimClock())
+    assert Path.cwd() == before
+
+
+def test_threads_of_the_library_are_born_urgent_where_that_is_allowed_and_ours_stays_as_it_was(clock: SimClock) -> None:
+    class Curious(FakeLgpio):
+        def gpiochip_open(self, chip: int) -> int:
+            self.policy = os.sched_getscheduler(0), os.sched_getparam(0).sched_priority
+            return super().gpiochip_open(chip)
+
+    before = os.sched_getscheduler(0)
+    gpio = Curious(clock)
+    GpioPulses(gpio, pins_of(URL), clock)
+    assert gpio.policy in ((os.SCHED_RR, 20), (before, 0))
+    assert os.sched_getscheduler(0) == before
 
 
 def test_options_that_do_not_fit_pins_are_refused() -> None:
