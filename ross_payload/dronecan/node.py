@@ -23,7 +23,7 @@ from ross_protocols.dronecan_speech import Call, Ear, Reply, Voice
 
 BEAT = 1.0  # [s] between two NodeStatus
 PATIENCE = 5.0  # [s] with an allocator
-QUIET = 5.0  # [s] without a frame of another node with our id, until the id is ours again
+QUIET = 5.0  # [s] without a frame of another node with our id, or without a failure of the bus, until all is well
 MOST_ANSWERS = 5  # in one poll: who asks more often asks again
 EARLY = 1e-6  # so much before its time something is due [s]
 log = logging.getLogger(__name__)
@@ -76,6 +76,7 @@ class Node:
         self._answered = 0
         self._asked = 0  # anonymous transfers
         self._trouble = {"bus": "", "id": ""}  # in words
+        self._failed = now  # the bus, last [s]
         self._clash_until: float | None = None  # another node has our id [s]
         self._allocatee: Allocatee | None = None
         self._allocated = allocated
@@ -152,9 +153,10 @@ class Node:
         try:
             frames = self._port.receive()
         except LinkError as error:
-            self._note("bus", str(error))
+            self._fail(error)
             return []
-        self._note("bus", "")
+        if frames or self._now > self._failed + QUIET:  # a bus without anybody takes frames for a while
+            self._note("bus", "")
         return frames
 
     def _take_in(self, frame: Any) -> None:
@@ -232,9 +234,13 @@ class Node:
             for frame in frames:
                 self._port.send(frame)
         except LinkError as error:
-            self._note("bus", str(error))
+            self._fail(error)
             return False
         return True
+
+    def _fail(self, error: LinkError) -> None:
+        self._failed = self._now
+        self._note("bus", str(error))
 
     def _note(self, what: str, trouble: str) -> None:
         """Remember what is wrong with the bus or with our id, and tell of a change."""
