@@ -20,7 +20,7 @@ from ross_payload.actuators.canopen_drive_link import Link
 from ross_payload.actuators.canopen_drive_options import Options
 from ross_payload.actuators.canopen_drive_places import Places
 from ross_payload.actuators.canopen_drive_setup import Setup
-from ross_payload.actuators.canopen_drive_watch import ENABLE, Watch
+from ross_payload.actuators.canopen_drive_watch import ENABLE, OFF, Watch
 from ross_payload.actuators.requests import Ask, Move, Requests
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Services
@@ -29,7 +29,6 @@ from ross_protocols.cia402 import Homing, Mode, State
 
 REPEAT = 0.1  # [s] between two equal orders
 EARLY = 1e-6  # so much before its time something is due [s]
-OFF = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.SWITCHED_ON, State.FAULT, State.NOT_READY)
 log = logging.getLogger(__name__)
 
 
@@ -172,17 +171,20 @@ class CanopenDrive:
             if not (self._fault or self._setup.done):
                 self._begin(link)  # it has just been switched on
         if link.running and link.report.time > self._state.time:
-            rate = link.velocity / self._options.scale
-            if self._axis.mode is Mode.HOMING:
-                self._places.clear()  # the drive will count from elsewhere
-            jump = self._places.take(self._options.joint(link.report.position), rate, link.report.time)
-            self._latch(f"the drive's position cannot be true: it {jump}" if jump else "")
+            self._see(self._options.joint(link.report.position), link.velocity / self._options.scale, link.report.time)
         self._latch(link.event)
         link.event = ""
         if link.fresh:
             if self._homing:
                 self._go_home(link, now)
             self._latch(self._watch.trouble(self._axis, link.report, link.emergency, now) if not self._fault else "")
+
+    def _see(self, joint: float, rate: float, time: float) -> None:
+        """Take a new place; one that cannot be true is a fault, and no place."""
+        if self._axis.mode is Mode.HOMING:
+            self._places.clear()  # the drive will count from elsewhere
+        jump = self._places.take(joint, rate, time)
+        self._latch(f"the drive's position cannot be true: it {jump}" if jump else "")
 
     def _latch(self, fault: str) -> None:
         """Keep the first fault and let the drive stop and switch off."""
@@ -233,9 +235,9 @@ class CanopenDrive:
         self._homing, self._known = True, self._absolute
         self._fault, link.event, link.emergency = "", "", None
         self._watch = Watch()
+        self._places.clear()
         if self._axis.mode is Mode.HOMING:  # one that was broken off
             self._axis.end(State.QUICK_STOP_ACTIVE)
-        self._places.clear()
         if not link.running:
             self._begin(link)
 
@@ -257,28 +259,26 @@ class CanopenDrive:
             link.steer(*order)
 
     def _publish(self, link: Link) -> None:
-        report = link.report
-        angle = self._options.joint(report.position) if link.fresh else self._state.angle
         homed = link.fresh and self._known and not (self._homing and not self._absolute)
-        settled = homed and not (self._fault or self._homing) and self._arrived(angle, report.status)
+        settled = homed and not (self._fault or self._homing) and self._arrived(link.report.status)
         self._state = ActuatorState(
-            angle=angle,
+            angle=self._places.joint,
             rate=0.0 if settled or not link.fresh else link.velocity / self._options.scale,
             settled=settled,
             homed=homed,
             healthy=not self._fault,
-            time=report.time if link.fresh else link.heard,
+            time=link.report.time if link.fresh else link.heard,
             fault=self._fault,
         )
 
-    def _arrived(self, angle: float, status: int) -> bool:
+    def _arrived(self, status: int) -> bool:
         """Whether the drive is still, and where it was last sent to as it says itself and as we see."""
         if not self._places.still(self.capabilities.resolution):
             return False
         goal = self._axis.goal
         if goal is None:
             return True
-        near = abs(angle - self._options.joint(goal.target)) <= self.capabilities.resolution
+        near = abs(self._places.joint - self._options.joint(goal.target)) <= self.capabilities.resolution
         return near and self._axis.taken and bool(status & cia402.REACHED)
 
     @property

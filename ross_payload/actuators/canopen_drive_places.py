@@ -31,6 +31,7 @@ class Places:
 
     def __init__(self, settle: float, top: float) -> None:
         self._settle, self._top = settle, top
+        self.joint = 0.0  # the last that can be true [rad]
         self._places: deque[tuple[float, float]] = deque()  # time [s], joint angle [rad]
 
     def clear(self) -> None:
@@ -40,6 +41,7 @@ class Places:
     def take(self, joint: float, rate: float, now: float) -> str:
         """Take a report of angle and speed; say what cannot be true about it."""
         fault = self._doubt(joint, rate, now)
+        self.joint = self.joint if fault else joint
         self._places.append((now, joint))
         while len(self._places) > 1 and self._places[1][0] <= now - self._settle:
             self._places.popleft()

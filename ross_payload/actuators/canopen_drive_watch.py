@@ -14,6 +14,7 @@ EXPLAIN = 0.05  # so long a drive may take to say why it is in a fault [s]
 BEHIND = 0.2  # so long it may be behind its plan without a fault of its own [s]
 ENABLE = 1.0  # so long it may take to switch on, or to be reset [s]
 START = 0.1  # so long it may take to forget that it was homed before [s]
+OFF = (State.NOT_READY, State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.SWITCHED_ON, State.FAULT)  # no torque
 
 
 class Watch:

@@ -1,5 +1,8 @@
 """A CANopen drive in trouble: without us, with faults of its own, with others on the bus."""
 
+import math
+import struct
+
 import pytest
 
 from drive_bench import NODE, OWN, Bench
@@ -247,3 +250,13 @@ def test_homing_in_a_move_is_a_stop_and_settled_only_when_it_is_over():
     assert moving
     assert set(moving) == {0.0}
     assert bench.true_deg < 45
+
+
+def test_a_place_that_cannot_be_is_not_told():
+    bench = Bench().open()
+    bench.go(60, 0.5)
+    damaged = struct.pack("<Hib", State.OPERATION_ENABLED.bits, 2**30, 1)
+    bench.wire.brought.append(CanFrame(0x180 + NODE, damaged, extended=False))
+    bench.clock.sleep(QUANTUM)
+    assert "cannot be true: it jumps by" in bench.fault
+    assert bench.state.angle == pytest.approx(bench.far_end.angle(), abs=math.radians(3))
