@@ -17,7 +17,8 @@ from ross_payload.links import open_port
 from ross_payload.links.address import Tcp, Udp, parse
 from ross_sim.address import tcp_address
 from ross_sim.far_end import FarEnd
-from ross_sim.gimbal import GimbalFarEnd, Wire
+from ross_sim.gimbal import GimbalFarEnd
+from ross_sim.gimbal_manager import SET_ATTITUDE
 from ross_sim.pty_port import PtyServer
 from ross_sim.wires import WireServer, side_of
 
@@ -87,10 +88,14 @@ class JoinedLead:
 
 
 class EncodedWire:
-    """The wire of a gimbal, for who has frames already."""
+    """The wire of a gimbal, for who has frames already.
 
-    def __init__(self, wire: Wire) -> None:
-        self._wire = wire
+    An autopilot stands between: what it tells the gimbal alone does not come out on this side.
+    """
+
+    def __init__(self, far_end: GimbalFarEnd) -> None:
+        self._wire = far_end.port
+        self._routed = far_end.autopilot is not None
 
     def send(self, frame: bytes) -> None:
         """Let the gimbal and its autopilot hear bytes."""
@@ -99,7 +104,12 @@ class EncodedWire:
     def receive(self) -> list[bytes]:
         """Return the frames that they have sent."""
         frames, self._wire.arrived = self._wire.arrived, []
-        return frames
+        return [frame for frame in frames if not (self._routed and _number(frame) == SET_ATTITUDE)]
+
+
+def _number(frame: bytes) -> int:
+    """Id of the message in a frame of MAVLink 2."""
+    return int.from_bytes(frame[7:10], "little")
 
 
 def connected(config: Config, wire: str | None, far_end: FarEnd, *, epoch: float, stack: ExitStack) -> Connection:
@@ -128,7 +138,7 @@ def connected(config: Config, wire: str | None, far_end: FarEnd, *, epoch: float
         url = wire or LINK
         link = open_port(url, clock)
         stack.callback(link.close)
-        lead = JoinedLead(link, EncodedWire(far_end.port), clock, epoch)
+        lead = JoinedLead(link, EncodedWire(far_end), clock, epoch)
         return Connection(lead, opposite(url), lambda: lead.used)
     scheme = checked_options(config).port.partition(":")[0]
     wire = wire or (PTY if scheme == "serial" else f"{scheme}:tcp:127.0.0.1:0")
