@@ -17,8 +17,13 @@ CONFIGURATIONS = sorted(EXAMPLES.glob("*.toml"))
 RULE = re.compile(r'(SUBSYSTEM|KERNELS?|ATTRS?\{\w+\}|ENV\{\w+\})(==|=)"[^"]*"|SYMLINK\+="[\w-]+"')
 
 
-def test_there_are_three_configurations():
-    assert [path.stem for path in CONFIGURATIONS] == ["drone-mavlink-gimbal", "pan-unit-can-servo", "paper-bench"]
+def test_there_are_four_configurations():
+    assert [path.stem for path in CONFIGURATIONS] == [
+        "drone-mavlink-gimbal",
+        "pan-unit-can-servo",
+        "pan-unit-grbl",
+        "paper-bench",
+    ]
 
 
 @pytest.mark.parametrize("path", CONFIGURATIONS, ids=lambda path: path.stem)

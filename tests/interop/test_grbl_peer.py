@@ -1,0 +1,151 @@
+"""Programs that we did not write drive the simulated grbl on a pseudo terminal; a program of ours dies in mid-move.
+
+The simplest way to stream that grbl documents, send a line and wait for its answer, is written down here with pyserial
+alone. The package grbl-streamer (GPL), which counts the characters in grbl's receive buffer, is used where it is
+installed: pip install grbl-streamer.
+"""
+
+import math
+import re
+import subprocess
+import sys
+import time
+
+import pytest
+
+from device_bench import device
+
+serial = pytest.importorskip("serial", reason="needs pyserial: pip install 'ross-payload[serial]'")
+
+MPOS = re.compile(rb"<(\w+)[^|]*\|MPos:(-?[\d.]+),")
+SQUARE = ("G21", "G90", "G1 X30 F9000", "X30 Y10", "X0 Y10", "X0 Y0", "G0 X-15")
+STEP = 0.1125  # [deg]
+TURN = """
+import sys
+from ross_payload.actuators.grbl import backend
+from ross_payload.actuators.grbl_options import Options
+from ross_payload.actuators.wires import open_wire
+from ross_payload.clock import SystemClock
+from ross_payload.interfaces import Services
+
+clock, told = SystemClock(), False
+with backend.open(Options(port=sys.argv[1]), Services(clock, lambda url: open_wire(url, clock))) as driver:
+    while True:
+        driver.poll(clock.now())
+        if driver.state().homed and not told:
+            driver.command(1.0, 0.5)
+            told = True
+        if driver.state().angle > 0.2:
+            print("turning", flush=True)
+        clock.sleep(0.005)
+"""
+
+
+@pytest.fixture
+def path(tmp_path):
+    with device(tmp_path, "grbl") as process:
+        yield process.told["wire"].removeprefix("serial:").removesuffix(":115200")
+
+
+@pytest.fixture
+def port(path):
+    with serial.Serial(path, 115200, timeout=5) as port:
+        tell(port, "$I")  # its banner has gone by then
+        yield port
+
+
+def answer(port):
+    """Read lines up to the answer; a banner may stand before it."""
+    lines = []
+    while True:
+        line = port.readline()
+        assert line.endswith(b"\n"), lines
+        if line.startswith(b"Grbl") or not line.strip():
+            continue
+        lines.append(line.strip())
+        if lines[-1] == b"ok" or lines[-1].startswith(b"error:"):
+            return lines
+
+
+def tell(port, line):
+    port.write(line.encode() + b"\n")
+    return answer(port)
+
+
+def where(port):
+    """Ask until there is a report: state and machine position of X [deg]."""
+    port.write(b"?")
+    while True:
+        found = MPOS.match(port.readline())
+        if found:
+            return found[1].decode(), float(found[2])
+
+
+def until_idle(port, seconds=30.0):
+    end = time.monotonic() + seconds
+    while (seen := where(port))[0] != "Idle":
+        assert time.monotonic() < end, seen
+        time.sleep(0.05)
+    return seen[1]
+
+
+def test_send_and_wait_as_grbl_s_simple_streaming_does(port):
+    port.write(b"\x18")
+    assert port.readline() == b"\r\n"
+    assert port.readline() == b"Grbl 1.1h ['$' for help]\r\n"
+    for line in SQUARE:
+        assert tell(port, line) == [b"ok"], line
+    assert until_idle(port) == pytest.approx(-15.0, abs=STEP)
+
+
+def test_a_jog_is_cancelled_and_ends_where_it_came_to_rest(port):
+    assert tell(port, "$J=G91X180F13500") == [b"ok"]
+    time.sleep(0.5)
+    port.write(b"\x85")
+    assert 10.0 < until_idle(port) < 170.0
+
+
+def test_the_settings_are_listed_as_documented(port):
+    *lines, last = tell(port, "$$")
+    assert last == b"ok"
+    assert all(re.fullmatch(rb"\$\d+=\d+(\.\d{3})?", line) for line in lines)
+    assert {b"$1=255", b"$100=8.889", b"$110=13500.000", b"$120=112.500"} <= set(lines)
+
+
+def test_the_package_grbl_streamer_streams_a_job(path, port):
+    port.close()
+    streamer = pytest.importorskip("grbl_streamer", reason="needs grbl-streamer: pip install grbl-streamer")
+    seen = {}
+
+    def heard(event, *values):
+        seen.setdefault(event, []).append(values)
+
+    grbl = streamer.GrblStreamer(heard)
+    grbl.poll_interval = 0.1
+    grbl.cnect(path, 115200)
+    try:
+        end = time.monotonic() + 20
+        while not grbl.is_connected():
+            assert time.monotonic() < end, seen
+            time.sleep(0.05)
+        grbl.poll_start()
+        while not any("[GC:" in text for (text,) in seen.get("on_read", ())):  # grbl answers none of that while it runs
+            assert time.monotonic() < end, seen
+            time.sleep(0.05)
+        grbl.write("\n".join([*SQUARE, *(f"G1 X{n % 7} F9000" for n in range(40)), "G0 X-15"]))
+        grbl.job_run()
+        while grbl.cmode != "Idle" or abs(grbl.cmpos[0] + 15) > STEP:
+            assert time.monotonic() < end + 100, (grbl.cmode, grbl.cmpos)
+            time.sleep(0.05)
+        assert "on_error" not in seen
+        assert "on_alarm" not in seen
+    finally:
+        grbl.disconnect()
+
+
+def test_when_our_process_is_killed_grbl_finishes_its_jog(path):
+    with subprocess.Popen([sys.executable, "-c", TURN, f"serial:{path}:115200"], stdout=subprocess.PIPE) as ours:
+        assert ours.stdout.readline() == b"turning\n"
+        ours.kill()
+    with serial.Serial(path, 115200, timeout=5) as port:
+        assert until_idle(port) == pytest.approx(math.degrees(1.0), abs=STEP)
