@@ -1,5 +1,6 @@
 """`ross run` on a bus between processes, with a simulated servo and a node of the package `dronecan`."""
 
+import math
 import subprocess
 from contextlib import closing, contextmanager
 
@@ -7,14 +8,15 @@ import numpy as np
 import pytest
 import soundfile
 
-from device_bench import ROSS, device, ross
+from device_bench import ROSS, device, free_udp_port, ross
+from ross_payload.events import State
 from ross_payload.service.live import AGAIN
 
 can = pytest.importorskip("can")
 dronecan = pytest.importorskip("dronecan")
 
 from dronecan_bus import BusDriver, spin_until  # noqa: E402
-from dronecan_types import load_ours  # noqa: E402
+from dronecan_types import SOURCES, STATUS, broadcast, load_ours  # noqa: E402
 
 RATE = 16000
 OURS, SERVO = 121, 50
@@ -89,3 +91,38 @@ def play_with(node):
     assert ask(node, protocol.GetNodeInfo.Request()).name.decode() == "org.ross.payload"
     value = protocol.param.Value(real_value=2.5)
     assert ask(node, protocol.param.GetSet.Request(name="EXP_UNIT", value=value)).value.real_value == 2.5
+
+
+SCENE = """
+title = "a mission on a bus"
+[payload.explore]
+unit_s = 1.5
+[payload.dronecan]
+port = "{bus}"
+[payload.service]
+autostart = "explore"
+[[talkers]]
+azimuth_deg = 40
+[[talkers]]
+azimuth_deg = 155
+"""
+
+
+def test_a_mission_is_followed_on_the_bus_until_it_has_found_everybody(tmp_path):
+    with ross(tmp_path, "hub", "--listen", "tcp:127.0.0.1:0", "--json") as hub:
+        bus = f"{hub.told['hub']}:bus1"
+        (tmp_path / "scene.toml").write_text(SCENE.format(bus=bus))
+        command = [*ROSS, "sitl", "--serve", "--scenario", "scene.toml", "--speed", "4", "--json"]
+        with peer_on(bus) as (node, _):
+            states, found = [], []
+            node.add_handler(broadcast(dronecan, STATUS), lambda event: states.append(event.message.state))
+            node.add_handler(broadcast(dronecan, SOURCES), lambda event: found.append(event.message))
+            command += ["--telemetry", f"udpout:127.0.0.1:{free_udp_port()}"]
+            with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL) as payload:
+                try:
+                    spin_until(node, lambda: found and found[-1].flags & found[-1].FLAG_FINAL, within=200)
+                finally:
+                    payload.terminate()
+    azimuths = sorted(-math.degrees(source.azimuth) for source in found[-1].sources)
+    assert azimuths == pytest.approx([40, 155], abs=3)
+    assert {State.LEAD_IN, State.EXPLORE_LISTEN} <= set(states)
