@@ -19,7 +19,7 @@ from ross_payload.links.signing import read_key
 CAN = re.compile(r"(?<![A-Za-z0-9])((?:v|sl)?can[0-9]+)(?![A-Za-z0-9])")
 DEVICES = ("serial/by-id/*", "ttyUSB*", "ttyACM*", "ttyAMA*", "serial[0-9]", "ross-*")
 IFF_UP = 1
-EXTRAS = {"sounddevice": "capture", "serial": "serial", "can": "can"}
+EXTRAS = {"sounddevice": "capture", "serial": "serial", "can": "can", "lgpio": "gpio"}
 LOCAL = (LOOPBACK, "localhost", "::1")
 
 
@@ -29,6 +29,7 @@ def extras(config: Config, machine: Machine) -> Iterator[Finding]:
         "sounddevice": config.audio.source.startswith("device:"),
         "serial": bool(serial_devices(config)),
         "can": bool(can_interfaces(config)),
+        "lgpio": any(text.startswith("pulses:lgpio:") for text in _texts(config.actuator.options)),
     }
     for package, asked in needed.items():
         if asked and find_spec(package) is None:

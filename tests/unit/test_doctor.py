@@ -218,6 +218,12 @@ def test_an_extra_that_is_not_asked_for_is_not_looked_for(tmp_path):
     assert not list(wires.extras(config(audio={"source": "tcp:127.0.0.1:1"}), machine(tmp_path)))
 
 
+def test_pins_ask_for_the_library_that_drives_them(tmp_path):
+    pins = {"kind": "tb6600", "options": {"port": "pulses:lgpio:0:23,24,25"}}
+    finding = said(wires.extras(config(audio={"source": "tcp:127.0.0.1:1"}, actuator=pins), machine(tmp_path)))
+    assert finding[1].startswith("lgpio is ")
+
+
 # -------------------------------------------------------------------------------------------- microphones
 
 
