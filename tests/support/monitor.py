@@ -46,6 +46,9 @@ TOLERATED = {
     "canopen_drive": Excess(
         angle_deg=0.5, speed_deg_s=1.0, acceleration=0.3, report_deg_s=1.0, report_acceleration=1.5
     ),  # its measured rate comes every 20 ms, in a frame of its own
+    "grbl": Excess(
+        angle_deg=0.5, speed_deg_s=1.0, acceleration=0.3, report_acceleration=0.5
+    ),  # it tells the speed of the segment of 10 ms that it prepared last
 }
 
 
