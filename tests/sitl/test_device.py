@@ -80,20 +80,18 @@ def test_faults_happen_at_their_time(tmp_path):
 
 def test_a_killed_payload_leaves_a_still_gimbal(tmp_path):
     with device(tmp_path, "gimbal") as process, driver(process.told, pump=False) as one:
-        end = time.monotonic() + 20
-        while not one.actuator.state().settled:
+
+        def polled():
             one.poll()
-            time.sleep(0.005)
-            assert time.monotonic() < end
-        one.actuator.command(2.0)
-        end = time.monotonic() + 0.8
-        while time.monotonic() < end:
-            one.poll()
-            time.sleep(0.005)
-        time.sleep(1.0)  # nobody polls: as if killed
+            return one.actuator.state()
+
+        one.until(lambda: polled().settled)
+        one.actuator.command(3.0)
+        one.until(lambda: polled().angle > 0.3)
+        time.sleep(2.0)  # nobody polls: as if killed
         stands = process.ask("status")["angle_deg"]
         time.sleep(1.0)
-        assert stands > 1.0
+        assert math.degrees(0.2) < stands < math.degrees(1.5)
         assert process.ask("status")["angle_deg"] == pytest.approx(stands, abs=0.05)
 
 
