@@ -5,15 +5,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_configuration_page_lists_every_key_with_its_default():
-    spec = importlib.util.spec_from_file_location("tables", ROOT / "docs" / "tables.py")
-    tables = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(tables)
-    page = (ROOT / "docs" / "reference" / "configuration.md").read_text(encoding="utf-8")
-    assert tables.tables() in page
+@pytest.mark.parametrize(("script", "page"), [("tables", "configuration"), ("faults", "actuator-faults")])
+def test_a_generated_page_says_what_the_code_says(script, page):
+    spec = importlib.util.spec_from_file_location(script, ROOT / "docs" / f"{script}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert module.tables() in (ROOT / "docs" / "reference" / f"{page}.md").read_text(encoding="utf-8")
 
 
 def test_the_manual_builds_with_warnings_as_errors(tmp_path):
