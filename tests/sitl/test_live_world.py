@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from device_bench import driver, free_udp_port, ross
+
 
 def test_a_world_that_nobody_listens_to_ends_cleanly_with_a_truth_of_nothing(tmp_path):
     out, voice = tmp_path / "out", tmp_path / "voice.wav"
@@ -21,6 +23,25 @@ def test_a_world_that_nobody_listens_to_ends_cleanly_with_a_truth_of_nothing(tmp
     truth = json.loads((out / "truth.json").read_text())
     assert (truth["samples"], truth["began_s"], len(truth["talkers"])) == (0, None, 1)
     assert voice.stat().st_size > 100_000
+
+
+WIRES = {
+    "mavlink_gimbal": lambda: ("--wire", f"udpout:127.0.0.1:{free_udp_port()}"),
+    "grbl": tuple,
+    "dronecan_servo": tuple,
+}
+
+
+@pytest.mark.parametrize("kind", WIRES)
+def test_a_driver_in_another_process_turns_the_array_of_a_world(kind, tmp_path):
+    out = tmp_path / "out"
+    command = ["world", "one-talker", "--json", "--actuator", kind, "--start", "now", "--out", str(out), *WIRES[kind]()]
+    with ross(tmp_path, *command) as world, driver({"kind": kind, "wire": world.told["wire"]}) as one:
+        one.ready()
+        one.turn(one.actuator.state().angle + 0.3)
+    truth = json.loads((out / "truth.json").read_text())
+    assert truth["complaints"] == []
+    assert truth["began_s"] is not None
 
 
 BAD = {
