@@ -17,10 +17,11 @@ CONFIGURATIONS = sorted(EXAMPLES.glob("*.toml"))
 RULE = re.compile(r'(SUBSYSTEM|KERNELS?|ATTRS?\{\w+\}|ENV\{\w+\})(==|=)"[^"]*"|SYMLINK\+="[\w-]+"')
 
 
-def test_there_are_four_configurations():
+def test_there_are_five_configurations():
     assert [path.stem for path in CONFIGURATIONS] == [
         "drone-mavlink-gimbal",
         "pan-unit-can-servo",
+        "pan-unit-canopen-drive",
         "pan-unit-grbl",
         "paper-bench",
     ]

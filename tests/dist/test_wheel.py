@@ -43,6 +43,7 @@ def test_the_wheel_holds_three_packages_and_their_data(wheel):
         "ross_sim",
     }
     assert "ross_protocols/data/mavlink/ross.xml" in names
+    assert "ross_protocols/data/canopen/ross_drive.eds" in names
     assert "ross_protocols/data/dronecan/ross/20854.Status.uavcan" in names
     assert "ross_sim/data/scenarios/demo.toml" in names
     assert "ross_payload/py.typed" in names
