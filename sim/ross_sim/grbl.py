@@ -75,8 +75,9 @@ class GrblFarEnd:
         for data in self.port.sent:
             self.firmware.take(data)
         self.port.sent.clear()
-        n, duration = round((now - self._now) / PIECE), now - self._now
-        self._now = now
+        n = round((now - self._now) / PIECE)
+        duration = n * PIECE
+        self._now += duration
         steps = [(0.0, self._windings)]
         if self.firmware.busy or self._stranger:
             steps += self._steps(n)
