@@ -9,8 +9,8 @@ OTHERS = ("ideal", "tb6600")
 
 @pytest.fixture
 def mission(run):
-    def fly(kind):
-        code, out, err = run("sitl", "--actuator", kind, "--seed", 1, "--json")
+    def fly(kind, seed=1):
+        code, out, err = run("sitl", "--actuator", kind, "--seed", seed, "--json")
         assert code == 0, err
         return json.loads(out)
 
@@ -22,11 +22,12 @@ def best(report):
 
 
 @pytest.mark.soak
-def test_it_finds_the_talkers_and_separates_as_well_as_others(mission):
-    servo = mission("dronecan_servo")
+@pytest.mark.parametrize("seed", range(5))
+def test_it_finds_the_talkers_and_separates_as_well_as_others(mission, seed):
+    servo = mission("dronecan_servo", seed)
     assert all(abs(source["azimuth_error_deg"]) < 0.5 for source in servo["sources"])
     for kind in OTHERS:
-        other = mission(kind)
+        other = mission(kind, seed)
         found = zip(servo["sources"], other["sources"], strict=True)
         assert all(abs(ours["azimuth_deg"] - theirs["azimuth_deg"]) < 0.5 for ours, theirs in found)
         assert all(ours > theirs - 0.3 for ours, theirs in zip(best(servo), best(other), strict=True))
