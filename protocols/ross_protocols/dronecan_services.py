@@ -112,3 +112,51 @@ class RestartResponse:
         """Read a payload."""
         (bits,) = struct.unpack("<B", payload)
         return cls(bool(bits >> 7))
+
+
+@dataclass(frozen=True, slots=True)
+class TransportStatsRequest:
+    """uavcan.protocol.GetTransportStats, the question."""
+
+    NUMBER: ClassVar[int] = 4
+    SEED: ClassVar[int] = 0x4D73
+
+    def pack(self) -> bytes:
+        """Write the payload."""
+        return b""
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload."""
+        return cls()
+
+
+@dataclass(frozen=True, slots=True)
+class TransportStats:
+    """uavcan.protocol.GetTransportStats, the answer, of a node with one interface.
+
+    >>> TransportStats(1, 2, 3, 4, 5).pack().hex()
+    '010000000000020000000000030000000000040000000000050000000000000000000000'
+    """
+
+    NUMBER: ClassVar[int] = 4
+    SEED: ClassVar[int] = 0x4D73
+
+    sent: int = 0  # transfers
+    received: int = 0
+    broken: int = 0  # transfers that came damaged or in part
+    frames_sent: int = 0
+    frames_received: int = 0
+    failures: int = 0  # of the bus
+
+    def pack(self) -> bytes:
+        """Write the payload."""
+        counts = self.sent, self.received, self.broken, self.frames_sent, self.frames_received, self.failures
+        return b"".join(count.to_bytes(6, "little") for count in counts)
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload; interfaces beyond the first are passed over."""
+        if len(payload) < 36:
+            raise DroneCanError(f"statistics of {len(payload)} bytes")
+        return cls(*(int.from_bytes(payload[begin : begin + 6], "little") for begin in range(0, 36, 6)))

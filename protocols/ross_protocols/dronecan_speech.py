@@ -14,7 +14,14 @@ from ross_protocols.dronecan import DroneCanError, Received
 from ross_protocols.dronecan_allocation import Allocation
 from ross_protocols.dronecan_params import GetSetRequest, GetSetResponse, OpcodeRequest, OpcodeResponse
 from ross_protocols.dronecan_ross import RossSources, RossStatus
-from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
+from ross_protocols.dronecan_services import (
+    NodeInfo,
+    NodeInfoRequest,
+    RestartRequest,
+    RestartResponse,
+    TransportStats,
+    TransportStatsRequest,
+)
 from ross_protocols.dronecan_transfer import REQUEST, SERVICE, Header, Joiner, split
 
 PRIORITY = 20  # of a request
@@ -36,8 +43,10 @@ KINDS: dict[type[Any], Kind] = {
     for kind, number in dronecan.IDS.items()
 } | {kind: Kind(kind.NUMBER, kind.SEED, kind.PRIORITY, kind.unpack) for kind in OWN}
 BROADCASTS = {kind.number: kind for kind in KINDS.values()}
-REQUESTS = {kind.NUMBER: kind for kind in (NodeInfoRequest, RestartRequest, GetSetRequest, OpcodeRequest)}
-RESPONSES = {kind.NUMBER: kind for kind in (NodeInfo, RestartResponse, GetSetResponse, OpcodeResponse)}
+ASKED = NodeInfoRequest, TransportStatsRequest, RestartRequest, GetSetRequest, OpcodeRequest
+ANSWERED = NodeInfo, TransportStats, RestartResponse, GetSetResponse, OpcodeResponse
+REQUESTS = {kind.NUMBER: kind for kind in ASKED}
+RESPONSES = {kind.NUMBER: kind for kind in ANSWERED}
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +102,11 @@ class Ear:
     def __init__(self, node: int) -> None:
         self._node = node  # 0: has no id, so that nobody calls it
         self._joiner = Joiner()
+
+    @property
+    def broken(self) -> int:
+        """How many transfers came damaged or in part."""
+        return self._joiner.broken.total()
 
     def feed(self, frame: CanFrame) -> Received | Call | Reply | None:
         """Return what this frame completes."""

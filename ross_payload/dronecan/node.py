@@ -7,6 +7,7 @@ answers requests. Nothing waits and nothing raises: what the bus does not take i
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +19,7 @@ from ross_payload.errors import LinkError
 from ross_payload.interfaces import Port
 from ross_protocols.dronecan import Health, Mode, NodeStatus, Received
 from ross_protocols.dronecan_allocation import Allocation
-from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest
+from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest, TransportStats, TransportStatsRequest
 from ross_protocols.dronecan_speech import Call, Ear, Reply, Voice
 
 BEAT = 1.0  # [s] between two NodeStatus
@@ -72,7 +73,11 @@ class Node:
         self._health, self._mode, self._code = Health.OK, Mode.INITIALIZATION, 0
         self._calls: list[Callable[[Received, float], None]] = []
         self._replies: list[Callable[[Reply, float], None]] = []
-        self._answers: dict[type[Any], Callable[[Any], Any]] = {NodeInfoRequest: self._info}
+        self._answers: dict[type[Any], Callable[[Any], Any]] = {
+            NodeInfoRequest: self._info,
+            TransportStatsRequest: self._statistics,
+        }
+        self._counts: Counter[str] = Counter()  # as in TransportStats
         self._answered = 0
         self._asked = 0  # anonymous transfers
         self._trouble = {"bus": "", "id": ""}  # in words
@@ -155,6 +160,7 @@ class Node:
         except LinkError as error:
             self._fail(error)
             return []
+        self._counts["frames_received"] += len(frames)
         if frames or self._now > self._failed + QUIET:  # a bus without anybody takes frames for a while
             self._note("bus", "")
         return frames
@@ -166,6 +172,7 @@ class Node:
             return
         self.seen[source] = self._now
         heard = self._ear.feed(frame)
+        self._counts["received"] += heard is not None
         if isinstance(heard, Received):
             self._hear(heard)
         elif isinstance(heard, Call):
@@ -192,6 +199,9 @@ class Node:
 
     def _info(self, request: NodeInfoRequest) -> NodeInfo:
         return NodeInfo(self._status(), self._identity.name, self.unique_id, self._identity.software)
+
+    def _statistics(self, request: TransportStatsRequest) -> TransportStats:
+        return TransportStats(**self._counts, broken=self._ear.broken)
 
     # ------------------------------------------------------------------------------------- our id
 
@@ -236,10 +246,13 @@ class Node:
         except LinkError as error:
             self._fail(error)
             return False
+        self._counts["sent"] += 1
+        self._counts["frames_sent"] += len(frames)
         return True
 
     def _fail(self, error: LinkError) -> None:
         self._failed = self._now
+        self._counts["failures"] += 1
         self._note("bus", str(error))
 
     def _note(self, what: str, trouble: str) -> None:

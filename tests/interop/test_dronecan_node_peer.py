@@ -95,6 +95,9 @@ def test_it_reads_our_heartbeat_and_who_we_are(peer, aboard, uavcan):
         info = yield from peer.ask(uavcan.GetNodeInfo.Request())
         assert info.name.decode() == "org.ross.payload"
         assert bytes(info.hardware_version.unique_id) == UNIQUE_ID
+        stats = yield from peer.ask(uavcan.GetTransportStats.Request())
+        assert stats.transfers_tx >= 3
+        assert len(stats.can_iface_stats) == 1
 
     aboard(script)
 

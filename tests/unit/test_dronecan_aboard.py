@@ -1,13 +1,16 @@
 """The whole payload on a bus in this process: parameters, restart, clashes, bad input."""
 
 import math
+import sys
 
 import pytest
 
 from dronecan_bench import URL, Peer, payload, play
 from dronecan_wire import Wire
+from ross_payload.actuators.wires import open_wire
+from ross_payload.clock import SystemClock
 from ross_payload.config import Config
-from ross_payload.errors import ConfigError, LinkError
+from ross_payload.errors import ConfigError, LinkError, PluginError
 from ross_payload.orders import Cancel, Set, TurnTo
 from ross_payload.parameters import TABLE
 from ross_protocols.dronecan import ArrayCommand, NodeStatus, Received
@@ -229,3 +232,24 @@ def test_one_payload_with_two_node_ids_on_one_bus_is_refused(tmp_path):
     )
     with pytest.raises(ConfigError, match=r"own_node_id = 120 and \[dronecan\] node_id = 121 on one bus"):
         node_on_bus(config, None, None, None, None).__enter__()
+
+
+@pytest.mark.parametrize("url", ["can:no_such_interface:x", "can:socketcan", "can:tcp:nowhere"])
+def test_a_url_that_leads_to_no_bus_is_one_line(url, tmp_path):
+    with (
+        pytest.raises(ConfigError, match=url.rpartition(":")[2]),
+        payload({"dronecan": {"port": url}}, joined, tmp_path),
+    ):
+        pass
+
+
+def test_a_missing_extra_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "can", None)
+    monkeypatch.delitem(sys.modules, "ross_payload.actuators.can_wire", raising=False)
+    with pytest.raises(PluginError, match=r"ross-payload\[can\]"), payload({}, joined, tmp_path):
+        pass
+
+
+def joined(url):
+    """Open a bus as the payload does."""
+    return open_wire(url, SystemClock())

@@ -10,7 +10,7 @@ from dronecan_wire import PERIOD, UNIQUE, Stranger, Wire, node_on, of, run
 from ross_protocols.can import CanFrame
 from ross_protocols.dronecan import Health, LogMessage, Mode, NodeStatus, Received
 from ross_protocols.dronecan_allocation import Allocation
-from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest
+from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest, TransportStats, TransportStatsRequest
 from ross_protocols.dronecan_speech import Reply
 
 
@@ -37,6 +37,17 @@ def test_who_it_is_is_told_to_whoever_asks(wire, stranger):
     node.poll(7.0)
     info = next(said.response for said in stranger.heard() if isinstance(said, Reply))
     assert info == NodeInfo(NodeStatus(7, mode=Mode.INITIALIZATION), "org.ross.payload", UNIQUE, (1, 2))
+
+
+def test_it_counts_what_it_sends_hears_and_cannot_read(wire, stranger):
+    node = node_on(wire)
+    first, *rest = stranger.voice.broadcast(LogMessage(1, "servo", "too long for one frame"))
+    stranger.say([*rest, first, *rest])
+    node.poll(0.0)
+    stranger.say(stranger.voice.request(TransportStatsRequest(), 42))
+    node.poll(0.1)
+    stats = next(said.response for said in stranger.heard() if isinstance(said, Reply))
+    assert stats == TransportStats(1, 2, len(rest), 1, 2 * len(rest) + 2)
 
 
 def test_what_is_asked_of_others_is_not_answered(wire, stranger):

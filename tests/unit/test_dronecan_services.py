@@ -15,13 +15,21 @@ from ross_protocols.dronecan import DroneCanError, Health, Mode, NodeStatus
 from ross_protocols.dronecan_allocation import Allocation
 from ross_protocols.dronecan_params import GetSetRequest, GetSetResponse, Opcode, OpcodeRequest, OpcodeResponse
 from ross_protocols.dronecan_ross import RossSource, RossSources, RossStatus
-from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
+from ross_protocols.dronecan_services import (
+    NodeInfo,
+    NodeInfoRequest,
+    RestartRequest,
+    RestartResponse,
+    TransportStats,
+    TransportStatsRequest,
+)
 from ross_protocols.dronecan_transfer import MOST_BEGUN, ROOM, Header, Joiner, split
 
 UNIQUE = bytes(range(100, 116))
 STATUS = NodeStatus(86400, Health.WARNING, Mode.MAINTENANCE, 513)
 REQUESTS = [
     NodeInfoRequest(),
+    TransportStatsRequest(),
     RestartRequest(),
     GetSetRequest("EXP_UNIT"),
     GetSetRequest("EXP_UNIT", value=2.5),
@@ -33,6 +41,7 @@ REQUESTS = [
 RESPONSES = [
     NodeInfo(STATUS, "org.ross.payload", UNIQUE, (1, 2), (3, 4), 0x12345678),
     NodeInfo(STATUS, "", UNIQUE),
+    TransportStats(1, 2, 3, 4, 5, 2**40),
     RestartResponse(True),
     RestartResponse(False),
     GetSetResponse("EXP_UNIT", 3.0, 2.5, 60.0, 0.5),
