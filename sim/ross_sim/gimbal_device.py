@@ -165,13 +165,13 @@ class Device:
         self._since = self._now
 
     def _command(self, packet: Packet, now: float) -> list[Any]:
-        message, number = packet.message, int(packet.message.param1)
+        message, number = packet.message, packet.message.param1
         answers = []
         if message.command == gimbal.REQUEST_MESSAGE and number == gimbal.DEVICE_INFORMATION:
             answers = [self._information(now)]
-        elif message.command == gimbal.MESSAGE_INTERVAL and number == gimbal.DEVICE_ATTITUDE:
-            self._periods[number] = max(message.param2 / 1e6, GLIDE)
-            self._due[number] = now
+        elif message.command == gimbal.MESSAGE_INTERVAL and number == gimbal.DEVICE_ATTITUDE and message.param2 > 0:
+            self._periods[gimbal.DEVICE_ATTITUDE] = max(message.param2 / 1e6, GLIDE)
+            self._due[gimbal.DEVICE_ATTITUDE] = now
         else:
             return [_acknowledged(packet, common.MAV_RESULT_UNSUPPORTED)]
         return [_acknowledged(packet, common.MAV_RESULT_ACCEPTED), *answers]

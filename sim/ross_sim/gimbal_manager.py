@@ -17,6 +17,7 @@ from ross_sim.gimbal_device import EARLY, Servo
 
 HEARTBEAT, ATTITUDE, SET_ATTITUDE = 0, 30, 284  # message ids
 PITCH_YAW = 1000  # command, in degrees
+SHORTEST = 0.01  # of the periods that it can be asked for [s]
 FAILED = common.MAV_RESULT_FAILED
 PERIODS = {HEARTBEAT: 1.0, ATTITUDE: 0.04, SET_ATTITUDE: 0.02}  # [s]
 ADJUSTABLE = (gimbal.MANAGER_STATUS, gimbal.DEVICE_ATTITUDE, ATTITUDE)
@@ -142,7 +143,7 @@ class ArduPilot:
     def _set_interval(self, number: int, microseconds: float) -> None:
         self._due.pop(number, None)
         if microseconds > 0:
-            self._periods[number] = microseconds / 1e6
+            self._periods[number] = max(microseconds / 1e6, SHORTEST)
         else:
             self._periods.pop(number, None)
 

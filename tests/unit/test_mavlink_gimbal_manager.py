@@ -3,6 +3,8 @@
 import math
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
@@ -109,6 +111,52 @@ def test_control_is_recorded_for_whom_it_is_asked_and_given_back_by_them_alone(g
     assert ground.far_end.autopilot.primary == (255, 190)
     ground.order(1001, -3.0, -3.0)
     assert ground.far_end.autopilot.primary == (0, 0)
+
+
+numbers = st.one_of(
+    st.floats(width=32), st.sampled_from([-3.0, -2.0, -1.0, 0.0, 1.0, 280.0, 281.0, 283.0, 284.0, 285.0, NAN])
+)
+quaternions = st.lists(numbers, min_size=4, max_size=4)
+whom = st.sampled_from([(1, 1), (1, 154), (0, 0), (1, 0)])
+flags, ids = st.integers(0, 255), st.integers(0, 255)
+orders = st.builds(
+    lambda to, number, values: common.MAVLink_command_long_message(*to, number, 0, *values),
+    whom,
+    st.sampled_from([511, 512, 1000, 1001, 400]),
+    st.lists(numbers, min_size=7, max_size=7),
+)
+points = st.builds(
+    lambda to, flags, device, values: common.MAVLink_gimbal_manager_set_pitchyaw_message(*to, flags, device, *values),
+    whom,
+    flags,
+    ids,
+    quaternions,
+)
+attitudes = st.builds(
+    lambda to, flags, q, rates: common.MAVLink_gimbal_device_set_attitude_message(*to, flags, q, *rates),
+    whom,
+    flags,
+    quaternions,
+    st.lists(numbers, min_size=3, max_size=3),
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(said=st.lists(st.one_of(orders, points, attitudes, st.binary(max_size=40)), max_size=20))
+def test_whatever_is_said_to_it_the_gimbal_lives_within_its_travel(said):
+    ground = Ground()
+    for message in said:
+        if isinstance(message, bytes):
+            ground.far_end.port.sent.append(message)
+        else:
+            ground.far_end.port.sent.append(ground.encoder.encode(message))
+        ground.clock.sleep(0.05)
+        assert SERVO.lower <= ground.far_end.angle() <= SERVO.upper
+    ground.clock.sleep(1.0)
+    ground.far_end.port.arrived.clear()
+    ground.clock.sleep(1.1)
+    names = {packet.name for packet in Decoder().feed(b"".join(ground.far_end.port.arrived))}
+    assert "HEARTBEAT" in names
 
 
 class Bench:
