@@ -199,3 +199,21 @@ def test_a_goal_that_the_driver_refuses_leaves_it_settled_where_it_is() -> None:
         on.guard.command(1.5)
     on.clock.sleep(0.05)
     assert on.guard.state().settled
+
+
+def test_a_fault_after_homing_was_refused_is_not_one_of_homing() -> None:
+    on = lost()
+    on.device.raises["home"] = ActuatorFault("not in this mode")
+    with pytest.raises(ActuatorFault):
+        on.guard.home()
+    on.device.now = replace(on.device.now, rate=1.0, fault="hot")
+    on.clock.sleep(0.1)
+    assert on.guard.state().fault == "lost"
+
+
+def test_a_report_from_before_the_goal_does_not_end_the_wait_for_it() -> None:
+    on = bench(max_move_s=1.0, watchdog_s=10)
+    on.device.silent = True
+    on.guard.command(1.0)
+    on.clock.sleep(1.1)
+    assert on.guard.state().fault == "at 0.00 deg, not at rest at the goal after 1 s"

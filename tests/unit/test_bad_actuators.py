@@ -1,0 +1,114 @@
+"""What a user can get wrong about an actuator: one clear line, exit code 2, and nothing moves."""
+
+from __future__ import annotations
+
+import re
+import socket
+import stat
+import sys
+from pathlib import Path
+
+import pytest
+
+from ross_payload import cli
+
+CAN = '[actuator]\nkind = "{kind}"\noptions = {{ port = "{port}"{more} }}\n'
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "bench.toml"
+    path.write_text(text)
+    return path
+
+
+def ross(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str]:
+    """The exit code, and the complaint: what failed, or the only line of the error output."""
+    monkeypatch.setattr(sys, "argv", ["ross", *map(str, arguments)])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    said = capsys.readouterr()
+    assert "Traceback" not in said.err + said.out
+    failed = [line for line in said.out.splitlines() if line.startswith("fail")]
+    lines = failed or said.err.splitlines()
+    assert len(lines) == 1, said
+    return int(str(end.value.code)), lines[0]
+
+
+CONFIGURATIONS = {
+    "actuator 'crane' is unknown; there are: .*ideal": '[actuator]\nkind = "crane"\n',
+    "unknown key 'portt'": '[actuator]\nkind = "tb6600"\noptions = { portt = "x" }\n',
+    "lower_deg = 20 must be below upper_deg": "[guard]\nlower_deg = 20\nupper_deg = 10\npark_deg = 15\n",
+    "max_speed_deg_s": "[guard]\nmax_speed_deg_s = nan\n",
+    "max_acceleration_deg_s2": "[guard]\nmax_acceleration_deg_s2 = inf\n",
+    "max_move_s": "[guard]\nmax_move_s = -1\n",
+    "park_deg = 300 must lie within": "[guard]\npark_deg = 300\n",
+    "wire|nowhere": CAN.format(kind="tb6600", port="nowhere:", more=""),
+    "wanted can:INTERFACE:CHANNEL": CAN.format(kind="dronecan_servo", port="can:", more=""),
+    "interface 'telepathy' cannot be used": CAN.format(kind="dronecan_servo", port="can:telepathy:0", more=""),
+    "cannot join the bus": CAN.format(kind="dronecan_servo", port="can:socketcan:can99", more=""),
+    "can:socketcan:can99": CAN.format(kind="canopen_drive", port="can:socketcan:can99", more=""),
+    "/dev/ttyNOTHING": CAN.format(kind="grbl", port="serial:/dev/ttyNOTHING:115200", more=""),
+    "own_node_id|node_id": CAN.format(
+        kind="dronecan_servo", port="can:virtual:0", more=", node_id = 5, own_node_id = 5"
+    ),
+    "wanted .*links.*, found none": '[actuator]\nkind = "mavlink_gimbal"\n',
+    "exclude all": "[guard]\nlower_deg = 1000\nupper_deg = 1100\npark_deg = 1050\n[actuator]\nkind = 'dronecan_servo'\n",
+}
+
+
+@pytest.mark.parametrize("words", CONFIGURATIONS)
+def test_a_mistake_in_the_file_is_one_line(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = written(tmp_path, CONFIGURATIONS[words])
+    code, line = ross(monkeypatch, capsys, "actuators", "probe", file, "--move", "--yes")
+    assert code == 2
+    assert re.search(words, line), line
+
+
+@pytest.mark.parametrize(("kind", "scheme"), [("tb6600", "pulses"), ("dronecan_servo", "can"), ("ideal", "ideal")])
+def test_a_port_where_nobody_or_somebody_else_answers_is_named(
+    kind: str, scheme: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        file = written(tmp_path, CAN.format(kind=kind, port=f"{scheme}:tcp:127.0.0.1:{port}", more=""))
+        code, line = ross(monkeypatch, capsys, "actuators", "probe", file, "--move", "--yes")
+        assert (code, "no greeting" in line) == (2, True), line
+    code, line = ross(monkeypatch, capsys, "actuators", "probe", file, "--move", "--yes")
+    assert (code, "cannot connect" in line) == (2, True), line
+
+
+def test_a_line_that_this_user_may_not_open_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    line = tmp_path / "ttyUSB0"
+    line.touch(mode=0o000)
+    assert not stat.S_IMODE(line.stat().st_mode)
+    file = written(tmp_path, CAN.format(kind="grbl", port=f"serial:{line}:115200", more=""))
+    code, said = ross(monkeypatch, capsys, "actuators", "probe", file, "--move", "--yes")
+    assert code == 2
+    assert str(line) in said
+
+
+def test_a_back_end_without_its_extra_names_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    info = tmp_path / "lacking-1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: lacking\nVersion: 1\n")
+    (info / "entry_points.txt").write_text("[ross_payload.actuators]\nlacking = lacking:backend\n")
+    (tmp_path / "lacking.py").write_text("raise ModuleNotFoundError('x', name='can')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    file = written(tmp_path, '[actuator]\nkind = "lacking"\n')
+    code, line = ross(monkeypatch, capsys, "actuators", "probe", file)
+    assert (code, "pip install 'ross-payload[can]'" in line) == (2, True), line
+
+
+def test_the_gimbal_of_an_autopilot_is_not_shown_as_our_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = written(tmp_path, '[actuator]\nkind = "mavlink_gimbal"\n[gimbal]\nmode = "device"\n')
+    code, line = ross(monkeypatch, capsys, "config", "check", file)
+    assert code == 2
+    assert "gimbal" in line
