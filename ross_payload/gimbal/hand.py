@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import count
 
 from ross_payload.angles import wrap
@@ -67,6 +68,7 @@ class Hand:
 
     def __init__(self, give: Callable[[Order], None], park: float) -> None:
         self.aim: Aim | None = None  # in force
+        self.latest = 0  # number of the last order
         self._give = give
         self._park = park
         self._numbers = count(-1, -1)
@@ -77,36 +79,37 @@ class Hand:
         self._fresh = until if aim.yaw is None and aim.rate else math.inf
         if self.aim is None or not alike(aim, self.aim, SAME):
             self.aim = aim
-            self._give(self._order(aim, offset))
+            self._ask(self._order(aim, offset))
 
     def still(self) -> None:
         """Ask for rest."""
-        if self.aim is not None:
-            self.forget()
-            self._give(Point(rate=0.0, number=next(self._numbers)))
+        self.aim, self._fresh = None, math.inf
+        self._ask(Point(rate=0.0))
 
     def cancel(self) -> int:
         """End the task that runs; return the number of the order."""
-        number = next(self._numbers)
         self.forget()
-        self._give(Cancel(number=number))
-        return number
+        self._ask(Cancel())
+        return self.latest
 
     def forget(self) -> None:
-        """Nothing is in force any more."""
-        self.aim, self._fresh = None, math.inf
+        """Nothing is in force any more; a rate that is on its way to the mission ends in time all the same."""
+        self.aim = None
 
     def tick(self, now: float) -> None:
         """End a rate that nobody has renewed."""
         if now > self._fresh:
             self.still()
 
+    def _ask(self, order: Order) -> None:
+        self.latest = next(self._numbers)
+        self._give(replace(order, number=self.latest))
+
     def _order(self, aim: Aim, offset: float) -> Point:
-        number = next(self._numbers)
         if aim.rest is not None:
-            return Point(joint=self._park if aim.rest is Rest.RETRACTED else -offset, number=number)
+            return Point(joint=self._park if aim.rest is Rest.RETRACTED else -offset)
         if aim.yaw is None:
-            return Point(rate=aim.rate, number=number)
+            return Point(rate=aim.rate)
         if aim.earth:
-            return Point(heading=aim.yaw, rate=aim.rate, number=number)
-        return Point(joint=wrap(aim.yaw - offset), rate=aim.rate, number=number)
+            return Point(heading=aim.yaw, rate=aim.rate)
+        return Point(joint=wrap(aim.yaw - offset), rate=aim.rate)

@@ -24,7 +24,6 @@ from ross_protocols.commands import Result
 from ross_protocols.gimbal import Address
 from ross_protocols.own_gimbal import Aim
 
-FAILED = (Answer.REFUSED, Answer.FAILED, Answer.CANCELLED)
 PATIENCE = 1.5  # [s] that a rate counts: ground stations send one every 0.5 s, and links lose some
 
 log = logging.getLogger(__name__)
@@ -70,9 +69,9 @@ class Rules:
             self._control = Control()
             self._hand.forget()
         elif self._watch.barred:
-            self._fail(cancelled=True)
-        elif isinstance(event, Answered) and event.order < 0 and event.answer in FAILED:
-            self._fail(cancelled=event.answer is Answer.CANCELLED)
+            self._cancel()
+        elif isinstance(event, Answered) and event.order < 0:
+            self._answered(event)
 
     def tick(self, now: float) -> None:
         """End what nobody renews."""
@@ -112,12 +111,20 @@ class Rules:
                 self._watch.cancelled(self._hand.cancel())
         if control.primary != self._control.primary:
             log.info("%s is in control, as %d/%d wished", _named(control.primary), *who)
-            self._hand.still()
+            if self._watch.hand or self._hand.aim is not None:
+                self._hand.still()
         self._control = control
 
-    def _fail(self, *, cancelled: bool) -> None:
-        """Forget what could not be followed to its end; what somebody has cancelled does not begin again by itself."""
-        if cancelled and self._hand.aim is not None:
+    def _answered(self, event: Answered) -> None:
+        """Forget what the mission does not follow, or not any more."""
+        if event.answer is Answer.CANCELLED:
+            self._cancel()
+        elif event.answer is Answer.FAILED or (event.answer is Answer.REFUSED and event.order == self._hand.latest):
+            self._hand.forget()
+
+    def _cancel(self) -> None:
+        """Forget what somebody has ended: it does not begin again because it goes on being streamed."""
+        if self._hand.aim is not None:
             self._said.note(self._streams, self._hand.aim)
         self._hand.forget()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ross_payload.events import Answer, Answered, Event, State, StateChanged
 
 RESTING = (State.IDLE, State.DONE, State.STOPPED, State.FAULT)
-ENDED = (Answer.REFUSED, Answer.DONE, Answer.FAILED, Answer.CANCELLED)
+ENDED = (Answer.DONE, Answer.FAILED, Answer.CANCELLED)
 
 
 class Watch:

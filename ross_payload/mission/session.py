@@ -106,6 +106,8 @@ class Session:
                     return order
                 case Task() if any(isinstance(later, (Stop, Cancel, Shutdown)) for later in self._waiting):
                     self._answer(order, Answer.REFUSED, "taken back at once")
+                case Point() if any(isinstance(later, Task) for later in self._waiting):
+                    pass  # the later one takes its place
                 case Task():
                     for other in [later for later in self._waiting if isinstance(later, Task)]:
                         self._waiting.remove(other)

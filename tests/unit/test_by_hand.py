@@ -45,6 +45,20 @@ def test_a_new_set_point_takes_the_place_of_the_old_one_without_a_halt(bench):
     assert one.answers(-2) == []
 
 
+def test_of_two_set_points_at_once_the_later_one_is_meant(bench):
+    one = bench()
+    one.live(5.0, one.order(0.5, Point(joint=deg(40), number=-1), Point(joint=deg(20), number=-2)))
+    assert one.angle(4.9) == pytest.approx(20, abs=0.01)
+    assert (one.answers(-1), one.answers(-2)) == ([], [Answer.ACCEPTED, Answer.DONE])
+
+
+def test_of_a_set_point_and_a_task_at_once_the_task_is_meant(bench):
+    one = bench()
+    one.live(2.0, one.order(0.5, Point(joint=deg(40), number=-1), Explore(number=1)))
+    assert one.answers(1)[0] is Answer.ACCEPTED
+    assert one.angle(1.9) == 0.0
+
+
 def test_a_stream_of_set_points_is_followed(bench):
     one = bench()
     steps = [one.order(0.5 + 0.02 * step, Point(joint=deg(0.4 * step))) for step in range(200)]  # 20 deg/s
