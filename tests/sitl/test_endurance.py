@@ -252,7 +252,7 @@ def test_an_hour_of_tasks_links_and_microphones_that_come_and_go_grows_nothing(b
     assert told["threads"][0] == told["threads"][-1]
     assert told["files"][0] == told["files"][-1]
     assert told["pump"] < 0.06  # motor, links, telemetry
-    assert ground.silence < 1.5
+    assert ground.silence < 2.0  # a heartbeat late by a second at most, whatever else the computer does
     assert audio.reopened == outages
     assert audio.lost / RATE == pytest.approx(relay.missing, abs=0.1 * outages)
 
