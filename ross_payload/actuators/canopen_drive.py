@@ -46,6 +46,7 @@ class CanopenDrive:
         self._places = Places(options.settle_ms * 1e-3, 1.5 * speed)
         self._known = False  # where the drive counts 0
         self._homing = False  # asked for, and not over
+        self._next: Move | None = None  # what was asked for meanwhile
         self._watch = Watch()
         self._sent: tuple[int, int, int] | None = None
         self._due = -math.inf  # the next repetition [s]
@@ -111,7 +112,7 @@ class CanopenDrive:
         self._state = replace(self._state, settled=False, homed=False, healthy=True, fault="", time=-math.inf)
         self._link = Link(self._options, port, self._services.clock.now())
         self._axis, self._watch, self._fault, self._homing = Axis(), Watch(), "", False
-        self._known = self._known or self._absolute
+        self._known = self._options.absolute  # whoever was switched off meanwhile counts from elsewhere
         self._begin(self._link)
         return self
 
@@ -141,9 +142,7 @@ class CanopenDrive:
         if self._fault or self._setup.done:
             return
         try:
-            for answer in answers:
-                self._setup.take(answer)
-            asked = self._setup.ask(now)
+            asked = self._setup.go_on(answers, now)
         except ActuatorFault as fault:
             self._latch(str(fault))
             return
@@ -167,7 +166,7 @@ class CanopenDrive:
     def _look(self, link: Link, now: float) -> None:
         """Remember the newest place; latch what is wrong with the drive or on the bus."""
         if link.restarted:
-            link.restarted, self._known = False, self._absolute
+            self._known = self._options.absolute
             if not (self._fault or self._setup.done):
                 self._begin(link)  # it has just been switched on
         if link.running and link.report.time > self._state.time:
@@ -194,14 +193,15 @@ class CanopenDrive:
 
     def _go_home(self, link: Link, now: float) -> None:
         """Reset a fault, then find home where the encoder does not know it."""
-        if cia402.state_of(link.report.status) in (State.FAULT, State.FAULT_REACTION):
+        state = cia402.state_of(link.report.status)
+        if state in (State.FAULT, State.FAULT_REACTION):
             if not self._axis.resetting:
                 self._axis.reset()
-        elif self._absolute:
-            self._homing, self._known = False, True
-            if self._axis.resetting:
-                self._axis.end(State.SWITCH_ON_DISABLED)
-            self._axis.halt()
+        elif state is State.QUICK_STOP_ACTIVE:
+            return  # it brakes
+        elif self._options.absolute:
+            self._axis.rest()
+            self._end_homing(Homing.DONE)
         elif self._axis.mode is not Mode.HOMING:
             self._axis.home()
         else:
@@ -214,14 +214,20 @@ class CanopenDrive:
             self._homing, self._known, self._sent = False, True, None
             self._axis.mode = Mode.PROFILE_POSITION
             self._places.clear()
+            if self._next:
+                self._go(self._next)
+
+    def _go(self, move: Move) -> None:
+        self._axis.go(self._options.counts(move.goal), self._options.span(math.degrees(move.rate)))
 
     # ------------------------------------------------------------------------------------------ requests
 
     def _obey(self, request: Move | Ask, link: Link) -> None:
         if isinstance(request, Move):
-            if not self._fault and self._known:
-                speed = self._options.span(math.degrees(request.rate))
-                self._axis.go(self._options.counts(request.goal), speed)
+            if self._homing:
+                self._next = request
+            elif not self._fault and self._known:
+                self._go(request)
         elif request is Ask.HALT:
             self._homing = False
             self._axis.halt()
@@ -232,13 +238,13 @@ class CanopenDrive:
             self._home(link)
 
     def _home(self, link: Link) -> None:
-        self._homing, self._known = True, self._absolute
+        self._homing, self._known, self._next = True, self._options.absolute, None
         self._fault, link.event, link.emergency = "", "", None
         self._watch = Watch()
         self._places.clear()
         if self._axis.mode is Mode.HOMING:  # one that was broken off
             self._axis.end(State.QUICK_STOP_ACTIVE)
-        if not link.running:
+        if link.restarted or not link.running:
             self._begin(link)
 
     # ------------------------------------------------------------------------------------------ out
@@ -259,7 +265,7 @@ class CanopenDrive:
             link.steer(*order)
 
     def _publish(self, link: Link) -> None:
-        homed = link.fresh and self._known and not (self._homing and not self._absolute)
+        homed = link.fresh and self._known
         settled = homed and not (self._fault or self._homing) and self._arrived(link.report.status)
         self._state = ActuatorState(
             angle=self._places.joint,
@@ -273,18 +279,11 @@ class CanopenDrive:
 
     def _arrived(self, status: int) -> bool:
         """Whether the drive is still, and where it was last sent to as it says itself and as we see."""
-        if not self._places.still(self.capabilities.resolution):
-            return False
-        goal = self._axis.goal
+        goal, near = self._axis.goal, self.capabilities.resolution
         if goal is None:
-            return True
-        near = abs(self._places.joint - self._options.joint(goal.target)) <= self.capabilities.resolution
-        return near and self._axis.taken and bool(status & cia402.REACHED)
-
-    @property
-    def _absolute(self) -> bool:
-        """Whether the encoder knows where it is without homing."""
-        return self._options.homing == "none"
+            return self._places.still(near)
+        there = abs(self._places.joint - self._options.joint(goal.target)) <= near
+        return there and self._places.still(near) and self._axis.taken and bool(status & cia402.REACHED)
 
 
 class CanopenDriveBackend:

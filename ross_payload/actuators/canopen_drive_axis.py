@@ -62,6 +62,12 @@ class Axis:
         self.wanted, self.resetting = wanted, False
         self.goal, self.offered, self.mode = None, None, Mode.PROFILE_POSITION
 
+    def rest(self) -> None:
+        """Hold where it holds, and stay off where it is off."""
+        if self.resetting:
+            self.end(State.SWITCH_ON_DISABLED)
+        self.halt()
+
     def reset(self) -> None:
         """Reset a fault; the drive stays off."""
         self.end(State.SWITCH_ON_DISABLED)

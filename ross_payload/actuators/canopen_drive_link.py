@@ -77,7 +77,7 @@ class Link:
         self.emergency: Emergency | None = None
         self.answers: list[Value | Written | Abort] = []
         self.event = ""  # what went wrong and does not mend itself; whoever reads it clears it
-        self.restarted = False  # likewise
+        self.restarted = False  # it must be set up anew
 
     @property
     def fresh(self) -> bool:
@@ -108,7 +108,7 @@ class Link:
 
     def hold(self) -> None:
         """Let the drive talk and be set up, but send and obey no process data."""
-        self.running = False
+        self.running = self.restarted = False
         self._port.send(nmt(NmtCommand.PRE_OPERATIONAL, self._node))
 
     def start(self, now: float) -> None:

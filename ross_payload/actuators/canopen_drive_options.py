@@ -54,6 +54,11 @@ class Options(Table):
         return self
 
     @property
+    def absolute(self) -> bool:
+        """Whether the encoder knows where it is without homing."""
+        return self.homing == "none"
+
+    @property
     def scale(self) -> float:
         """Counts per joint angle, signed [1/rad].
 

@@ -49,7 +49,7 @@ class Setup:
     Raises
     ------
     ActuatorFault
-        From `ask` and `take`: no answer, a refusal, or a drive that cannot do what is wanted.
+        From `go_on`: no answer, a refusal, or a drive that cannot do what is wanted.
     """
 
     def __init__(self, options: Options) -> None:
@@ -64,8 +64,10 @@ class Setup:
         """Whether all is asked and told."""
         return self._wish is None
 
-    def ask(self, now: float) -> Read | Write | None:
-        """Return what to ask at ``now`` [s]: None while the drive may still answer."""
+    def go_on(self, answers: Sequence[Value | Written | Abort], now: float) -> Read | Write | None:
+        """Take answers; return what to ask at ``now`` [s]: None while the drive may still answer, and when done."""
+        for answer in answers:
+            self._take(answer)
         if self._wish is None or (self._asked is not None and now < self._asked + PATIENCE):
             return None
         if self._tries == TRIES:
@@ -73,7 +75,7 @@ class Setup:
         self._tries, self._asked = self._tries + 1, now
         return self._wish.request
 
-    def take(self, answer: Value | Written | Abort) -> None:
+    def _take(self, answer: Value | Written | Abort) -> None:
         """Take the answer to what was asked last; any other is left."""
         wish = self._wish
         if wish is None or (answer.index, answer.sub) != (wish.item.index, wish.item.sub):
@@ -124,7 +126,7 @@ def settings(options: Options) -> Iterator[tuple[Item, int]]:
     yield cia402.PROFILE_ACCELERATION, ramp
     yield cia402.PROFILE_DECELERATION, ramp
     yield cia402.QUICK_STOP_DECELERATION, ramp
-    if options.homing != "none":
+    if not options.absolute:
         fast = options.span(min(options.homing_deg_s, options.max_speed_deg_s))
         yield cia402.HOMING_METHOD, METHODS[options.homing]
         yield cia402.HOMING_FAST, fast
@@ -138,7 +140,7 @@ def niceties(options: Options) -> Iterator[tuple[Item, int]]:
     yield cia402.FOLLOWING_TIME, 50
     yield cia402.POSITION_WINDOW, max(round(abs(options.resolution * options.scale) / 2), 1)
     yield cia402.POSITION_TIME, REPORT
-    if options.homing != "none":
+    if not options.absolute:
         yield cia402.HOME_OFFSET, 0
 
 
@@ -158,7 +160,7 @@ def _identify(options: Options) -> Steps:
 def _check(options: Options) -> Steps:
     """Compare what the drive can do with what is wanted of it."""
     modes = yield Wish(cia402.SUPPORTED_MODES)
-    wanted = cia402.Mode.PROFILE_POSITION.bit | (cia402.Mode.HOMING.bit if options.homing != "none" else 0)
+    wanted = cia402.Mode.PROFILE_POSITION.bit | (cia402.Mode.HOMING.bit if not options.absolute else 0)
     if (modes or 0) & wanted != wanted:
         raise ActuatorFault(f"the drive lacks a mode: it has 0x{modes or 0:X}, wanted 0x{wanted:X}")
     lowest = yield Wish(cia402.LOWEST, needed=False)

@@ -147,7 +147,7 @@ class DriveFarEnd:
         zero = round(math.radians(self._options.zero_deg) * self._options.scale)
 
         def power_up(objects: Objects) -> Axis:
-            origin = zero if self._options.homing == "none" else axle.counts
+            origin = zero if self._options.absolute else axle.counts
             return Axis(objects, axle, self._options.counts_per_turn, origin, zero)
 
         return DriveNode(self._options.node_id, Objects(self._options.node_id), power_up, self._now)

@@ -5,7 +5,7 @@ import struct
 
 import pytest
 
-from drive_bench import NODE, OWN, Bench
+from drive_bench import NODE, OPENING, OWN, Bench
 from ross_payload.actuators.canopen_drive_axis import Axis
 from ross_payload.actuators.canopen_drive_link import Report
 from ross_payload.actuators.canopen_drive_watch import Watch
@@ -260,3 +260,38 @@ def test_a_place_that_cannot_be_is_not_told():
     bench.clock.sleep(QUANTUM)
     assert "cannot be true: it jumps by" in bench.fault
     assert bench.state.angle == pytest.approx(bench.far_end.angle(), abs=math.radians(3))
+
+
+def test_a_goal_right_after_homing_is_not_forgotten():
+    bench = Bench().open()
+    bench.actuator.home()
+    bench.go(10)
+    bench.settle()
+    assert bench.true_deg == pytest.approx(10, abs=0.1)
+
+
+def test_home_waits_until_a_quick_stop_is_over():
+    bench = Bench().open()
+    bench.go(180, 1.2)
+    bench.wire.brought.append(heartbeat(OWN, NmtState.OPERATIONAL))
+    bench.clock.sleep(0.1)
+    bench.actuator.home()
+    bench.clock.sleep(0.1)
+    bench.actuator.rearm()
+    bench.go(0)
+    assert bench.drive_state is State.QUICK_STOP_ACTIVE
+    bench.settle()
+    assert bench.true_deg == pytest.approx(0, abs=0.1)
+
+
+def test_a_drive_that_somebody_stopped_is_set_up_and_started_by_home():
+    bench = Bench().open()
+    bench.wire.brought.append(nmt(NmtCommand.STOP, NODE))
+    bench.drive.take(nmt(NmtCommand.STOP, NODE))
+    bench.clock.sleep(0.5)
+    bench.actuator.home()
+    bench.clock.sleep(OPENING)
+    bench.actuator.rearm()
+    bench.go(10)
+    bench.settle()
+    assert bench.true_deg == pytest.approx(10, abs=0.1)

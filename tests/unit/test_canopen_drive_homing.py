@@ -116,3 +116,22 @@ def test_counts_and_angles_are_inverse():
     for degrees in (-200, -12.5, 0, 77.7, 200):
         joint = math.radians(degrees)
         assert options.joint(options.counts(joint)) == pytest.approx(joint, abs=2 * math.pi / 500000)
+
+
+def test_a_goal_that_is_given_while_it_homes_comes_after():
+    bench = Bench(homing="here").open()
+    bench.home()
+    bench.go(20)
+    bench.settle()
+    bench.actuator.home()
+    bench.go(10)
+    bench.settle()
+    assert bench.true_deg == pytest.approx(30, abs=0.1)
+
+
+def test_a_drive_that_was_closed_may_have_been_switched_off_meanwhile():
+    bench = Bench(homing="here").open()
+    bench.home()
+    bench.close()
+    bench.open()
+    assert not bench.state.homed
