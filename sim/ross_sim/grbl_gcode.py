@@ -65,18 +65,22 @@ def understood(text: str, modes: Modes, axes: str, *, jog: bool = False) -> Line
     allowed = _UNITS | _DISTANCE | {"G53"} | (set() if jog else _MOTION | _IGNORED)
     if any(command not in allowed for command in commands):
         raise Refused(16 if jog else 20)
-    modes = replace(
-        modes,
-        motion="G1" if jog else _last(commands, _MOTION, modes.motion),
-        units=_last(commands, _UNITS, modes.units),
-        distance=_last(commands, _DISTANCE, modes.distance),
-    )
+    modes = _changed(modes, commands, jog)
     feed = values.pop("F", None)
     if feed is not None:
         modes = replace(modes, feed=feed * modes.scale)
     elif jog:
         raise Refused(22)
     return _checked(Line(modes, "G53" in commands, _lengths(values, axes, modes.scale)), jog)
+
+
+def _changed(modes: Modes, commands: list[str], jog: bool) -> Modes:
+    return replace(
+        modes,
+        motion="G1" if jog else _last(commands, _MOTION, modes.motion),
+        units=_last(commands, _UNITS, modes.units),
+        distance=_last(commands, _DISTANCE, modes.distance),
+    )
 
 
 def _last(commands: list[str], group: set[str], before: str) -> str:

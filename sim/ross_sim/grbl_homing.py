@@ -17,19 +17,13 @@ def homing(motion: Motion, settings: Settings, n: int, switch: Callable[[], bool
     """
     sign = -1 if int(settings[DIRECTION]) >> n & 1 else 1
     travel, pull_off, steps = settings.travels[n], settings[PULL_OFF], motion.axes[n].steps
-
-    def go(distance: float, rate: float) -> None:
-        target = list(motion.position)
-        target[n] += round(distance * steps)
-        motion.add(target, rate)
-
     for rate, search in ((settings[SEEK], 1.5 * travel), (settings[LOCATE], 5 * pull_off)):
-        go(sign * search, rate)
+        _go(motion, n, sign * search, rate)
         while motion.moving and not switch():
             yield
         found = switch()
         motion.clear()
-        go(-sign * pull_off, rate)
+        _go(motion, n, -sign * pull_off, rate)
         while motion.moving:
             yield
         if switch() or not found:
@@ -38,3 +32,9 @@ def homing(motion: Motion, settings: Settings, n: int, switch: Callable[[], bool
     place[n] = round((-pull_off if sign > 0 else pull_off - travel) * steps)
     motion.place(place)
     return 0
+
+
+def _go(motion: Motion, n: int, distance: float, rate: float) -> None:
+    target = list(motion.position)
+    target[n] += round(distance * motion.axes[n].steps)
+    motion.add(target, rate)
