@@ -90,7 +90,7 @@ class Allocator:
         known = self._kept.table.get(unique_id)
         if known is not None and not self._is_anothers(known, unique_id, now):
             return known
-        taken = {self._node.id, *AVOIDED, *self._kept.table.values(), *self._neighbours.ids, *self._node.seen}
+        taken = {self._node.id, *AVOIDED, *self._kept.table.values(), *self._node.seen}
         upwards = range(wanted, HIGHEST + 1) if wanted else range(0)
         free = next((number for number in (*upwards, *range(HIGHEST, 0, -1)) if number not in taken), None)
         if free is not None:

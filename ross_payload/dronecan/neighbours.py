@@ -20,15 +20,10 @@ class Neighbour:
 
 
 class Neighbours:
-    """Every node that was ever heard, and the unique id of those that said."""
+    """Every node that was heard, and the unique id of those that said."""
 
     def __init__(self) -> None:
         self._nodes: dict[int, Neighbour] = {}
-
-    @property
-    def ids(self) -> set[int]:
-        """The ids of all, also of those that have gone."""
-        return set(self._nodes)
 
     def heard(self, node: int, now: float) -> None:
         """Note that a node lives; one that was away may be another one now."""
