@@ -64,7 +64,7 @@ class Session:
         self._starts = 0  # banners
         self.track = Track(options.index, options.resolution)
         self.identified = False
-        self.homing = False  # during which grbl tells nothing
+        self.homing = False  # during which grbl tells nothing, until it has told where it is
         self.position_known = False  # whether the counter still means what it did
 
     @property
@@ -90,7 +90,7 @@ class Session:
 
     def ask(self, now: float, period: float) -> None:
         """Ask for a report, when one is due."""
-        if not self.homing:
+        if not (self.homing and self._dialogue.waiting):
             self._dialogue.ask(now, period)
 
     def allows(self, count: int) -> bool:
@@ -177,12 +177,12 @@ class Session:
         self.homing, self.track.ours = True, True
         try:
             yield from self._told(b"$H\n", patience=self._options.homing_s)
+            self.track.count = None  # the counter is another one now
+            yield from self._reported()
         except ActuatorFault:
             self.homing = False
             raise
         self.homing = False
-        self.track.count = None  # the counter is another one now
-        yield from self._reported()
         self.track.rest()
 
     def unlock(self) -> Script:
