@@ -16,7 +16,7 @@ PRODUCER_HEARTBEAT = Item(0x1017, 0, "H")
 VENDOR, PRODUCT, SERIAL = (Item(0x1018, sub, "I") for sub in (1, 2, 4))
 ABORT_CONNECTION = Item(0x6007, 0, "h")
 CONTROLWORD, STATUSWORD = Item(0x6040, 0, "H"), Item(0x6041, 0, "H")
-QUICK_STOP_OPTION, HALT_OPTION, FAULT_OPTION = (Item(index, 0, "h") for index in (0x605A, 0x605D, 0x605E))
+QUICK_STOP_OPTION, HALT_OPTION = Item(0x605A, 0, "h"), Item(0x605D, 0, "h")
 MODE, MODE_SHOWN = Item(0x6060, 0, "b"), Item(0x6061, 0, "b")
 POSITION, VELOCITY = Item(0x6064, 0, "i"), Item(0x606C, 0, "i")
 FOLLOWING_WINDOW, FOLLOWING_TIME = Item(0x6065, 0, "I"), Item(0x6066, 0, "H")
@@ -45,7 +45,7 @@ ENABLED = 0x0F
 FAULT_RESET = 0x80
 
 # statusword
-VOLTAGE, WARNING, REMOTE, REACHED, LIMITED = 0x10, 0x80, 0x200, 0x400, 0x800
+VOLTAGE, REMOTE, REACHED, LIMITED = 0x10, 0x200, 0x400, 0x800
 ACKNOWLEDGED = ATTAINED = 0x1000  # profile position: the set-point is taken; homing: home is found
 FOLLOWING_ERROR = HOMING_ERROR = 0x2000
 

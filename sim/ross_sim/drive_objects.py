@@ -5,10 +5,11 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 
-from ross_protocols.canopen import Item
+from ross_protocols.canopen import Item, mapped
 from ross_protocols.canopen_sdo import (
     NO_OBJECT,
     NO_SUBINDEX,
+    NOT_MAPPABLE,
     ONLY_READ,
     ONLY_WRITTEN,
     TOO_HIGH,
@@ -20,7 +21,9 @@ from ross_protocols.canopen_sdo import (
     Write,
     Written,
 )
-from ross_protocols.eds import data_sheet, entries_of
+from ross_protocols.eds import Entry, data_sheet, entries_of
+
+MAPPINGS = (0x1600 >> 9, 0x1A00 >> 9)  # of process data to the drive and from it
 
 
 class Objects:
@@ -77,17 +80,27 @@ class Objects:
         self.written(index, sub)
 
     def _refusal(self, asked: Read | Write) -> int:
+        """Return why a read or write is refused, else 0."""
         entry = self.entries.get((asked.index, asked.sub))
         if entry is None:
             return NO_SUBINDEX if any(index == asked.index for index, _ in self.entries) else NO_OBJECT
         if isinstance(asked, Read):
             return 0 if entry.readable else ONLY_WRITTEN
-        if not entry.writable:
-            return ONLY_READ
+        return self._unfit(entry, asked.data) if entry.writable else ONLY_READ
+
+    def _unfit(self, entry: Entry, data: bytes) -> int:
         try:
-            value = entry.item.unpack(asked.data)
+            value = entry.item.unpack(data)
         except struct.error:
             return WRONG_LENGTH
+        maps = entry.item.index >> 9 in MAPPINGS and entry.item.sub > 0
+        if maps and value and not self._mappable(value):
+            return NOT_MAPPABLE
         if entry.lowest is not None and value < entry.lowest:
             return TOO_LOW
         return TOO_HIGH if entry.highest is not None and value > entry.highest else 0
+
+    def _mappable(self, mapping: int) -> bool:
+        index, sub, size = mapped(mapping)
+        entry = self.entries.get((index, sub))
+        return entry is not None and entry.mappable and entry.item.size == size

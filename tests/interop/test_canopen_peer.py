@@ -166,6 +166,8 @@ def test_their_reads_and_writes_that_are_refused_tell_why(master: BaseNode402) -
         master.sdo.upload(0x2000, 0)
     with pytest.raises(canopen.SdoAbortedError, match="0x06070010"):
         master.sdo.download(0x6081, 0, b"\0")
+    with pytest.raises(canopen.SdoAbortedError, match="0x06040041"):
+        master.sdo.download(0x1A00, 1, (0x60850020).to_bytes(4, "little"))
 
 
 def test_their_reader_finds_in_our_data_sheet_what_our_drive_has() -> None:
