@@ -11,7 +11,7 @@ from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError, LinkError, PluginError
-from ross_payload.orders import Cancel, Set, TurnTo
+from ross_payload.orders import Cancel, Home, Set, TurnTo
 from ross_payload.parameters import TABLE
 from ross_protocols.dronecan import ArrayCommand, NodeStatus, Received
 from ross_protocols.dronecan_params import GetSetRequest, GetSetResponse, Opcode, OpcodeRequest, OpcodeResponse
@@ -190,6 +190,24 @@ def test_driver_and_node_on_one_bus_are_one_node(tmp_path):
     assert {node for node, _ in heard} == {50, 122}
     assert len(heard[122, NodeStatus]) in (2, 3)
     assert len(heard[122, ArrayCommand]) > 100
+
+
+def test_a_canopen_drive_may_be_on_the_same_wires(tmp_path):
+    heard = []
+
+    def script(bench):
+        plug, ear = bench.far_end.bus.plug(), Ear(0)
+        bench.runner.order(Home())
+        yield from (None for _ in range(200))
+        bench.runner.order(TurnTo(0.5))
+        yield from (None for _ in range(300))
+        heard.extend(said.message for frame in plug.receive() if isinstance(said := ear.feed(frame), Received))
+        assert bench.heard.fault == ""
+        assert bench.far_end.angle() == pytest.approx(0.5, abs=0.02)
+
+    drive = {"kind": "canopen_drive", "options": {"port": URL}}
+    play(script, None, tmp_path, actuator=drive, dronecan={"port": URL})
+    assert sum(isinstance(message, NodeStatus) for message in heard) in (4, 5)
 
 
 # ------------------------------------------------------------------------------------- bad input
