@@ -178,7 +178,9 @@ class MavlinkGimbal:
         self._go(Trapezoid(here, here, 1.0, 1.0), now)
 
     def _go(self, plan: Trapezoid, now: float) -> None:
-        self._motion, self._restless, self._sent = Motion(plan, now), now, -math.inf
+        self._motion, self._restless = Motion(plan, now), now
+        if not plan.velocity:  # a gimbal that follows set-points would see a jump in their rhythm as one of speed
+            self._sent = -math.inf
 
     # ------------------------------------------------------------------------------------------ leading
 

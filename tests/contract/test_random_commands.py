@@ -29,7 +29,9 @@ steps_of_any = st.lists(st.tuples(whats, goals, rates, st.integers(0, 90)), min_
 
 # A gimbal's loop that catches up with a plan: its rate changes by more than the plan's within 10 ms.
 SPEEDING_UP = [("go", -1.0, 1.0, 57), ("go", 40.0, None, 62), ("go", 0.0, None, 44), ("go", 42.0, None, 10)]
-# A stop while it homes, and one in the moment in which it begins to.
+# A stop between two set-points of a gimbal that follows their rhythm.
+OUT_OF_STEP = [("go", -187.0, None, 87), ("stop", 0.0, None, 60)]
+# A stop while it homes, in the middle of a move.
 HOMING = [("go", 117.0, 184.0, 50), ("home", 0.0, None, 16), ("stop", 0.0, None, 90)]
 
 Step = tuple[str, float, float | None, int]
@@ -72,6 +74,7 @@ def test_no_sequence_of_commands_breaks_a_limit_or_a_cap(kind: str) -> None:
     @FEW
     @given(steps=steps_of_any)
     @example(steps=SPEEDING_UP)
+    @example(steps=OUT_OF_STEP)
     @example(steps=HOMING)
     def holds(steps: list[Any]) -> None:
         obeys(kind, steps)
