@@ -14,6 +14,8 @@ BEAT = common.MAVLINK_MSG_ID_HEARTBEAT
 LOGS = "local"  # the link on which only logs and our own components listen
 SHORTEST = 0.02  # [s]
 LOOKING = 1.0  # [s] between two looks for new links
+SHARE = 1 / 3  # of the budget of a link that the streams may take, beside the heartbeat
+FRAME = 75  # bytes of the largest of them, signed
 EARLY = 1e-6  # [s], of rounding
 
 
@@ -36,15 +38,15 @@ class Voice:
         self._streams = streams
         self._asked: dict[tuple[str, int], float] = {}  # period [s] by link and message
         self._due: dict[tuple[str, int], float] = {}  # [s]
-        self._urls: tuple[str, ...] = ()
+        self._rates: dict[str, float] = {}  # of the links [bytes/s]
         self._looking = Every(LOOKING)
 
     def tick(self, now: float) -> None:
         """Say what is due at ``now`` [s]: the same to all, once."""
         if self._looking.due(now):
-            self._urls = tuple(status.url for status in self._links.status())
+            self._rates = self._links.rates()
         for number, (make, _) in self._streams.items():
-            urls = [url for url in (LOGS, *self._urls) if self._is_due(url, number, now)]
+            urls = [url for url in (LOGS, *self._rates) if self._is_due(url, number, now)]
             message = make() if urls else None
             for url in urls:
                 say = self._component.send if url == LOGS else self._component.repeat
@@ -59,7 +61,7 @@ class Voice:
         """Return how often a message is said on a link [s]; None: it is no stream of ours."""
         if message_id not in self._streams:
             return None
-        return self._asked.get((link, message_id), self._streams[message_id][1])
+        return self._wanted(link, message_id) * (1.0 if message_id == BEAT else self._stretch(link))
 
     def set_period(self, link: str, message_id: int, period: float | None) -> bool:
         """Say a message so often on a link (infinite: never, None: as usual); a heartbeat is never slower."""
@@ -69,6 +71,14 @@ class Voice:
         self._asked[link, message_id] = usual if period is None else max(period, SHORTEST)
         self._due.pop((link, message_id), None)
         return True
+
+    def _wanted(self, link: str, message_id: int) -> float:
+        return self._asked.get((link, message_id), self._streams[message_id][1])
+
+    def _stretch(self, link: str) -> float:
+        """Return by how much the periods on a link are longer than wanted, so that its budget leaves room to others."""
+        wanted = sum(FRAME / self._wanted(link, number) for number in self._streams if number != BEAT)
+        return max(wanted / (SHARE * self._rates.get(link, math.inf)), 1.0)
 
     def _is_due(self, url: str, number: int, now: float) -> bool:
         period = self.period(url, number)

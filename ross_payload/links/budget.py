@@ -17,15 +17,15 @@ class Budget:
     """
 
     def __init__(self, rate: float, now: float) -> None:
-        self._rate = rate or math.inf  # [bytes/s]
-        self._size = max(self._rate * BURST, LARGEST_FRAME)
+        self.rate = rate or math.inf  # [bytes/s]
+        self._size = max(self.rate * BURST, LARGEST_FRAME)
         self._room = self._size
         self._filled = now
 
     def room(self, now: float) -> float:
         """Return how many bytes may go out at ``now`` [s]."""
-        if now > self._filled and math.isfinite(self._rate):
-            self._room = min(self._room + (now - self._filled) * self._rate, self._size)
+        if now > self._filled and math.isfinite(self.rate):
+            self._room = min(self._room + (now - self._filled) * self.rate, self._size)
         self._filled = max(now, self._filled)
         return self._room
 

@@ -180,6 +180,10 @@ class Links:
             return None
         return self._twin[0]
 
+    def rates(self) -> dict[str, float]:
+        """Return what every link may say in the long run [bytes/s], by its URL; infinite: anything."""
+        return {link.config.url: link.rate for link in self._links}
+
     def status(self) -> tuple[LinkStatus, ...]:
         """Return how every link is, in the order of their opening."""
         now = self._clock.now()

@@ -60,6 +60,11 @@ class Link:
         self._budget = Budget(rate_of(config, self._baud), now)
         self._counts = {"sent": 0, "sent_bytes": 0, "dropped": 0, "received": 0, "received_bytes": 0, "refused": 0}
 
+    @property
+    def rate(self) -> float:
+        """What the budget allows in the long run [bytes/s]; infinite: anything."""
+        return self._budget.rate
+
     def send(self, sender: Sender, said: Any, size: int, now: float) -> bytes:
         """Send a value or message that takes ``size`` bytes unsigned; return the frame, or nothing if it is dropped."""
         stamp: int | None = 0

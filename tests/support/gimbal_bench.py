@@ -72,13 +72,13 @@ class TimedWire(Wire):
 class GimbalBench(HandBench):
     """A payload with two links, one to a ground station and one to an autopilot."""
 
-    def __init__(self, stack, mode, base=None, accept=(), **config):
+    def __init__(self, stack, mode, base=None, *, accept=(), bytes_s=0, **config):
         gimbal = {"mode": mode} | config.pop("gimbal", {})
         super().__init__(stack, base, **{"gimbal": gimbal} | config)
         links = stack.enter_context(Links(self.clock, 1))
         self.links = links
         self.wires = {url: TimedWire(self.clock) for url in (GROUND, AUTOPILOT)}
-        links.attach(Link(url=GROUND, accept=accept), self.wires[GROUND])
+        links.attach(Link(url=GROUND, accept=accept, max_bytes_s=bytes_s), self.wires[GROUND])
         links.attach(Link(url=AUTOPILOT, role="autopilot"), self.wires[AUTOPILOT])
         self.clock.every(0.01, links.poll)
         gimbal = Gimbal(self.config, self.clock, links, self.actuator, self.base, give=self.runner.order)

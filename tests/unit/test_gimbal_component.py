@@ -93,6 +93,15 @@ def test_a_link_may_ask_for_another_rate_and_for_the_usual_one_again(bench):
     assert one.results(INTERVAL) == [ACCEPTED] * 3
 
 
+def test_a_radio_keeps_two_thirds_of_its_budget_for_others(bench):
+    one = bench(bytes_s=350)
+    one.live(23.0)
+    said = [packet for time, packet in one.wires[GROUND].heard if time > 3.0]
+    assert 50 < sum(len(packet.frame) for packet in said) / 20 < 350 / 3 + 25
+    assert len([packet for packet in said if packet.name == "HEARTBEAT"]) == 20
+    assert len(one.told("GIMBAL_DEVICE_ATTITUDE_STATUS", AUTOPILOT, 3.0)) == pytest.approx(200, abs=2)
+
+
 def test_its_attitude_is_where_the_array_points_clockwise_from_the_nose(bench):
     one = bench(array={"offset_deg": 10})
     one.live(8.0, one.ground.command(READY, POINT, 0, -30, NAN, NAN, FOLLOW, 0, 1))
