@@ -125,6 +125,17 @@ class Report:
     buffers: tuple[int, ...] | None = None  # free blocks and bytes
 
     @property
+    def at_rest(self) -> bool:
+        """Whether nothing moves, nor will by itself.
+
+        >>> Report(State.HOLD, 0).at_rest, Report(State.HOLD, 1).at_rest
+        (True, False)
+        """
+        if self.state in (State.HOLD, State.DOOR):
+            return (self.state, self.substate) in ((State.HOLD, 0), (State.DOOR, 0), (State.DOOR, 1))
+        return self.state in (State.IDLE, State.ALARM, State.SLEEP, State.CHECK)
+
+    @property
     def doing(self) -> str:
         """The state in words.
 
@@ -142,7 +153,7 @@ READERS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Message]], ...] 
     (re.compile(r"ok"), lambda found: Ok()),
     (re.compile(r"error:(\d{1,3})"), lambda found: Error(int(found[1]))),
     (re.compile(r"ALARM:(\d{1,3})"), lambda found: Alarm(int(found[1]))),
-    (re.compile(r"Grbl (\d+\.\d+\w?) \['\$' for help\]"), lambda found: Banner(found[1])),
+    (re.compile(r"Grbl(?:HAL)? (\d+\.\d+\w?) \[.*\]"), lambda found: Banner(found[1])),
     (
         re.compile(r"\$(\d{1,3})=(-?\d{1,9}(?:\.\d{0,6})?)(?: *\(.*\))?"),
         lambda found: Setting(int(found[1]), float(found[2])),

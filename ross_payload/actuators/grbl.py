@@ -178,7 +178,7 @@ class Grbl:
 
     def _home(self, session: Session) -> Script:
         yield from session.come_to_rest()
-        if session.doing is State.SLEEP:
+        if session.doing not in (State.IDLE, State.ALARM):
             yield from session.reset()
         if not session.identified:
             yield from session.identify()

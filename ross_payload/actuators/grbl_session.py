@@ -36,7 +36,6 @@ LOG = logging.getLogger(__name__)
 PATIENCE = 5.0  # with a board that starts [s]
 ANSWER = 1.0  # grbl answers a line within [s]
 AGAIN = 0.020  # between two bytes that cancel [s]
-AT_REST = (State.IDLE, State.ALARM, State.SLEEP, State.CHECK)
 NEAR = 1  # step by which rounding may miss a goal
 
 
@@ -195,7 +194,7 @@ class Session:
         yield from self._told(b"$SLP\n")
 
     def reset(self) -> Script:
-        """Reset grbl, as wakes it and ends its homing."""
+        """Reset grbl: wakes it, ends its homing, a hold, a program."""
         self._starting, self.homing = True, False
         self._dialogue.forget()
         self._dialogue.signal(RESET)
@@ -237,7 +236,8 @@ class Session:
 
     def _at_rest(self) -> bool:
         """Whether a report since the last answer says so."""
-        return self._dialogue.is_news and self.doing in AT_REST
+        report = self._dialogue.report
+        return self._dialogue.is_news and report is not None and report.at_rest
 
     def _told(self, line: bytes, *, patience: float = ANSWER, refused: bool = False) -> Script:
         """Say a line and wait for its answer; ``refused``: an error is one, too."""

@@ -364,6 +364,18 @@ def test_somebody_who_jogs_while_we_rest_is_noticed():
     assert bench.state.fault == "somebody else moves grbl"
 
 
+def test_somebody_who_runs_a_program_is_noticed_and_held_and_homing_ends_it():
+    bench = Bench().open()
+    bench.firmware.obey("G1X170F3000")
+    bench.until(lambda: bench.state.fault)
+    assert "somebody else runs a program" in bench.state.fault
+    bench.actuator.stop()
+    bench.clock.sleep(1.0)
+    assert bench.firmware.state is State.HOLD
+    assert bench.state.rate == 0.0
+    bench.homed().go(0.2)
+
+
 def test_a_line_that_goes_and_comes_back_needs_homing():
     bench = Bench().open()
     whole = bench.wire.receive

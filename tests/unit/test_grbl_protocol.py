@@ -76,6 +76,8 @@ def test_every_alarm_has_words(number):
     [
         (b"ok", Ok()),
         (b"Grbl 1.1h ['$' for help]", Banner("1.1h")),
+        (b"GrblHAL 1.1f ['$' or '$HELP' for help]", Banner("1.1f")),
+        (b"Grbl 3.7 [FluidNC v3.7.8 (noradio) '$' for help]", Banner("3.7")),
         (b"$100=8.889", Setting(100, 8.889)),
         (b"$0=10 (step pulse, usec)", Setting(0, 10.0)),
         (b"[VER:1.1h.20190825:]", Info("VER", "1.1h.20190825:")),
