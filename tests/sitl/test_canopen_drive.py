@@ -1,8 +1,24 @@
-"""The default mission with a CANopen drive: real driver, real frames, a drive with friction and an encoder."""
+"""The default mission with a CANopen drive, and what the drive does when its driver is killed."""
 
 import json
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import pytest
+
+from device_bench import device
+
+DRIVER = """
+import json, sys, time
+sys.path.insert(0, sys.argv[2])
+from device_bench import driver
+with driver(json.loads(sys.argv[1])) as one:
+    one.ready()
+    one.actuator.command(3.4, 0.3)
+    time.sleep(600)
+"""
 
 
 @pytest.fixture
@@ -32,3 +48,20 @@ def test_a_rerun_is_the_same(mission):
     first, second = mission("canopen_drive", 1), mission("canopen_drive", 1)
     del first["timing"], second["timing"]
     assert first == second
+
+
+def test_a_drive_whose_driver_is_killed_stops_by_itself(tmp_path):
+    with device(tmp_path, "drive") as process:
+        support = Path(__file__).parents[1] / "support"
+        command = [sys.executable, "-c", DRIVER, json.dumps(process.told), str(support)]
+        with subprocess.Popen(command) as driver:
+            end = time.monotonic() + 60
+            while process.ask("status")["angle_deg"] < 10:
+                assert time.monotonic() < end
+                time.sleep(0.02)
+            driver.kill()
+        time.sleep(2.0)
+        stands = process.ask("status")["angle_deg"]
+        time.sleep(1.0)
+        assert process.ask("status")["angle_deg"] == pytest.approx(stands, abs=0.01)
+        assert 10 < stands < 100  # at 17 deg/s; its goal is at 195
