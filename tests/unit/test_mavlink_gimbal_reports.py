@@ -1,0 +1,113 @@
+"""What a gimbal's reports prove: order, restarts, two devices under one name, delays, jumps."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ross_payload.actuators.mavlink_gimbal_clock import SenderClock, Verdict
+from ross_payload.actuators.mavlink_gimbal_feedback import GimbalFeedback
+from ross_payload.actuators.mavlink_gimbal_watch import contradiction, silence
+from ross_protocols.gimbal import GimbalAttitude
+
+PERIOD = 0.02  # between two reports [s]
+
+
+def verdicts(reports):
+    """What a clock makes of (boot, arrival) pairs."""
+    clock = SenderClock()
+    return [clock.judge(boot, now) for boot, now in reports]
+
+
+def stream(begin, now, seconds, period=PERIOD):
+    """Reports of one device: (boot, arrival)."""
+    return [(begin + n * period, now + n * period) for n in range(round(seconds / period))]
+
+
+def report(feedback, boot, yaw, now, *, own=True):
+    feedback.report(GimbalAttitude(boot, yaw, 0.0, False, 0, 0), now, own=own)
+
+
+@pytest.fixture
+def feedback():
+    return GimbalFeedback(-3.0, 3.0, max_speed=1.5)
+
+
+def test_the_same_report_by_two_ways_is_news_once():
+    found = verdicts([(boot, now + late) for boot, now in stream(10.0, 0.0, 1.0) for late in (0.0, 0.001)])
+    assert found == [Verdict.NEWS, Verdict.OLD] * 50
+
+
+def test_a_restart_is_believed_with_its_second_report():
+    found = verdicts([*stream(50.0, 0.0, 1.0), *stream(0.0, 1.5, 0.1)])
+    assert found[50:] == [Verdict.OLD, Verdict.RESTARTED, Verdict.NEWS, Verdict.NEWS, Verdict.NEWS]
+
+
+@pytest.mark.parametrize("other", [10.0, 300.0])
+@pytest.mark.parametrize("period", [0.02, 0.1])
+def test_two_devices_with_one_name_are_told_within_half_a_second_and_never_a_restart(other, period):
+    alone = stream(100.0, 0.0, 1.0)
+    both = sorted([*stream(101.0, 1.0, 1.0), *stream(other, 1.005, 1.0, period)], key=lambda one: one[1])
+    found = verdicts([*alone, *both])
+    arrivals = [now for _, now in [*alone, *both]]
+    assert arrivals[found.index(Verdict.TWO)] < 1.5
+    assert Verdict.RESTARTED not in found
+    believed = [boot for (boot, _), verdict in zip([*alone, *both], found, strict=True) if verdict is Verdict.NEWS]
+    assert all(100.0 <= boot < 103.0 for boot in believed)
+
+
+def test_one_report_of_another_time_is_no_device():
+    found = verdicts([*stream(100.0, 0.0, 1.0), (5.0, 1.0), *stream(101.0, 1.01, 1.0)])
+    assert set(found) == {Verdict.NEWS, Verdict.OLD}
+
+
+def test_late_reports_count_from_when_they_were_made(feedback):
+    for n in range(50):
+        report(feedback, 10.0 + n * PERIOD, 0.0, n * PERIOD)
+    report(feedback, 11.0, 0.1, 1.7)
+    assert feedback.time == pytest.approx(1.0, abs=0.005)
+    assert silence(feedback, 1.7) == "the gimbal's reports come 0.7 s late: the link is overloaded"
+    assert silence(feedback, 2.5) == "the gimbal does not report its attitude"
+
+
+def test_clocks_that_drift_apart_make_no_report_late(feedback):
+    for n in range(20_000):
+        report(feedback, 10.0 + n * PERIOD * (1 - 100e-6), 0.0, n * PERIOD)
+    assert feedback.time == pytest.approx(20_000 * PERIOD, abs=0.05)
+
+
+def test_a_trembling_sensor_is_told_and_a_single_jump_is_not(feedback):
+    report(feedback, 1.0, 0.0, 0.0)
+    report(feedback, 1.02, 0.5, 0.02)  # pushed
+    for n in range(2, 100):
+        report(feedback, 1.0 + n * PERIOD, 0.5, n * PERIOD)
+        assert contradiction(feedback) == ""
+    chance, n = np.random.default_rng(0), 100
+    while not contradiction(feedback):
+        report(feedback, 1.0 + n * PERIOD, 0.5 + chance.normal(0.0, math.radians(3)), n * PERIOD)
+        n += 1
+    assert n < 150
+    assert "jumps to and fro" in contradiction(feedback)
+    feedback.pardon()
+    assert contradiction(feedback) == ""
+
+
+def test_two_gimbals_switched_on_together_are_told_by_their_angles(feedback):
+    for n in range(50):
+        report(feedback, 1.0 + n * PERIOD, 0.0, n * PERIOD)
+        report(feedback, 1.0 + n * PERIOD + 0.01, 1.0, n * PERIOD + 0.01)
+    assert "two gimbals with one id" in contradiction(feedback)
+
+
+def test_a_fast_gimbal_whose_reports_are_lost_now_and_then_does_not_jump(feedback):
+    for n in range(0, 200, 5):
+        report(feedback, 1.0 + n * PERIOD, 1.5 * math.sin(n * PERIOD), n * PERIOD)
+        assert contradiction(feedback) == ""
+
+
+def test_what_a_manager_repeats_is_believed_when_the_device_has_been_silent_for_two_seconds(feedback):
+    report(feedback, 1.0, 0.3, 0.0)
+    report(feedback, 70.0, 0.9, 1.9, own=False)
+    assert feedback.angle == pytest.approx(0.3)
+    report(feedback, 70.2, 0.9, 2.1, own=False)
+    assert feedback.angle == pytest.approx(0.9)
