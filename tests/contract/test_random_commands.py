@@ -76,6 +76,7 @@ def test_no_sequence_of_commands_breaks_a_limit_or_a_cap(kind: str) -> None:
     @example(steps=SPEEDING_UP)
     @example(steps=OUT_OF_STEP)
     @example(steps=HOMING)
+    @example(steps=[("home", 0.0, None, 0)])  # a stop in the same moment
     def holds(steps: list[Any]) -> None:
         obeys(kind, steps)
 

@@ -259,3 +259,11 @@ def test_one_that_was_pushed_beyond_its_limit_may_come_back() -> None:
     on.device.now = replace(on.device.now, angle=2.6)
     on.clock.sleep(0.02)
     assert "beyond its limits" in on.guard.state().fault
+
+
+def test_one_that_turns_unasked_and_says_that_it_is_ill_is_stopped() -> None:
+    on = bench()
+    on.device.now = replace(on.device.now, rate=1.0, healthy=False, fault="possessed")
+    on.clock.sleep(0.02)
+    assert on.device.asked == ["stop"]
+    assert on.guard.state().fault == "possessed"

@@ -217,3 +217,11 @@ def test_a_report_from_before_the_goal_does_not_end_the_wait_for_it() -> None:
     on.guard.command(1.0)
     on.clock.sleep(1.1)
     assert on.guard.state().fault == "at 0.00 deg, not at rest at the goal after 1 s"
+
+
+def test_one_that_stands_still_without_a_zero_is_not_homed() -> None:
+    on = bench(max_move_s=1.0)
+    on.device.now = replace(on.device.now, homed=False)
+    on.guard.home()
+    on.clock.sleep(1.1)
+    assert on.guard.state().fault == "at 0.00 deg, not homed after 1 s"
