@@ -56,7 +56,7 @@ class Said:
 
 
 class Hand:
-    """Gives the mission what is asked for.
+    """Gives the mission what is asked for, the latest at every tick: a flood of set-points is one.
 
     Parameters
     ----------
@@ -72,18 +72,19 @@ class Hand:
         self._give = give
         self._park = park
         self._numbers = count(-1, -1)
+        self._waiting: Point | None = None  # for the next tick
         self._fresh = math.inf  # until then a rate counts [s]
 
     def point(self, aim: Aim, offset: float, until: float) -> None:
         """Ask for an aim; ``offset`` is the yaw at joint angle 0 [rad], a rate alone counts ``until`` then [s]."""
         self._fresh = until if aim.yaw is None and aim.rate else math.inf
         if self.aim is None or not alike(aim, self.aim, SAME):
-            self.aim = aim
-            self._ask(self._order(aim, offset))
+            self.aim, self._waiting = aim, self._order(aim, offset)
 
     def still(self) -> None:
         """Ask for rest."""
-        self.aim, self._fresh = None, math.inf
+        self.forget()
+        self._fresh = math.inf
         self._ask(Point(rate=0.0))
 
     def cancel(self) -> int:
@@ -94,12 +95,15 @@ class Hand:
 
     def forget(self) -> None:
         """Nothing is in force any more; a rate that is on its way to the mission ends in time all the same."""
-        self.aim = None
+        self.aim = self._waiting = None
 
     def tick(self, now: float) -> None:
-        """End a rate that nobody has renewed."""
+        """Order what was asked for last, and the end of a rate that nobody has renewed."""
         if now > self._fresh:
             self.still()
+        elif self._waiting is not None:
+            order, self._waiting = self._waiting, None
+            self._ask(order)
 
     def _ask(self, order: Order) -> None:
         self.latest = next(self._numbers)

@@ -248,3 +248,11 @@ def test_a_command_is_an_order_though_it_says_what_the_last_one_said(bench):
     same = (POINT, 0, 30, NAN, NAN, FOLLOW, 0, 1)
     one.live(9.0, one.ground.command(3.0, *same), one.ground.command(6.0, *same))
     assert (one.answers(-1), one.answers(-2)) == ([Answer.ACCEPTED, Answer.DONE],) * 2
+
+
+def test_a_flood_of_set_points_is_a_few_orders_and_the_last_one_counts(bench):
+    one = bench()
+    steps = [one.ground.say(3.0 + 0.01 * (step // 10), pitchyaw(deg(step / 50))) for step in range(1000)]
+    one.live(7.0, *steps)
+    assert sum(len(heard.orders) for _, _, heard in one.trace) < 60
+    assert one.angle(6.9) == pytest.approx(-999 / 50, abs=0.06)
