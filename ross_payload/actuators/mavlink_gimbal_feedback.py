@@ -33,6 +33,7 @@ class GimbalFeedback:
     lost_vehicle: bool = False  # a yaw from north came and nobody told where the vehicle points
     _clock: SenderClock = field(default_factory=SenderClock)
     _own: float = -math.inf  # when the device itself reported last [s]
+    _by_itself: bool = True  # the latest report came from the device, not from its manager
     _jumps: int = 0
     _vehicle: tuple[float, VehicleAttitude] | None = None
     _known: bool = False  # a turn was chosen
@@ -55,8 +56,8 @@ class GimbalFeedback:
         """Take in a report of the device itself (``own``) or of its manager; one that is not newer proves nothing."""
         if not own and now - self._own < LASTING:
             return
-        if own and now - self._own >= LASTING:
-            self._clock = SenderClock()  # another sender
+        if own != self._by_itself:
+            self._clock, self._by_itself = SenderClock(), own  # another sender
         verdict = self._clock.judge(said.boot, now)
         self.twins = self.twins or verdict is Verdict.TWO
         if verdict in (Verdict.OLD, Verdict.TWO):
