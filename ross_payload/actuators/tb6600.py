@@ -115,7 +115,7 @@ class Tb6600:
             if self._homed and not self._fault:
                 self._go(request, now)
             return
-        self._seeker.end()
+        self._end_search()
         if request is Ask.RELEASE:
             self._rest(self._from(now))
             self._feed.flush()
@@ -189,6 +189,11 @@ class Tb6600:
             self._halt(now)
         elif self._seeker.found is not None and not self._seeker.active:
             self._call_it(math.radians(self._options.home_offset_deg), self._seeker.found, now)
+
+    def _end_search(self) -> None:
+        """Look for the switch no more, nor begin to."""
+        self._seeker.end()
+        self._declare = self._declare and self._options.zero != "switch"
 
     def _call_it(self, angle: float, place: float, now: float) -> None:
         """Let a place of the counter [rad] be a joint angle [rad]: the position is known; at rest only."""

@@ -153,6 +153,18 @@ def test_a_stop_or_a_release_ends_the_search_and_leaves_it_without_a_zero(end: s
     assert not bench.guard.state().homed
 
 
+def test_a_stop_in_the_moment_in_which_it_is_told_to_home_lets_nothing_move() -> None:
+    bench = Bench(20)
+    here = bench.true_deg
+    bench.guard.home()
+    bench.guard.stop()
+    bench.clock.sleep(3.0)
+    assert bench.true_deg == pytest.approx(here, abs=1e-3)
+    assert not bench.guard.state().homed
+    bench.guard.rearm()
+    assert bench.home().guard.state().homed
+
+
 def test_after_a_fault_the_switch_gives_the_zero_back() -> None:
     """Steps are lost by four; homing finds the true zero, and the fault is over."""
     bench = Bench().home().go(60.0)
