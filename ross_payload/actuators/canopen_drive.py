@@ -42,8 +42,8 @@ class CanopenDrive:
         self._link: Link | None = None
         self._setup = Setup(options)
         self._axis = Axis()
-        speed = math.radians(options.max_speed_deg_s)
-        self._places = Places(options.settle_ms * 1e-3, 1.5 * speed)
+        speed, acceleration = math.radians(options.max_speed_deg_s), math.radians(options.max_acceleration_deg_s2)
+        self._places = Places(options.settle_ms * 1e-3, 1.5 * speed, acceleration)
         self._known = False  # where the drive counts 0
         self._homing = False  # asked for, and not over
         self._next: Move | None = None  # what was asked for meanwhile
@@ -56,7 +56,7 @@ class CanopenDrive:
             lower=math.radians(options.lower_deg),
             upper=math.radians(options.upper_deg),
             max_speed=speed,
-            max_acceleration=math.radians(options.max_acceleration_deg_s2),
+            max_acceleration=acceleration,
             resolution=options.resolution,
             continuous=False,
             feedback=Feedback.MEASURED,

@@ -17,20 +17,20 @@ class Places:
     ----------
     settle : float
         For so long it must have been in one place to be still [s].
-    top : float
-        The highest speed that can be true [rad/s].
+    top, acceleration : float
+        The highest that can be true [rad/s], [rad/s^2].
 
     Examples
     --------
-    >>> places = Places(settle=0.1, top=4.0)
+    >>> places = Places(settle=0.1, top=4.0, acceleration=2.0)
     >>> places.take(0.0, 0.0, 1.00), places.take(0.01, 0.5, 1.02)
     ('', '')
     >>> places.take(0.51, 0.5, 1.04)
     'jumps by 28.6 deg at 28.6 deg/s'
     """
 
-    def __init__(self, settle: float, top: float) -> None:
-        self._settle, self._top = settle, top
+    def __init__(self, settle: float, top: float, acceleration: float) -> None:
+        self._settle, self._top, self._acceleration = settle, top, acceleration
         self.joint = 0.0  # the last that can be true [rad]
         self._places: deque[tuple[float, float]] = deque()  # time [s], joint angle [rad]
 
@@ -58,7 +58,8 @@ class Places:
         if not self._places:
             return ""
         time, before = self._places[-1]
-        way, most = abs(joint - before), abs(rate) * (now - time + LATE) + JUMP
+        passed = now - time + LATE
+        way, most = abs(joint - before), abs(rate) * passed + self._acceleration * passed**2 / 2 + JUMP
         if abs(rate) > self._top or way > most:
             return f"jumps by {math.degrees(way):.1f} deg at {math.degrees(abs(rate)):.1f} deg/s"
         return ""

@@ -32,7 +32,8 @@ class Watch:
         state = cia402.state_of(report.status)
         if state not in (State.FAULT, State.FAULT_REACTION):
             self._faulty = math.inf
-            return self._not_enabled(report, state, now) if axis.wanted is State.OPERATION_ENABLED else ""
+            trouble = self._not_enabled(report, state, now) if axis.wanted is State.OPERATION_ENABLED else ""
+            return f"{trouble}; it reports {emergency}" if trouble and emergency else trouble
         self._faulty = min(self._faulty, now)
         why = emergency or "it does not say why"
         if axis.resetting:

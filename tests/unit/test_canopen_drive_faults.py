@@ -13,7 +13,6 @@ from ross_payload.errors import ActuatorFault
 from ross_protocols import cia402
 from ross_protocols.can import CanFrame
 from ross_protocols.canopen import NmtCommand, NmtState, heartbeat, nmt
-from ross_protocols.canopen_sdo import Read, Write, request
 from ross_protocols.cia402 import State
 from ross_sim.clock import QUANTUM
 from ross_sim.far_end import Fault
@@ -46,6 +45,17 @@ def test_a_drive_whose_master_dies_brakes_and_switches_off():
     assert stopped < 150
     bench.clock.sleep(2.0)
     assert bench.true_deg == stopped
+
+
+def test_a_program_that_pauses_finds_the_drive_stopped_and_knows_why():
+    bench = Bench().open()
+    bench.go(190, 0.5)
+    bench.cancel()
+    bench.clock.sleep(1.5)
+    bench.clock.every(QUANTUM, lambda: bench.actuator.poll(bench.clock.now()))
+    bench.clock.sleep(0.1)
+    assert "has left 'operation enabled' by itself" in bench.fault
+    assert bench.fault.endswith("; it reports heartbeat or life guard missed (0x8130)")
 
 
 def test_closing_tells_the_drive_to_expect_nothing():
@@ -185,57 +195,6 @@ def test_a_drive_that_is_switched_off_in_a_move_is_not_switched_on_again():
     bench.clock.sleep(2.0)
     assert "has left 'operation enabled' by itself: it is in 'switch on disabled'" in bench.fault
     assert bench.drive_state is State.SWITCH_ON_DISABLED
-
-
-# -------------------------------------------------------------------------------------------------- others
-
-
-@pytest.mark.parametrize(
-    ("frame", "words"),
-    [
-        (nmt(NmtCommand.STOP, NODE), "another master on the bus orders node 5: 2"),
-        (nmt(NmtCommand.RESET_NODE, 0), "another master on the bus orders node all: 129"),
-        (CanFrame(RPDO2, bytes(4), extended=False), "another master on the bus commands node 5"),
-        (request(NODE, Write(0x6081, 0, bytes(4))), "another master on the bus commands node 5"),
-        (heartbeat(OWN, NmtState.OPERATIONAL), "another node on the bus has our node id 127"),
-        (heartbeat(NODE, NmtState.STOPPED), "the drive at node 5 is stopped and obeys no set-points"),
-        (CanFrame(0x180 + NODE, bytes(3), extended=False), "frames of node 5 arrive damaged: a report of 3 bytes"),
-        (CanFrame(0x580 + NODE, bytes(8), extended=False), "two devices have node id 5: both answer"),
-    ],
-)
-def test_what_does_not_belong_on_the_bus_ends_a_move_with_its_name(frame, words):
-    bench = Bench().open()
-    bench.go(120, 0.8)
-    bench.wire.brought.append(frame)
-    bench.clock.sleep(2 * QUANTUM)
-    assert words in bench.fault
-    bench.clock.sleep(2.0)
-    assert bench.drive_state is State.SWITCH_ON_DISABLED
-
-
-@pytest.mark.parametrize(
-    "frame",
-    [
-        nmt(NmtCommand.STOP, 9),
-        heartbeat(9, NmtState.BOOT_UP),
-        request(NODE, Read(0x6064, 0)),
-        CanFrame(RPDO1, bytes(7), extended=True),
-        CanFrame(0x180 + 9, bytes(2), extended=False),
-    ],
-)
-def test_the_traffic_of_others_is_no_matter(frame):
-    bench = Bench().open()
-    bench.go(60, 0.3)
-    bench.wire.brought.append(frame)
-    bench.settle()
-    assert bench.state.healthy
-
-
-def test_two_drives_with_one_id_are_told_when_they_are_opened():
-    bench = Bench()
-    bench.far_end.afflict(Fault.DUPLICATE)
-    bench.open()
-    assert bench.fault == "two devices have node id 5: both answer"
 
 
 def test_homing_in_a_move_is_a_stop_and_settled_only_when_it_is_over():
