@@ -27,6 +27,15 @@ class NmtCommand(IntEnum):
     RESET_NODE = 129
     RESET_COMMUNICATION = 130
 
+    @classmethod
+    def says(cls, code: int) -> str:
+        """Name an order.
+
+        >>> NmtCommand.says(129), NmtCommand.says(7)
+        ('reset-node', '0x07')
+        """
+        return cls(code).name.lower().replace("_", "-") if code in set(cls) else f"0x{code:02X}"
+
 
 class NmtState(IntEnum):
     """What a node says in its heartbeat."""

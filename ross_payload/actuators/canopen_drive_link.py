@@ -150,7 +150,8 @@ class Link:
         kind, node = frame.id & 0x780, frame.id & 0x7F
         if frame.id == NMT:
             if len(frame.data) == 2 and frame.data[1] in (0, self._node):
-                self._note(f"another master on the bus orders node {frame.data[1] or 'all'}: {frame.data[0]}")
+                whom = f"node {self._node}" if frame.data[1] else "all nodes"
+                self._note(f"another master on the bus orders {whom}: {NmtCommand.says(frame.data[0])}")
         elif frame.id == HEARTBEAT + self._own:
             self._note(f"another node on the bus has our node id {self._own}")
         elif node != self._node:

@@ -16,8 +16,8 @@ RPDO1, RPDO2 = 0x200 + NODE, 0x300 + NODE
 @pytest.mark.parametrize(
     ("frame", "words"),
     [
-        (nmt(NmtCommand.STOP, NODE), "another master on the bus orders node 5: 2"),
-        (nmt(NmtCommand.RESET_NODE, 0), "another master on the bus orders node all: 129"),
+        (nmt(NmtCommand.STOP, NODE), "another master on the bus orders node 5: stop"),
+        (nmt(NmtCommand.RESET_NODE, 0), "another master on the bus orders all nodes: reset-node"),
         (CanFrame(RPDO2, bytes(4), extended=False), "another master on the bus commands node 5"),
         (request(NODE, Write(0x6081, 0, bytes(4))), "another master on the bus commands node 5"),
         (heartbeat(OWN, NmtState.OPERATIONAL), "another node on the bus has our node id 127"),
