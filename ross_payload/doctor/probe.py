@@ -13,10 +13,11 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from ross_payload.actuators.guard import Guard
-from ross_payload.actuators.registry import open_actuator
+from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.config import Config
 from ross_payload.doctor.finding import Finding, fail, ok, warn
 from ross_payload.doctor.probe_moves import Figures, Leg, figures, judge, make
+from ross_payload.doctor.turning import NOWHERE
 from ross_payload.errors import ActuatorError, RossError
 from ross_payload.interfaces import ActuatorState, Feedback, Services
 
@@ -68,7 +69,7 @@ def _examined(guard: Guard, config: Config, services: Services, wishes: Wishes, 
     if not state.healthy and not (wishes.home and state.time > -math.inf):
         yield fail("report", state.fault, "wire, power, ids? See 'what happens when' on the page of this actuator")
         return
-    yield from _identified(guard, results)
+    yield from _identified(guard, config, results)
     if wishes.home:
         yield _homed(guard, config, services)
     elif not state.homed:
@@ -103,10 +104,12 @@ def _first_report(guard: Guard, services: Services) -> ActuatorState:
     return guard.state()
 
 
-def _identified(guard: Guard, results: Results) -> Iterator[Finding]:
+def _identified(guard: Guard, config: Config, results: Results) -> Iterator[Finding]:
     able = guard.capabilities
     results.identity, results.feedback = guard.identity, str(able.feedback)
     yield ok("device", f"{results.kind}: {results.identity or 'it says nothing of itself'}")
+    if getattr(checked_options(config), "port", "") == NOWHERE:
+        yield warn("wire", "pulses stay in memory: nothing will turn", "name a wire: options.port")
     lower, upper, speed, acceleration, step = (
         math.degrees(value)
         for value in (able.lower, able.upper, able.max_speed, able.max_acceleration, able.resolution)

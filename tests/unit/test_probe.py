@@ -86,6 +86,13 @@ def test_five_degrees_and_back_are_five_degrees_and_back(kind: str) -> None:
     assert about(findings, "direction").verdict is (Verdict.OK if measured else Verdict.WARN)
 
 
+def test_a_device_is_called_what_it_calls_itself() -> None:
+    on = Workbench("grbl")
+    findings = on.probe()
+    assert on.results.identity.startswith("grbl 1.1")
+    assert on.results.identity in about(findings, "device").found
+
+
 def test_it_moves_slowly() -> None:
     on = Workbench("ideal")
     fastest, before = 0.0, on.far_end.angle()
@@ -223,8 +230,11 @@ def test_the_command_tells_machines_all(tmp_path: Path) -> None:
     file.write_text('[actuator]\nkind = "tb6600"\n')
     done = CliRunner().invoke(probe_command, [str(file), "--json"], standalone_mode=False)
     told = json.loads(done.output)
-    assert told["verdict"] == "ok"
-    assert done.return_value == CODES["ok"]
+    assert told["verdict"] == "warn"
+    assert [check["found"] for check in told["checks"] if check["verdict"] == "warn"] == [
+        "pulses stay in memory: nothing will turn"
+    ]
+    assert done.return_value == CODES["warn"]
     assert told["figures"]["feedback"] == "model"
     assert told["figures"]["move"] is None
 
@@ -239,4 +249,3 @@ def test_who_cannot_answer_is_not_moved(tmp_path: Path) -> None:
     done = CliRunner().invoke(probe_command, [str(file), "--move"], input="n\n", standalone_mode=False)
     assert "Is the way free?" in done.output
     assert "direction" not in done.output
-    assert done.return_value == CODES["ok"]
