@@ -190,6 +190,8 @@ class DronecanServo:
     def _go(self, move: Move, now: float) -> None:
         position, velocity = self._motion.at(now) if self._motion is not None else (self._state.angle, 0.0)
         self._motion = Motion(Trapezoid(position, move.goal, move.rate, self._acceleration, velocity), now)
+        if not velocity:
+            self._due = min(self._due, now)  # at once
 
     def _home(self, now: float) -> None:
         self._fault = ""
@@ -220,10 +222,10 @@ class DronecanServo:
         if self._motion is not None and now >= self._due - EARLY:
             if now - self._due > GAP and (motion := self._motion).end > self._due:
                 plan = motion.plan
-                there = motion.at(self._due - PERIOD)[0]
+                there = motion.at(self._due)[0]
                 self._motion = Motion(Trapezoid(there, plan.goal, plan.speed, plan.acceleration), now)
             self._due = (self._due if now - self._due < PERIOD else now) + PERIOD
-            client.command(self._motion.at(now)[0])
+            client.command(self._motion.at(now + PERIOD)[0])  # where it should be when the next one comes
 
     def _publish(self, client: ServoClient, now: float) -> None:
         if now >= self._home_until:
