@@ -41,6 +41,7 @@ class Grbl:
         self._requests = Requests()
         self._script: Script | None = None
         self._zero: int | None = None  # grbl's counter at joint angle 0
+        self._opening = False  # who is there is not known yet
         self._left: int | None = None  # grbl's counter when it was closed
         self._fault = ""
         self._now = -math.inf
@@ -54,6 +55,12 @@ class Grbl:
             continuous=True,
             feedback=Feedback.MODEL,
         )
+
+    @property
+    def identity(self) -> str:
+        """Who answered, in words; empty while nobody has."""
+        version = self._session.version if self._session is not None else ""
+        return f"grbl {version.rstrip(':')}" if version else ""
 
     def command(self, angle: float, rate: float | None = None) -> None:
         """Go to the microstep nearest to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal."""
@@ -111,7 +118,7 @@ class Grbl:
         clock = self._services.clock
         self._session = Session(self._options, self._services.open_port(self._options.port), clock.now())
         self._script = self._open(self._session)
-        self._fault = ""
+        self._fault, self._opening = "", True
         self._state = replace(self._state, settled=False, healthy=True, time=-math.inf, fault="")
         return self
 
@@ -150,6 +157,7 @@ class Grbl:
             self._lose(str(error), known=self._session is not None and self._session.position_known)
 
     def _obey(self, session: Session, request: Move | Ask) -> Script | None:
+        self._opening = False
         if isinstance(request, Move):
             return self._move(session, request) if not self._fault and self._zero is not None else self._script
         if request is Ask.HALT:
@@ -161,9 +169,10 @@ class Grbl:
         """Find out who is there; a zero that is declared is where the counter stands."""
         yield from session.meet()
         if session.doing is State.SLEEP:
-            self._zero = None
+            self._zero, self._opening = None, False
             return
         yield from session.identify()
+        self._opening = False
         count = session.track.count
         if self._zero is not None and count != self._left:
             self._zero = None
@@ -211,6 +220,7 @@ class Grbl:
 
     def _publish(self, session: Session) -> None:
         track, time = session.track, self._now if session.homing else session.report_time
+        time = -math.inf if self._opening else time
         known = track.count is not None
         angle = ((track.count or 0) - (self._zero or 0)) * self._options.resolution if known else self._state.angle
         fresh = self._now - session.report_time <= STALE

@@ -72,6 +72,11 @@ class Session:
         return self._dialogue.report.state if self._dialogue.report is not None else None
 
     @property
+    def version(self) -> str:
+        """Of the firmware; empty until it is known."""
+        return self._version
+
+    @property
     def report_time(self) -> float:
         """When the last report was asked for [s]."""
         return self._dialogue.time

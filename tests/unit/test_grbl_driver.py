@@ -303,6 +303,19 @@ def test_release_takes_the_torque_away_and_homing_gives_it_back():
     bench.go(0.2)
 
 
+def test_it_says_who_it_is():
+    bench = Bench()
+    assert bench.actuator.identity == ""
+    assert bench.open().actuator.identity == "grbl 1.1h.20190825"
+
+
+def test_it_has_no_report_before_it_knows_who_is_there():
+    bench = Bench().open(seconds=0.05)
+    assert math.isinf(bench.state.time)
+    bench.until(lambda: bench.state.settled)
+    assert bench.state.homed
+
+
 def test_opened_asleep_it_stays_without_torque_until_homing():
     bench = Bench()
     bench.end.port.send(b"$SLP\n")
