@@ -150,7 +150,7 @@ def test_a_restart_in_a_move_is_a_fault_and_at_rest_it_is_none(role):
     rig.actuator.command(2.0)
     rig.clock.sleep(1.2)
     rig.device.restart()
-    rig.detect(within=1.0)
+    rig.detect(within=0.3)
     assert "restarted in the middle of a move" in rig.state.fault
 
 
