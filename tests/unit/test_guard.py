@@ -192,6 +192,7 @@ def test_homing_is_refused_after_a_stop() -> None:
     assert on.guard.stopped
     with pytest.raises(ActuatorFault, match="re-arm"):
         on.guard.home()
+    assert "home" not in on.device.asked
 
 
 # ------------------------------------------------------------------------------------------ the registry
