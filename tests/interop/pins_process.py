@@ -42,4 +42,5 @@ def main() -> None:
     json.dump({"planned": planned, "reports": reports, "cuts": cuts.tolist()}, sys.stdout)
 
 
-main()
+if __name__ == "__main__":
+    main()
