@@ -148,3 +148,14 @@ def test_a_fault_between_the_check_and_the_request_wins() -> None:
     with pytest.raises(ActuatorFault, match="the wire is broken"):
         on.guard.command(1.0)
     assert on.device.asked[-1] == "stop"
+
+
+def test_closing_closes_the_device_and_expects_nothing_more_of_it() -> None:
+    on = bench(max_move_s=0.5)
+    on.device.jammed = True
+    on.guard.command(1.0)
+    on.guard.__exit__(None, None, None)
+    on.clock.sleep(2.0)
+    assert on.device.asked[-1] == "close"
+    with on.guard as opened:
+        assert opened.state().healthy
