@@ -159,3 +159,22 @@ def test_closing_closes_the_device_and_expects_nothing_more_of_it() -> None:
     assert on.device.asked[-1] == "close"
     with on.guard as opened:
         assert opened.state().healthy
+
+
+def test_a_fault_without_words_gets_some() -> None:
+    on = bench()
+    on.device.now = replace(on.device.now, healthy=False)
+    assert on.guard.state().fault == "the actuator reports a fault"
+    assert not on.guard.state().healthy
+
+
+def test_a_rearm_that_was_refused_must_be_asked_for_again() -> None:
+    on = bench()
+    on.device.now = replace(on.device.now, healthy=False, fault="hot")
+    with pytest.raises(ActuatorFault, match="still not well: hot"):
+        on.guard.rearm()
+    on.device.now = replace(on.device.now, healthy=True, fault="")
+    with pytest.raises(ActuatorFault, match="hot; re-arm first"):
+        on.guard.command(1.0)
+    on.guard.rearm()
+    on.guard.command(1.0)
