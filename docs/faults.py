@@ -13,7 +13,7 @@ sys.path.append(str(Path(__file__).parents[1] / "tests" / "support"))
 from detections import DETECTIONS
 from monitor import tolerated
 from rigs import KINDS
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 EXACTLY = """\
 10,000 random sequences of goals, rates, halts, stops, homings and releases (`make soak`; a dozen per back end with

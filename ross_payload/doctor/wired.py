@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 
-from ross_payload.actuators.mavlink_port import SCHEME, opener
+from ross_payload.actuators.mavlink_gimbal.port import SCHEME, opener
 from ross_payload.actuators.registry import checked_options
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config

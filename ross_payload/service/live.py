@@ -16,7 +16,7 @@ from types import FrameType
 from threadpoolctl import threadpool_limits
 
 from ross_payload import __version__
-from ross_payload.actuators.mavlink_port import opener
+from ross_payload.actuators.mavlink_gimbal.port import opener
 from ross_payload.audio.live import LiveSource
 from ross_payload.audio.sources import open_source
 from ross_payload.clock import SystemClock, synchronised_time

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ross_sim.clock import QUANTUM
-from ross_sim.device_leads import Lead
+from ross_sim.devices.device_leads import Lead
+from ross_sim.devices.realtime import RealTime
 from ross_sim.outlets import Outlet
-from ross_sim.realtime import RealTime
 from ross_sim.truth import TruthWriter
 from ross_sim.world import World
 

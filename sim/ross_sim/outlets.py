@@ -13,7 +13,7 @@ from typing import Protocol
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Samples
 from ross_protocols.pcm import WIDTHS, Header, encode, encode_header
-from ross_sim.wires import listen
+from ross_sim.devices.wires import listen
 
 BACKLOG = 30.0  # [s] of sound that waits for a slow listener
 PIPE = 4096  # [bytes] that a FIFO holds: what waits in it is heard late

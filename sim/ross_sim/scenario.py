@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Degrees, Positive, Table, read_toml, validated
 from ross_payload.errors import ConfigError
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 from ross_sim.room import RoomSpec
 from ross_sim.speech import Voice
 from ross_sim.vehicle import Yaw

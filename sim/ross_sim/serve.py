@@ -25,7 +25,7 @@ from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Observer
 from ross_sim.casting import Company
 from ross_sim.clock import SimClock
-from ross_sim.far_end import FarEnd, far_end_of
+from ross_sim.devices.far_end import FarEnd, far_end_of
 from ross_sim.live import View
 from ross_sim.live_world import STRETCH
 from ross_sim.outdir import OutDir

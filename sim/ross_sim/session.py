@@ -34,7 +34,7 @@ from ross_payload.timebase import Timebase
 from ross_sim.autopilot import board
 from ross_sim.casting import Company
 from ross_sim.clock import SimClock
-from ross_sim.far_end import FarEnd, far_end_of
+from ross_sim.devices.far_end import FarEnd, far_end_of
 from ross_sim.live import View
 from ross_sim.outdir import OutDir
 from ross_sim.picture import draw

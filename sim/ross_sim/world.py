@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import AudioBlock, AudioFlag, Real, Samples
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.far_end import FarEnd, Fault
+from ross_sim.devices.far_end import FarEnd, Fault
 from ross_sim.motor import MotorNoise
 from ross_sim.render import Ears, Stems, gains
 from ross_sim.responses import Responses

@@ -14,16 +14,16 @@ from threadpoolctl import threadpool_limits
 from ross_payload.audio.files import write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError
-from ross_sim.address import tcp_address
 from ross_sim.casting import company_of
 from ross_sim.clock import SimClock
-from ross_sim.device_leads import advice, connected
-from ross_sim.far_end import far_end_of
+from ross_sim.devices.address import tcp_address
+from ross_sim.devices.device_leads import advice, connected
+from ross_sim.devices.far_end import far_end_of
+from ross_sim.devices.realtime import RealTime
 from ross_sim.live import waiting
 from ross_sim.live_world import LiveWorld
 from ross_sim.outdir import OutDir
 from ross_sim.outlets import Fifo, Outlet, PcmServer
-from ross_sim.realtime import RealTime
 from ross_sim.scenario import Cast, Scenario
 from ross_sim.signals import on_signal
 from ross_sim.truth import TruthWriter, facts

@@ -16,7 +16,7 @@ from detections import DETECTIONS, Detection
 from rigs import KINDS, Rig, rig_of
 from ross_payload.errors import ActuatorError
 from ross_sim.clock import QUANTUM
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 STILL = math.radians(0.3)  # between two looks a second apart [rad]
 CASES = [

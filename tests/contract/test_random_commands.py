@@ -15,7 +15,7 @@ from monitor import Monitor, tolerated
 from rigs import KINDS, Rig, rig_of
 from ross_payload.errors import ActuatorError
 from ross_sim.clock import QUANTUM
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 MANY = math.ceil(10_000 / len(KINDS))
 BRAKING = 300  # quanta in which everything comes to rest

@@ -10,8 +10,8 @@ from itertools import pairwise
 import numpy as np
 
 from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.pulses import EDGE, Level, Line, Played, Segment
-from ross_payload.actuators.steps import Interface, Wires, train
+from ross_payload.actuators.tb6600.pulses import EDGE, Level, Line, Played, Segment
+from ross_payload.actuators.tb6600.steps import Interface, Wires, train
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 

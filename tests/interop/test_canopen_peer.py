@@ -18,13 +18,13 @@ canopen = pytest.importorskip("canopen")
 
 from canopen.profiles.p402 import BaseNode402  # noqa: E402
 
-from ross_payload.actuators.canopen_drive import backend  # noqa: E402
-from ross_payload.actuators.canopen_drive_options import Options  # noqa: E402
+from ross_payload.actuators.canopen_drive.driver import backend  # noqa: E402
+from ross_payload.actuators.canopen_drive.options import Options  # noqa: E402
 from ross_payload.actuators.wires import open_wire  # noqa: E402
 from ross_payload.clock import SystemClock  # noqa: E402
 from ross_payload.interfaces import Services  # noqa: E402
-from ross_sim.drive import DriveFarEnd  # noqa: E402
-from ross_sim.drive_objects import Objects  # noqa: E402
+from ross_sim.devices.drive import DriveFarEnd  # noqa: E402
+from ross_sim.devices.drive_objects import Objects  # noqa: E402
 
 NODE = 5
 SHEET = Path(__file__).parents[2] / "protocols" / "canopen" / "ross_drive.eds"

@@ -19,13 +19,13 @@ from dronecan.app.dynamic_node_id import CentralizedServer  # noqa: E402
 from dronecan.app.node_monitor import NodeMonitor  # noqa: E402
 
 from dronecan_bus import peer, spin_until  # noqa: E402
-from ross_payload.actuators.dronecan_options import Options  # noqa: E402
-from ross_payload.actuators.dronecan_servo import backend  # noqa: E402
+from ross_payload.actuators.dronecan_servo.driver import backend  # noqa: E402
+from ross_payload.actuators.dronecan_servo.options import Options  # noqa: E402
 from ross_payload.actuators.wires import open_wire  # noqa: E402
 from ross_payload.clock import SystemClock  # noqa: E402
 from ross_payload.interfaces import Services  # noqa: E402
-from ross_sim.servo_node import ServoNode  # noqa: E402
-from ross_sim.servo_shaft import Drive, Shaft  # noqa: E402
+from ross_sim.devices.servo_node import ServoNode  # noqa: E402
+from ross_sim.devices.servo_shaft import Drive, Shaft  # noqa: E402
 
 PEER, SERVO = 10, 50
 numbers = count()

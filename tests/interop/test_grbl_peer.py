@@ -22,8 +22,8 @@ SQUARE = ("G21", "G90", "G1 X30 F9000", "X30 Y10", "X0 Y10", "X0 Y0", "G0 X-15")
 STEP = 0.1125  # [deg]
 TURN = """
 import sys
-from ross_payload.actuators.grbl import backend
-from ross_payload.actuators.grbl_options import Options
+from ross_payload.actuators.grbl.driver import backend
+from ross_payload.actuators.grbl.options import Options
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.interfaces import Services

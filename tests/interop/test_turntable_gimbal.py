@@ -15,8 +15,8 @@ from ross_payload.links import open_port
 from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import common
 from ross_protocols.vehicle import euler
-from ross_sim.gimbal_device import Servo
-from ross_sim.gimbal_manager import ArduPilot
+from ross_sim.devices.gimbal_device import Servo
+from ross_sim.devices.gimbal_manager import ArduPilot
 
 mavsdk = pytest.importorskip("mavsdk", minversion="4", reason="needs the Python package mavsdk, 4 or later")
 gimbals = pytest.importorskip("mavsdk.plugins.gimbal.gimbal")

@@ -30,7 +30,7 @@ from ross_payload.service.payload import FIRST
 from ross_payload.service.runner import Runner
 from ross_sim.casting import company_of
 from ross_sim.clock import SimClock
-from ross_sim.far_end import far_end_of
+from ross_sim.devices.far_end import far_end_of
 from ross_sim.scenario import load
 from ross_sim.world import World
 

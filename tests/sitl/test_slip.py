@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 from ross_sim.scenario import load
 
 QUIET = """

@@ -15,14 +15,14 @@ import numpy as np
 import pytest
 import soundfile
 
-from ross_payload.actuators.pulses import Line, PulseCodec, RecordingPulses
 from ross_payload.actuators.registry import open_actuator
+from ross_payload.actuators.tb6600.pulses import Line, PulseCodec, RecordingPulses
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault
 from ross_payload.interfaces import Services
 from ross_sim.clock import SimClock
-from ross_sim.wires import WireServer
+from ross_sim.devices.wires import WireServer
 
 LOOPBACK = "127.0.0.1"
 STEPS = 112.5 / 0.1125  # acceleration [1/s^2] at sixteenth steps

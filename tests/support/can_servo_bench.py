@@ -8,7 +8,7 @@ from ross_payload.interfaces import Services
 from ross_protocols.dronecan import ArrayCommand, Assembler, Sender
 from ross_protocols.dronecan_gimbal import AngularCommand
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.servo import far_end
+from ross_sim.devices.servo import far_end
 
 OWN, SERVO = 121, 50
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ross_payload.actuators.guard import Guard
-from ross_payload.actuators.mavlink_port import opener
+from ross_payload.actuators.mavlink_gimbal.port import opener
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config

@@ -13,7 +13,7 @@ from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import load
 from ross_payload.doctor.wired import POLL, wired
 from ross_payload.interfaces import Port
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 OPENING = 2.0  # of what boots when it is opened [s]
 PATIENCE = 4.0  # times that of the simulated

@@ -14,7 +14,7 @@ from ross_protocols.can import CanFrame
 from ross_protocols.canopen import Item
 from ross_protocols.cia402 import State
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.drive import far_end
+from ross_sim.devices.drive import far_end
 
 NODE, OWN = 5, 127
 OPENING = 0.8  # in which a drive is set up [s]

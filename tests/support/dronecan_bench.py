@@ -26,7 +26,7 @@ from ross_protocols.codec import Decoder
 from ross_protocols.dronecan_speech import Reply
 from ross_protocols.values import Text
 from ross_sim.clock import SimClock
-from ross_sim.far_end import far_end_of
+from ross_sim.devices.far_end import far_end_of
 from ross_sim.tape import drained
 
 URL = "can:test:0"

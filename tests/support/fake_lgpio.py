@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ross_payload.actuators.pulses import EDGE, Line
+from ross_payload.actuators.tb6600.pulses import EDGE, Line
 
 WAKE = 20_000  # [us]
 SLOTS = 10

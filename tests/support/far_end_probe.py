@@ -12,10 +12,10 @@ from typing import Any
 
 from ross_payload.config import Config
 from ross_protocols import cia402
-from ross_sim.device_command import KINDS
-from ross_sim.device_leads import Lead, connected
-from ross_sim.device_session import live
-from ross_sim.far_end import far_end_of
+from ross_sim.devices.device_command import KINDS
+from ross_sim.devices.device_leads import Lead, connected
+from ross_sim.devices.device_session import live
+from ross_sim.devices.far_end import far_end_of
 
 # What a driver's command changes at each far end.
 GOALS = {

@@ -14,7 +14,7 @@ from ross_payload.orders import Shutdown
 from ross_payload.service.payload import maker
 from ross_payload.service.runner import Runner
 from ross_sim.clock import SimClock
-from ross_sim.far_end import far_end_of
+from ross_sim.devices.far_end import far_end_of
 
 
 class Microphones:

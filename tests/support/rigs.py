@@ -12,7 +12,7 @@ from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.config import Config
 from ross_payload.interfaces import ActuatorState, Clock, Port, Services
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.far_end import FarEnd
+from ross_sim.devices.far_end import FarEnd
 
 # Back ends, with their role where they have several.
 KINDS = (

@@ -11,7 +11,7 @@ from ross_payload.errors import ActuatorFault
 from ross_protocols import cia402
 from ross_protocols.cia402 import State
 from ross_sim.clock import QUANTUM
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 RPDO1, RPDO2, SDO = 0x200 + NODE, 0x300 + NODE, 0x600 + NODE
 ABSENT = {cia402.HALT_OPTION, cia402.FOLLOWING_TIME, cia402.POSITION_WINDOW, cia402.POSITION_TIME, cia402.PRODUCT}

@@ -6,16 +6,16 @@ import struct
 import pytest
 
 from drive_bench import NODE, OPENING, OWN, Bench
-from ross_payload.actuators.canopen_drive_axis import Axis
-from ross_payload.actuators.canopen_drive_link import Report
-from ross_payload.actuators.canopen_drive_watch import Watch
+from ross_payload.actuators.canopen_drive.axis import Axis
+from ross_payload.actuators.canopen_drive.link import Report
+from ross_payload.actuators.canopen_drive.watch import Watch
 from ross_payload.errors import ActuatorFault
 from ross_protocols import cia402
 from ross_protocols.can import CanFrame
 from ross_protocols.canopen import NmtCommand, NmtState, heartbeat, nmt
 from ross_protocols.cia402 import State
 from ross_sim.clock import QUANTUM
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 RPDO1, RPDO2 = 0x200 + NODE, 0x300 + NODE
 

@@ -5,11 +5,11 @@ import math
 import pytest
 
 from drive_bench import OPENING, Bench
-from ross_payload.actuators.canopen_drive_options import Options
+from ross_payload.actuators.canopen_drive.options import Options
 from ross_payload.errors import ConfigError, NotHomed
 from ross_protocols import cia402
 from ross_protocols.cia402 import State
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 # -------------------------------------------------------------------------------------------------- homing
 

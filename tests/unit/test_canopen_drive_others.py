@@ -8,7 +8,7 @@ from ross_protocols.canopen import NmtCommand, NmtState, heartbeat, nmt
 from ross_protocols.canopen_sdo import Read, Write, request
 from ross_protocols.cia402 import State
 from ross_sim.clock import QUANTUM
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 RPDO1, RPDO2 = 0x200 + NODE, 0x300 + NODE
 

@@ -29,7 +29,7 @@ from ross_payload.orders import Stop, TurnTo
 from ross_protocols.dronecan import Health, LogMessage, Mode, NodeStatus
 from ross_protocols.dronecan_ross import RossSource, RossSources, RossStatus
 from ross_protocols.dronecan_speech import Voice
-from ross_sim.can_bus import lasts
+from ross_sim.devices.can_bus import lasts
 
 ROOT = Path(__file__).parents[2]
 

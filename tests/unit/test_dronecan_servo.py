@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 
 from can_servo_bench import OWN, SERVO, Rig
-from ross_payload.actuators.dronecan_options import Options
+from ross_payload.actuators.dronecan_servo.options import Options
 from ross_payload.errors import ActuatorFault, ConfigError, NotHomed
 from ross_protocols.dronecan import (
     ArrayCommand,
@@ -20,7 +20,7 @@ from ross_protocols.dronecan import (
     Status,
 )
 from ross_sim.clock import QUANTUM
-from ross_sim.servo import ServoFarEnd, ServoNode, far_end
+from ross_sim.devices.servo import ServoFarEnd, ServoNode, far_end
 
 
 def test_nothing_is_commanded_before_the_first_goal():

@@ -14,7 +14,7 @@ from ross_protocols.can import CanFrame
 from ross_protocols.dronecan import ArrayCommand, Health, Mode, NodeStatus
 from ross_protocols.dronecan_gimbal import AngularCommand, GimbalStatus
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 MODEL = {"feedback": "model"}
 GIMBAL = {"command": "gimbal"}

@@ -28,7 +28,7 @@ from ross_payload.links import Links
 from ross_protocols import gimbal
 from ross_protocols.dialect import common
 from ross_protocols.vehicle import euler
-from ross_sim.far_end import Fault
+from ross_sim.devices.far_end import Fault
 
 
 @pytest.fixture

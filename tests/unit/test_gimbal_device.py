@@ -17,8 +17,8 @@ from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import common
 from ross_protocols.gimbal import EARTH_FRAME, VEHICLE_FRAME, YAW_LOCK
 from ross_protocols.vehicle import VehicleAttitude, euler, gimbal_state
-from ross_sim.gimbal_device import Servo
-from ross_sim.gimbal_manager import ArduPilot
+from ross_sim.devices.gimbal_device import Servo
+from ross_sim.devices.gimbal_manager import ArduPilot
 
 SERVO = Servo(lower=math.radians(-200), upper=math.radians(200), max_speed=4.0, max_acceleration=2.0)
 LOCKED, FOLLOWING = YAW_LOCK | EARTH_FRAME, VEHICLE_FRAME

@@ -14,16 +14,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fake_lgpio import FakeLgpio
-from ross_payload.actuators.gpio_wire import GpioPulses, pins_of, wave
 from ross_payload.actuators.guard import Guard
-from ross_payload.actuators.pulses import EDGE, Level, Line, Played, RanOut, Segment
 from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.actuators.tb6600.pulses import EDGE, Level, Line, Played, RanOut, Segment
 from ross_payload.actuators.wires import open_wire
+from ross_payload.actuators.wires.gpio import GpioPulses, pins_of, wave
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError, LinkError, PluginError
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.tb6600 import Tb6600FarEnd, far_end
+from ross_sim.devices.tb6600 import Tb6600FarEnd, far_end
 
 URL = "pulses:lgpio:0:17,27,22"
 SWITCH_PIN = 23

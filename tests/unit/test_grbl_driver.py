@@ -9,17 +9,17 @@ from dataclasses import replace
 import pytest
 
 from rigs import CuttableWire
-from ross_payload.actuators.grbl import Grbl
-from ross_payload.actuators.grbl_options import Options, complaint
+from ross_payload.actuators.grbl.driver import Grbl
+from ross_payload.actuators.grbl.options import Options, complaint
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_payload.interfaces import Services
 from ross_protocols.grbl import State
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.far_end import Fault
-from ross_sim.grbl import far_end
-from ross_sim.wires import WireServer, side_of
+from ross_sim.devices.far_end import Fault
+from ross_sim.devices.grbl import far_end
+from ross_sim.devices.wires import WireServer, side_of
 
 TURN = math.radians(60)
 
@@ -130,7 +130,7 @@ def test_a_grbl_that_is_slower_than_the_options_is_told_in_the_log(caplog):
 
 
 def test_another_version_is_refused(monkeypatch):
-    monkeypatch.setattr("ross_sim.grbl_firmware.BUILD", ("[VER:0.9j.20160303:]",))
+    monkeypatch.setattr("ross_sim.devices.grbl_firmware.BUILD", ("[VER:0.9j.20160303:]",))
     assert "found grbl 0.9j.20160303:: wanted 1.1" in Bench().open().state.fault
 
 

@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ross_payload.actuators.grbl_options import Options
+from ross_payload.actuators.grbl.options import Options
 from ross_protocols.grbl import JOG_CANCEL, RESET, STATUS, Alarm, Error, Lines, Ok, Report, State
-from ross_sim.far_end import Fault
-from ross_sim.grbl import GrblFarEnd, far_end
-from ross_sim.grbl_firmware import RECEIVE_BUFFER, Firmware
-from ross_sim.grbl_planner import PIECE, Axis, Motion
-from ross_sim.stepper import Motor
+from ross_sim.devices.far_end import Fault
+from ross_sim.devices.grbl import GrblFarEnd, far_end
+from ross_sim.devices.grbl_firmware import RECEIVE_BUFFER, Firmware
+from ross_sim.devices.grbl_planner import PIECE, Axis, Motion
+from ross_sim.devices.stepper import Motor
 
 
 class Terminal:

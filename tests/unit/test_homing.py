@@ -10,15 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ross_payload.actuators.guard import Guard
-from ross_payload.actuators.homing import Contact
-from ross_payload.actuators.pulses import Level
 from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.actuators.tb6600.homing import Contact
+from ross_payload.actuators.tb6600.pulses import Level
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault, NotHomed
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.home_switch import HomeSwitch
-from ross_sim.tb6600 import Tb6600FarEnd, far_end
+from ross_sim.devices.home_switch import HomeSwitch
+from ross_sim.devices.tb6600 import Tb6600FarEnd, far_end
 
 PERIOD = 7.2  # of the rotor's teeth: a module that is switched on pulls it to the nearest of these [deg]
 STEP = 0.1125 * 1.01  # [deg]

@@ -12,8 +12,8 @@ from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
 from ross_protocols.can import CanFrame
-from ross_sim.address import tcp_address
-from ross_sim.hub import MOST_WAITING, Hub
+from ross_sim.devices.address import tcp_address
+from ross_sim.devices.hub import MOST_WAITING, Hub
 
 can = pytest.importorskip("can")
 CLOCK = SystemClock()

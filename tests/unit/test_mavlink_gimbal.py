@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from ross_payload.actuators.mavlink_port import ComponentPort, opener
+from ross_payload.actuators.mavlink_gimbal.port import ComponentPort, opener
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config, Link
 from ross_payload.errors import ActuatorFault, ConfigError
@@ -14,8 +14,8 @@ from ross_protocols import gimbal
 from ross_protocols.codec import Decoder, Encoder
 from ross_sim.clock import SimClock
 from ross_sim.delay import wire
-from ross_sim.gimbal import GimbalFarEnd
-from ross_sim.gimbal_device import Servo
+from ross_sim.devices.gimbal import GimbalFarEnd
+from ross_sim.devices.gimbal_device import Servo
 
 SERVO = Servo(math.radians(-202), math.radians(202), max_speed=2.0, max_acceleration=4.0)
 ROLES = ("client", "manager")

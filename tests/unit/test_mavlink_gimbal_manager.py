@@ -15,8 +15,8 @@ from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import common
 from ross_protocols.vehicle import quaternion
 from ross_sim.clock import SimClock
-from ross_sim.gimbal import GimbalFarEnd
-from ross_sim.gimbal_device import Device, Servo
+from ross_sim.devices.gimbal import GimbalFarEnd
+from ross_sim.devices.gimbal_device import Device, Servo
 
 SERVO = Servo(math.radians(-202), math.radians(202), max_speed=2.0, max_acceleration=4.0)
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
@@ -244,7 +244,7 @@ def test_a_gimbal_that_does_not_know_its_limits_is_believed_to_have_those_of_the
 
 @pytest.mark.parametrize("role", ["client", "manager"])
 def test_a_slip_on_the_platform_is_seen_by_nobody(role):
-    from ross_sim.far_end import Fault
+    from ross_sim.devices.far_end import Fault
 
     far_end = GimbalFarEnd(SERVO, autopilot=role == "client")
     rig = Bench(far_end, role=role)

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from ross_payload.actuators.mavlink_gimbal_clock import SenderClock, Verdict
-from ross_payload.actuators.mavlink_gimbal_feedback import GimbalFeedback
-from ross_payload.actuators.mavlink_gimbal_watch import contradiction, silence
+from ross_payload.actuators.mavlink_gimbal.clock import SenderClock, Verdict
+from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
+from ross_payload.actuators.mavlink_gimbal.watch import contradiction, silence
 from ross_protocols.gimbal import GimbalAttitude
 
 PERIOD = 0.02  # between two reports [s]

@@ -22,7 +22,7 @@ from ross_payload.doctor.probe_moves import Leg, figures, goals, judge
 from ross_payload.doctor.show import as_text
 from ross_payload.interfaces import ActuatorState, Capabilities, Feedback, Services
 from ross_sim.clock import SimClock
-from ross_sim.far_end import FarEnd, Fault
+from ross_sim.devices.far_end import FarEnd, Fault
 
 MOVED = math.radians(0.3)  # a rotor swings a little when it gets its torque [rad]
 NAMES = ["direction", "error", "overshoot", "settling", "play", "speed"]

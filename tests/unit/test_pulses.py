@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.pulses import EDGE, Line, Played, RecordingPulses, Segment
-from ross_payload.actuators.steps import Interface, Wires, after, step_times, train
+from ross_payload.actuators.tb6600.pulses import EDGE, Line, Played, RecordingPulses, Segment
+from ross_payload.actuators.tb6600.steps import Interface, Wires, after, step_times, train
 from ross_payload.actuators.wires import open_wire
 from ross_payload.errors import ConfigError
 from ross_sim.clock import SimClock

@@ -10,13 +10,13 @@ import tty
 
 import pytest
 
-from ross_payload.actuators.serial_wire import AGAIN, SerialWire, _why
 from ross_payload.actuators.wires import open_wire
+from ross_payload.actuators.wires.serial import AGAIN, SerialWire, _why
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
-from ross_sim.pty_port import PtyServer
-from ross_sim.serial_side import SerialSide
-from ross_sim.wires import WireServer
+from ross_sim.devices.pty_port import PtyServer
+from ross_sim.devices.serial_side import SerialSide
+from ross_sim.devices.wires import WireServer
 
 
 class LeapingClock(SystemClock):

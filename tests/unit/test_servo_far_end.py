@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ross_payload.actuators.dronecan_options import Options
+from ross_payload.actuators.dronecan_servo.options import Options
 from ross_protocols.can import CanFrame
 from ross_protocols.dronecan import ArrayCommand, Command, CommandKind, NodeStatus, Sender, Status
 from ross_protocols.dronecan_services import MAGIC, NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
 from ross_protocols.dronecan_speech import Ear, Voice
-from ross_sim.can_bus import ROOM, Bus, lasts
-from ross_sim.far_end import SLIP, Fault
-from ross_sim.servo import far_end
-from ross_sim.servo_shaft import STEP, Drive, Shaft
+from ross_sim.devices.can_bus import ROOM, Bus, lasts
+from ross_sim.devices.far_end import SLIP, Fault
+from ross_sim.devices.servo import far_end
+from ross_sim.devices.servo_shaft import STEP, Drive, Shaft
 
 TEN_MS = 0.01
 GOAL = math.radians(60)

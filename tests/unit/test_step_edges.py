@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from fake_lgpio import FakeLgpio
-from ross_payload.actuators.gpio_wire import GpioPulses, pins_of
 from ross_payload.actuators.guard import Guard
-from ross_payload.actuators.pulses import EDGE, Line, Segment
 from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.actuators.tb6600.pulses import EDGE, Line, Segment
+from ross_payload.actuators.wires.gpio import GpioPulses, pins_of
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorError
 from ross_payload.interfaces import Services

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ross_sim.stepper import Motor, Rotor
+from ross_sim.devices.stepper import Motor, Rotor
 
 FREE = Motor(viscous=0.0, coulomb=0.0)
 NOTHING = np.empty(0)

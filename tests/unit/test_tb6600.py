@@ -14,15 +14,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ross_payload.actuators.guard import Guard
-from ross_payload.actuators.pulses import EDGE, Line, Segment
 from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.actuators.tb6600.pulses import EDGE, Line, Segment
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault, ConfigError, NotHomed
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.far_end import Fault
-from ross_sim.stepper import Motor
-from ross_sim.tb6600 import Tb6600FarEnd, far_end
+from ross_sim.devices.far_end import Fault
+from ross_sim.devices.stepper import Motor
+from ross_sim.devices.tb6600 import Tb6600FarEnd, far_end
 
 
 class Bench:

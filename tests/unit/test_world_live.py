@@ -15,9 +15,9 @@ import soundfile
 from ross_payload.errors import ConfigError, LinkError
 from ross_protocols.pcm import Decoder, decode
 from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.devices.realtime import BEHIND, RealTime
 from ross_sim.outdir import OutDir
 from ross_sim.outlets import Fifo, PcmServer
-from ross_sim.realtime import BEHIND, RealTime
 from ross_sim.scenario import load
 from ross_sim.truth import TruthWriter, Turns, read_truth
 from ross_sim.world import Rendered

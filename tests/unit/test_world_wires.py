@@ -13,12 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_payload.actuators.pulses import EDGE, Level, Line, Played, PulseCodec, RanOut, RecordingPulses, Segment
+from ross_payload.actuators.tb6600.pulses import EDGE, Level, Line, Played, PulseCodec, RanOut, RecordingPulses, Segment
 from ross_payload.actuators.wires import TcpWire, greeting, open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
-from ross_sim.ideal import Goal, Halt, IdealFarEnd, Report
-from ross_sim.wires import IdealCodec, IdealSide, PulseSide, WireServer, side_of
+from ross_sim.devices.ideal import Goal, Halt, IdealFarEnd, Report
+from ross_sim.devices.wires import IdealCodec, IdealSide, PulseSide, WireServer, side_of
 
 CLOCK = SystemClock()
 EDGES = np.array([(0.0, 1, True), (20e-6, 0, True), (30e-6, 0, False)], dtype=EDGE)

@@ -1,0 +1,1 @@
+"""A servo or gimbal on a DroneCAN bus."""

@@ -1,0 +1,238 @@
+"""What is said to the servo on a CAN bus, and what is heard of it and of others.
+
+One program is one node on a bus: where the payload already has one there, the driver speaks through it; else it is one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import math
+import platform
+import re
+from collections import Counter, defaultdict
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ross_payload import __version__
+from ross_payload.actuators.dronecan_servo.options import Options
+from ross_payload.actuators.dronecan_servo.watch import LATE, Traffic, Twins
+from ross_payload.angles import wrap
+from ross_payload.dronecan.hub import node_of
+from ross_payload.dronecan.node import Identity, Node
+from ross_payload.errors import LinkError
+from ross_payload.interfaces import Port
+from ross_protocols.dronecan import (
+    ArrayCommand,
+    Assembler,
+    Health,
+    LogMessage,
+    Message,
+    Mode,
+    NodeStatus,
+    Received,
+    Status,
+)
+from ross_protocols.dronecan_gimbal import AngularCommand, GimbalStatus
+
+NAME = "org.ross.payload"  # of our node
+MACHINE = Path("/etc/machine-id")  # tells this computer from all others
+ALIVE = 2.5  # since the last NodeStatus of the servo, and it still lives [s]
+LEVELS = (logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR)
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A report of the servo."""
+
+    joint: float = math.nan  # joint angle [rad]; not-a-number: the servo does not say
+    time: float = -math.inf  # of the report [s]
+    count: int = 0  # of the report, modulo 32
+
+
+class Inlet:
+    """The port of our own node: it reads what the driver has read."""
+
+    def __init__(self, port: Port) -> None:
+        self._port = port
+        self._arrived: list[Any] = []
+
+    def pull(self) -> list[Any]:
+        """Read the bus."""
+        self._arrived = self._port.receive()
+        return self._arrived
+
+    def send(self, frame: Any) -> None:
+        """Send a frame."""
+        self._port.send(frame)
+
+    def receive(self) -> list[Any]:
+        """Return what was read last."""
+        return self._arrived
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._port.close()
+
+
+class ServoClient:
+    """Sends commands; keeps what the servo says and what is wrong.
+
+    Parameters
+    ----------
+    options : Options
+        Whose servo it is, and who we are.
+    port : Port
+        The bus.
+    now : float
+        When it starts [s].
+    """
+
+    def __init__(self, options: Options, port: Port, now: float) -> None:
+        self._options = options
+        self._port = port
+        self._inlet = Inlet(port)
+        self._own = _own_node(options, self._inlet, now)
+        self._assembler = Assembler()
+        self._traffic = Traffic()
+        self._twins: defaultdict[type[Message], Twins] = defaultdict(Twins)  # by what the servo sends
+        self._start = now
+        self._uptime: int | None = None  # of the servo [s]
+        self._alive = -math.inf  # its last NodeStatus [s]
+        self._said = ""
+        self._named = False  # we had a node id
+        self.place = Place()
+        self.heard = -math.inf  # any report of the servo [s]
+        self.condition = ""  # of the servo, as it says itself
+        self.event = ""  # what happened on the bus and is not undone by itself; whoever reads it clears it
+        self.lost = False  # likewise: a set-point would make it jump, or fight with somebody
+
+    @property
+    def _node(self) -> Node:
+        """Through whom we speak."""
+        return node_of(self._port) or self._own
+
+    @property
+    def nameless(self) -> str:
+        """Why we cannot speak, in words; empty: we have a node id."""
+        return "" if self._node.id else self._node.trouble or "waiting for a node id"
+
+    def take_in(self, now: float) -> None:
+        """Read the bus.
+
+        Raises
+        ------
+        LinkError
+            When it is down.
+        """
+        frames = [frame for frame in self._inlet.pull() if frame.extended]
+        if self._node is self._own:
+            self._own.poll(now)
+        for frame in frames:
+            received = self._assembler.feed(frame)
+            if received is not None:
+                self._take(received, now)
+        self._watch(Counter(frame.id & 0x7F for frame in frames), now)
+
+    def _watch(self, senders: Counter[int], now: float) -> None:
+        self._traffic.fed(now, senders, self._assembler.broken[self._options.node_id])
+        patience = ALIVE if math.isinf(self.place.time) else LATE  # with a servo that only beats, or reports
+        late = now - max(self.heard, self._start) > patience
+        self.event = self.event or self._traffic.damage or (self._traffic.full if late else "")
+        if self._named and self.nameless:
+            self.event, self.lost = self.nameless, True
+        self._named = not self.nameless
+
+    def missing(self, now: float) -> str:
+        """Say that the servo lives but reports nothing; empty when it does, or when nothing is heard of it."""
+        silent = now - max(self.place.time, self._start) > ALIVE
+        if not silent or now - self._alive > ALIVE:
+            return ""
+        what = f"{'gimbal' if self._options.command == 'gimbal' else 'actuator'} {self._options.number}"
+        return f"node {self._options.node_id} lives but sends no Status of {what}; with feedback = 'model' it need not"
+
+    def command(self, joint: float) -> None:
+        """Tell the servo its joint angle [rad].
+
+        Raises
+        ------
+        LinkError
+            When the bus does not take it.
+        """
+        if not self._node.send(self._options.message(joint)):
+            raise LinkError(self._node.trouble or "a set-point was sent without a node id")
+
+    def close(self) -> None:
+        """Say that we leave, where nobody stays, and leave."""
+        if self._node is self._own:
+            self._own.close()
+        else:
+            self._port.close()
+
+    def _take(self, received: Received, now: float) -> None:
+        node, message, number = received.node, received.message, self._options.number
+        if isinstance(message, ArrayCommand | AngularCommand):
+            if self._commands_ours(message):
+                self.event, self.lost = f"node {node} commands actuator {number} too", True
+        elif node == self._options.node_id:
+            if self._twins[type(message)].fed(received.transfer):
+                self.event = f"another node has the servo's id {node}"
+            self._take_of_servo(message, received.transfer, now)
+        elif self._is_report(message):
+            self.event = f"node {node} reports as actuator {number} too; wanted node {self._options.node_id}"
+
+    def _commands_ours(self, message: ArrayCommand | AngularCommand) -> bool:
+        gimbal, number = self._options.command == "gimbal", self._options.number
+        if isinstance(message, AngularCommand):
+            return gimbal and message.gimbal_id == number
+        return not gimbal and any(command.actuator_id == number for command in message.commands)
+
+    def _is_report(self, message: Message) -> bool:
+        gimbal, number = self._options.command == "gimbal", self._options.number
+        if isinstance(message, GimbalStatus):
+            return gimbal and message.gimbal_id == number
+        return isinstance(message, Status) and not gimbal and message.actuator_id == number
+
+    def _take_of_servo(self, message: Message, count: int, now: float) -> None:
+        if isinstance(message, Status | GimbalStatus):
+            if self._is_report(message):
+                self.place, self.heard = Place(self._joint(message), now, count), now
+        elif isinstance(message, NodeStatus):
+            self._take_status(message)
+            self.heard = self._alive = now
+        elif isinstance(message, LogMessage) and message.text != self._said:
+            self._said = message.text
+            log.log(LEVELS[min(message.level, 3)], "servo: %s: %s", message.source, message.text)
+
+    def _joint(self, report: Status | GimbalStatus) -> float:
+        """Return the joint angle of a report [rad]; a gimbal counts no turns, so the nearest one is meant."""
+        if isinstance(report, Status):
+            return self._options.joint_at(report.position) if math.isfinite(report.position) else math.nan
+        before = 0.0 if math.isnan(self.place.joint) else self.place.joint
+        return before + wrap(self._options.joint_at(report.yaw) - before)
+
+    def _take_status(self, status: NodeStatus) -> None:
+        if self._uptime is not None and status.uptime < self._uptime:
+            what = f"the servo restarted after {self._uptime} s, or another node has the servo's id"
+            self.event, self.lost = f"{what}: where it stands is in doubt", True
+        self._uptime = status.uptime
+        self.condition = ""
+        if status.mode is not Mode.OPERATIONAL or status.health >= Health.ERROR:
+            health, mode = (word.name.lower().replace("_", " ") for word in (status.health, status.mode))
+            code = f", code {status.vendor_code}" if status.vendor_code else ""
+            self.condition = f"the servo says: health {health}, mode {mode}{code}"
+
+
+def _own_node(options: Options, port: Port, now: float) -> Node:
+    """Return a node for a driver that is alone on its bus."""
+    machine = MACHINE.read_text() if MACHINE.is_file() else platform.node()
+    unique = hashlib.blake2b(f"{machine} {options.port}".encode(), digest_size=16, person=b"ross-payload").digest()
+    major, minor = (int(part) for part in re.findall(r"\d+", __version__)[:2])
+    identity = Identity(NAME, unique, options.own_node_id, software=(major, minor))
+    node = Node(identity, port, np.random.default_rng(list(unique)), now)
+    node.stands(Health.OK, Mode.OPERATIONAL)
+    return node

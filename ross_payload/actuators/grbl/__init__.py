@@ -1,0 +1,1 @@
+"""A stepper behind a controller with grbl 1.1."""

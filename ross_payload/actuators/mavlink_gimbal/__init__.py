@@ -1,0 +1,1 @@
+"""A gimbal on MAVLink, managed by an autopilot or by us."""

@@ -1,0 +1,260 @@
+"""A gimbal that speaks MAVLink gimbal protocol v2, behind an autopilot or alone.
+
+A goal becomes a trapezoid, and the trapezoid a stream of set-points of the yaw from the vehicle's nose: angles, never
+rates, so that a gimbal whose driver has died goes to the last set-point and stands. Only the gimbal's own attitude
+status tells where it is; acknowledgements prove nothing.
+
+Only the pump (`poll`) plans and sends; the other methods leave a request in a queue.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import TracebackType
+from typing import Any, Self
+
+from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
+from ross_payload.actuators.mavlink_gimbal.options import Options
+from ross_payload.actuators.mavlink_gimbal.peer import Client, Manager, Search
+from ross_payload.actuators.mavlink_gimbal.port import Arrived
+from ross_payload.actuators.mavlink_gimbal.watch import (
+    STALE,
+    contradiction,
+    failures,
+    silence,
+    straying,
+    travel_trouble,
+)
+from ross_payload.actuators.motion import Trapezoid
+from ross_payload.actuators.requests import Ask, Motion, Move, Requests
+from ross_payload.errors import ActuatorFault, LimitError
+from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Port, Services
+from ross_payload.interfaces import Feedback as FeedbackKind
+from ross_protocols import gimbal, vehicle
+from ross_protocols.gimbal import Address, GimbalAttitude
+from ross_protocols.vehicle import AUTOPILOT, VehicleAttitude
+
+PERIOD = 0.02  # between set-points [s]
+EARLY = 1e-9  # [s], of rounding
+STILL = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
+
+
+class MavlinkGimbal:
+    """The driver: sans I/O over a port that carries messages."""
+
+    def __init__(self, options: Options, services: Services) -> None:
+        self._options = options
+        self._services = services
+        self._port: Port | None = None
+        self._requests = Requests()
+        self._peer: Client | Manager | None = None
+        self._search = Search(options.role, options.device_id)
+        self._motion: Motion | None = None  # None: nothing may be sent
+        self._sent = self._led = -math.inf  # when the last set-point went out, when our lead began [s]
+        self._restless = math.inf  # when it was last seen away from its goal [s]
+        self._fault = ""
+        self.capabilities = Capabilities(
+            lower=math.radians(options.lower_deg),
+            upper=math.radians(options.upper_deg),
+            max_speed=math.radians(options.max_speed_deg_s),
+            max_acceleration=math.radians(options.max_acceleration_deg_s2),
+            resolution=math.radians(options.resolution_deg),
+            continuous=False,
+            feedback=FeedbackKind.MEASURED,
+        )
+        self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, self.capabilities.max_speed)
+        self._state = ActuatorState(0.0, 0.0, False, homed=True, healthy=False, time=-math.inf)
+
+    def command(self, angle: float, rate: float | None = None) -> None:
+        """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal."""
+        if not self.capabilities.lower <= angle <= self.capabilities.upper:  # NaN is not either
+            raise LimitError(f"goal {angle} rad is not within the travel")
+        if not self._state.healthy:
+            raise ActuatorFault(self._state.fault or "the gimbal has not reported yet")
+        self._requests.put(Move(angle, min(rate or math.inf, self.capabilities.max_speed)))
+
+    def state(self) -> ActuatorState:
+        """Return the state at the last poll; not settled while a request waits."""
+        return self._state if self._requests.empty else replace(self._state, settled=False)
+
+    def stop(self) -> None:
+        """Decelerate from the last set-point."""
+        self._requests.put(Ask.HALT)
+
+    def home(self) -> None:
+        """Decelerate, take control again and forget a fault; the gimbal's encoder knows its zero."""
+        self._requests.put(Ask.HOME)
+
+    def release(self) -> None:
+        """Decelerate: the protocol has no way to switch a gimbal's motors off."""
+        self.stop()
+
+    def poll(self, now: float) -> None:
+        """Take in what has arrived, obey requests, ask and point as is due, publish the state at ``now`` [s]."""
+        if self._port is not None:
+            for arrived in self._port.receive():
+                self._hear(arrived, now)
+            for request in self._requests.taken():
+                self._obey(request, now)
+            self._lead(now)
+        self._publish(now)
+
+    def __enter__(self) -> Self:
+        """Open the wire; the gimbal is looked for and then held where it is."""
+        self._port = self._services.open_port(self._options.port)
+        self._feedback.forget()
+        self._fault = ""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Send the end of the deceleration as the last set-point, give control back and close."""
+        if self._port is None:
+            return
+        if self._motion is not None and self._peer is not None and self._peer.ready:
+            self._halt(self._services.clock.now())
+            self._port.send(self._peer.point(self._motion.plan.goal))
+        for message in self._peer.leave() if self._peer is not None else ():
+            self._port.send(message)
+        self._port.close()
+        self._port = self._motion = None
+
+    # ------------------------------------------------------------------------------------------ what is heard
+
+    def _hear(self, arrived: Arrived, now: float) -> None:
+        packet = arrived.packet
+        sender = packet.system_id, packet.component_id
+        if packet.name == "HEARTBEAT":
+            found = self._search.met(packet.message, sender, now)
+            if found is not self._peer:
+                self._peer, self._motion = found, None
+        if self._peer is None:
+            return
+        self._peer.heard(arrived, now)
+        said = gimbal.read(packet.message)
+        if isinstance(said, GimbalAttitude):
+            self._report(self._peer, said, sender, now)
+        elif packet.component_id == AUTOPILOT:
+            attitude = vehicle.read(packet.message)
+            if isinstance(attitude, VehicleAttitude):
+                self._feedback.turned(attitude, now)
+
+    def _report(self, peer: Client | Manager, said: GimbalAttitude, sender: Address, now: float) -> None:
+        own = sender == peer.device
+        if own or (isinstance(peer, Client) and sender == peer.manager and peer.relays(said.device_id)):
+            peer.asking.reports += 1
+            self._feedback.report(said, now, own=own)
+
+    # ------------------------------------------------------------------------------------------ requests
+
+    def _obey(self, request: Move | Ask, now: float) -> None:
+        if request is Ask.HOME:
+            self._fault = ""
+            self._feedback.pardon()
+            if self._peer is not None:
+                self._peer.claim()
+        if self._motion is None or self._fault:
+            return
+        if isinstance(request, Move):
+            position, velocity = self._motion.at(now)
+            acceleration = self.capabilities.max_acceleration
+            self._go(Trapezoid(position, request.goal, request.rate, acceleration, velocity), now)
+        else:
+            self._halt(now)
+
+    def _halt(self, now: float) -> None:
+        if self._motion is not None:
+            position, velocity = self._motion.at(now)
+            if velocity:
+                self._go(Trapezoid.to_rest(position, velocity, self.capabilities.max_acceleration), now)
+            elif position != self._motion.plan.goal:  # a goal that was given in this very moment
+                self._go(Trapezoid(position, position, 1.0, 1.0), now)
+
+    def _hold(self, now: float) -> None:
+        """Plan to stay where the gimbal is."""
+        here = min(max(self._feedback.angle, self.capabilities.lower), self.capabilities.upper)
+        self._go(Trapezoid(here, here, 1.0, 1.0), now)
+
+    def _go(self, plan: Trapezoid, now: float) -> None:
+        self._motion, self._restless = Motion(plan, now), now
+        if not plan.velocity:  # a gimbal that follows set-points would see a jump in their rhythm as one of speed
+            self._sent = -math.inf
+
+    # ------------------------------------------------------------------------------------------ leading
+
+    def _lead(self, now: float) -> None:
+        """Ask what is due, and send the set-point that is due while the gimbal is ours and reports."""
+        peer = self._peer
+        if peer is None or self._port is None:
+            return
+        for message in peer.due(now):
+            self._port.send(message)
+        if not peer.ready or peer.trouble() or travel_trouble(peer.travel, self._options):
+            self._motion = None
+            return
+        if self._motion is None:
+            if now - self._feedback.time > STALE:
+                return
+            self._led = now
+            self._hold(now)
+        self._look_whether_it_follows(now)
+        if self._motion is not None and now - self._sent >= PERIOD - EARLY:
+            self._sent = now
+            self._port.send(peer.point(self._motion.at(now + PERIOD)[0]))  # where it should be when the next one comes
+
+    def _look_whether_it_follows(self, now: float) -> None:
+        """Decelerate when nobody knows where the gimbal is; hold it where it is when it does not follow."""
+        if self._motion is None or self._fault:
+            return
+        self._fault = contradiction(self._feedback)
+        if self._fault:
+            self._halt(now)
+            return
+        self._fault = straying(self._feedback, self._motion, now)
+        self._feedback.restarted = False
+        if self._fault:
+            self._hold(now)
+
+    # ------------------------------------------------------------------------------------------ the state
+
+    def _publish(self, now: float) -> None:
+        seen, motion = self._feedback, self._motion
+        over = motion is None or now >= motion.end
+        rate = 0.0 if over and abs(seen.rate) < STILL else seen.rate
+        there = motion is None or abs(seen.angle - motion.plan.goal) <= self.capabilities.resolution
+        if not (over and there and rate == 0.0) or self._restless == math.inf:
+            self._restless = now
+        trouble = self._trouble(now)
+        rested = now >= self._restless + self._options.settle_ms * 1e-3 - EARLY
+        fresh = now - seen.time <= STALE
+        self._state = ActuatorState(
+            angle=seen.angle, rate=rate, settled=rested and fresh and not trouble and motion is not None,
+            homed=True, healthy=not trouble, time=seen.time, fault=trouble,
+        )  # fmt: skip
+
+    def _trouble(self, now: float) -> str:
+        """Say what is wrong; empty when all is well."""
+        peer = self._peer
+        if peer is None:
+            return self._search.missing()
+        if self._fault or peer.trouble():
+            return self._fault or peer.trouble()
+        if not peer.ready:
+            return peer.waits_for()
+        seen = self._feedback
+        return travel_trouble(peer.travel, self._options) or silence(seen, now) or failures(seen, now - self._led)
+
+
+class MavlinkGimbalBackend:
+    """Gimbal on MAVLink (protocol v2): client of an autopilot that manages it, or manager of a bare device."""
+
+    Config: type[Any] = Options
+
+    def open(self, config: Options, services: Services) -> Actuator:
+        """Make the driver."""
+        return MavlinkGimbal(config, services)
+
+
+backend = MavlinkGimbalBackend()

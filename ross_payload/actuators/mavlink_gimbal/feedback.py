@@ -1,0 +1,104 @@
+"""Where a MAVLink gimbal says it is, as a joint angle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from ross_payload.actuators.mavlink_gimbal.clock import SenderClock, Verdict
+from ross_payload.angles import wrap
+from ross_protocols.gimbal import GimbalAttitude
+from ross_protocols.vehicle import VehicleAttitude
+
+FRESH = 0.5  # [s]: a vehicle's attitude that is older turns no yaw into a joint angle
+LASTING = 2.0  # [s] after a report of the device itself in which its manager's prove nothing: for 1 s they repeat it
+JUMP, HASTE = math.radians(2), 1.5  # no gimbal turns farther between two reports, nor faster than this share
+WEIGHT, TREMBLING = 6, 12  # of a jump against a report without one, and the balance that is no accident
+
+
+@dataclass(slots=True)
+class GimbalFeedback:
+    """The latest report. Yaws wrap, joint angles do not: each report continues the last one on the shorter way."""
+
+    lower: float  # travel [rad]
+    upper: float
+    max_speed: float  # [rad/s]
+    angle: float = 0.0  # joint angle [rad]
+    rate: float = 0.0  # [rad/s]
+    time: float = -math.inf  # when it was there [s]; minus infinity: none yet
+    arrived: float = -math.inf  # when that was told [s]
+    failures: int = 0  # flags
+    restarted: bool = False  # since somebody looked
+    twins: bool = False  # two devices report as one
+    lost_vehicle: bool = False  # a yaw from north came and nobody told where the vehicle points
+    _clock: SenderClock = field(default_factory=SenderClock)
+    _own: float = -math.inf  # when the device itself reported last [s]
+    _by_itself: bool = True  # the latest report came from the device, not from its manager
+    _jumps: int = 0
+    _vehicle: tuple[float, VehicleAttitude] | None = None
+    _known: bool = False  # a turn was chosen
+
+    @property
+    def trembles(self) -> bool:
+        """Whether its angles contradict one another."""
+        return self._jumps > TREMBLING
+
+    @property
+    def steady(self) -> bool:
+        """Whether it has not jumped lately."""
+        return self._jumps == 0
+
+    def turned(self, vehicle: VehicleAttitude, now: float) -> None:
+        """Remember where the vehicle points."""
+        self._vehicle = now, vehicle
+
+    def report(self, said: GimbalAttitude, now: float, *, own: bool) -> None:
+        """Take in a report of the device itself (``own``) or of its manager; one that is not newer proves nothing."""
+        if not own and now - self._own < LASTING:
+            return
+        if own != self._by_itself:
+            self._clock, self._by_itself = SenderClock(), own  # another sender
+        verdict = self._clock.judge(said.boot, now)
+        self.twins = self.twins or verdict is Verdict.TWO
+        if verdict in (Verdict.OLD, Verdict.TWO):
+            return
+        self.restarted = self.restarted or verdict is Verdict.RESTARTED
+        base = self._base(now) if said.earth else (0.0, 0.0)
+        self.lost_vehicle, self.failures = base is None, said.failures
+        self._own = now if own else self._own
+        if base is not None:
+            late = self._clock.lateness(said.boot, now)
+            self._take(said.yaw - base[0], None if said.rate is None else said.rate - base[1], now - late)
+            self.arrived = now
+
+    def forget(self) -> None:
+        """Believe no report that came before."""
+        self.time = self.arrived = self._own = -math.inf
+        self._clock = SenderClock()
+        self.pardon()
+        self.lost_vehicle = False
+
+    def pardon(self) -> None:
+        """Forget what contradicted."""
+        self.restarted = self.twins = False
+        self._jumps = 0
+
+    def _base(self, now: float) -> tuple[float, float] | None:
+        """Yaw [rad] and its rate [rad/s] of the vehicle at ``now`` [s]; None when nobody knows."""
+        if self._vehicle is None or now - self._vehicle[0] > FRESH:
+            return None
+        time, vehicle = self._vehicle
+        return vehicle.yaw + vehicle.yaw_rate * (now - time), vehicle.yaw_rate
+
+    def _take(self, yaw: float, rate: float | None, time: float) -> None:
+        angle = self.angle + wrap(yaw - self.angle) if self._known else self._first(wrap(yaw))
+        passed = time - self.time
+        self.rate = (angle - self.angle) / passed if rate is None and 0 < passed < FRESH else rate or 0.0
+        jumped = self._known and abs(angle - self.angle) > JUMP + HASTE * self.max_speed * max(passed, 0.0)
+        self._jumps = min(self._jumps + WEIGHT, 2 * TREMBLING) if jumped else max(self._jumps - 1, 0)
+        self.angle, self.time, self._known = angle, time, True
+
+    def _first(self, yaw: float) -> float:
+        """Choose a turn inside the travel; where two are, the one near zero."""
+        turns = (yaw, yaw - 2 * math.pi, yaw + 2 * math.pi)
+        return next((turn for turn in turns if self.lower <= turn <= self.upper), yaw)

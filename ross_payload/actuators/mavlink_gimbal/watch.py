@@ -1,0 +1,75 @@
+"""What is amiss with a gimbal, in words."""
+
+from __future__ import annotations
+
+import math
+
+from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
+from ross_payload.actuators.mavlink_gimbal.options import Options
+from ross_payload.actuators.requests import Motion
+from ross_protocols import gimbal
+from ross_protocols.gimbal import GimbalTravel
+
+STALE = 0.5  # [s]: a report that is older proves nothing
+LEASH, LATENESS = math.radians(10), 0.25  # how far a gimbal may be behind its set-point [rad], and this many [s] more
+OVERDUE, ASTRAY = 3.0, math.radians(1)  # [s] after its time a gimbal may not be farther from its goal [rad]
+UNMANAGED = 2.0  # [s] in which a device must notice that we manage it
+
+
+def contradiction(seen: GimbalFeedback) -> str:
+    """Say when reports cannot all be true: then nobody knows where the gimbal is."""
+    if seen.twins:
+        return "two gimbals report with one component id; give one of them another, then home and rearm"
+    if seen.trembles:
+        return "the gimbal's attitude jumps to and fro: its sensor, or two gimbals with one id; home and rearm"
+    return ""
+
+
+def straying(seen: GimbalFeedback, motion: Motion, now: float) -> str:
+    """Say when a gimbal restarts in a move, lags behind it, or stands beside its goal."""
+    if seen.time < motion.begin or now - seen.time > STALE or not (seen.steady or seen.restarted):
+        return ""
+    angle, rate = motion.at(seen.time)
+    behind = abs(angle - seen.angle)
+    astray = behind > ASTRAY and seen.time > motion.end + OVERDUE
+    if seen.restarted and rate:
+        return "the gimbal has restarted in the middle of a move; home and rearm"
+    if astray or behind > LEASH + LATENESS * abs(rate):
+        where = f"{math.degrees(seen.angle):.1f} deg, not at {math.degrees(angle):.1f}"
+        return f"the gimbal does not follow: it is at {where}; home and rearm"
+    return ""
+
+
+def silence(seen: GimbalFeedback, now: float) -> str:
+    """Say when its reports are missing, too old, or cannot be used."""
+    if seen.lost_vehicle:
+        return "the gimbal tells its yaw from north, and no autopilot tells where the vehicle points"
+    if now - seen.time <= STALE:
+        return ""
+    if now - seen.arrived <= STALE:
+        return f"the gimbal's reports come {now - seen.time:.1f} s late: the link is overloaded"
+    return "the gimbal does not report its attitude"
+
+
+def failures(seen: GimbalFeedback, managed_for: float) -> str:
+    """Say what the gimbal itself reports, ``managed_for`` [s] after we began to lead it."""
+    flags = seen.failures & ~gimbal.NO_MANAGER if managed_for < UNMANAGED else seen.failures
+    found = gimbal.failures(flags)
+    return f"the gimbal reports a failure: {found}" if found else ""
+
+
+def travel_trouble(travel: GimbalTravel | None, options: Options) -> str:
+    """Say when a gimbal turns less far than the options ask for, or tells what cannot be."""
+    if travel is None or (math.isnan(travel.lower) and math.isnan(travel.upper)):  # NaN: not known
+        return ""
+    lower, upper = math.degrees(travel.lower), math.degrees(travel.upper)
+    if not lower < upper:
+        return f"the gimbal tells absurd limits, {lower:.0f} to {upper:.0f} deg; it is not moved"
+    slack = options.resolution_deg
+    if lower - slack <= options.lower_deg and options.upper_deg <= upper + slack:
+        return ""
+    wanted = f"{options.lower_deg:g} to {options.upper_deg:g}"
+    return (
+        f"the gimbal turns from {lower:.0f} to {upper:.0f} deg, "
+        f"actuator.options ask for lower_deg to upper_deg = {wanted}"
+    )

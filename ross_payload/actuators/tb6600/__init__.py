@@ -1,0 +1,1 @@
+"""A stepper behind a TB6600 module: every edge is ours."""

@@ -1,0 +1,163 @@
+"""Finding a home switch: a procedure that sees the switch and says how to move.
+
+Fast towards the switch until it closes, stop, back until it is open, stop, slowly towards it again: where it closes
+then is the place. One that is closed at the start is backed off first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+
+from ross_payload.actuators.requests import Ask, Move
+from ross_payload.actuators.tb6600.pulses import Level
+from ross_payload.errors import ActuatorFault
+
+STEADY = 0.015  # a level that stays for so long is no bounce [s]
+SILENCE = 0.5  # of the wire about its switch, at most [s]
+SLOWLY = 0.1  # of the search's speed, to measure
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """Where and how to look."""
+
+    sign: int  # +1 counter-clockwise, -1 clockwise
+    speed: float  # [rad/s]
+    travel: float  # no farther [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """What is known at one moment; angles are the driver's, whose zero means nothing yet."""
+
+    closed: bool  # the switch, bounces taken out
+    closed_at: float  # angle where that began, at the first contact [rad]
+    angle: float  # [rad]
+    still: bool
+
+
+class Contact:
+    """Takes the bounces out of a switch: believes a level that has stayed for 15 ms, since it began.
+
+    >>> contact = Contact()
+    >>> [contact.take(closed, time) for closed, time in [(False, 0.0), (True, 1.0), (False, 1.01), (True, 1.02)]]
+    [False, False, False, False]
+    >>> contact.take(True, 1.04), contact.since
+    (True, 1.02)
+    """
+
+    def __init__(self) -> None:
+        self._level: bool | None = None  # None: nothing believed yet
+        self._latest = False
+        self._began = math.nan
+        self.since = math.nan  # the beginning of what is believed [s]
+
+    @property
+    def known(self) -> bool:
+        """Whether any level has stayed long enough."""
+        return self._level is not None
+
+    def take(self, closed: bool, time: float) -> bool:
+        """Take in a level at ``time`` [s]; whether the switch is closed, as far as is known."""
+        if closed != self._latest or math.isnan(self._began):
+            self._latest, self._began = closed, time
+        if closed != self._level and time - self._began >= STEADY:
+            self._level, self.since = closed, self._began
+        return bool(self._level)
+
+
+Homing = Generator[Move | Ask | None, Sight, float]
+
+
+def homing(search: Search) -> Homing:
+    """Find the switch: yields what to do (None: go on so), is sent what is seen, returns where it closes [rad].
+
+    Raises
+    ------
+    ActuatorFault
+        When the switch does not close, or does not open, within the travel.
+    """
+    sight = yield None
+    if sight.closed:
+        sight = yield from _until(False, sight, search, -search.sign, search.speed)
+    sight = yield from _until(True, sight, search, search.sign, search.speed)
+    sight = yield from _until(False, sight, search, -search.sign, search.speed)
+    sight = yield from _until(True, sight, search, search.sign, search.speed * SLOWLY)
+    return sight.closed_at
+
+
+def _until(
+    closed: bool, sight: Sight, search: Search, sign: int, speed: float
+) -> Generator[Move | Ask | None, Sight, Sight]:
+    """Turn until the switch is closed, or open, and stop; what was seen when it became so."""
+    sight = yield Move(sight.angle + sign * search.travel, speed)
+    while sight.closed != closed:
+        if sight.still:
+            found = "stays open" if closed else "stays closed"
+            raise ActuatorFault(f"the home switch {found} over {math.degrees(search.travel):g} deg")
+        sight = yield None
+    seen, sight = sight, (yield Ask.HALT)
+    while not sight.still:
+        sight = yield None
+    return Sight(seen.closed, seen.closed_at, sight.angle, still=True)
+
+
+class Seeker:
+    """Runs the procedure on what the wire reports of its switch.
+
+    Parameters
+    ----------
+    search : Search
+        Where and how to look.
+    closed : bool
+        Level of the line while the switch is closed.
+    """
+
+    def __init__(self, search: Search, closed: bool) -> None:
+        self._search = search
+        self._level = closed
+        self._contact = Contact()
+        self._closed = False
+        self._heard = -math.inf  # last report [s]
+        self._procedure: Homing | None = None
+        self.found: float | None = None  # where the switch closes [rad]
+
+    @property
+    def active(self) -> bool:
+        """Whether it is looking."""
+        return self._procedure is not None
+
+    def take(self, report: Level) -> None:
+        """Take in a report of the switch."""
+        self._closed = self._contact.take(report.level == self._level, report.time)
+        self._heard = report.time
+
+    def begin(self, now: float) -> None:
+        """Look for the switch from now on [s]."""
+        self.found, self._contact, self._heard = None, Contact(), now
+        self._procedure = homing(self._search)
+        next(self._procedure)
+
+    def end(self) -> None:
+        """Look no more."""
+        self._procedure = None
+
+    def step(self, angle_at: Callable[[float], float], now: float, still: bool) -> Move | Ask | None:
+        """Say what to do at ``now`` [s]; None: go on so, or `found`.
+
+        Raises
+        ------
+        ActuatorFault
+            When the search fails or the wire does not tell of a switch.
+        """
+        if now - self._heard > SILENCE:
+            raise ActuatorFault(f"no word of the home switch for {now - self._heard:.2f} s")
+        if self._procedure is None or not self._contact.known:
+            return None
+        try:
+            return self._procedure.send(Sight(self._closed, angle_at(self._contact.since), angle_at(now), still))
+        except StopIteration as result:
+            self.found, self._procedure = result.value, None
+            return None

@@ -1,0 +1,92 @@
+"""[actuator.options] of ``tb6600``, and what they say about edges, steps and the home switch."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from ross_payload.actuators.tb6600.homing import Search
+from ross_payload.actuators.tb6600.steps import Interface
+from ross_payload.actuators.wires.gpio import AHEAD, SCHEME, pins_of
+from ross_payload.config import Degrees, Positive, Table
+
+NOISE = 1e-8  # of a time on the Clock, more than its last digit after a year [s]
+
+
+class Options(Table):
+    """[actuator.options] of ``tb6600``; speed and acceleration default to the paper's."""
+
+    port: str = "pulses:recording"
+    full_steps: Annotated[int, Field(ge=20, le=400, multiple_of=4)] = 200
+    microsteps: Literal[1, 2, 4, 8, 16, 32] = 16  # as set on the module; tables of makers differ
+    gear_ratio: Positive = 1.0  # turns of the motor per turn of the array
+    max_speed_deg_s: Positive = 225.0
+    max_acceleration_deg_s2: Positive = 112.5
+    invert_direction: bool = False
+    enable_means_off: bool = True  # most modules switch off when ENA is asserted
+    pulse_us: Annotated[float, Field(ge=1, le=1000)] = 10.0
+    direction_setup_us: Annotated[float, Field(ge=1, le=1000)] = 20.0
+    direction_hold_us: Annotated[float, Field(ge=1, le=1000)] = 20.0
+    enable_lead_ms: Annotated[float, Field(ge=0, le=1000)] = 5.0
+    max_pulse_rate_hz: Annotated[float, Field(ge=10, le=200_000)] = 15_000.0
+    ahead_ms: Annotated[float, Field(ge=20, le=100)] = 40.0  # a stop's latency, and the longest pause of the program
+    settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # after the last step, for the ringing
+    zero: Literal["declared", "unknown", "switch"] = "declared"  # declared: the array stands at its zero when opened
+    home_level: Literal["low", "high"] = "low"  # of the HOME line while the switch is pressed
+    home_direction: Literal["clockwise", "counter-clockwise"] = "clockwise"  # in which the switch is looked for
+    home_offset_deg: Degrees = 0.0  # joint angle at which the switch closes, turning that way
+    home_speed_deg_s: Annotated[float, Field(ge=1, le=90)] = 20.0  # of the search; a tenth of it to measure
+    home_search_deg: Annotated[float, Field(ge=1, le=1440)] = 400.0  # no farther without the switch
+
+    @model_validator(mode="after")
+    def _pulses_fit(self) -> Options:
+        if self.max_pulse_rate_hz * 2e-6 * self.pulse_us > 1:
+            raise ValueError(f"max_pulse_rate_hz = {self.max_pulse_rate_hz:g} leaves no room for pulse_us twice")
+        needed = math.radians(self.max_speed_deg_s) / self.resolution
+        if needed * (self.interface.period - NOISE) > 1 + 1e-9:
+            found = f"max_speed_deg_s = {self.max_speed_deg_s:g} needs {needed:.0f} pulses/s"
+            cap = f"max_pulse_rate_hz = {self.max_pulse_rate_hz:g} in whole microseconds"
+            raise ValueError(f"{found}, wanted at most {1 / self.interface.period:.0f} ({cap})")
+        return self
+
+    @model_validator(mode="after")
+    def _pins_fit(self) -> Options:
+        if not self.port.startswith(SCHEME):
+            return self
+        if pins_of(self.port).home is None and self.zero == "switch":
+            raise ValueError(f"zero = 'switch' wants a HOME line: {self.port},HOME")
+        if self.ahead_ms > AHEAD * 1e3:
+            raise ValueError(f"ahead_ms = {self.ahead_ms:g}: on pins, wanted at most {AHEAD * 1e3:g}")
+        return self
+
+    @property
+    def resolution(self) -> float:
+        """One microstep at the array [rad]."""
+        return 2 * math.pi / (self.full_steps * self.microsteps * self.gear_ratio)
+
+    @property
+    def interface(self) -> Interface:
+        """What to keep between edges: whole microseconds and a trifle, so that rounding to them takes nothing away."""
+        return Interface(
+            width=_whole(self.pulse_us),
+            setup=_whole(self.direction_setup_us),
+            hold=_whole(self.direction_hold_us),
+            period=_whole(1e6 / self.max_pulse_rate_hz),
+            up=not self.invert_direction,
+        )
+
+    @property
+    def search(self) -> Search:
+        """How to look for the home switch."""
+        return Search(
+            sign=1 if self.home_direction == "counter-clockwise" else -1,
+            speed=math.radians(self.home_speed_deg_s),
+            travel=math.radians(self.home_search_deg),
+        )
+
+
+def _whole(microseconds: float) -> float:
+    """Round up to whole microseconds, and a trifle more [s]."""
+    return math.ceil(microseconds - 1e-6) * 1e-6 + NOISE

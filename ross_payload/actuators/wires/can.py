@@ -1,0 +1,134 @@
+"""A CAN bus as a wire: behind any interface of python-can, or over TCP in another process."""
+
+from __future__ import annotations
+
+import re
+import socket
+from contextlib import suppress
+from itertools import islice
+from typing import Any
+
+import can
+
+from ross_payload.actuators.wires import connect
+from ross_payload.actuators.wires.can_codec import CanCodec
+from ross_payload.errors import ConfigError, LinkError
+from ross_payload.interfaces import Clock, Port
+from ross_protocols.can import CanFrame
+
+_URL = re.compile(r"can:(?P<interface>[a-z0-9_]+):(?P<channel>[^:]+)(:(?P<bitrate>\d{4,8}))?")
+_HUB = re.compile(r"can:socketcand:(?P<host>[^:\[\]]+):(?P<port>\d{1,5})(:(?P<channel>[A-Za-z0-9_.-]{1,16}))?")
+CHANNEL = "can0"  # of a socketcand server, unless told
+GREETING = 2.0  # [s]: so long a socketcand server may be silent
+MOST_AT_ONCE = 1000  # frames of one look at the bus
+PATIENCE = 10  # with frames that the bus does not take
+
+
+class CanPort:
+    """The frames of a bus; a frame that the bus does not take is lost, ten in a row are an error."""
+
+    def __init__(self, bus: can.BusABC, url: str) -> None:
+        self._bus = bus
+        self._url = url
+        self._refused = 0
+        self._open = True
+
+    def send(self, frame: Any) -> None:
+        """Send one frame.
+
+        Raises
+        ------
+        LinkError
+            When the bus has taken none for a while.
+        """
+        message = can.Message(arbitration_id=frame.id, data=frame.data, is_extended_id=frame.extended)
+        try:
+            self._bus.send(message)
+            self._refused = 0
+        except (can.CanError, OSError) as error:
+            self._refused += 1
+            if self._refused >= PATIENCE:
+                raise LinkError(f"wire '{self._url}' takes no frames: {error}") from error
+
+    def receive(self) -> list[Any]:
+        """Return the frames that have arrived; error, remote and FD frames are left out.
+
+        Raises
+        ------
+        LinkError
+            When the bus is down.
+        """
+        try:
+            arrived = list(islice(iter(lambda: self._bus.recv(0), None), MOST_AT_ONCE))
+        except (can.CanError, OSError) as error:
+            raise LinkError(f"wire '{self._url}' is down: {error}") from error
+        return [
+            CanFrame(each.arbitration_id, bytes(each.data), each.is_extended_id) for each in arrived if _is_data(each)
+        ]
+
+    def close(self) -> None:
+        """Leave the bus; idempotent."""
+        if self._open:
+            self._open = False
+            with suppress(can.CanError, OSError):  # a bus that is gone cannot be left
+                self._bus.shutdown()
+
+
+def _is_data(message: can.Message) -> bool:
+    return not (message.is_error_frame or message.is_remote_frame or message.is_fd)
+
+
+class CanWire:
+    """The scheme ``can``."""
+
+    def open(self, url: str, clock: Clock) -> Port:
+        """Join a bus.
+
+        Raises
+        ------
+        ConfigError
+            When the URL is malformed or its interface unknown.
+        LinkError
+            When the bus cannot be joined.
+        """
+        if url.startswith("can:tcp:"):
+            return connect(url, CanCodec(), clock)
+        if url.startswith("can:socketcand:"):
+            return _at_hub(url)
+        parts = _URL.fullmatch(url)
+        if parts is None:
+            ways = "can:INTERFACE:CHANNEL[:BITRATE] or can:tcp:HOST:PORT, or can:socketcand:HOST:PORT[:CHANNEL]"
+            raise ConfigError(f"wire '{url}': wanted {ways}")
+        return _joined(url, parts)
+
+
+def _at_hub(url: str) -> CanPort:
+    """Join a bus that a socketcand server has."""
+    found = _HUB.fullmatch(url)
+    if found is None or not 0 < int(found["port"]) < 65536:
+        raise ConfigError(f"wire '{url}': wanted can:socketcand:HOST:PORT[:CHANNEL]")
+    host, port = found["host"], int(found["port"])
+    try:
+        with socket.create_connection((host, port), GREETING) as probe:  # python-can itself tries for 10 s
+            probe.settimeout(GREETING)
+            if probe.recv(16)[:1] != b"<":
+                raise LinkError(f"wire '{url}': no socketcand server is there")
+        options: dict[str, Any] = {"host": host, "port": port, "tcp_tune": True}
+        return CanPort(can.Bus(found["channel"] or CHANNEL, "socketcand", ignore_config=True, **options), url)
+    except (can.CanError, OSError, ValueError) as error:
+        raise LinkError(f"wire '{url}': cannot join the bus: {error}") from error
+
+
+def _joined(url: str, parts: re.Match[str]) -> CanPort:
+    interface = parts["interface"]
+    if interface not in can.VALID_INTERFACES or interface == "udp_multicast":  # which hears itself
+        there = ", ".join(sorted(set(can.VALID_INTERFACES) - {"udp_multicast"}))
+        raise ConfigError(f"wire '{url}': interface '{interface}' cannot be used; there are: {there}")
+    rate: dict[str, Any] = {"bitrate": int(parts["bitrate"])} if parts["bitrate"] else {}
+    try:
+        return CanPort(can.Bus(parts["channel"], interface, ignore_config=True, **rate), url)
+    except (can.CanError, OSError, ImportError, ValueError, TypeError) as error:
+        raise LinkError(f"wire '{url}': cannot join the bus: {error}") from error
+
+
+wire = CanWire()

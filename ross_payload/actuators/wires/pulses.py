@@ -1,0 +1,36 @@
+"""The scheme ``pulses``: into the void, to a device in another process, or to the pins of this computer."""
+
+from __future__ import annotations
+
+from ross_payload.actuators.tb6600.pulses import PulseCodec, RecordingPulses
+from ross_payload.actuators.wires import connect
+from ross_payload.actuators.wires.gpio import SCHEME, open_pins
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Clock, Port
+
+KNOWN = f"pulses:recording, pulses:tcp:HOST:PORT, {SCHEME}CHIP:STEP,DIRECTION,ENABLE[,HOME]"
+
+
+class PulseWire:
+    """The scheme ``pulses``."""
+
+    def open(self, url: str, clock: Clock) -> Port:
+        """Open a port for edges.
+
+        Raises
+        ------
+        ConfigError
+            When the URL names none that exists.
+        LinkError
+            When it cannot be opened.
+        """
+        if url == "pulses:recording":
+            return RecordingPulses(clock.now)
+        if url.startswith("pulses:tcp:"):
+            return connect(url, PulseCodec(), clock)
+        if url.startswith(SCHEME):
+            return open_pins(url, clock)
+        raise ConfigError(f"pulse port '{url}' is unknown; there are: {KNOWN}")
+
+
+wire = PulseWire()

@@ -1,0 +1,100 @@
+"""``ross device``: one simulated device in a process of its own."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+KINDS = {
+    "gimbal": "mavlink_gimbal",
+    "servo": "dronecan_servo",
+    "drive": "canopen_drive",
+    "grbl": "grbl",
+    "stepper": "tb6600",
+}
+EPILOG = """While it lives it obeys lines on its standard input: FAULT, FAULT off, status; it answers each with one line
+of JSON. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended by hand, 2 bad input, 1 the wire was lost."""
+
+
+@click.command("device", short_help="Simulate one device for a payload in another process.", epilog=EPILOG)
+@click.argument("kind", type=click.Choice(tuple(KINDS)))
+@click.option("--wire", metavar="URL", help="Where to be reached, or what to join; default: a free local port.")
+@click.option("--option", "-o", "options", multiple=True, metavar="KEY=VALUE", help="As in [actuator.options].")
+@click.option("--config", "file", type=click.Path(path_type=Path), help="Take [actuator] from this payload's file.")
+@click.option("--fault", "faults", multiple=True, metavar='"FAULT at S [for S]"', help="Let a fault happen.")
+@click.option("--json", "as_json", is_flag=True, help="Tell the address as one line of JSON.")
+def command(
+    *,
+    kind: str,
+    wire: str | None,
+    options: Sequence[str],
+    file: Path | None,
+    faults: Sequence[str],
+    as_json: bool,
+) -> int:
+    """Simulate one device with real dynamics, in real time: what a driver of RoSS or of others turns.
+
+    It tells where it is, not where it was told to be.
+    """
+    from contextlib import ExitStack
+
+    from ross_sim.devices.device_leads import Lead, connected
+    from ross_sim.devices.device_session import live, planned
+    from ross_sim.devices.far_end import far_end_of
+
+    config = _configured(KINDS[kind], options, file)
+    far_end = far_end_of(config)
+    turns = [turn for fault in faults for turn in planned(fault, far_end.faults)]
+
+    def connect(epoch: float, stack: ExitStack) -> Lead:
+        connection = connected(config, wire, far_end, epoch=epoch, stack=stack)
+        _tell(config.actuator.kind, connection.address, as_json)
+        return connection.lead
+
+    live(far_end, connect, turns, click.echo)
+    return 0
+
+
+def _configured(kind: str, options: Sequence[str], file: Path | None) -> Any:
+    """A payload's configuration with this actuator."""
+    from ross_payload.config import Config, load, validated
+    from ross_payload.errors import ConfigError
+
+    if file is None:
+        table = {"actuator": {"kind": kind, "options": dict(_option(text) for text in options)}}
+        return validated(Config, table, "--option")
+    if options:
+        raise ConfigError("--option and --config: wanted one of them")
+    config = load(file)
+    if config.actuator.kind != kind:
+        raise ConfigError(f"{file}: actuator.kind = '{config.actuator.kind}', wanted '{kind}'")
+    return config
+
+
+def _option(text: str) -> tuple[str, Any]:
+    """Read KEY=VALUE; the value as in TOML, or else as a word."""
+    import tomllib
+
+    from ross_payload.errors import ConfigError
+
+    key, equals, value = text.partition("=")
+    if not (key.strip() and equals):
+        raise ConfigError(f"--option {text}: wanted KEY=VALUE")
+    try:
+        return key.strip(), tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return key.strip(), value.strip()
+
+
+def _tell(kind: str, address: str, as_json: bool) -> None:
+    """Say that the device is ready, and what a payload's configuration needs."""
+    from ross_sim.devices.device_leads import advice
+
+    if as_json:
+        click.echo(json.dumps({"kind": kind, "wire": address}))
+    else:
+        click.echo(f"ready. The payload's configuration:\n\n{advice(kind, address)}")

@@ -1,0 +1,197 @@
+"""The firmware of the simulated CANopen drive that talks: network management, SDO, process data, heartbeats."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ross_protocols import cia402
+from ross_protocols.can import CanFrame
+from ross_protocols.canopen import (
+    HEARTBEAT,
+    NMT,
+    NOT_VALID,
+    SDO_REQUEST,
+    SYNC,
+    Emergency,
+    NmtCommand,
+    NmtState,
+    heartbeat,
+    mapped,
+    state_of,
+)
+from ross_protocols.canopen_sdo import UNKNOWN_COMMAND, Abort, Read, Write, reply, request_of
+from ross_sim.devices.drive_axis import Axis
+from ross_sim.devices.drive_objects import Objects
+from ross_sim.devices.drive_servo import STEP
+
+EARLY = 1e-6  # so much before its time something is due [s]
+PDOS = (0, 1)  # numbers of process data, either way
+STATES = {
+    NmtCommand.START: NmtState.OPERATIONAL,
+    NmtCommand.STOP: NmtState.STOPPED,
+    NmtCommand.PRE_OPERATIONAL: NmtState.PRE_OPERATIONAL,
+}
+
+
+class DriveNode:
+    """One drive on a bus.
+
+    Parameters
+    ----------
+    node : int
+        Its number.
+    objects : Objects
+        Its dictionary.
+    power_up : Callable[[Objects], Axis]
+        Makes the firmware of the axis when the drive is switched on.
+    """
+
+    def __init__(self, node: int, objects: Objects, power_up: Callable[[Objects], Axis], now: float = 0.0) -> None:
+        self.node, self.objects = node, objects
+        self._power_up = power_up
+        self._now = now
+        self.objects.written = self._written
+        self.boot()
+
+    def boot(self) -> None:
+        """Start the firmware: no torque, everything as in the data sheet, and a word to the others."""
+        self.objects.reset()
+        self.axis = self._power_up(self.objects)
+        self.axis.step(self._now)
+        self.nmt = NmtState.PRE_OPERATIONAL
+        self._said = [heartbeat(self.node, NmtState.BOOT_UP)]
+        self._next_beat = self._now
+        self._next_report = [self._now for _ in PDOS]
+        self._syncs = [0 for _ in PDOS]
+        self._told = -1  # the statusword that the others know
+        self._master_until: float | None = None  # when the master's heartbeat is missed [s]
+
+    def take(self, frame: CanFrame) -> None:
+        """Obey a frame."""
+        if frame.extended:
+            return
+        if frame.id == NMT and len(frame.data) == 2 and frame.data[1] in (0, self.node):
+            self._manage(frame.data[0])
+        elif frame.id == SDO_REQUEST + self.node and self.nmt is not NmtState.STOPPED:
+            self._serve(frame.data)
+        elif frame.id == SYNC and self.nmt is NmtState.OPERATIONAL:
+            self._synchronise()
+        elif frame.id > HEARTBEAT:
+            self._hear(frame.id - HEARTBEAT, frame.data)
+        elif self.nmt is NmtState.OPERATIONAL:
+            for number in PDOS:
+                if frame.id == self.objects.at(0x1400 + number, 1) & (NOT_VALID | 0x7FF):
+                    self._take_process_data(number, frame.data)
+
+    def live(self, until: float) -> list[CanFrame]:
+        """Live until ``until`` [s]; return what is said then."""
+        for _ in range(round((until - self._now) / STEP)):
+            self._now += STEP
+            self.axis.step(self._now)
+        self._now = until
+        self._miss_master(until)
+        while self.axis.emergencies:
+            self._say_emergency(self.axis.emergencies.pop(0))
+        self.objects[cia402.STATUSWORD] = self.axis.status
+        self._report(until)
+        self._beat(until)
+        said, self._said = self._said, []
+        return said
+
+    # ------------------------------------------------------------------------------------------ network
+
+    def _manage(self, command: int) -> None:
+        if command in (NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION):
+            self.boot()
+        elif command in STATES:
+            self.nmt = STATES[NmtCommand(command)]
+            self._told = -1
+
+    def _hear(self, node: int, data: bytes) -> None:
+        """Expect the master's next heartbeat; from the first one on it is missed."""
+        whom = self.objects[cia402.CONSUMER_HEARTBEAT]
+        if whom >> 16 == node and whom & 0xFFFF and state_of(data) is not None:
+            self._master_until = self._now + (whom & 0xFFFF) * 1e-3
+
+    def _miss_master(self, now: float) -> None:
+        if not self.objects[cia402.CONSUMER_HEARTBEAT] & 0xFFFF:
+            self._master_until = None
+        if self._master_until is not None and now > self._master_until:
+            self._master_until = None
+            self.axis.lose_master()
+
+    def _beat(self, now: float) -> None:
+        period = self.objects[cia402.PRODUCER_HEARTBEAT] * 1e-3
+        if period and now >= self._next_beat - EARLY:
+            self._next_beat = now + period
+            self._said.append(heartbeat(self.node, self.nmt))
+
+    def _say_emergency(self, emergency: Emergency) -> None:
+        self.objects.write(0x603F, 0, emergency.code)
+        self.objects.write(0x1001, 0, emergency.register)
+        if self.nmt is not NmtState.STOPPED:
+            self._said.append(emergency.frame(self.node))
+
+    # ------------------------------------------------------------------------------------------ dictionary
+
+    def _serve(self, data: bytes) -> None:
+        asked = request_of(data)
+        if isinstance(asked, Read | Write):
+            self.objects[cia402.STATUSWORD] = self.axis.status
+            self._said.append(reply(self.node, self.objects.answer(asked)))
+        elif asked is None and len(data) == 8:
+            index, sub = int.from_bytes(data[1:3], "little"), data[3]
+            self._said.append(reply(self.node, Abort(index, sub, UNKNOWN_COMMAND)))
+
+    def _written(self, index: int, sub: int) -> None:
+        if index == cia402.CONTROLWORD.index:
+            self.axis.obey(self.objects[cia402.CONTROLWORD])
+        elif index == cia402.MODE.index:
+            self.axis.choose(self.objects[cia402.MODE])
+
+    # ------------------------------------------------------------------------------------------ process data
+
+    def _mapping(self, parameter: int) -> list[tuple[int, int, int]]:
+        return [mapped(self.objects.at(parameter, sub)) for sub in range(1, self.objects.at(parameter, 0) + 1)]
+
+    def _take_process_data(self, number: int, data: bytes) -> None:
+        """Write what is mapped; the controlword comes last, so that it finds its target."""
+        mapping = self._mapping(0x1600 + number)
+        if len(data) < sum(size for *_, size in mapping):
+            self._say_emergency(Emergency(0x8210, 0x11))
+            return
+        values = []
+        for index, sub, size in mapping:
+            values.append((index, sub, self.objects.item(index, sub).unpack(data[:size])))
+            data = data[size:]
+        for index, sub, value in sorted(values, key=lambda each: each[0] == cia402.CONTROLWORD.index):
+            self.objects.write(index, sub, value)
+
+    def _report(self, now: float) -> None:
+        """Send the process data whose time has come, or whose statusword is news."""
+        if self.nmt is not NmtState.OPERATIONAL:
+            return
+        status = self.objects[cia402.STATUSWORD]
+        for number in PDOS:
+            parameter = 0x1800 + number
+            on_event, timer = self.objects.at(parameter, 2) >= 254, self.objects.at(parameter, 5) * 1e-3
+            news = status != self._told and (cia402.STATUSWORD.index, 0, 2) in self._mapping(0x1A00 + number)
+            if on_event and (news or (timer and now >= self._next_report[number] - EARLY)):
+                self._next_report[number] = now + timer
+                self._send(number)
+        self._told = status
+
+    def _synchronise(self) -> None:
+        self.objects[cia402.STATUSWORD] = self.axis.status
+        for number in PDOS:
+            kind = self.objects.at(0x1800 + number, 2)
+            self._syncs[number] += 1
+            if 1 <= kind <= 240 and self._syncs[number] >= kind:
+                self._syncs[number] = 0
+                self._send(number)
+
+    def _send(self, number: int) -> None:
+        cob = self.objects.at(0x1800 + number, 1)
+        if not cob & NOT_VALID:
+            data = b"".join(self.objects.data(index, sub) for index, sub, _ in self._mapping(0x1A00 + number))
+            self._said.append(CanFrame(cob & 0x7FF, data, extended=False))

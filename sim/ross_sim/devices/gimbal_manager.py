@@ -1,0 +1,207 @@
+"""A simulated gimbal manager: what an ArduPilot with MNT1_TYPE 6 does with gimbal commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ross_protocols import gimbal, vehicle
+from ross_protocols.codec import Packet
+from ross_protocols.dialect import common
+from ross_protocols.gimbal import Address
+from ross_protocols.pairs import clockwise
+from ross_protocols.vehicle import VehicleAttitude
+from ross_sim.devices.gimbal_device import EARLY, Servo
+
+HEARTBEAT, ATTITUDE, SET_ATTITUDE = 0, 30, 284  # message ids
+PITCH_YAW = 1000  # command, in degrees
+SHORTEST = 0.01  # of the periods that it can be asked for [s]
+FAILED = common.MAV_RESULT_FAILED
+PERIODS = {HEARTBEAT: 1.0, ATTITUDE: 0.04, SET_ATTITUDE: 0.02}  # [s]
+ADJUSTABLE = (gimbal.MANAGER_STATUS, gimbal.DEVICE_ATTITUDE, ATTITUDE)
+DEVICE_ID = 1  # of its first gimbal, whatever its component id is
+SILENT = 1.0  # [s] after which a device is not healthy and its attitude not passed on
+
+
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """COMMAND_LONG or COMMAND_INT."""
+
+    number: int
+    values: tuple[float, ...]  # params 1 to 4
+    flags: int
+    gimbal_device_id: int
+
+    @classmethod
+    def of(cls, message: Any) -> _Order:
+        long = message.get_type() == "COMMAND_LONG"
+        flags, device = (message.param5, message.param7) if long else (message.x, message.z)
+        values = message.param1, message.param2, message.param3, message.param4
+        return cls(message.command, values, _whole(flags), _whole(device))
+
+
+class ArduPilot:
+    """Component 1: streams set-points to the device and obeys anybody; who is in control is recorded only."""
+
+    def __init__(self, address: Address, device: Address, servo: Servo, yaw: Callable[[float], float]) -> None:
+        self.address = address
+        self.primary: Address = (0, 0)
+        self._said_primary: Address = (0, 0)
+        self._device = device
+        self._servo = servo
+        self._yaw = yaw
+        self._aim = 0.0  # counter-clockwise [rad]
+        self._lock = False  # from north
+        self._running = 0.0  # a rate [rad/s] that nobody has stopped
+        self._heard: tuple[float, Any] | None = None  # when [s], the device's attitude
+        self._told: Any = None  # what the device is
+        self._asked = -math.inf
+        self._periods = dict(PERIODS)
+        self._due: dict[int, float] = {}
+        self._then = 0.0
+
+    def hear(self, packet: Packet, now: float) -> list[Any]:
+        """Obey, and remember what the device says."""
+        message = packet.message
+        if (packet.system_id, packet.component_id) == self._device:
+            if packet.name == "GIMBAL_DEVICE_INFORMATION":
+                self._told = message
+            if packet.name == "GIMBAL_DEVICE_ATTITUDE_STATUS":
+                self._heard = now, message
+        if (getattr(message, "target_system", 0), getattr(message, "target_component", 0)) != self.address:
+            return []
+        if packet.name == "GIMBAL_MANAGER_SET_PITCHYAW":
+            self._point(message, (message.pitch, message.yaw), (message.pitch_rate, message.yaw_rate))
+        elif packet.name == "GIMBAL_MANAGER_SET_ATTITUDE":
+            yaw, pitch, _ = vehicle.euler(message.q)
+            self._point(message, (pitch, yaw), (message.angular_velocity_y, message.angular_velocity_z))
+        elif packet.name in ("COMMAND_LONG", "COMMAND_INT"):
+            return self._command(packet, now)
+        return []
+
+    def live(self, now: float) -> list[Any]:
+        """Return what is due at ``now`` [s]."""
+        self._aim += self._running * (now - self._then)
+        self._then = now
+        said = []
+        if self.primary != self._said_primary:
+            self._said_primary = self.primary
+            said += self._message(gimbal.MANAGER_STATUS, now)
+        if self._told is None and now - self._asked >= 1.0:
+            self._asked = now
+            said.append(gimbal.request(self._device, gimbal.DEVICE_INFORMATION))
+        for number, period in self._periods.items():
+            if now >= self._due.get(number, now) - EARLY:
+                self._due[number] = now + period
+                said += self._message(number, now)
+        return said
+
+    def take_control(self, whom: Address) -> None:
+        """Let somebody else configure the gimbal."""
+        self.primary = whom
+
+    def _point(self, message: Any, angles: tuple[float, float], rates: tuple[float, float]) -> bool:
+        """Take pitch and yaw [rad, clockwise], or their rates [rad/s]; neither when both are told, as measured."""
+        if message.gimbal_device_id not in (0, DEVICE_ID):
+            return False
+        angled, rated = all(map(math.isfinite, angles)), all(map(math.isfinite, rates))
+        if angled and not rated:
+            self._running, self._lock = 0.0, bool(message.flags & gimbal.YAW_LOCK)
+            aim = clockwise(angles[1])
+            self._aim = aim if self._lock else self._within(aim)
+        elif rated and not angled:
+            self._running = clockwise(rates[1])
+        return angled or rated
+
+    def _within(self, aim: float) -> float:
+        """Clamp to the travel, on the turn that is nearest to the last aim inside it."""
+        turns = (aim, aim - 2 * math.pi, aim + 2 * math.pi)
+        inside = [turn for turn in turns if self._servo.lower <= turn <= self._servo.upper]
+        return min(inside or [min(max(aim, self._servo.lower), self._servo.upper)], key=lambda t: abs(t - self._aim))
+
+    def _command(self, packet: Packet, now: float) -> list[Any]:
+        order = _Order.of(packet.message)
+        sender = packet.system_id, packet.component_id
+        result, answers = common.MAV_RESULT_ACCEPTED, list[Any]()
+        if order.number == PITCH_YAW:
+            pitch, yaw, *rates = map(math.radians, order.values[:4])
+            result = FAILED if not self._point(order, (pitch, yaw), (rates[0], rates[1])) else result
+        elif order.number == gimbal.CONFIGURE:
+            result = FAILED if not self._configure(order, sender) else result
+        elif order.number == gimbal.REQUEST_MESSAGE:
+            answers = self._message(_whole(order.values[0]), now)
+            result = result if answers else FAILED
+        elif order.number == gimbal.MESSAGE_INTERVAL and order.values[0] in ADJUSTABLE:
+            self._set_interval(int(order.values[0]), order.values[1])
+        elif order.number != gimbal.MESSAGE_INTERVAL:
+            result = common.MAV_RESULT_UNSUPPORTED
+        whom = {"target_system": sender[0], "target_component": sender[1]}
+        return [common.MAVLink_command_ack_message(order.number, result, **whom), *answers]
+
+    def _set_interval(self, number: int, microseconds: float) -> None:
+        self._due.pop(number, None)
+        if microseconds > 0:
+            self._periods[number] = max(microseconds / 1e6, SHORTEST)
+        else:
+            self._periods.pop(number, None)
+
+    def _configure(self, order: _Order, sender: Address) -> bool:
+        """Record who is in control; tell whether that could be."""
+        system, component = order.values[:2]
+        if order.gimbal_device_id not in (0, DEVICE_ID) or not (-3 <= system <= 255 and -3 <= component <= 255):
+            return False
+        if system == gimbal.ITSELF:
+            self.primary = sender
+        elif system == gimbal.NOBODY and self.primary == sender:
+            self.primary = 0, 0
+        elif system >= 0:
+            self.primary = int(system), int(component)
+        return True
+
+    def _message(self, number: int, now: float) -> list[Any]:
+        boot = round(now * 1e3)
+        travel = (0.0, 0.0, 0.0, 0.0, -self._servo.upper, -self._servo.lower)
+        match number:
+            case 0:
+                kind, maker = common.MAV_TYPE_QUADROTOR, common.MAV_AUTOPILOT_ARDUPILOTMEGA
+                return [common.MAVLink_heartbeat_message(kind, maker, 1, 0, common.MAV_STATE_STANDBY, 3)]
+            case 30:
+                rate = (self._yaw(now) - self._yaw(now - 0.01)) / 0.01
+                return [vehicle.attitude(VehicleAttitude(now, self._yaw(now), 0.0, 0.0, rate))]
+            case gimbal.MANAGER_INFORMATION:
+                return [common.MAVLink_gimbal_manager_information_message(boot, 0, DEVICE_ID, *travel)]
+            case gimbal.MANAGER_STATUS:
+                return [common.MAVLink_gimbal_manager_status_message(boot, 12, DEVICE_ID, *self.primary, 0, 0)]
+            case gimbal.DEVICE_INFORMATION if self._told is not None:
+                return [_passed_on(self._told)]
+        return self._gimbal_message(number, boot, now)
+
+    def _gimbal_message(self, number: int, boot: int, now: float) -> list[Any]:
+        if number == SET_ATTITUDE and self._told is not None:
+            said = gimbal.point_device(self._device, self._aim)
+            said.flags = 4 | 8 | gimbal.YAW_LOCK if self._lock else 0
+            return [said]
+        if number == gimbal.DEVICE_ATTITUDE and self._heard and now - self._heard[0] <= SILENT:
+            q, flags = self._heard[1].q, self._heard[1].flags
+            rates = (math.nan,) * 3
+            said = common.MAVLink_gimbal_device_attitude_status_message(
+                0, 0, boot, flags, q, *rates, self._heard[1].failure_flags, gimbal_device_id=DEVICE_ID
+            )
+            return [said]
+        return []
+
+
+def _passed_on(told: Any) -> Any:
+    """Return the information of a device as that of the manager's own."""
+    fields = {name: getattr(told, name) for name in told.fieldnames} | {"gimbal_device_id": DEVICE_ID}
+    return type(told)(**{name: _text(value) for name, value in fields.items()})
+
+
+def _text(value: Any) -> Any:
+    return value.encode() if isinstance(value, str) else value
+
+
+def _whole(number: float) -> int:
+    return int(number) if math.isfinite(number) else 0
