@@ -48,6 +48,27 @@ def test_set_points_follow_the_trapezoid():
     assert max(abs(b - a) for a, b in pairwise(speeds)) <= 112.5 * 0.02 + 2 * coarse
 
 
+def test_set_points_lead_by_the_lag_of_the_servo():
+    def joint(lag_ms):
+        rig = Rig(lag_ms=lag_ms)
+        rig.go(150, 1.0)
+        return math.degrees(rig.options.joint_of(rig.values()[-1]))
+
+    assert joint(40) - joint(0) == pytest.approx(112.5 * 0.040 * 1.03, abs=0.3)  # at 112.5 deg/s, and faster
+
+
+@pytest.mark.parametrize("lag_ms", [0, 20, 100])
+def test_whatever_the_lead_the_servo_reaches_its_goal_and_never_passes_it(lag_ms):
+    rig = Rig(lag_ms=lag_ms)
+    farthest = 0.0
+    rig.go(60)
+    for _ in range(250):
+        rig.clock.sleep(QUANTUM)
+        farthest = max(farthest, rig.true_deg)
+    assert rig.state.settled
+    assert farthest == pytest.approx(60, abs=0.1)  # a count of its encoder
+
+
 @pytest.mark.parametrize(
     ("options", "lowest", "highest"),
     [

@@ -114,8 +114,8 @@ def test_a_program_that_hangs_or_dies_leaves_a_servo_at_its_last_set_point(comma
     rig.hang()
     last = rig.true_deg
     rig.clock.sleep(3.0)
-    assert abs(rig.true_deg - last) < 5  # one set-point at 90 deg/s, and what it lagged
-    assert rig.node.shaft.rate == 0.0
+    assert abs(rig.true_deg - last) < 5  # what its set-points led at 90 deg/s
+    assert abs(rig.node.shaft.rate) < math.radians(0.1)  # held by friction, or creeping within a count of its encoder
 
 
 @pytest.mark.parametrize("pause", [0.15, 0.6, 3.0])

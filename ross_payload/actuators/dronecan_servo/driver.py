@@ -38,6 +38,7 @@ class DronecanServo:
         self._options = options
         self._services = services
         self._measured = options.feedback == "measured"
+        self._lag = options.lag_ms * 1e-3  # of the servo behind its set-points [s]
         self._requests = Requests()
         self._client: ServoClient | None = None
         self._motion: Motion | None = None  # None: nothing is sent
@@ -222,10 +223,11 @@ class DronecanServo:
         if self._motion is not None and now >= self._due - EARLY:
             if now - self._due > GAP and (motion := self._motion).end > self._due:
                 plan = motion.plan
-                there = motion.at(self._due)[0]
+                there = motion.at(self._due + self._lag)[0]
                 self._motion = Motion(Trapezoid(there, plan.goal, plan.speed, plan.acceleration), now)
             self._due = (self._due if now - self._due < PERIOD else now) + PERIOD
-            client.command(self._motion.at(now + PERIOD)[0])  # where it should be when the next one comes
+            ahead = PERIOD + self._lag  # where it should be when the next one comes, had it no lag
+            client.command(self._motion.at(now + ahead)[0])
 
     def _publish(self, client: ServoClient, now: float) -> None:
         if now >= self._home_until:

@@ -33,6 +33,7 @@ class Options(Table):
     gear_ratio: Annotated[float, Field(ge=-1000, le=1000)] = 1.0  # turns of the servo per turn of the array, signed
     zero_position_deg: Degrees = 0.0  # position of the servo at joint angle 0
     resolution_deg: Positive = 0.25  # how near to a goal the servo comes
+    lag_ms: Annotated[float, Field(ge=0, le=100)] = 20.0  # by which the servo is late; its set-points lead by so much
     max_lag_deg: Positive = 20.0  # farther behind its set-point, the servo does not follow
     max_speed_deg_s: Positive = 225.0
     max_acceleration_deg_s2: Positive = 112.5
