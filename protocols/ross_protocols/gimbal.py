@@ -80,6 +80,20 @@ def read(message: Any) -> GimbalAttitude | GimbalTravel | GimbalControl | None:
     return None
 
 
+def maker(message: Any) -> str:
+    """Return vendor, model and firmware of a GIMBAL_DEVICE_INFORMATION, in one line; empty when it tells none.
+
+    >>> names = b"Gremsy", b"Pixy", b""
+    >>> maker(common.MAVLink_gimbal_device_information_message(0, *names, 0x0203, 0, 0, 0, 0, *(0.0,) * 6))
+    'Gremsy Pixy, firmware 3.2.0'
+    """
+    names = message.vendor_name, message.model_name
+    texts = ["".join(letter for letter in name if letter.isprintable()).strip() for name in names]
+    version = message.firmware_version.to_bytes(4, "little")[:3]
+    firmware = "firmware " + ".".join(map(str, version)) if any(version) else ""
+    return ", ".join(part for part in (" ".join(filter(None, texts)), firmware) if part)
+
+
 def in_earth_frame(flags: int) -> bool:
     """Tell the frame of a yaw.
 

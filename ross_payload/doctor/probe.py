@@ -23,6 +23,7 @@ from ross_payload.interfaces import ActuatorState, Feedback, Services
 
 POLL = 0.010  # [s]
 FOUND = 5.0  # that an actuator may take to report for the first time [s]
+NAMED = 0.5  # and to tell after that who it is, if it does at all [s]
 REST = 2.0  # of looking at it at rest [s]
 BRAKING = 5.0  # that it may take to stand still at the end [s]
 RESTLESS = math.radians(0.3)  # at rest: more is worth a word [rad]
@@ -69,6 +70,7 @@ def _examined(guard: Guard, config: Config, services: Services, wishes: Wishes, 
     if not state.healthy and not (wishes.home and state.time > -math.inf):
         yield fail("report", state.fault, "wire, power, ids? See 'what happens when' on the page of this actuator")
         return
+    _wait_for(lambda: bool(guard.identity), services, NAMED)
     yield from _identified(guard, config, results)
     if wishes.home:
         yield _homed(guard, config, services)
@@ -98,10 +100,14 @@ def _polled(guard: Guard, services: Services) -> Iterator[None]:
 
 
 def _first_report(guard: Guard, services: Services) -> ActuatorState:
-    end = services.clock.now() + FOUND
-    while not guard.state().healthy and services.clock.now() < end:
-        services.clock.sleep(POLL)
+    _wait_for(lambda: guard.state().healthy, services, FOUND)
     return guard.state()
+
+
+def _wait_for(true: Callable[[], bool], services: Services, seconds: float) -> None:
+    end = services.clock.now() + seconds
+    while not true() and services.clock.now() < end:
+        services.clock.sleep(POLL)
 
 
 def _identified(guard: Guard, config: Config, results: Results) -> Iterator[Finding]:

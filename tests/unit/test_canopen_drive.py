@@ -146,6 +146,12 @@ def test_a_refusal_is_told_in_words():
     assert bench.fault == "node 5 refuses to write 0x6007 = 3: no such object"
 
 
+def test_a_drive_is_known_by_its_maker_s_numbers():
+    bench = Bench()
+    assert bench.actuator.identity == ""
+    assert bench.open().actuator.identity == "vendor 0x0, product 0x402, revision 0x10000, serial 0x1"
+
+
 def test_what_not_every_drive_has_is_not_needed():
     bench = Bench()
     for item in ABSENT:

@@ -13,6 +13,7 @@ from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_protocols.can import CanFrame
 from ross_protocols.dronecan import ArrayCommand, Health, Mode, NodeStatus
 from ross_protocols.dronecan_gimbal import AngularCommand, GimbalStatus
+from ross_protocols.dronecan_transfer import SERVICE
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.far_end import Fault
 
@@ -258,6 +259,38 @@ def test_where_the_payload_is_a_node_already_the_driver_speaks_through_it():
     assert senders == {77}
     beats = [message for _, message in rig.heard if isinstance(message, NodeStatus)]
     assert len(beats) == 3
+
+
+def questions(rig, seconds):
+    """How often the driver asks the servo something."""
+    asked = []
+    rig.passes = lambda frame: asked.append(frame.id & SERVICE) or True
+    rig.clock.sleep(seconds)
+    return sum(map(bool, asked))
+
+
+def test_the_servo_is_asked_once_who_it_is_and_tells_it():
+    rig = Rig()
+    assert rig.actuator.identity == "org.ross.servo, software 1.0, hardware 1.0"
+    assert questions(rig, 5.0) == 0
+
+
+def test_a_servo_that_never_tells_who_it_is_is_asked_three_times_and_is_well():
+    rig = Rig(wrap=Deaf)
+    assert questions(rig, 10.0) == 2  # and once before
+    assert rig.actuator.identity == ""
+    assert rig.state.healthy
+
+
+class Deaf:
+    """A bus on which no answer arrives."""
+
+    def __init__(self, port):
+        self._port = port
+        self.send, self.close = port.send, port.close
+
+    def receive(self):
+        return [frame for frame in self._port.receive() if not frame.id & SERVICE]
 
 
 @pytest.mark.parametrize("goal", [math.nan, math.inf, -math.inf, 1e9], ids=str)

@@ -183,6 +183,13 @@ def test_without_an_autopilot_it_becomes_the_manager_after_three_seconds():
 
 
 @pytest.mark.parametrize("role", ROLES)
+def test_a_gimbal_is_called_what_it_calls_itself(role):
+    rig = bench(role)
+    rig.clock.sleep(1.0)
+    assert rig.actuator.identity == "ROSS simulated, firmware 1.0.0"
+
+
+@pytest.mark.parametrize("role", ROLES)
 def test_a_dead_program_means_a_still_gimbal(role):
     rig = bench(role)
     rig.actuator.command(3.0)

@@ -86,10 +86,20 @@ def test_five_degrees_and_back_are_five_degrees_and_back(kind: str) -> None:
     assert about(findings, "direction").verdict is (Verdict.OK if measured else Verdict.WARN)
 
 
-def test_a_device_is_called_what_it_calls_itself() -> None:
-    on = Workbench("grbl")
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("grbl", "grbl 1.1"),
+        ("dronecan_servo", "org.ross.servo, software 1.0, hardware 1.0"),
+        ("canopen_drive", "vendor 0x0, product 0x402, revision 0x10000, serial 0x1"),
+        ("mavlink_gimbal", "ROSS simulated, firmware 1.0.0"),
+        ("mavlink_gimbal:manager", "ROSS simulated, firmware 1.0.0"),
+    ],
+)
+def test_a_device_is_called_what_it_calls_itself(kind: str, name: str) -> None:
+    on = Workbench(kind)
     findings = on.probe()
-    assert on.results.identity.startswith("grbl 1.1")
+    assert on.results.identity.startswith(name)
     assert on.results.identity in about(findings, "device").found
 
 

@@ -23,7 +23,7 @@ from ross_payload.actuators.canopen_drive.setup import Setup
 from ross_payload.actuators.canopen_drive.watch import ENABLE, OFF, Watch
 from ross_payload.actuators.requests import Ask, Move, Requests
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
-from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Services
+from ross_payload.interfaces import Actuator, ActuatorState, Services
 from ross_protocols import cia402
 from ross_protocols.cia402 import Homing, Mode, State
 
@@ -42,8 +42,8 @@ class CanopenDrive:
         self._link: Link | None = None
         self._setup = Setup(options)
         self._axis = Axis()
-        speed, acceleration = math.radians(options.max_speed_deg_s), math.radians(options.max_acceleration_deg_s2)
-        self._places = Places(options.settle_ms * 1e-3, 1.5 * speed, acceleration)
+        self.capabilities = able = options.capabilities
+        self._places = Places(options.settle_ms * 1e-3, 1.5 * able.max_speed, able.max_acceleration)
         self._known = False  # where the drive counts 0
         self._homing = False  # asked for, and not over
         self._next: Move | None = None  # what was asked for meanwhile
@@ -52,15 +52,11 @@ class CanopenDrive:
         self._due = -math.inf  # the next repetition [s]
         self._fault = ""
         self._state = ActuatorState(0.0, 0.0, settled=False, homed=False, healthy=True, time=-math.inf)
-        self.capabilities = Capabilities(
-            lower=math.radians(options.lower_deg),
-            upper=math.radians(options.upper_deg),
-            max_speed=speed,
-            max_acceleration=acceleration,
-            resolution=options.resolution,
-            continuous=False,
-            feedback=Feedback.MEASURED,
-        )
+
+    @property
+    def identity(self) -> str:
+        """The numbers by which the drive's maker knows it."""
+        return self._setup.identity
 
     def command(self, angle: float, rate: float | None = None) -> None:
         """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal."""

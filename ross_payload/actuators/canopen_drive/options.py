@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from ross_payload.config import Degrees, Positive, Table
+from ross_payload.interfaces import Capabilities, Feedback
 
 NodeId = Annotated[int, Field(ge=1, le=127)]
 METHODS = {  # homing methods by CiA 402
@@ -77,6 +78,19 @@ class Options(Table):
     def resolution(self) -> float:
         """What can be told apart [rad]."""
         return max(math.radians(self.resolution_deg), 1 / abs(self.scale))
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """What is asked of drive and array."""
+        return Capabilities(
+            lower=math.radians(self.lower_deg),
+            upper=math.radians(self.upper_deg),
+            max_speed=math.radians(self.max_speed_deg_s),
+            max_acceleration=math.radians(self.max_acceleration_deg_s2),
+            resolution=self.resolution,
+            continuous=False,
+            feedback=Feedback.MEASURED,
+        )
 
     def counts(self, joint: float) -> int:
         """Return the drive's position at a joint angle [rad]."""

@@ -19,6 +19,7 @@ COMMAND = (cia402.CONTROLWORD, cia402.TARGET, cia402.MODE)  # process data to th
 RATE = (cia402.PROFILE_VELOCITY,)
 PLACE = (cia402.STATUSWORD, cia402.POSITION, cia402.MODE_SHOWN)  # process data from the drive
 SPEED = (cia402.VELOCITY,)
+IDENTITY = {cia402.VENDOR: "vendor", cia402.PRODUCT: "product", cia402.REVISION: "revision", cia402.SERIAL: "serial"}
 log = logging.getLogger(__name__)
 
 
@@ -58,11 +59,19 @@ class Setup:
         self._wish: Wish | None = next(self._steps)
         self._tries = 0
         self._asked: float | None = None  # [s]
+        self._told: dict[Item, int] = {}  # of its identity
 
     @property
     def done(self) -> bool:
         """Whether all is asked and told."""
         return self._wish is None
+
+    @property
+    def identity(self) -> str:
+        """The numbers by which the drive's maker knows it; empty until it has told them all."""
+        if self._wish is not None and self._wish.item in IDENTITY:
+            return ""
+        return ", ".join(f"{IDENTITY[item]} 0x{value:X}" for item, value in self._told.items())
 
     def go_on(self, answers: Sequence[Value | Written | Abort], now: float) -> Read | Write | None:
         """Take answers; return what to ask at ``now`` [s]: None while the drive may still answer, and when done."""
@@ -95,10 +104,13 @@ class Setup:
 
     def _go_on(self, answer: int | None) -> None:
         self._asked, self._tries = None, 0
+        if self._wish is not None and answer is not None and self._wish.item in IDENTITY:
+            self._told[self._wish.item] = answer
         try:
             self._wish = self._steps.send(answer)
         except StopIteration:
             self._wish = None
+            log.info("drive at node %d: %s", self._node, self.identity)
 
 
 def steps(options: Options) -> Steps:
@@ -151,10 +163,8 @@ def _identify(options: Options) -> Steps:
     yield Wish(
         cia402.CONTROLWORD, cia402.controlword(cia402.State.OPERATION_ENABLED.bits, cia402.State.QUICK_STOP_ACTIVE)
     )
-    vendor = yield Wish(cia402.VENDOR)
-    product = yield Wish(cia402.PRODUCT, needed=False)
-    serial = yield Wish(cia402.SERIAL, needed=False)
-    log.info("drive at node %d: vendor %s, product %s, serial %s", options.node_id, vendor, product, serial)
+    for item in IDENTITY:
+        yield Wish(item, needed=item == cia402.VENDOR)
 
 
 def _check(options: Options) -> Steps:

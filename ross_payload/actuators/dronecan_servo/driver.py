@@ -60,6 +60,11 @@ class DronecanServo:
             feedback=Feedback(options.feedback),
         )
 
+    @property
+    def identity(self) -> str:
+        """Name and versions, as the servo tells them."""
+        return self._client.identity if self._client is not None else ""
+
     def command(self, angle: float, rate: float | None = None) -> None:
         """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal."""
         if not self.capabilities.lower <= angle <= self.capabilities.upper:

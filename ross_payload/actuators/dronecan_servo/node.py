@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from ross_payload import __version__
+from ross_payload.actuators.dronecan_servo.greeting import Greeting
 from ross_payload.actuators.dronecan_servo.options import Options
 from ross_payload.actuators.dronecan_servo.watch import LATE, Traffic, Twins
 from ross_payload.angles import wrap
@@ -105,6 +106,7 @@ class ServoClient:
         self._alive = -math.inf  # its last NodeStatus [s]
         self._said = ""
         self._named = False  # we had a node id
+        self._greeting = Greeting(options.node_id)
         self.place = Place()
         self.heard = -math.inf  # any report of the servo [s]
         self.condition = ""  # of the servo, as it says itself
@@ -115,6 +117,11 @@ class ServoClient:
     def _node(self) -> Node:
         """Through whom we speak."""
         return node_of(self._port) or self._own
+
+    @property
+    def identity(self) -> str:
+        """Who the servo says it is."""
+        return self._greeting.told
 
     @property
     def nameless(self) -> str:
@@ -136,6 +143,9 @@ class ServoClient:
             received = self._assembler.feed(frame)
             if received is not None:
                 self._take(received, now)
+        self._greeting.hear(frames)
+        if not math.isinf(self.heard):
+            self._greeting.ask(self._node, now)
         self._watch(Counter(frame.id & 0x7F for frame in frames), now)
 
     def _watch(self, senders: Counter[int], now: float) -> None:

@@ -66,6 +66,11 @@ class MavlinkGimbal:
         self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, self.capabilities.max_speed)
         self._state = ActuatorState(0.0, 0.0, False, homed=True, healthy=False, time=-math.inf)
 
+    @property
+    def identity(self) -> str:
+        """Vendor, model and firmware, as the gimbal tells them."""
+        return self._peer.identity if self._peer is not None else ""
+
     def command(self, angle: float, rate: float | None = None) -> None:
         """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal."""
         if not self.capabilities.lower <= angle <= self.capabilities.upper:  # NaN is not either

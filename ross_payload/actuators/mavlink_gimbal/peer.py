@@ -26,6 +26,8 @@ MISSING = {
     "manager": "no heartbeat of a gimbal device yet",
     "discover": "no heartbeat of an autopilot or a gimbal device yet",
 }
+INQUIRIES = 3  # after who a gimbal behind a manager is: it need not tell
+INFORMATION = "GIMBAL_DEVICE_INFORMATION"
 ATTACHED = len(gimbal.COMPONENTS)  # device ids up to this one belong to the manager, above are component ids
 
 
@@ -64,14 +66,18 @@ class Client:
     had_control: bool = False
     refused: bool = False  # when we asked for control
     asked: int = 0  # times, for attitudes
+    inquired: int = 0  # times, who the gimbal is
+    identity: str = ""  # of the gimbal, as it tells
     asking: Asking = field(default_factory=Asking)
 
     def heard(self, arrived: Arrived, now: float) -> None:
         """Take in what the manager says."""
         packet, self.us = arrived.packet, arrived.us
-        if (packet.system_id, packet.component_id) != self.manager:
+        sender, said = (packet.system_id, packet.component_id), packet.message
+        if packet.name == INFORMATION and (sender == self.device or self._passed_on(sender, said)):
+            self.identity = gimbal.maker(said)
+        if sender != self.manager:
             return
-        said = packet.message
         if packet.name == "COMMAND_ACK" and said.command == gimbal.CONFIGURE and _is_for(self.us, said):
             self.refused = said.result not in (ACCEPTED, IN_PROGRESS)
         match gimbal.read(packet.message):
@@ -102,10 +108,17 @@ class Client:
         if self.asking.too_few(now):
             questions += [gimbal.interval(address, gimbal.DEVICE_ATTITUDE, WANTED) for address in self._reporters()]
             self.asked += 1
+        if not self.identity and self.inquired < INQUIRIES:
+            questions += [gimbal.request(address, gimbal.DEVICE_INFORMATION) for address in self._reporters()]
+            self.inquired += 1
         return questions
 
+    def _passed_on(self, sender: Address, said: Any) -> bool:
+        """Tell whether the manager tells of the gimbal."""
+        return sender == self.manager and self.travel is not None and said.gimbal_device_id == self.device_id
+
     def _reporters(self) -> list[Address]:
-        """Whom to ask for attitudes: the device itself, and its manager when that was not enough."""
+        """Whom to ask for what the gimbal tells: the device itself, and its manager when that was not enough."""
         if self.device is None:
             return [self.manager]
         return [self.device, self.manager] if self.asked else [self.device]
@@ -155,6 +168,7 @@ class Manager:
     device: Address
     travel: GimbalTravel | None = None
     rival: Address | None = None  # who else points a gimbal here
+    identity: str = ""  # of the gimbal, as it tells
     asking: Asking = field(default_factory=Asking)
 
     def heard(self, arrived: Arrived, now: float) -> None:
@@ -163,6 +177,8 @@ class Manager:
         if packet.name == "GIMBAL_DEVICE_SET_ATTITUDE":
             self.rival = packet.system_id, packet.component_id
         if (packet.system_id, packet.component_id) == self.device:
+            if packet.name == INFORMATION:
+                self.identity = gimbal.maker(packet.message)
             said = gimbal.read(packet.message)
             if isinstance(said, GimbalTravel):
                 if self.travel is None:
