@@ -1,6 +1,7 @@
 """The MAVLink gimbal driver against a simulated ArduPilot and gimbal, or a bare device: faults, frames, control."""
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -187,6 +188,35 @@ def test_a_gimbal_is_called_what_it_calls_itself(role):
     rig = bench(role)
     rig.clock.sleep(1.0)
     assert rig.actuator.identity == "ROSS simulated, firmware 1.0.0"
+
+
+@pytest.mark.parametrize("role", ROLES)
+def test_set_points_come_at_50_hz_in_a_move_and_at_10_hz_at_rest_and_a_new_goal_at_once(role):
+    rig = bench(role)
+    rig.settle()
+    times = set_points(rig, 1.0)
+    assert [round(after - before, 6) for before, after in pairwise(times)] == [0.1] * (len(times) - 1)
+    rig.actuator.command(1.0)
+    begin = rig.clock.now()
+    times = set_points(rig, 0.5)
+    assert times[0] <= begin + 0.02
+    assert {round(after - before, 6) for before, after in pairwise(times)} == {0.02}
+
+
+def set_points(rig, seconds):
+    """When the driver points the gimbal [s]."""
+    wire, times = rig.far_end.port, []
+    send = wire.send
+
+    def noted(message):
+        if message.get_type() in ("GIMBAL_MANAGER_SET_PITCHYAW", "GIMBAL_DEVICE_SET_ATTITUDE"):
+            times.append(rig.clock.now())
+        send(message)
+
+    wire.send = noted
+    rig.clock.sleep(seconds)
+    wire.send = send
+    return times
 
 
 @pytest.mark.parametrize("role", ROLES)

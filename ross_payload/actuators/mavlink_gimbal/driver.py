@@ -36,6 +36,7 @@ from ross_protocols.gimbal import Address, GimbalAttitude
 from ross_protocols.vehicle import AUTOPILOT, VehicleAttitude
 
 PERIOD = 0.02  # between set-points [s]
+HOLD = 0.1  # between those of a gimbal that rests at its goal [s]; a device gives up a manager silent for about 1 s
 EARLY = 1e-9  # [s], of rounding
 STILL = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
 
@@ -205,7 +206,7 @@ class MavlinkGimbal:
             self._led = now
             self._hold(now)
         self._look_whether_it_follows(now)
-        if self._motion is not None and now - self._sent >= PERIOD - EARLY:
+        if self._motion is not None and now - self._sent >= (HOLD if self._state.settled else PERIOD) - EARLY:
             self._sent = now
             self._port.send(peer.point(self._motion.at(now + PERIOD)[0]))  # where it should be when the next one comes
 
