@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections.abc import Callable, Iterator
 from itertools import count
@@ -18,6 +17,7 @@ canopen = pytest.importorskip("canopen")
 
 from canopen.profiles.p402 import BaseNode402  # noqa: E402
 
+from live_can_node import LiveCanNode  # noqa: E402
 from ross_payload.actuators.canopen_drive.driver import backend  # noqa: E402
 from ross_payload.actuators.canopen_drive.options import Options  # noqa: E402
 from ross_payload.actuators.wires import open_wire  # noqa: E402
@@ -32,32 +32,12 @@ PATIENCE = 20.0  # with a computer that has much else to do [s]
 numbers = count()
 
 
-class Emulated:
-    """The simulated drive on a bus of python-can, in real time on a thread of its own."""
+class Emulated(LiveCanNode):
+    """The simulated drive."""
 
     def __init__(self, channel: str, **options: Any) -> None:
         self.far_end = DriveFarEnd(Options(node_id=NODE, **options), np.random.default_rng(0))
-        self.node = self.far_end.node
-        self._port = open_wire(f"can:virtual:{channel}", SystemClock())
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._live, name="drive")
-
-    def __enter__(self) -> Emulated:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._over.set()
-        self._thread.join()
-        self._port.close()
-
-    def _live(self) -> None:
-        begin = time.monotonic()
-        while not self._over.wait(0.002):
-            for frame in self._port.receive():
-                self.node.take(frame)
-            for frame in self.node.live(round(time.monotonic() - begin, 3)):
-                self._port.send(frame)
+        super().__init__(channel, self.far_end.node)
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections.abc import Iterator
 from itertools import count, pairwise
@@ -19,6 +18,7 @@ from dronecan.app.dynamic_node_id import CentralizedServer  # noqa: E402
 from dronecan.app.node_monitor import NodeMonitor  # noqa: E402
 
 from dronecan_bus import peer, spin_until  # noqa: E402
+from live_can_node import LiveCanNode  # noqa: E402
 from ross_payload.actuators.dronecan_servo.driver import backend  # noqa: E402
 from ross_payload.actuators.dronecan_servo.options import Options  # noqa: E402
 from ross_payload.actuators.wires import open_wire  # noqa: E402
@@ -31,32 +31,12 @@ PEER, SERVO = 10, 50
 numbers = count()
 
 
-class Emulated:
-    """The simulated servo on a bus, in real time on a thread of its own."""
+class Emulated(LiveCanNode):
+    """The simulated servo."""
 
     def __init__(self, channel: str, *, fixed: bool = True, **options: Any) -> None:
         shaft = Shaft(Drive(), np.random.default_rng(0))
-        self.node = ServoNode(Options(**options), shaft, fixed=fixed)
-        self._port = open_wire(f"can:virtual:{channel}", SystemClock())
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._live, name="servo")
-
-    def __enter__(self) -> Emulated:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._over.set()
-        self._thread.join()
-        self._port.close()
-
-    def _live(self) -> None:
-        begin = time.monotonic()
-        while not self._over.wait(0.002):
-            for frame in self._port.receive():
-                self.node.take(frame)
-            for frame in self.node.live(round(time.monotonic() - begin, 3)):
-                self._port.send(frame)
+        super().__init__(channel, ServoNode(Options(**options), shaft, fixed=fixed))
 
 
 @pytest.fixture

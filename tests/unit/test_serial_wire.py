@@ -15,8 +15,7 @@ from ross_payload.actuators.wires.serial import AGAIN, SerialWire, _why
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
 from ross_sim.devices.pty_port import PtyServer
-from ross_sim.devices.serial_side import SerialSide
-from ross_sim.devices.wires import WireServer
+from ross_sim.devices.wires import SerialSide, WireServer
 
 
 class LeapingClock(SystemClock):

@@ -1,16 +1,10 @@
-"""A simulated CAN bus: frames take their time and the lowest identifier goes first; also for another process."""
+"""A simulated CAN bus: frames take their time and the lowest identifier goes first."""
 
 from __future__ import annotations
 
-from queue import SimpleQueue
-from typing import Any
-
 import numpy as np
 
-from ross_payload.actuators.wires.can_codec import CanCodec
-from ross_payload.interfaces import Port
 from ross_protocols.can import CanFrame
-from ross_sim.devices.wires import drained
 
 BITRATE = 1e6  # [bit/s]
 STUFFED = 1.1  # bits of a frame with those that are stuffed in, over those without
@@ -81,32 +75,3 @@ def lasts(frame: CanFrame) -> float:
     144
     """
     return STUFFED * ((67 if frame.extended else 47) + 8 * len(frame.data)) / BITRATE
-
-
-class CanSide:
-    """Gives the bus to a payload in another process: frames take effect when they arrived."""
-
-    codec = CanCodec
-
-    def __init__(self, port: Port, epoch: float) -> None:
-        self._port = port
-        self._epoch = epoch
-        self._inbox: SimpleQueue[tuple[float, Any]] = SimpleQueue()
-        self._outbox: SimpleQueue[Any] = SimpleQueue()
-        self._waiting: list[tuple[float, Any]] = []
-
-    def arrived(self, frame: Any, now: float) -> None:
-        """Keep a frame with the world's time of its arrival."""
-        self._inbox.put((now - self._epoch, frame))
-
-    def due(self, now: float) -> list[Any]:
-        """Return what the servo has said."""
-        return drained(self._outbox)
-
-    def exchange(self, begin: float) -> None:
-        """Give the servo what has arrived by then, and take what it says."""
-        self._waiting += drained(self._inbox)
-        while self._waiting and self._waiting[0][0] <= begin:
-            self._port.send(self._waiting.pop(0)[1])
-        for frame in self._port.receive():
-            self._outbox.put(frame)

@@ -20,13 +20,15 @@ from typing import Any, Protocol, Self
 from ross_payload import plugins
 from ross_payload.actuators.tb6600.pulses import Level, PulseCodec, RanOut, RecordingPulses, Segment
 from ross_payload.actuators.wires import Codec, TcpWire, connect, greeting
+from ross_payload.actuators.wires.can_codec import CanCodec
+from ross_payload.actuators.wires.serial import RawCodec
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import Clock, Port
 from ross_sim.devices.ideal import Goal, Halt, Report
 
 TICK = 0.002  # [s] between two looks at the wire
 IDLE = 0.1  # [s] between two looks for a payload
-GROUP = "ross_sim.devices.wires"
+GROUP = "ross_sim.wires"
 FRAMES = {"goal": Goal, "halt": Halt, "report": Report}
 
 
@@ -108,16 +110,19 @@ class PulseSide:
                 self._noticed.put(replace(report, end=report.end + self._epoch))
 
 
-class IdealSide:
-    """Lets goals take effect when they arrived, and reports where the device was a moment ago."""
+class FrameSide:
+    """Lets frames take effect when they arrived, and hands on what the device says.
 
-    codec = IdealCodec
+    ``epoch`` is the world's time 0 on the Clock [s].
+    """
+
+    codec: type[Codec]
 
     def __init__(self, port: Port, epoch: float) -> None:
         self._port = port
         self._epoch = epoch
         self._inbox: SimpleQueue[tuple[float, Any]] = SimpleQueue()
-        self._outbox: SimpleQueue[Report] = SimpleQueue()
+        self._outbox: SimpleQueue[Any] = SimpleQueue()
         self._waiting: list[tuple[float, Any]] = []
 
     def arrived(self, frame: Any, now: float) -> None:
@@ -125,16 +130,41 @@ class IdealSide:
         self._inbox.put((now - self._epoch, frame))
 
     def due(self, now: float) -> list[Any]:
-        """Return the reports that the device has made."""
+        """Return what the device has said."""
         return drained(self._outbox)
 
     def exchange(self, begin: float) -> None:
-        """Give the device what has arrived by then, and take its reports."""
+        """Give the device what has arrived by then, and take what it says."""
         self._waiting += drained(self._inbox)
         while self._waiting and self._waiting[0][0] <= begin:
             self._port.send(self._waiting.pop(0)[1])
-        for report in self._port.receive():
-            self._outbox.put(replace(report, time=report.time + self._epoch))
+        for frame in self._port.receive():
+            self._outbox.put(self._dated(frame))
+
+    def _dated(self, frame: Any) -> Any:
+        """Return a frame of the device with its times on the Clock; most carry none."""
+        return frame
+
+
+class IdealSide(FrameSide):
+    """The scheme ``ideal``: reports tell where the device was a moment ago."""
+
+    codec = IdealCodec
+
+    def _dated(self, frame: Report) -> Report:
+        return replace(frame, time=frame.time + self._epoch)
+
+
+class SerialSide(FrameSide):
+    """The scheme ``serial``: bytes, in whatever pieces they come."""
+
+    codec = RawCodec
+
+
+class CanSide(FrameSide):
+    """The scheme ``can``: the frames of a bus."""
+
+    codec = CanCodec
 
 
 def side_of(scheme: str, port: Port, epoch: float) -> Side:
