@@ -51,6 +51,17 @@ def test_home_is_found_again_after_it_was_found_before():
     assert bench.true_deg == pytest.approx(-50, abs=3)
 
 
+def test_a_slip_is_put_right_by_homing_with_a_switch():
+    bench = Bench(homing="negative_limit", zero_deg=-50.0, homing_deg_s=40.0).open()
+    bench.home()
+    bench.far_end.afflict(Fault.SLIP)
+    bench.clock.sleep(0.5)
+    assert abs(bench.state.angle - bench.far_end.angle()) > math.radians(9)
+    bench.home()
+    assert bench.state.angle == pytest.approx(bench.far_end.angle(), abs=math.radians(0.02))
+    assert bench.actuator.capabilities.finds_zero
+
+
 def test_a_stop_ends_homing_and_the_place_stays_unknown():
     bench = Bench(homing="negative_limit", zero_deg=-90.0).open()
     bench.actuator.home()

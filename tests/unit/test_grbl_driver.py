@@ -201,6 +201,17 @@ def test_with_a_switch_nothing_moves_before_homing_and_then_zero_is_where_it_was
     assert bench.end.angle() == pytest.approx(0.1, abs=math.radians(0.3))  # as exact as the switch at that rate
 
 
+def test_a_slip_is_put_right_by_homing_with_a_switch():
+    bench = Bench(zero="switch").open()
+    bench.homed()
+    bench.go(-0.5)  # grbl does not find a switch that it stands on
+    bench.end.afflict(Fault.SLIP)
+    assert abs(bench.state.angle - bench.end.angle()) > math.radians(9)
+    bench.homed()
+    assert bench.state.angle == pytest.approx(bench.end.angle(), abs=math.radians(0.3))
+    assert bench.actuator.capabilities.finds_zero
+
+
 def test_while_it_homes_reports_stay_fresh_and_it_is_not_settled_before_it_is_homed():
     bench = Bench(zero="switch", home_deg=20.0).open()
     bench.actuator.home()

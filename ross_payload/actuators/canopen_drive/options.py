@@ -90,6 +90,7 @@ class Options(Table):
             resolution=self.resolution,
             continuous=False,
             feedback=Feedback.MEASURED,
+            finds_zero=self.homing not in ("none", "here"),
         )
 
     def counts(self, joint: float) -> int:

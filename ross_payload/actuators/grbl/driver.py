@@ -54,6 +54,7 @@ class Grbl:
             resolution=options.resolution,
             continuous=True,
             feedback=Feedback.MODEL,
+            finds_zero=options.zero == "switch",
         )
 
     @property

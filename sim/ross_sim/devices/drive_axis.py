@@ -258,12 +258,13 @@ class Axis:
         if self._search is None:
             return
         side = SEARCHES[self._objects[cia402.HOMING_METHOD]]
-        on_switch = (self._axle.counts - self._switch) * side >= 0
+        switch = self._switch - round(self._axle.slipped * self._axle.scale)  # it is on the array's side
+        on_switch = (self._axle.counts - switch) * side >= 0
         if self._search is Search.TOWARDS and on_switch:
             self._search = Search.BACK
             self._run(-side, cia402.HOMING_SLOW)
         elif self._search is Search.BACK and not on_switch:
-            self._find_home(self._switch)
+            self._find_home(switch)
 
     def _find_home(self, origin: int) -> None:
         """Shift the zero, and the demand with it, so that nothing jumps."""
