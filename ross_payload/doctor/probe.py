@@ -23,6 +23,7 @@ from ross_payload.interfaces import ActuatorState, Feedback, Services
 
 POLL = 0.010  # [s]
 FOUND = 5.0  # that an actuator may take to report for the first time [s]
+READY = 2.0  # that one that reports may take to know its place: some are told a lot first [s]
 NAMED = 0.5  # and to tell after that who it is, if it does at all [s]
 REST = 2.0  # of looking at it at rest [s]
 BRAKING = 5.0  # that it may take to stand still at the end [s]
@@ -101,6 +102,7 @@ def _polled(guard: Guard, services: Services) -> Iterator[None]:
 
 def _first_report(guard: Guard, services: Services) -> ActuatorState:
     _wait_for(lambda: guard.state().healthy, services, FOUND)
+    _wait_for(lambda: guard.state().homed or not guard.state().healthy, services, READY)
     return guard.state()
 
 

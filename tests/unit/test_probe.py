@@ -103,6 +103,11 @@ def test_a_device_is_called_what_it_calls_itself(kind: str, name: str) -> None:
     assert on.results.identity in about(findings, "device").found
 
 
+def test_one_that_is_still_being_set_up_is_waited_for() -> None:
+    findings = Workbench("canopen_drive").probe()
+    assert worst(findings) is Verdict.OK, findings
+
+
 def test_it_moves_slowly() -> None:
     on = Workbench("ideal")
     fastest, before = 0.0, on.far_end.angle()
