@@ -9,15 +9,17 @@ from collections.abc import Iterator
 from importlib.util import find_spec
 from typing import Any
 
+from ross_payload.actuators.registry import checked_options
 from ross_payload.config import Config, Link
 from ross_payload.doctor.finding import Finding, fail, ok, warn
 from ross_payload.doctor.machine import Machine
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, RossError
 from ross_payload.links.address import LOOPBACK, Serial, Tcp, Udp, parse
 from ross_payload.links.signing import read_key
 
 CAN = re.compile(r"(?<![A-Za-z0-9])((?:v|sl)?can[0-9]+)(?![A-Za-z0-9])")
 DEVICES = ("serial/by-id/*", "ttyUSB*", "ttyACM*", "ttyAMA*", "serial[0-9]", "ross-*")
+ADAPTER = re.compile(r"can:\w+:(/dev/.+?)(?::[0-9]+)?")  # a CAN adapter that is a serial port
 IFF_UP = 1
 EXTRAS = {"sounddevice": "capture", "serial": "serial", "can": "can", "lgpio": "gpio"}
 LOCAL = (LOOPBACK, "localhost", "::1")
@@ -28,7 +30,7 @@ def extras(config: Config, machine: Machine) -> Iterator[Finding]:
     needed = {
         "sounddevice": config.audio.source.startswith("device:"),
         "serial": bool(serial_devices(config)),
-        "can": bool(can_interfaces(config)),
+        "can": any(re.match("can:(?!tcp:)", text) for text in _wires(config)) or bool(can_interfaces(config)),
         "lgpio": any(text.startswith("pulses:lgpio:") for text in _texts(config.actuator.options)),
     }
     for package, asked in needed.items():
@@ -106,11 +108,12 @@ def identity(config: Config, machine: Machine) -> Iterator[Finding]:
 
 
 def serial_devices(config: Config) -> list[str]:
-    """Return the serial devices that links and the actuator name."""
-    urls = [link.url for link in config.links] + list(_texts(config.actuator.options))
+    """Return the serial devices that links, the actuator and [dronecan] name, CAN adapters among them."""
     found = []
-    for url in urls:
-        if url.startswith("serial:"):
+    for url in [link.url for link in config.links] + _wires(config):
+        if adapter := ADAPTER.fullmatch(url):
+            found.append(adapter[1])
+        elif url.startswith("serial:") and not url.startswith("serial:tcp:"):
             found.append(url.removeprefix("serial:").rpartition(":")[0] or url.removeprefix("serial:"))
         elif url.startswith("/dev/"):
             found.append(url)
@@ -118,10 +121,18 @@ def serial_devices(config: Config) -> list[str]:
 
 
 def can_interfaces(config: Config) -> list[str]:
-    """Return the CAN interfaces that the actuator's options and [dronecan] name."""
-    texts = [*_texts(config.actuator.options), config.dronecan.port]
-    found = [name for text in texts for name in CAN.findall(text)]
-    return list(dict.fromkeys(found))
+    """Return the CAN interfaces of this computer that the actuator's options and [dronecan] name."""
+    here = [text for text in _wires(config) if "socketcand:" not in text]  # channels of a server are elsewhere
+    return list(dict.fromkeys(name for text in here for name in CAN.findall(text)))
+
+
+def _wires(config: Config) -> list[str]:
+    """Return every text that may name a wire: the actuator's options, its port if that is a default, [dronecan]."""
+    try:
+        port = getattr(checked_options(config), "port", "")
+    except RossError:  # the check of the actuator says so
+        port = ""
+    return [*_texts(config.actuator.options), port, config.dronecan.port]
 
 
 def _texts(options: Any) -> Iterator[str]:

@@ -153,6 +153,26 @@ def test_the_bus_of_our_own_node_is_looked_at():
     assert wires.can_interfaces(config(dronecan={"port": "can:socketcan:can3"})) == ["can3"]
 
 
+@pytest.mark.parametrize(
+    ("kind", "port", "devices", "interfaces"),
+    [
+        ("grbl", "serial:tcp:127.0.0.1:3333", [], []),
+        ("dronecan_servo", "can:socketcand:127.0.0.1:29536:can0", [], []),
+        ("dronecan_servo", "can:slcan:/dev/ttyACM0:1000000", ["/dev/ttyACM0"], []),
+        ("canopen_drive", "can:socketcan:can1", [], ["can1"]),
+    ],
+)
+def test_only_what_is_on_this_computer_is_looked_for(kind, port, devices, interfaces):
+    turns = config(actuator={"kind": kind, "options": {"port": port}})
+    assert wires.serial_devices(turns) == devices
+    assert wires.can_interfaces(turns) == interfaces
+
+
+def test_a_port_that_is_left_out_is_looked_at_as_well():
+    assert wires.can_interfaces(config(actuator={"kind": "dronecan_servo"})) == ["can0"]
+    assert wires.serial_devices(config(actuator={"kind": "grbl"})) == ["/dev/ttyUSB0"]
+
+
 def test_a_port_that_another_program_has_is_found(tmp_path):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("127.0.0.1", 0))
