@@ -13,6 +13,7 @@ from ross_payload.config import Config
 from ross_payload.errors import ConfigError, LinkError, PluginError
 from ross_payload.orders import Cancel, Home, Set, TurnTo
 from ross_payload.parameters import TABLE
+from ross_payload.service.dronecan import check_one_id
 from ross_protocols.dronecan import ArrayCommand, NodeStatus, Received
 from ross_protocols.dronecan_params import GetSetRequest, GetSetResponse, Opcode, OpcodeRequest, OpcodeResponse
 from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
@@ -250,6 +251,14 @@ def test_one_payload_with_two_node_ids_on_one_bus_is_refused(tmp_path):
     )
     with pytest.raises(ConfigError, match=r"own_node_id = 120 and \[dronecan\] node_id = 121 on one bus"):
         node_on_bus(config, None, None, None, None).__enter__()
+
+
+def test_a_servo_with_the_id_of_the_payload_is_refused():
+    servo = {"kind": "dronecan_servo", "options": {"port": URL, "node_id": 120}}
+    config = Config.model_validate({"actuator": servo, "dronecan": {"port": URL, "node_id": 120}})
+    with pytest.raises(ConfigError, match=r"node_id = 120 is that of \[dronecan\]"):
+        check_one_id(config)
+    check_one_id(config.model_copy(update={"dronecan": config.dronecan.model_copy(update={"node_id": 121})}))
 
 
 @pytest.mark.parametrize("url", ["can:no_such_interface:x", "can:socketcan", "can:tcp:nowhere"])
