@@ -34,7 +34,8 @@ def load(group: str, name: str) -> Any:
     points = available(group)
     if name not in points:
         wanted = ", ".join(points) or "none is installed"
-        raise PluginError(f"{group.removeprefix('ross_payload.').rstrip('s')} '{name}' is unknown; there are: {wanted}")
+        kind = group.rpartition(".")[2].removesuffix("s").replace("_", " ")
+        raise PluginError(f"{kind} '{name}' is unknown; there are: {wanted}")
     try:
         return points[name].load()
     except ModuleNotFoundError as error:

@@ -22,8 +22,8 @@ def test_only_the_one_asked_for_is_imported(points):
 
 def test_an_unknown_name_lists_what_exists(points):
     points(good="math:tau", other="math:pi")
-    with pytest.raises(PluginError, match="'bad' is unknown; there are: good, other"):
-        plugins.load("ross_payload.things", "bad")
+    with pytest.raises(PluginError, match=r"^far thing 'bad' is unknown; there are: good, other"):
+        plugins.load("ross_sim.far_things", "bad")
 
 
 def test_a_missing_extra_is_named(points, monkeypatch):

@@ -70,8 +70,9 @@ def far_end_of(config: Config) -> FarEnd:
     ConfigError
         When there is none, or an option is wrong.
     """
+    options = checked_options(config)
     plugin: FarEndPlugin = plugins.load("ross_sim.far_ends", config.actuator.kind)
-    return plugin.make(checked_options(config))
+    return plugin.make(options)
 
 
 def checked(fault: Fault, faults: frozenset[Fault]) -> Fault:
