@@ -14,6 +14,8 @@ WINDOW = 0.1  # over which a true speed is taken, and after which the next [s]
 AT_REST = math.radians(0.1)  # of movement within 200 ms
 ROUNDING = 1e-3
 LOOKS = round(WINDOW / QUANTUM)
+# When the torque comes back a rotor snaps to its windings, at most two full steps off: 3.6 deg in 0.1 s.
+SNAP = 2.2  # as a share of the cap, beyond it
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,17 +40,17 @@ USUAL = Excess(angle_deg=0.5, speed_deg_s=1.0, acceleration=0.3)
 # By back end, where it differs from USUAL.
 TOLERATED = {
     "ideal": Excess(),
-    "tb6600": Excess(angle_deg=0.5, speed_deg_s=1.0, acceleration=1.5),  # a rotor swings about its windings
+    "tb6600": Excess(angle_deg=0.5, speed_deg_s=1.0, acceleration=SNAP),
     "mavlink_gimbal": Excess(
         angle_deg=0.5, speed_deg_s=1.0, acceleration=0.2, report_deg_s=2.0, report_acceleration=1.0
     ),  # its own loop around a plan, its rate measured by itself
     "dronecan_servo": Excess(angle_deg=0.5, speed_deg_s=1.0, acceleration=0.5),  # set-points in steps of 20 ms
     "canopen_drive": Excess(
-        angle_deg=0.5, speed_deg_s=1.0, acceleration=0.3, report_deg_s=1.0, report_acceleration=2.2
-    ),  # its measured rate comes in a frame of its own: that of 30 ms may come within 10
+        angle_deg=0.5, speed_deg_s=1.0, acceleration=0.3, report_deg_s=1.0, report_acceleration=3.1
+    ),  # its measured rate comes in a frame of its own: that of 40 ms may come within 10
     "grbl": Excess(
-        angle_deg=0.5, speed_deg_s=1.0, acceleration=1.5, report_acceleration=0.5
-    ),  # a rotor that snaps to its windings when the torque comes back; speeds told by segments of 10 ms
+        angle_deg=0.5, speed_deg_s=1.0, acceleration=SNAP, report_acceleration=0.5
+    ),  # speeds told by segments of 10 ms
 }
 
 
