@@ -15,6 +15,7 @@ from ross_payload.interfaces import ActuatorState, Capabilities, Clock, Feedback
 REACH = math.radians(5)  # how far it goes [rad]
 SLOW = math.radians(5)  # at most how fast [rad/s]
 LOOK = 0.01  # between two looks [s]
+FAR = 3 * REACH  # beyond that no move has gone: somebody else reports, or the place was lost [rad]
 PATIENCE = 5.0  # with settling, after a move should be over [s]
 LOOSE = math.radians(0.3)  # of overshoot or play: more is worth a word [rad]
 PROMPT = 1.0  # of settling: more is worth a word [s]
@@ -127,7 +128,7 @@ def make(guard: Guard, clock: Clock, legs: list[Leg]) -> Finding | None:
 def _why(leg: Leg, able: Capabilities) -> Finding:
     """Say why a move did not arrive."""
     state, gone = leg.end, leg.progress
-    if min(gone) < -max(LOOSE, 3 * able.resolution):
+    if -FAR < min(gone) < -max(LOOSE, 3 * able.resolution):
         found = f"it went {math.degrees(-min(gone)):.1f} deg the wrong way; {state.fault}".rstrip("; ")
         return fail("direction", found, "exchange the ends of its travel, or invert its direction, in actuator.options")
     if state.fault:

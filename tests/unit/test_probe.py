@@ -172,6 +172,19 @@ def test_one_that_turns_the_other_way_is_told_apart() -> None:
     assert math.degrees(on.high - on.low) < 15
 
 
+def test_two_that_report_are_not_taken_for_a_wrong_direction() -> None:
+    on = Workbench("dronecan_servo")
+
+    def join() -> None:
+        if on.far_end.angle() > math.radians(2):
+            on.far_end.afflict(Fault.DUPLICATE)
+
+    on.clock.every(0.1, join)
+    findings = on.probe(move=lambda: True)
+    assert (findings[-1].check, findings[-1].verdict) == ("move", Verdict.FAIL)
+    assert "another node has the servo's id" in findings[-1].found
+
+
 def test_a_wrong_gear_is_noticed_where_somebody_measures() -> None:
     on = Workbench("dronecan_servo", far={"gear_ratio": 2.0})
     findings = on.probe(move=lambda: True)
