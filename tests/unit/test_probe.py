@@ -176,7 +176,7 @@ def test_two_that_report_are_not_taken_for_a_wrong_direction() -> None:
     on = Workbench("dronecan_servo")
 
     def join() -> None:
-        if on.far_end.angle() > math.radians(2):
+        if on.far_end.angle() < math.radians(4) < on.high:  # on its way back
             on.far_end.afflict(Fault.DUPLICATE)
 
     on.clock.every(0.1, join)
