@@ -16,7 +16,7 @@ demo: $(VENV)/.demo
 	$(BIN)/ross sitl --out out/demo
 
 test: $(VENV)/.dev
-	$(ONE_THREAD) $(BIN)/pytest --numprocesses 2 --dist worksteal $(ARGS)
+	$(ONE_THREAD) $(BIN)/pytest --numprocesses 3 --dist worksteal $(ARGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .

@@ -20,8 +20,8 @@ EXACTLY = """\
 every test) exceed neither a limit nor a cap by more than this. "Speed" and "acceleration" are the far end's true ones,
 means over 100 ms; reported ones are compared between two reports. After a release nothing is planned, so nothing is
 compared until it stands still. The 220 % of steppers are the moment when their torque comes back and a rotor snaps to
-its windings, at most two full steps; in planned moves the pulses themselves keep the cap. CANopen's 310 % are of what is
-reported alone: its rate comes in a frame of its own.
+its windings, at most two full steps; in planned moves the pulses themselves keep the cap. CANopen's 310 % are of what
+is reported alone: its rate comes in a frame of its own.
 """
 MEANING = re.compile(r'^ {4}(?P<name>[A-Z]+) = "\w+"  # (?P<about>.+)$', re.MULTILINE)
 
