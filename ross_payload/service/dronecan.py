@@ -71,12 +71,12 @@ def check_one_id(config: Config) -> None:
     Raises
     ------
     ConfigError
-        When a driver on the bus of our node has a node id of its own, or the servo has ours.
+        When the driver of a servo on the bus of our node has a node id of its own, or the servo has ours.
     """
     asked, options = config.dronecan, checked_options(config)
-    if getattr(options, "port", "") != asked.port:
+    if config.actuator.kind != "dronecan_servo" or options.port != asked.port:
         return
-    if config.actuator.kind == "dronecan_servo" and options.node_id == asked.node_id:
+    if options.node_id == asked.node_id:
         raise ConfigError(f"actuator.options: node_id = {asked.node_id} is that of [dronecan]: wanted the servo's own")
     own = options.own_node_id if "own_node_id" in options.model_fields_set else asked.node_id
     if own != asked.node_id:

@@ -11,6 +11,7 @@ def main() -> None:
     seen: dict[str, list[tuple[object, ...]]] = {}
     grbl = GrblStreamer(lambda event, *values: seen.setdefault(event, []).append(values))
     grbl.poll_interval = 0.1
+    grbl._rx_buffer_size = 90  # it does not count its own queries, which go into the same 128 bytes
     grbl.cnect(port, 115200)
     end = time.monotonic() + 100
 

@@ -59,3 +59,45 @@ def test_two_drives_with_one_id_are_told_when_they_are_opened():
     bench.far_end.afflict(Fault.DUPLICATE)
     bench.open()
     assert bench.fault == "two devices have node id 5: both answer"
+
+
+def test_a_heartbeat_that_crosses_the_order_to_start_is_of_the_past():
+    bench = Bench()
+    bench.actuator.__enter__()
+    while not bench.frames(0x000) or bench.frames(0x000)[-1] != nmt(NmtCommand.START, NODE).data:
+        bench.clock.sleep(QUANTUM)
+    bench.wire.brought = [heartbeat(NODE, NmtState.PRE_OPERATIONAL)]
+    bench.clock.sleep(1.0)
+    assert bench.state.healthy, bench.fault
+    bench.go(5)
+    bench.settle()
+
+
+class Slow:
+    """A bus that brings what the drive says 20 ms later, also to who opens it next."""
+
+    def __init__(self, port, clock):
+        self._port, self._clock = port, clock
+        self._late = []
+
+    def send(self, frame):
+        self._port.send(frame)
+
+    def receive(self):
+        now = self._clock.now()
+        self._late += [(now + 0.02, frame) for frame in self._port.receive()]
+        arrived = [frame for due, frame in self._late if due <= now]
+        self._late = [late for late in self._late if late[0] > now]
+        return arrived
+
+    def close(self):
+        pass
+
+
+def test_a_driver_that_is_opened_again_at_once_hears_no_answer_of_the_last_one():
+    bench = Bench()
+    bench.wire._port = Slow(bench.wire._port, bench.clock)
+    for _ in range(5):
+        bench.open()
+        assert bench.state.healthy, bench.fault
+        bench.close()

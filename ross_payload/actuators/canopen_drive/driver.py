@@ -27,6 +27,7 @@ from ross_payload.interfaces import Actuator, ActuatorState, Services
 from ross_protocols import cia402
 from ross_protocols.cia402 import Homing, Mode, State
 
+PARTING = 0.05  # [s] in which the last answer comes
 REPEAT = 0.1  # [s] between two equal orders
 EARLY = 1e-6  # so much before its time something is due [s]
 log = logging.getLogger(__name__)
@@ -40,6 +41,7 @@ class CanopenDrive:
         self._services = services
         self._requests = Requests()
         self._link: Link | None = None
+        self._leaving = False
         self._setup = Setup(options)
         self._axis = Axis()
         self.capabilities = able = options.capabilities
@@ -108,6 +110,7 @@ class CanopenDrive:
         self._state = replace(self._state, settled=False, homed=False, healthy=True, fault="", time=-math.inf)
         self._link = Link(self._options, port, self._services.clock.now())
         self._axis, self._watch, self._fault, self._homing = Axis(), Watch(), "", False
+        self._leaving = False
         self._known = self._options.absolute  # whoever was switched off meanwhile counts from elsewhere
         self._begin(self._link)
         return self
@@ -135,7 +138,7 @@ class CanopenDrive:
 
     def _set_up(self, link: Link, now: float) -> None:
         answers, link.answers = link.answers, []
-        if self._fault or self._setup.done:
+        if self._fault or self._setup.done or self._leaving:
             return
         try:
             asked = self._setup.go_on(answers, now)
@@ -148,6 +151,7 @@ class CanopenDrive:
             link.start(now)
 
     def _leave(self, link: Link) -> None:
+        self._leaving = True
         clock, braking = self._services.clock, self.capabilities.max_speed / self.capabilities.max_acceleration
         until = clock.now() + braking + ENABLE if link.running else -math.inf
         self._axis.end(State.QUICK_STOP_ACTIVE)
@@ -156,6 +160,10 @@ class CanopenDrive:
             clock.sleep(0.01)
             self.poll(clock.now())
         link.part()
+        until = clock.now() + PARTING
+        while link.awaits and clock.now() < until:  # an answer that comes later would puzzle whoever asks next
+            clock.sleep(0.005)
+            link.take_in(clock.now())
 
     # ------------------------------------------------------------------------------------------ what is heard
 

@@ -90,10 +90,15 @@ class Link:
             if not frame.extended:
                 self._take(frame, now)
         if self._booted is not None and now >= self._booted + AFTER_BOOT - EARLY:
-            self._booted, self.running = None, False
+            self._booted, self.running, self._started = None, False, math.inf
             self._note(f"the drive at node {self._node} has restarted")
         if self.running and now > self.heard + SILENCE:
             self._note(f"node {self._node} has been silent for {now - self.heard:.2f} s{self._crowded(now)}")
+
+    @property
+    def awaits(self) -> bool:
+        """Whether the drive still owes an answer."""
+        return self._owed > 0
 
     def beat(self, now: float) -> None:
         """Tell the drive that we live; when that ends it stops by itself."""
@@ -108,7 +113,7 @@ class Link:
 
     def hold(self) -> None:
         """Let the drive talk and be set up, but send and obey no process data."""
-        self.running = self.restarted = False
+        self.running, self.restarted, self._started = False, False, math.inf
         self._port.send(nmt(NmtCommand.PRE_OPERATIONAL, self._node))
 
     def start(self, now: float) -> None:
@@ -215,7 +220,7 @@ class Link:
             self._damaged(f"a heartbeat that is none: {data.hex()}")
         elif state is NmtState.BOOT_UP:
             self.restarted, self._booted = True, now if self.running else None
-        elif self.running and state is not NmtState.OPERATIONAL and self._booted is None:
+        elif self._booted is None and now > self._started + SILENCE and state is not NmtState.OPERATIONAL:
             self.restarted = True
             self._note(f"the drive at node {self._node} is {state.words} and obeys no set-points")
 
