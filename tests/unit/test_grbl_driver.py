@@ -201,6 +201,16 @@ def test_with_a_switch_nothing_moves_before_homing_and_then_zero_is_where_it_was
     assert bench.end.angle() == pytest.approx(0.1, abs=math.radians(0.3))  # as exact as the switch at that rate
 
 
+@pytest.mark.parametrize("gives_up", ["home", "release"])
+def test_a_goal_in_the_same_instant_as_homing_is_refused_not_forgotten(gives_up):
+    bench = Bench().open()
+    bench.actuator.command(1.0)
+    bench.clock.sleep(0.5)
+    getattr(bench.actuator, gives_up)()
+    with pytest.raises(NotHomed):
+        bench.actuator.command(1.5)
+
+
 def test_a_slip_is_put_right_by_homing_with_a_switch():
     bench = Bench(zero="switch").open()
     bench.homed()

@@ -39,6 +39,7 @@ class Grbl:
         self._services = services
         self._session: Session | None = None
         self._requests = Requests()
+        self._forgets = False  # a request waits that gives up the zero
         self._script: Script | None = None
         self._zero: int | None = None  # grbl's counter at joint angle 0
         self._opening = False  # who is there is not known yet
@@ -69,7 +70,7 @@ class Grbl:
             raise LimitError(f"goal {angle} rad is not finite")
         if self._fault:
             raise ActuatorFault(self._fault)
-        if self._session is None or self._zero is None:
+        if self._session is None or self._zero is None or self._forgets:
             raise NotHomed("the zero is not known: home first")
         goal = round(angle / self._options.resolution)
         if not self._session.allows(self._zero + goal):
@@ -78,8 +79,10 @@ class Grbl:
         self._requests.put(Move(goal * self._options.resolution, speed))
 
     def state(self) -> ActuatorState:
-        """Return the state at the last poll; not settled while a request waits."""
-        return self._state if self._requests.empty else replace(self._state, settled=False)
+        """Return the state at the last poll; not settled while a request waits, nor homed if it gives up the zero."""
+        if self._requests.empty:
+            return self._state
+        return replace(self._state, settled=False, homed=self._state.homed and not self._forgets)
 
     def stop(self) -> None:
         """Cancel the jog: grbl decelerates."""
@@ -87,10 +90,12 @@ class Grbl:
 
     def home(self) -> None:
         """Come to rest, unlock, and find the limit switch, or declare that here is the zero; clears a fault."""
+        self._forgets = True
         self._requests.put(Ask.HOME)
 
     def release(self) -> None:
         """Come to rest and sleep, without torque; the position is unknown afterwards."""
+        self._forgets = True
         self._requests.put(Ask.RELEASE)
 
     def poll(self, now: float) -> None:
@@ -163,7 +168,7 @@ class Grbl:
             return self._move(session, request) if not self._fault and self._zero is not None else self._script
         if request is Ask.HALT:
             return session.come_to_rest()
-        self._zero = None
+        self._zero, self._forgets = None, False
         return self._release(session) if request is Ask.RELEASE else self._home(session)
 
     def _open(self, session: Session) -> Script:
