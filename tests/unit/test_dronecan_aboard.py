@@ -176,7 +176,7 @@ def test_driver_and_node_on_one_bus_are_one_node(tmp_path):
     heard = {}
 
     def script(bench):
-        plug, ear = bench.far_end.bus.plug(), Ear(0)
+        plug, ear = bench.far_end.crowd.bus.plug(), Ear(0)
         bench.runner.order(TurnTo(0.5))
         for hop in range(300):
             for frame in plug.receive():
@@ -197,7 +197,7 @@ def test_a_canopen_drive_may_be_on_the_same_wires(tmp_path):
     heard = []
 
     def script(bench):
-        plug, ear = bench.far_end.bus.plug(), Ear(0)
+        plug, ear = bench.far_end.crowd.bus.plug(), Ear(0)
         bench.runner.order(Home())
         yield from (None for _ in range(200))
         bench.runner.order(TurnTo(0.5))

@@ -177,7 +177,7 @@ def test_a_bus_that_only_reports_do_not_pass_is_named_too():
     rig = Rig()
     rig.go(100, 0.5)
     flood = CanFrame(12 << 24 | 20998 << 8 | 7, bytes(7) + b"\xc0")  # between commands and reports
-    plug = rig.far_end.bus.plug()
+    plug = rig.far_end.crowd.bus.plug()
     rig.clock.before_calls(lambda now: plug.sent.extend([flood] * 100))
     rig.clock.sleep(0.6)
     assert rig.state.fault.startswith("the bus is full: ")
@@ -190,7 +190,7 @@ def test_a_busy_bus_on_which_the_servo_is_heard_is_no_fault(beats_only):
     rig.node._next_report = math.inf if beats_only else 0.0
     rig.actuator.__exit__(None, None, None)
     rig.actuator.__enter__()
-    plug = rig.far_end.bus.plug()
+    plug = rig.far_end.crowd.bus.plug()
     rig.clock.before_calls(lambda now: plug.sent.extend([CanFrame(30 << 24 | 20998 << 8 | 7, bytes(8))] * 100))
     rig.actuator.home()
     rig.clock.sleep(3.0)
@@ -201,7 +201,7 @@ def test_a_busy_bus_on_which_the_servo_is_heard_is_no_fault(beats_only):
 
 def test_a_frame_lost_now_and_then_is_no_fault():
     rig = Rig()
-    rig.far_end._seat.plug.damage = 0.03
+    rig.far_end.crowd.plug.damage = 0.03
     for goal in (120, -120, 0):
         rig.go(goal, 5.0)
         assert rig.state.healthy

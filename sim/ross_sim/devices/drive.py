@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -13,7 +11,7 @@ from ross_payload.actuators.canopen_drive.setup import COMMAND
 from ross_protocols import cia402
 from ross_protocols.can import CanFrame
 from ross_protocols.canopen import RPDO, packed
-from ross_sim.devices.can_bus import ROOM, Bus, Plug
+from ross_sim.devices.can_crowd import Babbler, Crowd, Station
 from ross_sim.devices.drive_axis import Axis
 from ross_sim.devices.drive_node import EARLY, DriveNode
 from ross_sim.devices.drive_objects import Objects
@@ -21,18 +19,9 @@ from ross_sim.devices.drive_servo import Axle
 from ross_sim.devices.far_end import SLIP, Fault, checked
 
 RIVALRY = 0.020  # [s] between two set-points of another master
+BABBLE = CanFrame(0x001, bytes(8), extended=False)
 SHORT = 0.2  # share of damaged frames that are too short; the others have one wrong byte
 APART = math.radians(40)  # between a drive and its double [rad]
-
-
-class Station(Protocol):
-    """A node on the simulated bus."""
-
-    def take(self, frame: CanFrame) -> None:
-        """Hear a frame of somebody else."""
-
-    def live(self, until: float) -> list[CanFrame]:
-        """Live until ``until`` [s]; return what is said then."""
 
 
 class Rival:
@@ -57,21 +46,31 @@ class Rival:
         return [CanFrame(self._id, data, extended=False)]
 
 
-class Babbler:
-    """A node that fills the bus with frames of the highest priority."""
+class Voice:
+    """What the bus hears of a drive: it may be silent, or damaged."""
+
+    def __init__(self, node: DriveNode, chance: np.random.Generator) -> None:
+        self._node, self._chance = node, chance
+        self.silent = self.damaged = False
 
     def take(self, frame: CanFrame) -> None:
-        """Listen to nobody."""
+        """Hear a frame of somebody else."""
+        self._node.take(frame)
 
     def live(self, until: float) -> list[CanFrame]:
-        """Say as much as its interface takes."""
-        return [CanFrame(0x001, bytes(8), extended=False)] * 2 * ROOM
+        """Live until ``until`` [s]; return what arrives of what is said then."""
+        said = self._node.live(until)
+        if self.silent:
+            return []
+        return [self._broken(frame) for frame in said] if self.damaged else said
 
-
-@dataclass(frozen=True, slots=True)
-class _Seat:
-    plug: Plug
-    station: Station
+    def _broken(self, frame: CanFrame) -> CanFrame:
+        """Return a frame with one byte changed, or too short."""
+        place = int(self._chance.integers(len(frame.data)))
+        if self._chance.random() < SHORT:
+            return CanFrame(frame.id, frame.data[:place], extended=False)
+        wrong = bytes((frame.data[place] ^ int(self._chance.integers(1, 256)),))
+        return CanFrame(frame.id, frame.data[:place] + wrong + frame.data[place + 1 :], extended=False)
 
 
 class DriveFarEnd:
@@ -94,24 +93,14 @@ class DriveFarEnd:
         self._now = 0.0
         self.axle = Axle(options.scale, chance, angle=angle)
         self.node = self._drive(self.axle)
-        self.bus = Bus(chance)
-        self.port = self.bus.plug()
-        self._seats = [_Seat(self.bus.plug(), self.node)]
-        self._strangers: dict[Fault, _Seat] = {}
-        self._silent = self._damaging = False
+        self._voice = Voice(self.node, chance)
+        self.crowd = Crowd(chance, self._voice)
+        self.port = self.crowd.port
 
     def advance(self, now: float) -> None:
-        """Let frames cross, everybody live until ``now`` [s], and frames cross again."""
-        half = (now - self._now) / 2
+        """Let everybody on the bus live until ``now`` [s]."""
         self._now = now
-        self.bus.carry(half)
-        for seat in self._seats:
-            for frame in seat.plug.receive():
-                seat.station.take(frame)
-            for frame in seat.station.live(now):
-                if seat.station is not self.node or not self._silent:
-                    seat.plug.send(self._damaged(frame) if self._damaging else frame)
-        self.bus.carry(half)
+        self.crowd.live(now)
 
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
@@ -129,14 +118,14 @@ class DriveFarEnd:
             case Fault.SLIP:
                 self.axle.slip(SLIP * on)
             case Fault.SILENT:
-                self._silent = on
+                self._voice.silent = on
             case Fault.CORRUPT:
-                self._damaging = on
+                self._voice.damaged = on
             case Fault.REBOOT:
                 if on:
                     self.node.boot()
             case _:
-                self._bring(fault, on)
+                self.crowd.bring(fault, self._stranger(fault) if on else None)
 
     def complaints(self) -> list[str]:
         """Return nothing: a drive with an encoder loses no steps."""
@@ -152,30 +141,12 @@ class DriveFarEnd:
 
         return DriveNode(self._options.node_id, Objects(self._options.node_id), power_up, self._now)
 
-    def _bring(self, fault: Fault, on: bool) -> None:
-        """Let the stranger of a fault join the bus, or leave it."""
-        before = self._strangers.pop(fault, None)
-        if before is not None:
-            self.bus.unplug(before.plug)
-            self._seats.remove(before)
-        if on:
-            self._strangers[fault] = seat = _Seat(self.bus.plug(), self._stranger(fault))
-            self._seats.append(seat)
-
     def _stranger(self, fault: Fault) -> Station:
         if fault is Fault.TAKEN:
             return Rival(self._options, self._now)
         if fault is Fault.SATURATED:
-            return Babbler()
+            return Babbler(BABBLE)
         return self._drive(Axle(self._options.scale, self._chance, angle=self.axle.angle + APART))
-
-    def _damaged(self, frame: CanFrame) -> CanFrame:
-        """Return a frame with one byte changed, or too short."""
-        place = int(self._chance.integers(len(frame.data)))
-        if self._chance.random() < SHORT:
-            return CanFrame(frame.id, frame.data[:place], extended=False)
-        wrong = bytes((frame.data[place] ^ int(self._chance.integers(1, 256)),))
-        return CanFrame(frame.id, frame.data[:place] + wrong + frame.data[place + 1 :], extended=False)
 
 
 class DriveFarEndPlugin:

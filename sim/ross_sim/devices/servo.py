@@ -3,32 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from ross_payload.actuators.dronecan_servo.options import Options
 from ross_protocols.can import CanFrame
 from ross_protocols.dronecan import Sender
-from ross_sim.devices.can_bus import ROOM, Bus, Plug
+from ross_sim.devices.can_crowd import Babbler, Crowd, Station
 from ross_sim.devices.far_end import SLIP, Fault, checked
 from ross_sim.devices.servo_node import EARLY, REPORT, ServoNode
 from ross_sim.devices.servo_shaft import Drive, Shaft
 
 DAMAGE = 0.5  # share of damaged frames while they are
 STRANGER = 99  # node id of whoever should not be there
+BABBLE = CanFrame(20999 << 8 | STRANGER, bytes(7) + b"\xc0")
 APART = math.radians(40)  # between a servo and its double [rad]
-
-
-class Station(Protocol):
-    """A node on the simulated bus."""
-
-    def take(self, frame: CanFrame) -> None:
-        """Hear a frame of somebody else."""
-
-    def live(self, until: float) -> list[CanFrame]:
-        """Live until ``until`` [s]; return what is said then."""
 
 
 class Rival:
@@ -48,23 +37,6 @@ class Rival:
             return []
         self._due = until + REPORT
         return self._sender.frames(self._message)
-
-
-class Babbler:
-    """A node that fills the bus with frames of the highest priority."""
-
-    def take(self, frame: CanFrame) -> None:
-        """Listen to nobody."""
-
-    def live(self, until: float) -> list[CanFrame]:
-        """Say as much as its interface takes."""
-        return [CanFrame(20999 << 8 | STRANGER, bytes(7) + b"\xc0")] * 2 * ROOM
-
-
-@dataclass(frozen=True, slots=True)
-class _Seat:
-    plug: Plug
-    station: Station
 
 
 class ServoFarEnd:
@@ -90,23 +62,13 @@ class ServoFarEnd:
         self._drive = drive
         self._chance = chance
         self._now = 0.0
-        self.bus = Bus(chance)
-        self.port = self.bus.plug()
-        self._seat = _Seat(self.bus.plug(), self.node)
-        self._seats = [self._seat]
-        self._strangers: dict[Fault, _Seat] = {}
+        self.crowd = Crowd(chance, self.node)
+        self.port = self.crowd.port
 
     def advance(self, now: float) -> None:
-        """Let frames cross, everybody live until ``now`` [s], and frames cross again."""
-        half = (now - self._now) / 2
+        """Let everybody on the bus live until ``now`` [s]."""
         self._now = now
-        self.bus.carry(half)
-        for seat in self._seats:
-            for frame in seat.plug.receive():
-                seat.station.take(frame)
-            for frame in seat.station.live(now):
-                seat.plug.send(frame)
-        self.bus.carry(half)
+        self.crowd.live(now)
 
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
@@ -127,32 +89,22 @@ class ServoFarEnd:
             case Fault.SILENT:
                 self.node.silent = on
             case Fault.CORRUPT:
-                self._seat.plug.damage = DAMAGE * on
+                self.crowd.plug.damage = DAMAGE * on
             case Fault.REBOOT:
                 if on:
                     self.node.restart()
             case _:
-                self._bring(fault, on)
+                self.crowd.bring(fault, self._stranger(fault) if on else None)
 
     def complaints(self) -> list[str]:
         """Return nothing: a servo loses no steps."""
         return []
 
-    def _bring(self, fault: Fault, on: bool) -> None:
-        """Let the stranger of a fault join the bus, or leave it."""
-        before = self._strangers.pop(fault, None)
-        if before is not None:
-            self.bus.unplug(before.plug)
-            self._seats.remove(before)
-        if on:
-            self._strangers[fault] = seat = _Seat(self.bus.plug(), self._stranger(fault))
-            self._seats.append(seat)
-
     def _stranger(self, fault: Fault) -> Station:
         if fault is Fault.TAKEN:
             return Rival(self._options, self._now)
         if fault is Fault.SATURATED:
-            return Babbler()
+            return Babbler(BABBLE)
         double = ServoNode(self._options, Shaft(self._drive, self._chance))
         double.shaft.place(self.node.shaft.angle + APART)
         double.boot(self._now)
