@@ -1,7 +1,8 @@
-"""Generate what follows from the files in mavlink/: Python modules, and the reference page of ross.xml.
+"""Generate what follows from the files in mavlink/.
 
-``python protocols/generate.py [FOLDER]`` writes ``ross_dialect.py``, ``standard_dialect.py`` and ``mavlink.md``, to
-their places in the checkout or, when a folder is given, there.
+``python protocols/generate.py [FOLDER]`` writes Python modules, ``ross_dialect.py`` and ``standard_dialect.py``, the
+reference page ``mavlink.md``, Wireshark's ``ross.lua`` and C headers, ``mavlink-c/``, to their places in the checkout
+or, when a folder is given, there. The C headers are not checked in.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from pymavlink.generator import mavgen, mavparse
+
+import others
 
 HERE = Path(__file__).resolve().parent
 XML = HERE / "mavlink" / "ross.xml"
@@ -34,6 +37,8 @@ The payload is a MAVLink 2 component: `MAV_TYPE_ONBOARD_CONTROLLER`, no autopilo
 - `STATUSTEXT` when something happens that an operator wants to know, not more often than once in 2 s in the long run;
 - `NAMED_VALUE_FLOAT` and `DEBUG_FLOAT_ARRAY` with the most important numbers, for
   [ground stations](../how-to/ground-stations.md) without our dialect;
+- `ONBOARD_COMPUTER_STATUS` every 5 s, from `ross run`: the load of each core, memory, the hottest thermal zone, the
+  disk of the recordings. Not on links below 800 bytes/s, where it finds no room;
 - the messages below. Their dialect is `protocols/mavlink/ross.xml`; it needs no other file. On links with the role
   `autopilot` each rides in a `TUNNEL` of the type [ROSS_TUNNEL_TYPE_FRAME](#ross-tunnel-type): one whole frame.
 
@@ -53,11 +58,11 @@ fields are only ever added, as extensions at the end; a test holds the checksum 
 """
 
 
-def dialect(folder: Path, xml: Path) -> None:
-    """Write the module of a dialect with mavgen: Python, MAVLink 2, units checked against the schema's list."""
+def generate(language: str, xml: Path, output: Path) -> None:
+    """Run mavgen: MAVLink 2, units checked against the schema's list."""
     options = Namespace(
-        output=str(folder / f"{xml.stem}_dialect.py"),
-        language="Python3",
+        output=str(output),
+        language=language,
         wire_protocol="2.0",
         validate=True,
         strict_units=True,
@@ -77,21 +82,25 @@ def reference(folder: Path) -> None:
 
 
 def _message(message: Any) -> str:
+    known = len(message.fields) if message.extensions_start is None else message.extensions_start
+    fields = [_field(field, added=index >= known) for index, field in enumerate(message.fields)]
     head = (
         f"### {message.name} ({message.id})\n\n{_line(message.description)}\n\n"
         f"{message.wire_length} bytes, CRC_EXTRA {message.crc_extra}.\n\n"
         "| field | type | unit | invalid | meaning |\n|---|---|---|---|---|\n"
     )
-    return head + "".join(f"| {' | '.join(_field(field))} |\n" for field in message.fields)
+    return head + "".join(f"| {' | '.join(field)} |\n" for field in fields)
 
 
-def _field(field: Any) -> tuple[str, ...]:
+def _field(field: Any, *, added: bool) -> tuple[str, ...]:
     kind = field.type + (f"[{field.array_length}]" if field.array_length else "")
     meaning = _line(field.description)
     if field.enum:
         meaning += f" [{field.enum}](#{_anchor(field.enum)})"
     if field.instance:
         meaning += " *Instance.*"
+    if added:
+        meaning += " *Extension.*"
     return f"`{field.name}`", kind, field.units.strip("[]"), field.invalid, meaning
 
 
@@ -107,8 +116,14 @@ def _enum(enum: Any) -> str:
 def _meaning(entry: Any) -> str:
     """Say what an entry means; of a command also what its numbers are."""
     numbers = [p for p in entry.param if p.label]
-    said = (f"{p.index}: {p.label}{f' [{p.units}]' if p.units else ''}. {_line(p.description)}" for p in numbers)
-    return "<br>".join([_line(entry.description), *said])
+    return "<br>".join([_line(entry.description), *map(_number, numbers)])
+
+
+def _number(param: Any) -> str:
+    unit = f" [{param.units}]" if param.units else ""
+    span = f", {param.minValue} to {param.maxValue}" if param.minValue and param.maxValue else ""
+    choice = f" [{param.enum}](#{_anchor(param.enum)})" if param.enum else ""
+    return f"{param.index}: {param.label}{unit}{span}. {_line(param.description)}{choice}"
 
 
 def _line(text: str) -> str:
@@ -119,8 +134,14 @@ def _anchor(name: str) -> str:
     return name.lower().replace("_", "-")
 
 
-if __name__ == "__main__":
-    given = [Path(argument) for argument in sys.argv[1:]]
+def main(folder: Path | None) -> None:
+    """Write everything, into one folder or to its places."""
     for xml in (XML, STANDARD):
-        dialect(*given or [HERE / "ross_protocols"], xml)
-    reference(*given or [HERE.parent / "docs" / "reference"])
+        generate("Python3", xml, (folder or HERE / "ross_protocols") / f"{xml.stem}_dialect.py")
+    reference(folder or HERE.parent / "docs" / "reference")
+    others.dissector(folder or HERE / "wireshark", generate)
+    others.c_headers((folder or HERE.parent / "build") / "mavlink-c", generate)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else None)

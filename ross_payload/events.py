@@ -154,6 +154,8 @@ class GroupScore:
     members: tuple[int, ...]  # indices into the estimate's sources
     value: float
     accepted: bool
+    si_sdr: float | None = None  # estimated [dB]
+    si_sdri: float | None = None  # estimated [dB]
 
 
 @dataclass(frozen=True, slots=True)

@@ -330,6 +330,14 @@ class Scene:
 
 
 @dataclass(frozen=True, slots=True)
+class Quality:
+    """How clean a separated group is believed to be."""
+
+    si_sdr: float  # [dB]
+    si_sdri: float  # [dB]
+
+
+@dataclass(frozen=True, slots=True)
 class Groups:
     """Separated signals, each as heard at the reference microphone (microphone 1)."""
 
@@ -338,6 +346,7 @@ class Groups:
     method: str  # the separator that made them
     why: str = ""  # why this method was chosen, in words
     masks: Real | None = field(default=None)  # in [0, 1], (n_groups, n_freqs, n_frames)
+    quality: tuple[Quality, ...] = ()  # of every group; () when the method cannot tell
 
 
 class Separator(Protocol):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
-from ross_protocols.dialect import common
+from ross_protocols.dialect import common, standard
 from ross_protocols.pairs import clockwise
 
 UNKNOWN_PROGRESS = 255
@@ -92,6 +93,43 @@ def acknowledgement(
         target_system=system_id,
         target_component=component_id,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Acknowledged:
+    """A COMMAND_ACK that arrived."""
+
+    number: int  # MAV_CMD
+    result: Result
+    progress: float | None  # 0 to 1, None: not known
+    system_id: int  # target
+    component_id: int  # target
+
+    def is_for(self, system_id: int, component_id: int) -> bool:
+        """Tell whether a component is meant, alone or among all."""
+        return self.system_id in (ALL, system_id) and self.component_id in (ALL, component_id)
+
+
+def acknowledged_of(message: Any) -> Acknowledged | None:
+    """Return the acknowledgement that a message carries; None: none, or one with a result that nobody knows."""
+    if message.get_msgId() != common.MAVLINK_MSG_ID_COMMAND_ACK or message.result not in list(Result):
+        return None
+    known = message.result == Result.IN_PROGRESS and message.progress <= 100
+    progress = message.progress / 100 if known else None
+    return Acknowledged(
+        message.command, Result(message.result), progress, message.target_system, message.target_component
+    )
+
+
+def long_message(number: int, numbers: Sequence[float], system_id: int, component_id: int, confirmation: int) -> Any:
+    """Return the COMMAND_LONG to somebody; of its seven numbers those that are not given are 0."""
+    seven = [*map(float, numbers), *[0.0] * 7][:7]
+    return common.MAVLink_command_long_message(system_id, component_id, number, confirmation, *seven)
+
+
+def cancel_message(number: int, system_id: int, component_id: int) -> Any:
+    """Return the COMMAND_CANCEL to somebody who has command ``number`` in progress."""
+    return standard.MAVLink_command_cancel_message(system_id, component_id, number)
 
 
 def direction(degrees: float) -> float:

@@ -62,6 +62,11 @@ def packet_of(message: Any) -> Packet | None:
     return Packet(sequence, opcode, session, size, asked, bool(complete), offset, data)
 
 
+def addressed_to(message: Any, system_id: int, component_id: int) -> bool:
+    """Tell whether a FILE_TRANSFER_PROTOCOL message is for a component; 0 is everybody."""
+    return message.target_system in (0, system_id) and message.target_component in (0, component_id)
+
+
 def message_of(packet: Packet, system_id: int, component_id: int) -> Any:
     """Return the FILE_TRANSFER_PROTOCOL message that carries a packet to somebody."""
     head = HEAD.pack(

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from ross_protocols import values as v
 from ross_protocols.dialect import common, ross
 from ross_protocols.pairs import (
+    ADDED_NUMBER,
     DIRECTION,
     FRAME,
     INTEGER,
@@ -169,6 +170,7 @@ ALIGNMENT = Layout(
     | _same(TURNED, "joint")
     | _same(MICRO, "isolation")
     | _same(MEMBERS, "aliased")
+    | _same(ADDED_NUMBER, "gain")
     | _same(member(v.Rule), "rule")
     | _same(member(v.CandidateState), "state"),
     constant={},

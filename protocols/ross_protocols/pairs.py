@@ -120,6 +120,7 @@ WRAPPED32 = Pair(lambda number: number % 2**32, int)
 FRAME = Pair(lambda earth: 1 if earth else 2, lambda wire: wire == 1)
 MEMBERS = Pair(bits, indices)
 MAYBE_NUMBER, MAYBE_DIRECTION, MAYBE_TURNED = (known(pair, math.nan) for pair in (NUMBER, DIRECTION, TURNED))
+ADDED_NUMBER = known(NUMBER, 0.0)  # of an extension: who does not know it yet sends nothing, which is 0
 MAYBE_INDEX = known(INTEGER, UINT8_MAX)
 MAYBE_MEBI = known(Pair(lambda size: float32(size / 2**20), lambda wire: wire * 2**20), math.nan)
 NUMBERS = Pair(lambda numbers: [float32(number) for number in numbers], tuple)

@@ -11,6 +11,7 @@ from typing import Any
 from ross_protocols.dialect import common
 
 NAME_SIZE = 16  # characters
+NO_INDEX = 65535  # of a PARAM_VALUE that nobody asked for by index
 REAL32 = common.MAV_PARAM_TYPE_REAL32
 INTEGERS = {
     common.MAV_PARAM_TYPE_UINT8: "<B3x",
@@ -27,6 +28,9 @@ class ParamError(IntEnum):
 
     DOES_NOT_EXIST = 1
     VALUE_OUT_OF_RANGE = 2
+    PERMISSION_DENIED = 3
+    COMPONENT_NOT_FOUND = 4
+    READ_ONLY = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +59,70 @@ class SetRequest:
     component_id: int
     name: str
     value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """PARAM_VALUE: what one of ``count`` parameters is."""
+
+    name: str
+    value: float
+    index: int | None  # None: not told
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """PARAM_ERROR: a request was not fulfilled."""
+
+    system_id: int  # target
+    component_id: int  # target
+    name: str
+    error: int  # MAV_PARAM_ERROR
+
+
+def answer_of(message: Any) -> Told | Refused | None:
+    """Return what a message answers about parameters; None: nothing.
+
+    >>> answer_of(value_message("EXP_UNIT", 2.3, 4, 30))
+    Told(name='EXP_UNIT', value=2.3, index=4, count=30)
+    """
+    number = message.get_msgId()
+    if number == common.MAVLINK_MSG_ID_PARAM_VALUE:
+        value = number_meant(message.param_value, message.param_type)
+        index = None if message.param_index == NO_INDEX else message.param_index
+        return Told(_name(message.param_id), value, index, message.param_count)
+    if number == common.MAVLINK_MSG_ID_PARAM_ERROR:
+        return Refused(message.target_system, message.target_component, _name(message.param_id), message.error)
+    return None
+
+
+def list_message(system_id: int, component_id: int) -> Any:
+    """Return the PARAM_REQUEST_LIST to somebody."""
+    return common.MAVLink_param_request_list_message(system_id, component_id)
+
+
+def read_message(index: int, system_id: int, component_id: int) -> Any:
+    """Return the PARAM_REQUEST_READ of one parameter of somebody."""
+    return common.MAVLink_param_request_read_message(system_id, component_id, b"", index)
+
+
+def set_message(name: str, value: float, system_id: int, component_id: int) -> Any:
+    """Return the PARAM_SET to somebody."""
+    return common.MAVLink_param_set_message(system_id, component_id, name.encode("ascii"), value, REAL32)
+
+
+def same_on_the_wire(number: float, other: float) -> bool:
+    """Whether two numbers are one float on the wire.
+
+    >>> same_on_the_wire(2.3, 2.2999999523162842), same_on_the_wire(2.3, 2.31)
+    (True, False)
+    """
+    return _float32(number) == _float32(other)
+
+
+def _name(wire: str | bytes) -> str:
+    return wire if isinstance(wire, str) else wire.split(b"\0")[0].decode("ascii", "replace")
 
 
 def request_of(message: Any) -> ListRequest | ReadRequest | SetRequest | None:

@@ -878,22 +878,22 @@ class MAVLink_ross_alignment_message(MAVLink_message):
 
     id = MAVLINK_MSG_ID_ROSS_ALIGNMENT
     msgname = "ROSS_ALIGNMENT"
-    fieldnames = ["time_usec", "aliased", "heading", "joint", "isolation", "plan", "candidate", "count", "source", "rule", "state", "frame"]
-    ordered_fieldnames = ["time_usec", "aliased", "heading", "joint", "isolation", "plan", "candidate", "count", "source", "rule", "state", "frame"]
-    fieldtypes = ["uint64_t", "uint32_t", "float", "float", "float", "uint16_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t"]
+    fieldnames = ["time_usec", "aliased", "heading", "joint", "isolation", "plan", "candidate", "count", "source", "rule", "state", "frame", "gain"]
+    ordered_fieldnames = ["time_usec", "aliased", "heading", "joint", "isolation", "plan", "candidate", "count", "source", "rule", "state", "frame", "gain"]
+    fieldtypes = ["uint64_t", "uint32_t", "float", "float", "float", "uint16_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "float"]
     fielddisplays_by_name: Dict[str, str] = {"aliased": "bitmask"}
     fieldenums_by_name: Dict[str, str] = {"rule": "ROSS_ALIGNMENT_RULE", "state": "ROSS_CANDIDATE_STATE", "frame": "ROSS_FRAME"}
-    fieldunits_by_name: Dict[str, str] = {"time_usec": "us", "heading": "rad", "joint": "rad", "isolation": "us"}
-    native_format = bytearray(b"<QIfffHBBBBBB")
-    orders = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]
-    lengths = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]
-    array_lengths = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]
+    fieldunits_by_name: Dict[str, str] = {"time_usec": "us", "heading": "rad", "joint": "rad", "isolation": "us", "gain": "dB"}
+    native_format = bytearray(b"<QIfffHBBBBBBf")
+    orders = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]
+    lengths = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]
+    array_lengths = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]
     crc_extra = 166
-    unpacker = struct.Struct("<QIfffHBBBBBB")
+    unpacker = struct.Struct("<QIfffHBBBBBBf")
     instance_field = "candidate"
     instance_offset = 26
 
-    def __init__(self, time_usec: int, aliased: int, heading: float, joint: float, isolation: float, plan: int, candidate: int, count: int, source: int, rule: int, state: int, frame: int):
+    def __init__(self, time_usec: int, aliased: int, heading: float, joint: float, isolation: float, plan: int, candidate: int, count: int, source: int, rule: int, state: int, frame: int, gain: float = 0):
         MAVLink_message.__init__(self, MAVLink_ross_alignment_message.id, MAVLink_ross_alignment_message.msgname)
         self._fieldnames = MAVLink_ross_alignment_message.fieldnames
         self._instance_field = MAVLink_ross_alignment_message.instance_field
@@ -910,9 +910,10 @@ class MAVLink_ross_alignment_message(MAVLink_message):
         self.rule = rule
         self.state = state
         self.frame = frame
+        self.gain = gain
 
     def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
-        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.aliased, self.heading, self.joint, self.isolation, self.plan, self.candidate, self.count, self.source, self.rule, self.state, self.frame), force_mavlink1=force_mavlink1)
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.aliased, self.heading, self.joint, self.isolation, self.plan, self.candidate, self.count, self.source, self.rule, self.state, self.frame, self.gain), force_mavlink1=force_mavlink1)
 
 
 # Define name on the class for backwards compatibility (it is now msgname).
@@ -1760,7 +1761,7 @@ class MAVLink(object):
         """
         self.send(self.ross_source_encode(time_usec, azimuth, azimuth_mirror, azimuth_sigma, elevation, confidence, weight, score, estimate, source, count, frame, flags), force_mavlink1=force_mavlink1)
 
-    def ross_alignment_encode(self, time_usec: int, aliased: int, heading: float, joint: float, isolation: float, plan: int, candidate: int, count: int, source: int, rule: int, state: int, frame: int) -> MAVLink_ross_alignment_message:
+    def ross_alignment_encode(self, time_usec: int, aliased: int, heading: float, joint: float, isolation: float, plan: int, candidate: int, count: int, source: int, rule: int, state: int, frame: int, gain: float = 0) -> MAVLink_ross_alignment_message:
         """
         One heading at which interferers pose as one; one message per
         candidate, in order of travel. Sent when planned, when the
@@ -1778,11 +1779,12 @@ class MAVLink(object):
         rule                      : Why this heading. (type:uint8_t, values:ROSS_ALIGNMENT_RULE)
         state                     : What became of it. (type:uint8_t, values:ROSS_CANDIDATE_STATE)
         frame                     : What heading is relative to. (type:uint8_t, values:ROSS_FRAME)
+        gain                      : Predicted improvement of the scale-invariant signal-to-distortion ratio. 0: not predicted. [dB] (type:float)
 
         """
-        return MAVLink_ross_alignment_message(time_usec, aliased, heading, joint, isolation, plan, candidate, count, source, rule, state, frame)
+        return MAVLink_ross_alignment_message(time_usec, aliased, heading, joint, isolation, plan, candidate, count, source, rule, state, frame, gain)
 
-    def ross_alignment_send(self, time_usec: int, aliased: int, heading: float, joint: float, isolation: float, plan: int, candidate: int, count: int, source: int, rule: int, state: int, frame: int, force_mavlink1: bool = False) -> None:
+    def ross_alignment_send(self, time_usec: int, aliased: int, heading: float, joint: float, isolation: float, plan: int, candidate: int, count: int, source: int, rule: int, state: int, frame: int, gain: float = 0, force_mavlink1: bool = False) -> None:
         """
         One heading at which interferers pose as one; one message per
         candidate, in order of travel. Sent when planned, when the
@@ -1800,9 +1802,10 @@ class MAVLink(object):
         rule                      : Why this heading. (type:uint8_t, values:ROSS_ALIGNMENT_RULE)
         state                     : What became of it. (type:uint8_t, values:ROSS_CANDIDATE_STATE)
         frame                     : What heading is relative to. (type:uint8_t, values:ROSS_FRAME)
+        gain                      : Predicted improvement of the scale-invariant signal-to-distortion ratio. 0: not predicted. [dB] (type:float)
 
         """
-        self.send(self.ross_alignment_encode(time_usec, aliased, heading, joint, isolation, plan, candidate, count, source, rule, state, frame), force_mavlink1=force_mavlink1)
+        self.send(self.ross_alignment_encode(time_usec, aliased, heading, joint, isolation, plan, candidate, count, source, rule, state, frame, gain), force_mavlink1=force_mavlink1)
 
     def ross_separation_encode(self, time_usec: int, members: int, heading: float, score: float, criterion: float, si_sdr: float, si_sdr_improvement: float, separation: int, group: int, count: int, phase: int, frame: int, flags: int, method: bytes) -> MAVLink_ross_separation_message:
         """

@@ -1,4 +1,4 @@
-"""MAVLink 2 signatures: what stands in one, and whether it is right. No key file, no clock.
+"""MAVLink 2 signatures: what stands in one, and whether it is right. No clock.
 
 A signature is the last 13 bytes of a frame: the sender's link id, a timestamp in units of 10 us since 2015, and the
 first 48 bits of the SHA-256 of the key and all that comes before.
@@ -8,14 +8,54 @@ from __future__ import annotations
 
 import hashlib
 import hmac
+import os
+import stat
+from pathlib import Path
+from typing import Protocol
+
+from ross_protocols.codec import Packet
 
 KEY_SIZE = 32  # [bytes]
 SIGNATURE_SIZE = 13  # [bytes]
 SECOND = 100_000  # in units of a timestamp
 EPOCH = 1_420_070_400  # 1 January 2015, UNIX time [s]
 LATEST = 2**48 - 1  # timestamp
+WINDOW = 60 * SECOND  # that a new stream may be behind us
+STREAMS = 1024  # that one link keeps apart
+UNSIGNED = "RADIO_STATUS"  # a radio has no key
 
 _MARKER, _SIGNED, _DIGEST = 0xFD, 1, 6
+
+
+class BadKey(ValueError):
+    """A file that is no key; says what was found and what was wanted, in one line."""
+
+
+def read_key(path: Path) -> bytes:
+    """Read a key: 32 bytes, or 64 hexadecimal digits.
+
+    Raises
+    ------
+    BadKey
+        When it cannot be read, is none, or others can read it too.
+    """
+    try:
+        with path.open("rb") as file:
+            mode = stat.S_IMODE(os.fstat(file.fileno()).st_mode)
+            data = file.read()
+    except OSError as error:
+        raise BadKey(f"{path}: cannot be read: {error.strerror}") from error
+    if mode & 0o077:
+        raise BadKey(f"{path}: mode {mode:04o} found, 0600 wanted: chmod 600 {path}")
+    if len(data) == KEY_SIZE:
+        return data
+    try:
+        key = bytes.fromhex(data.decode("ascii"))
+    except ValueError:
+        key = b""
+    if len(key) != KEY_SIZE:
+        raise BadKey(f"{path}: {len(data)} bytes found, 32 bytes or 64 hexadecimal digits wanted")
+    return key
 
 
 def is_signed(frame: bytes) -> bool:
@@ -41,3 +81,47 @@ def timestamp_of(unix: float) -> int:
     150000
     """
     return min(max(int((unix - EPOCH) * SECOND), 0), LATEST)
+
+
+class Time(Protocol):
+    """The local signing time, which never goes back."""
+
+    floor: int  # nothing at or below this timestamp is believed
+
+    def stamp(self, now: float) -> int | None:
+        """Return a timestamp that was never used, at ``now`` [s]; None while there is none."""
+
+    def covers(self, timestamp: int, now: float) -> bool:
+        """Tell whether a timestamp may be believed at ``now`` [s], and followed."""
+
+    def behind(self, timestamp: int, now: float) -> bool:
+        """Tell whether a timestamp is more than `WINDOW` behind ours."""
+
+    def learn(self, timestamp: int) -> None:
+        """Follow a peer that is ahead."""
+
+
+class Guardian:
+    """Believes or refuses what arrives on one signed link."""
+
+    def __init__(self, key: bytes, time: Time) -> None:
+        self.key = key
+        self.time = time
+        self._streams: dict[tuple[int, int, int], int] = {}  # (link id, system, component) -> latest timestamp
+
+    def believes(self, packet: Packet, now: float) -> bool:
+        """Tell whether a packet is signed with our key and newer than what its stream has brought before."""
+        if not is_signed(packet.frame):
+            return packet.name == UNSIGNED
+        link, timestamp = link_and_time(packet.frame)
+        stream = link, packet.system_id, packet.component_id
+        before = self._streams.get(stream)
+        if timestamp <= self.time.floor or (before is not None and timestamp <= before):
+            return False
+        if before is None and (len(self._streams) >= STREAMS or self.time.behind(timestamp, now)):
+            return False
+        if not is_good(packet.frame, self.key) or not self.time.covers(timestamp, now):
+            return False
+        self._streams[stream] = timestamp
+        self.time.learn(timestamp)
+        return True

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-DIALECT_VERSION = 2
+DIALECT_VERSION = 3
 CURVE_POINTS = 80
 ARRAY_SIZE = 58
 
@@ -175,6 +175,7 @@ class Alignment:
     rule: Rule
     state: CandidateState
     earth: bool
+    gain: float | None = None  # predicted SI-SDRi [dB]
 
 
 @dataclass(frozen=True, slots=True)

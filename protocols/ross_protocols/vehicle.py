@@ -14,6 +14,7 @@ from typing import Any
 from ross_protocols.dialect import common
 from ross_protocols.pairs import clockwise
 
+NO_HEADING = 65535  # of GLOBAL_POSITION_INT
 AUTOPILOT = 1  # component id: MAV_COMP_ID_AUTOPILOT1
 SINCE_1970 = 1_577_836_800  # UNIX time of 2020 [s]: a clock that says less has not been set
 STEEP = math.radians(80)  # beyond this pitch the yaw of an aircraft means nothing
@@ -44,6 +45,24 @@ class TimeSync:
 
     asked: int  # clock of whoever asks [ns]
     answered: int | None = None  # clock of whoever answers [ns], None: a request
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """GLOBAL_POSITION_INT; None is not known."""
+
+    latitude: float  # [rad]
+    longitude: float  # [rad]
+    height: float  # above the sea [m]
+    yaw: float | None = None  # of the nose, counter-clockwise from north [rad]
+
+
+def position_of(message: Any) -> Position | None:
+    """Return where a message says that the vehicle is; None: any other message, or it does not know."""
+    if message.get_type() != "GLOBAL_POSITION_INT" or message.lat == message.lon == 0:
+        return None
+    yaw = None if message.hdg == NO_HEADING else clockwise(math.radians(message.hdg / 100))
+    return Position(math.radians(message.lat / 1e7), math.radians(message.lon / 1e7), message.alt / 1e3, yaw)
 
 
 def read(message: Any) -> VehicleAttitude | SystemTime | TimeSync | None:

@@ -1,88 +1,23 @@
-"""Where a link goes, read from its URL."""
+"""Where a link goes, read from its URL as a user has written it."""
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
-
 from ross_payload.errors import ConfigError
+from ross_protocols import address
+from ross_protocols.address import LOOPBACK, Address, Serial, Tcp, Udp
 
-WANTED = "wanted udpin:, udpout:, tcp: or tcpin:host:port, or serial:device:baud"
-LOOPBACK = "127.0.0.1"
-
-_NETWORK = re.compile(r"(?P<host>\[[^\[\]]*\]|[^:\[\]]*):(?P<port>[^:]*)")
-
-
-@dataclass(frozen=True, slots=True)
-class Udp:
-    """A UDP port: ``listen`` there and answer those heard from, or send there."""
-
-    host: str
-    port: int
-    listen: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Tcp:
-    """A TCP port: ``listen`` there for clients, or connect to the server there."""
-
-    host: str
-    port: int
-    listen: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Serial:
-    """A serial device."""
-
-    device: str
-    baud: int | None  # None: found by listening
-
-
-Address = Udp | Tcp | Serial
+__all__ = ["LOOPBACK", "Address", "Serial", "Tcp", "Udp", "parse"]
 
 
 def parse(url: str) -> Address:
-    """Read the URL of a link; an IPv6 host stands in brackets, and an empty host to listen on is the loopback.
-
-    >>> parse("udpout:192.168.1.7:14550")
-    Udp(host='192.168.1.7', port=14550, listen=False)
-    >>> parse("tcp:[::1]:5760")
-    Tcp(host='::1', port=5760, listen=False)
-    >>> parse("serial:/dev/serial/by-path/pci-0000:00:14.0:57600")
-    Serial(device='/dev/serial/by-path/pci-0000:00:14.0', baud=57600)
-    >>> parse("serial:/dev/ttyACM0:auto")
-    Serial(device='/dev/ttyACM0', baud=None)
+    """Read the URL of a link.
 
     Raises
     ------
     ConfigError
-        When it is anything else; says what was found and what was wanted.
+        When it is none; says what was found and what was wanted.
     """
-    kind, _, rest = url.partition(":")
-    if kind == "serial":
-        return _serial(url, rest)
-    if kind not in ("udpin", "udpout", "tcp", "tcpin"):
-        raise ConfigError(f"link '{url}': {WANTED}")
-    found = _NETWORK.fullmatch(rest)
-    if found is None:
-        raise ConfigError(f"link '{url}': {WANTED}, an IPv6 host in brackets")
-    host, port = found["host"].strip("[]"), _number(url, "port", found["port"], 65535)
-    listen = kind.endswith("in")
-    if not host and not listen:
-        raise ConfigError(f"link '{url}': the host is missing; {WANTED}")
-    return (Tcp if kind.startswith("tcp") else Udp)(host or LOOPBACK, port, listen)
-
-
-def _serial(url: str, rest: str) -> Serial:
-    device, _, baud = rest.rpartition(":")  # a device may have colons in its name
-    if not device:
-        raise ConfigError(f"link '{url}': {WANTED}")
-    return Serial(device, None if baud == "auto" else _number(url, "baud", baud, 20_000_000))
-
-
-def _number(url: str, what: str, text: str, most: int) -> int:
-    number = int(text) if text.isascii() and text.isdigit() and len(text) < 10 else 0
-    if not 1 <= number <= most:
-        raise ConfigError(f"link '{url}': {what} '{text}' found, a number from 1 to {most} wanted")
-    return number
+    try:
+        return address.parse(url)
+    except address.BadAddress as error:
+        raise ConfigError(str(error)) from error

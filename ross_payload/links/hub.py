@@ -22,10 +22,11 @@ from ross_payload.links.address import parse
 from ross_payload.links.echoes import Echoes
 from ross_payload.links.link import Link, LinkStatus
 from ross_payload.links.opening import open_port
-from ross_payload.links.peers import PRESENT, Sender
 from ross_payload.links.ports import LinkPort
-from ross_payload.links.signing import Guardian, SigningTime, read_key
+from ross_payload.links.signing import SigningTime, read_key
 from ross_protocols.codec import Decoder, Encoder, Packet, message_of
+from ross_protocols.peers import PRESENT, Sender
+from ross_protocols.signing import Guardian
 
 LOCAL = "local"  # the link and the role of what our own components say
 MOST_LOCAL = 1000  # frames that wait for the next poll

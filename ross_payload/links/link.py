@@ -8,11 +8,10 @@ from typing import Any
 
 from ross_payload.config import Link as LinkConfig
 from ross_payload.links.budget import Budget
-from ross_payload.links.peers import Peers, Sender
 from ross_payload.links.ports import LinkPort
-from ross_payload.links.signing import Guardian
 from ross_protocols.codec import Decoder, Encoder, Packet
-from ross_protocols.signing import SIGNATURE_SIZE, is_signed
+from ross_protocols.peers import Peers, Sender
+from ross_protocols.signing import SIGNATURE_SIZE, Guardian, is_signed
 
 SILENCE = 0.2  # [s] after which the rest of a frame is not waited for any longer
 LOOKS = 200  # at what may be a frame, in one call: a flood cannot hold up who polls

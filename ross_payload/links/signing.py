@@ -8,22 +8,18 @@ believe nothing below it, so that nothing that was recorded before can be played
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
 
 from ross_payload.errors import ConfigError
 from ross_payload.links.background import begin
-from ross_protocols.codec import Packet
-from ross_protocols.signing import KEY_SIZE, SECOND, is_good, is_signed, link_and_time, timestamp_of
+from ross_protocols import signing
+from ross_protocols.signing import SECOND, WINDOW, timestamp_of
 
 FILE = "signing-time"  # in the state folder
 STEP = 60 * SECOND  # by which the bound is raised
-WINDOW = 60 * SECOND  # that a new stream may be behind us
 RETRY = 1.0  # after the disk has refused [s]
-STREAMS = 1024  # that one link keeps apart
-UNSIGNED = "RADIO_STATUS"  # a radio has no key
 
 
 def read_key(path: Path) -> bytes:
@@ -35,21 +31,9 @@ def read_key(path: Path) -> bytes:
         When it cannot be read, is none, or others can read it too.
     """
     try:
-        mode = stat.S_IMODE(path.stat().st_mode)
-        data = path.read_bytes()
-    except OSError as error:
-        raise ConfigError(f"key_file {path}: cannot be read: {error.strerror}") from error
-    if mode & 0o077:
-        raise ConfigError(f"key_file {path}: mode {mode:04o} found, 0600 wanted: chmod 600 {path}")
-    if len(data) == KEY_SIZE:
-        return data
-    try:
-        key = bytes.fromhex(data.decode("ascii"))
-    except ValueError:
-        key = b""
-    if len(key) != KEY_SIZE:
-        raise ConfigError(f"key_file {path}: {len(data)} bytes found, 32 bytes or 64 hexadecimal digits wanted")
-    return key
+        return signing.read_key(path)
+    except signing.BadKey as error:
+        raise ConfigError(f"key_file {error}") from error
 
 
 class SigningTime:
@@ -136,29 +120,3 @@ class SigningTime:
         finally:
             os.close(folder)
         return bound
-
-
-class Guardian:
-    """Believes or refuses what arrives on one signed link."""
-
-    def __init__(self, key: bytes, time: SigningTime) -> None:
-        self.key = key
-        self.time = time
-        self._streams: dict[tuple[int, int, int], int] = {}  # (link id, system, component) -> latest timestamp
-
-    def believes(self, packet: Packet, now: float) -> bool:
-        """Tell whether a packet is signed with our key and newer than what its stream has brought before."""
-        if not is_signed(packet.frame):
-            return packet.name == UNSIGNED
-        link, timestamp = link_and_time(packet.frame)
-        stream = link, packet.system_id, packet.component_id
-        before = self._streams.get(stream)
-        if timestamp <= self.time.floor or (before is not None and timestamp <= before):
-            return False
-        if before is None and (len(self._streams) >= STREAMS or self.time.behind(timestamp, now)):
-            return False
-        if not is_good(packet.frame, self.key) or not self.time.covers(timestamp, now):
-            return False
-        self._streams[stream] = timestamp
-        self.time.learn(timestamp)
-        return True

@@ -7,14 +7,16 @@ from collections.abc import Callable, Sequence
 from ross_payload.health import AudioHealth, RecordingStatus
 from ross_payload.links import LinkStatus
 from ross_payload.telemetry import texts
-from ross_payload.telemetry.streams import Board, Rank
+from ross_payload.telemetry.computer import PERIOD
+from ross_payload.telemetry.streams import Board, Every, Rank
+from ross_protocols.computer import Computer, computer_message
 from ross_protocols.values import Audio, Information, LinkReport, Recording, RecordingState, Severity
 
 
 class Condition:
     """Puts the condition of the payload on the board and says what changes.
 
-    ``audio`` and ``recording`` tell how these are; None: nothing is said of them.
+    ``audio``, ``recording`` and ``computer`` tell how these are; None: nothing is said of them.
     """
 
     def __init__(
@@ -23,11 +25,14 @@ class Condition:
         say: Callable[[Severity, str], None],
         audio: Callable[[], AudioHealth] | None,
         recording: Callable[[], RecordingStatus] | None,
+        computer: Callable[[], Computer] | None = None,
     ) -> None:
         self._board = board
         self._say = say
         self._ask_audio = audio
         self._ask_recording = recording
+        self._ask_computer = computer
+        self._looking = Every(PERIOD)
         self._health = AudioHealth()
         self._recording = RecordingStatus()
 
@@ -36,14 +41,16 @@ class Condition:
         """How the microphones are; None: nobody watches them."""
         return None if self._ask_audio is None else self._health
 
-    def look(self, information: Information, links: Sequence[LinkStatus]) -> None:
-        """Look at everything; ``information`` is who we are at this moment."""
+    def look(self, information: Information, links: Sequence[LinkStatus], now: float) -> None:
+        """Look at everything at ``now`` [s]; ``information`` is who we are at this moment."""
         self._board.put(Rank.INFORMATION, [information])
         self._board.put(Rank.LINK, reports(links, information.time_usec))
         if self._ask_audio is not None:
             self._listen(self._ask_audio(), information.time_usec)
         if self._ask_recording is not None:
             self._record(self._ask_recording(), information.time_usec)
+        if self._ask_computer is not None and self._looking.due(now):
+            self._board.put(Rank.COMPUTER, [computer_message(self._ask_computer(), information.time_usec)])
 
     def _listen(self, health: AudioHealth, time_usec: int) -> None:
         told = Audio(

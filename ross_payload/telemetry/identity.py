@@ -70,6 +70,20 @@ def version_message() -> Any:
     )
 
 
+def basic_message(now: float) -> Any:
+    """Return COMPONENT_INFORMATION_BASIC at ``now`` [s]: what we are, in words."""
+    return standard.MAVLink_component_information_basic_message(
+        time_boot_ms=round(now * 1e3) % 2**32,
+        capabilities=CAPABILITIES,
+        time_manufacture_s=0,
+        vendor_name=b"RoSS",
+        model_name=b"two-microphone payload",
+        software_version=__version__.encode("ascii", "replace")[:23],
+        hardware_version=b"",
+        serial_number=b"",
+    )
+
+
 def protocol_message() -> Any:
     """Return PROTOCOL_VERSION: MAVLink 2 is spoken, and 1 is understood."""
     nothing = [0] * 8

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from ross_payload.config import Telemetry as TelemetryConfig
 from ross_payload.links import Component, Links, LinkStatus
-from ross_payload.telemetry.streams import MESSAGE_IDS, RESERVE, Board, Stream
+from ross_payload.telemetry.streams import COMPUTER, MESSAGE_IDS, RESERVE, Board, Stream
 from ross_protocols import values as v
 from ross_protocols.codec import Encoder, message_of
 from ross_protocols.tunnel import Wrapper
@@ -21,6 +21,7 @@ REPEAT = 5.0  # [s], of what was found out, for those who join late or lost it
 USUAL = {
     v.Heartbeat: 1.0, v.Information: REPEAT, v.Source: REPEAT, v.Alignment: REPEAT, v.Separation: REPEAT,
     v.Audio: 1.0, v.Recording: REPEAT, v.LinkReport: REPEAT, v.Density: 8.0, v.Isolation: 8.0,
+    COMPUTER: REPEAT,
 }  # fmt: skip  # [s]
 BEAT = MESSAGE_IDS[v.Heartbeat]
 OURS = frozenset(kind for kind, number in MESSAGE_IDS.items() if 54000 <= number < 54020)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 from ross_payload.telemetry.allowance import Allowance
-from ross_payload.telemetry.identity import Endpoint, protocol_message, version_message
+from ross_payload.telemetry.identity import Endpoint, basic_message, protocol_message, version_message
 from ross_payload.telemetry.metadata import files, metadata_message
 from ross_protocols.commands import Command, Result
 from ross_protocols.dialect import common, standard
@@ -19,6 +19,7 @@ REQUEST_MESSAGE = common.MAV_CMD_REQUEST_MESSAGE
 SET_INTERVAL = common.MAV_CMD_SET_MESSAGE_INTERVAL
 GET_INTERVAL = common.MAV_CMD_GET_MESSAGE_INTERVAL
 VERSION, PROTOCOL = common.MAVLINK_MSG_ID_AUTOPILOT_VERSION, standard.MAVLINK_MSG_ID_PROTOCOL_VERSION
+BASIC = standard.MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC
 METADATA = standard.MAVLINK_MSG_ID_COMPONENT_METADATA
 OLD_REQUESTS = {
     common.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: VERSION,
@@ -81,6 +82,7 @@ class Requests:
         return {
             VERSION: version_message,
             PROTOCOL: protocol_message,
+            BASIC: lambda: basic_message(self._now),
             METADATA: lambda: metadata_message(content, self._now),
         }
 

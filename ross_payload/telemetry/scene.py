@@ -112,6 +112,7 @@ def alignments(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Ali
             rule=RULES.get(candidate.rule, Rule.UNKNOWN),
             state=CandidateState.PLANNED,
             earth=stamp.earth,
+            gain=candidate.gain_db,
         )
         for index, candidate in enumerate(planned.candidates)
     ]
@@ -134,6 +135,8 @@ def separations(event: Checked | Separated, number: int, stamp: Stamp, criterion
             heading=heading,
             score=group.value,
             criterion=criterion,
+            si_sdr=group.si_sdr,
+            si_sdri=group.si_sdri,
             accepted=group.accepted,
             target=index == chosen(event),
         )

@@ -38,6 +38,7 @@ from ross_payload.telemetry.streams import Board, Every, Rank
 from ross_payload.telemetry.texts import Speaker
 from ross_payload.telemetry.tlog import TlogRecorder
 from ross_payload.timebase import Timebase
+from ross_protocols.computer import Computer
 from ross_protocols.values import DIALECT_VERSION, Information, Severity
 
 PERIOD = 0.020  # [s] between two polls
@@ -76,8 +77,8 @@ class Telemetry:
         Hands an order to the runner; None: nobody orders anything.
     parameters, changed
         What is in force and may be set in flight (None: the configuration, for good), and who is told of a change.
-    recorder, health
-        Tell how the recording and the microphones are; None: nothing is said of them.
+    recorder, health, computer
+        Tell how the recording, the microphones and the computer are; None: nothing is said of them.
     timebase
         Tells the time; None: time is since the boot.
 
@@ -100,6 +101,7 @@ class Telemetry:
         changed: Callable[[str, float], None] = lambda name, value: None,
         recorder: Recorder | None = None,
         health: Callable[[], AudioHealth] | None = None,
+        computer: Callable[[], Computer] | None = None,
         timebase: Timebase | None = None,
     ) -> None:
         self._config = config
@@ -119,7 +121,8 @@ class Telemetry:
         self._outlets = Outlets(self._board, links, component, config.telemetry)
         self._say = Speaker(self._outlets.say, clock.now).say
         self._reporter = Reporter(self._board, self._say)
-        self._condition = Condition(self._board, self._say, health, None if recorder is None else recorder.status)
+        taping = None if recorder is None else recorder.status
+        self._condition = Condition(self._board, self._say, health, taping, computer)
         endpoint = Endpoint(links, component.id)
         self._commands = None if give is None else self._server(endpoint, give, recorder)
         self._settings = None if parameters is None else ParameterServer(endpoint, parameters, changed, self._say)
@@ -164,7 +167,7 @@ class Telemetry:
     def _observe(self, now: float) -> None:
         self._reporter.observe(self._snapshot(self._latest))
         if self._looking.due(now):
-            self._look()
+            self._look(now)
         if self._mirroring.due(now):
             self._mirror(now)
         self._outlets.flow(now)
@@ -204,7 +207,7 @@ class Telemetry:
             version = f"version {told.dialect_version} of the dialect, ours is {DIALECT_VERSION}"
             self._say(Severity.WARNING, f"payload {who[0]}/{who[1]} speaks {version}")
 
-    def _look(self) -> None:
+    def _look(self, now: float) -> None:
         """Look at the payload itself."""
         config = self._in_force()
         self._outlets.renew(config.telemetry)
@@ -213,7 +216,7 @@ class Telemetry:
             self._say(Severity.ERROR, f"somebody else speaks as our component {twin}: change one component_id")
         self._twin = twin
         capabilities = None if self._actuator is None else self._actuator.capabilities
-        self._condition.look(information(config, capabilities, self._timebase.usec()), self._links.status())
+        self._condition.look(information(config, capabilities, self._timebase.usec()), self._links.status(), now)
 
     def _mirror(self, now: float) -> None:
         status, sources = self._reporter.status, self._reporter.sources

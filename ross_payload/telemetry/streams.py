@@ -13,10 +13,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 
+from ross_protocols.dialect import common
 from ross_protocols.layouts import LAYOUTS
 from ross_protocols.values import Text, Value
 
-MESSAGE_IDS = {layout.value: layout.message.id for layout in LAYOUTS}
+COMPUTER = common.MAVLink_onboard_computer_status_message  # a message that is told as it is
+MESSAGE_IDS = {layout.value: layout.message.id for layout in LAYOUTS} | {COMPUTER: COMPUTER.id}
 SHORTEST = 0.02  # [s] between two of a kind, however often somebody asks for them
 RESERVE = 130  # bytes left to answers: an acknowledgement is never held back by what repeats itself
 ENOUGH = 0.9  # [s] between two statuses, when there is not room for more
@@ -40,7 +42,8 @@ class Rank(IntEnum):
     INFORMATION = 10
     DENSITY = 11
     ISOLATION = 12
-    EXTRA = 13  # a status that nothing new calls for, sooner than `ENOUGH` after the last one
+    COMPUTER = 13
+    EXTRA = 14  # a status that nothing new calls for, sooner than `ENOUGH` after the last one
 
 
 Key = tuple[Rank, int, int]  # rank, message id, place among its like

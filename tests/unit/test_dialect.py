@@ -43,14 +43,31 @@ def entries(enum: str) -> dict[str, int]:
     }
 
 
+def extensions(message) -> list[str]:
+    """The names of the fields behind ``<extensions/>``."""
+    tags = [part.tag for part in message]
+    return [part.get("name") for part in list(message)[tags.index("extensions") + 1 :]] if "extensions" in tags else []
+
+
 def test_what_is_checked_in_is_what_the_xml_generates(tmp_path: Path) -> None:
     subprocess.run([sys.executable, ROOT / "protocols" / "generate.py", tmp_path], check=True)
     for made, kept in (
         ("ross_dialect.py", ROOT / "protocols" / "ross_protocols" / "ross_dialect.py"),
         ("standard_dialect.py", ROOT / "protocols" / "ross_protocols" / "standard_dialect.py"),
         ("mavlink.md", ROOT / "docs" / "reference" / "mavlink.md"),
+        ("ross.lua", ROOT / "protocols" / "wireshark" / "ross.lua"),
     ):
         assert (tmp_path / made).read_text() == kept.read_text(), f"{kept} is stale: make protocols"
+
+
+def test_the_page_says_what_is_an_extension_and_what_commands_mean() -> None:
+    page = (ROOT / "docs" / "reference" / "mavlink.md").read_text()
+    added = {line.split("`")[1] for line in page.splitlines() if "*Extension.*" in line}
+    assert added == {name for message in OURS.values() for name in extensions(message)}
+    for param in XML.iter("param"):
+        unit = f" [{param.get('units')}]" if param.get("units") else ""
+        span = f", {param.get('minValue')} to {param.get('maxValue')}" if param.get("maxValue") else ""
+        assert f"<br>{param.get('index')}: {param.get('label')}{unit}{span}. {param.text}" in page
 
 
 def test_no_message_that_has_flown_changes() -> None:
@@ -133,7 +150,7 @@ def test_a_number_not_known_is_declared_as_such() -> None:
             declared = OURS[layout.message.msgname].find(f"field[@name='{name}']").get("invalid")
             if isinstance(field, Field) and declared is not None:
                 sent = field.pair.there(None)
-                assert (declared, str(sent)) in {("NaN", "nan"), ("UINT8_MAX", "255")}
+                assert (declared, str(sent)) in {("NaN", "nan"), ("UINT8_MAX", "255"), ("0", "0.0")}
                 assert field.pair.back(sent) is None
 
 

@@ -97,6 +97,14 @@ def test_the_version_of_the_protocol_is_told_on_request(payload, command):
     assert version.min_version <= 200 <= version.max_version
 
 
+def test_who_we_are_is_told_in_words_on_request(payload):
+    results, (basic,) = payload.ask(REQUEST, 396)
+    assert results == [ACCEPTED]
+    assert basic.get_type() == "COMPONENT_INFORMATION_BASIC"
+    assert (basic.vendor_name, basic.software_version) == ("RoSS", __version__)
+    assert basic.capabilities & common.MAV_PROTOCOL_CAPABILITY_FTP
+
+
 def test_an_interval_is_set_told_and_set_back(payload):
     assert payload.ask(SET, STATUS, 100_000)[0] == [ACCEPTED]
     assert payload.streams.period(URL, STATUS) == 0.1
