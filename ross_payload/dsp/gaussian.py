@@ -8,16 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from ross_payload.dsp.covariance import ROOT2, adjugate, diffuse, direct, outer
 from ross_payload.dsp.noise import guessed_psd
+from ross_payload.dsp.quality import qualities
 from ross_payload.dsp.smooth import average, averaged_rows
 from ross_payload.dsp.spatial import learn
 from ross_payload.dsp.steering import directions_of
 from ross_payload.dsp.stft import Stft, band
-from ross_payload.interfaces import Complex, Groups, Real, Scene
+from ross_payload.interfaces import Complex, Groups, Quality, Real, Scene
 
 UPDATES = 20
 UNSMOOTHED = 2  # updates before the smoothing begins
@@ -171,42 +173,63 @@ def reverberant(spectrogram: Complex, scene: Scene) -> bool:
     return astray(outer(heard), scene.frequencies[use], waves, noise) > ASTRAY[1]
 
 
+Core = Callable[[Complex, Scene, Real], tuple[Complex, Real, tuple[Quality, ...]]]
+
+
+def from_directions(core: Core, spectrogram: Complex, scene: Scene, name: str, *, always_below: float = 0.0) -> Groups:
+    """Separate a recording (2, n_freqs, n_frames) at unit power, in the frequencies in which somebody is heard.
+
+    A reverberant one is separated in long frames. Sources that share a TDOA are one group.
+
+    Parameters
+    ----------
+    core
+        From mixture, scene (its ``tau`` those of the groups) and noise PSD of those frequencies: signals and Wiener
+        masks, both (n_groups, n_freqs, n_frames), and how clean every group is.
+    name
+        Of the separator.
+    always_below
+        Frequencies [Hz] that count though nobody is heard there.
+
+    Raises
+    ------
+    ConfigError
+        When the TDOAs are not known.
+    """
+    members, delays = directions_of(scene, f"the {name} model")
+    if reverberant(spectrogram, scene):
+        return in_long_frames(partial(from_directions, core, name=name, always_below=always_below), spectrogram, scene)
+    shape = (len(members), *spectrogram.shape[1:])
+    signals, masks = np.zeros(shape, spectrogram.dtype), np.zeros(shape, np.float32)
+    power = float((np.abs(spectrogram) ** 2).mean()) if spectrogram.size else 0.0
+    quality: tuple[Quality, ...] = ()
+    if members and power > 0:
+        unit = (spectrogram / np.sqrt(power)).astype(np.complex64)
+        noise = guessed_psd(unit) if scene.noise_psd is None else scene.noise_psd / power
+        noise = np.maximum(noise, FLOOR).astype(np.float32)
+        use = (np.abs(unit) ** 2).mean(axis=(0, 2)) > ACTIVE * noise
+        use |= scene.frequencies < always_below
+        part = replace(scene, frequencies=scene.frequencies[use], tau=delays)
+        if use.any():
+            found, masks[:, use], quality = core(unit[:, use], part, noise[use])
+            signals[:, use] = found * np.sqrt(power)
+    return Groups(signals, members, name, masks=masks, quality=quality)
+
+
 class Gaussian:
     """The separator: local Gaussian model from known TDOAs."""
 
     name = "gaussian"
 
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
-        """Separate a recording (2, n_freqs, n_frames) into groups of sources that share a TDOA.
-
-        Raises
-        ------
-        ConfigError
-            When the TDOAs are not known.
-        """
-        members, delays = directions_of(scene, "the local Gaussian model")
-        if reverberant(spectrogram, scene):
-            return in_long_frames(self.batch, spectrogram, scene)
-        shape = (len(members), *spectrogram.shape[1:])
-        signals, masks = np.zeros(shape, spectrogram.dtype), np.zeros(shape, np.float32)
-        power = float((np.abs(spectrogram) ** 2).mean()) if spectrogram.size else 0.0
-        if members and power > 0:
-            unit = (spectrogram / np.sqrt(power)).astype(np.complex64)
-            noise = guessed_psd(unit) if scene.noise_psd is None else scene.noise_psd / power
-            noise = np.maximum(noise, FLOOR).astype(np.float32)
-            active = (np.abs(unit) ** 2).mean(axis=(0, 2)) > ACTIVE * noise
-            part = replace(scene, frequencies=scene.frequencies[active], tau=delays)
-            if active.any():
-                found, masks[:, active] = _separated(unit[:, active], part, noise[active])
-                signals[:, active] = found * np.sqrt(power)
-        return Groups(signals, members, self.name, masks=masks)
+        """Separate as `from_directions` says."""
+        return from_directions(_separated, spectrogram, scene, self.name)
 
 
-def _separated(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, Real]:
-    """Signals and Wiener masks, both (n_groups, n_freqs, n_frames), of one group per TDOA."""
+def _separated(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, Real, tuple[Quality, ...]]:
     _, covariances, psds = fitted(unit, scene, noise_psd)
     masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
-    return wiener(unit, psds, covariances), masks
+    return wiener(unit, psds, covariances), masks, qualities(psds, covariances)
 
 
 def fitted(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Real, Real, Real]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.stats
+from scipy.special import gammaincinv
 
 from ross_payload.interfaces import Complex, Real
 
@@ -57,7 +57,7 @@ def guessed_psd(spectrogram: Complex) -> Real:
     if not spectrogram.shape[-1]:
         return np.zeros(spectrogram.shape[1])
     power = (np.abs(spectrogram) ** 2).mean(axis=0)
-    unit = float(scipy.stats.gamma.ppf(QUANTILE, 2, scale=0.5))
+    unit = 0.5 * float(gammaincinv(2, QUANTILE))
     return np.asarray(np.quantile(power, QUANTILE, axis=-1) / unit, float)
 
 

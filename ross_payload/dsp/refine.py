@@ -7,16 +7,13 @@ multichannel Wiener filter of the local Gaussian model does the rest.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ross_payload.dsp.covariance import adjugate, determinant
-from ross_payload.dsp.gaussian import ACTIVE, FLOOR, fitted, in_long_frames, reverberant, wiener
+from ross_payload.dsp.gaussian import fitted, from_directions, wiener
 from ross_payload.dsp.network import Network, shipped_network
-from ross_payload.dsp.noise import guessed_psd
-from ross_payload.dsp.steering import directions_of
-from ross_payload.interfaces import Complex, Groups, Real, Scene
+from ross_payload.dsp.quality import qualities
+from ross_payload.interfaces import Complex, Groups, Quality, Real, Scene
 
 HIGHEST = 6000.0  # bins above this keep the PSDs of the local Gaussian model [Hz]
 N_FEATURES = 8
@@ -25,6 +22,7 @@ LEAST = 1e-7  # of every PSD that is shown
 MISFIT = 1e-3  # of a direction that fits perfectly
 FAR = 8.0  # bound of logarithms of ratios
 WIDTHS = (6.0, 15.0)  # of bins that the network was trained for [Hz]
+BONUS = 0.75  # SI-SDR above that of the local Gaussian model [dB]
 STEADY = 1e-5  # noise in the Wiener filter, relative to everything: no covariance is singular
 
 
@@ -87,33 +85,12 @@ class Refined:
         self._network = network
 
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
-        """Separate a recording (2, n_freqs, n_frames) into groups of sources that share a TDOA.
+        """Separate as `ross_payload.dsp.gaussian.from_directions` says."""
+        return from_directions(self._separated, spectrogram, scene, self.name, always_below=HIGHEST)
 
-        Raises
-        ------
-        ConfigError
-            When the TDOAs are not known.
-        """
-        members, delays = directions_of(scene, "the refined model")
-        if reverberant(spectrogram, scene):
-            return in_long_frames(self.batch, spectrogram, scene)
-        shape = (len(members), *spectrogram.shape[1:])
-        signals, masks = np.zeros(shape, spectrogram.dtype), np.zeros(shape, np.float32)
-        power = float((np.abs(spectrogram) ** 2).mean()) if spectrogram.size else 0.0
-        if members and power > 0:
-            unit = (spectrogram / np.sqrt(power)).astype(np.complex64)
-            noise = guessed_psd(unit) if scene.noise_psd is None else scene.noise_psd / power
-            noise = np.maximum(noise, FLOOR).astype(np.float32)
-            use = (np.abs(unit) ** 2).mean(axis=(0, 2)) > ACTIVE * noise
-            use |= scene.frequencies < HIGHEST
-            part = replace(scene, frequencies=scene.frequencies[use], tau=delays)
-            found, masks[:, use] = self._separated(unit[:, use], part, noise[use])
-            signals[:, use] = found * np.sqrt(power)
-        return Groups(signals, members, self.name, masks=masks)
-
-    def _separated(self, unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, Real]:
-        """Signals and Wiener masks, both (n_groups, n_freqs, n_frames)."""
+    def _separated(self, unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, Real, tuple[Quality, ...]]:
         observed, covariances, psds = fitted(unit, scene, noise_psd)
+        quality = qualities(psds, covariances, BONUS)
         low = slice(0, int((scene.frequencies < HIGHEST).sum()))
         if _trained_for(scene.frequencies[low]):
             network = self._network or shipped_network()
@@ -122,7 +99,7 @@ class Refined:
             psds[low, :-1] = np.maximum(psds[low, :-1], LEAST) * np.swapaxes(factors, 0, 1)
         masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
         psds[:, -1] = np.maximum(psds[:, -1], STEADY * (1 + psds[:, :-1].sum(axis=1)))
-        return wiener(unit, psds, covariances), masks
+        return wiener(unit, psds, covariances), masks, quality
 
 
 def _trained_for(frequencies: Real) -> bool:

@@ -61,12 +61,20 @@ def recognise(context: Context, estimate: Estimate, heard: Listening, recalled: 
     """Separate and score; for a source that stands alone the score is the mean of this one and the recalled one."""
     groups, voices = separate(context, estimate, heard)
     scores = []
-    for members, voice in zip(groups.members, voices, strict=True):
+    for group, (members, voice) in enumerate(zip(groups.members, voices, strict=True)):
         value = _likeness(context, voice)
         if len(members) == 1 and members[0] in recalled:
             value = (value + recalled[members[0]]) / 2
-        scores.append(GroupScore(members, value, value > context.settings.criterion))
+        scores.append(_scored(context, groups, group, value))
     return Heard(groups, voices, tuple(scores))
+
+
+def _scored(context: Context, groups: Groups, group: int, value: float) -> GroupScore:
+    accepted = value > context.settings.criterion
+    if not groups.quality:
+        return GroupScore(groups.members[group], value, accepted)
+    quality = groups.quality[group]
+    return GroupScore(groups.members[group], value, accepted, quality.si_sdr, quality.si_sdri)
 
 
 def recall(context: Context, estimate: Estimate) -> dict[int, float]:
