@@ -1,6 +1,6 @@
 # make demo   see it work              make test   run every test
 # make check  ruff, mypy, imports      make bench  the measured tables       make soak  the full figures
-# make docs   build the manual         make protocols  regenerate the MAVLink dialect
+# make docs   build the manual         make protocols  regenerate the MAVLink dialect, C headers, the dissector
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -13,7 +13,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 .DELETE_ON_ERROR:
 
 demo: $(VENV)/.demo
-	$(BIN)/ross sitl --out out/demo
+	@if [ -t 1 ]; then page=--page; fi; $(BIN)/ross sitl --out out/demo $$page
 
 test: $(VENV)/.dev
 	$(ONE_THREAD) $(BIN)/pytest --numprocesses 3 --dist worksteal $(ARGS)
@@ -44,7 +44,7 @@ clean:
 	rm -rf $(VENV) out docs/_build dist build
 
 $(VENV)/.demo: pyproject.toml constraints.txt | $(BIN)/python
-	$(PIP) --editable '.[sim]'
+	$(PIP) --editable '.[sim,ground]'
 	@touch $@
 
 $(VENV)/.dev: pyproject.toml constraints.txt | $(BIN)/python

@@ -15,6 +15,8 @@ def command(file: Path) -> int:
     Nothing turns before it is ordered, unless the file says so ([service] autostart).
     """
     from ross_payload.config import load
+
+    config = load(file)  # a mistake is told before the long import
     from ross_payload.service.live import live
 
-    return live(load(file))
+    return live(config)

@@ -36,6 +36,7 @@ from ross_payload.recording.shelf import Shelf
 from ross_payload.service.latch import StopLatch
 from ross_payload.service.payload import POLL, Parts, assembled
 from ross_payload.service.runner import Runner
+from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.timebase import Timebase
 from ross_payload.voiceprint import VoiceStore
 
@@ -140,6 +141,7 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
         timebase = Timebase(clock, synchronised_time, system_id=config.telemetry.system_id)
         timebase.attach(links.component(config.telemetry.component_id))
         source = open_source(config, clock)
+        shelf = Path(config.recording.folder).expanduser() if config.recording.folder else state / "recordings"
         yield Parts(
             clock=clock,
             source=source,
@@ -149,13 +151,12 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
             mount=mount_of(config, clock, links, timebase),
             timebase=timebase,
             parameters=parameters,
-            shelf=Shelf(
-                Path(config.recording.folder).expanduser() if config.recording.folder else state / "recordings"
-            ),
+            shelf=Shelf(shelf),
             drained=in_background,
             voiceprint=_enrolled(config),
             stopped=latch.closed,
             state=state,
+            computer=ComputerReader(shelf),
             restart=again.ask,
             stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",
         )

@@ -34,6 +34,7 @@ from ross_payload.service.dronecan import node_on_bus
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.telemetry.service import Telemetry
 from ross_payload.timebase import Timebase
+from ross_protocols.computer import Computer
 
 POLL = 0.010  # [s] of the pump
 FOUND = 5.0  # [s] that an actuator may take to report for the first time; later it is a fault
@@ -60,6 +61,7 @@ class Parts:
     stopped: bool = False  # by an order, before it was started again
     state: Path | None = None  # folder of what outlives a restart
     rng: np.random.Generator = field(default_factory=np.random.default_rng)
+    computer: Callable[[], Computer] | None = None  # how it is; None: what is said must not depend on the machine
     restart: Callable[[], None] | None = None  # has this program started again when it ends; None: nobody would
 
 
@@ -156,5 +158,6 @@ def _telemetry(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder
         changed=lambda name, value: runner.order(Set(name, value)),
         recorder=recorder,
         health=ears.health,
+        computer=parts.computer,
         timebase=parts.timebase,
     )

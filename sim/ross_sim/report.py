@@ -209,6 +209,7 @@ def _groups(story: Story, sources: Sequence[SourceEstimate], truth: Truth) -> li
             "accepted": quality.accepted,
             "si_sdr_db": _round(quality.si_sdr, 2),
             "si_sdri_db": _round(quality.si_sdri, 2),
+            "si_sdri_estimated_db": _round(group.si_sdri, 2),
             "separator": separated.method,
             "why": separated.why,
         }

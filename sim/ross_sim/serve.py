@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -23,6 +24,7 @@ from ross_payload.parameters import Parameters
 from ross_payload.recording.shelf import Shelf
 from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Observer
+from ross_payload.telemetry.computer import ComputerReader
 from ross_sim.casting import Company
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, far_end_of
@@ -64,6 +66,8 @@ def serve(
         far_end = far_end_of(scenario.payload)
         world = World(scenario, cast.talkers, far_end, SimClock(), scenario.payload.seed)
         parts = _parts(scenario, company, world, far_end=far_end, tape=tape, stack=stack)
+        if speed:  # somebody watches it live; else it is the same on every computer
+            parts = replace(parts, computer=ComputerReader(parts.shelf.folder))
         truth = stack.enter_context(TruthWriter(out, world.rate, len(cast.talkers)))
         observers: list[Observer] = [view, Following(world, truth), *([Pace(speed)] if speed else [])]
         with assembled(parts, tuple(observers)) as runner, on_signal(lambda: runner.order(Shutdown())):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -28,7 +28,7 @@ from ross_payload.recording import plain
 from ross_payload.recording.manifest import Beginning
 from ross_payload.recording.recorder import Recorder
 from ross_payload.service.assemble import informed_of, settings_of, tools_of
-from ross_payload.service.runner import Runner
+from ross_payload.service.runner import Observer, Runner
 from ross_payload.telemetry.service import Telemetry
 from ross_payload.timebase import Timebase
 from ross_sim.autopilot import board
@@ -36,6 +36,7 @@ from ross_sim.casting import Company
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, far_end_of
 from ross_sim.live import View
+from ross_sim.onlooker import Onlooker
 from ross_sim.outdir import OutDir
 from ross_sim.picture import draw
 from ross_sim.report import Story, Truth, report
@@ -45,6 +46,7 @@ from ross_sim.tape import taped
 from ross_sim.world import World
 
 POLL = 0.010  # [s] between two polls of drivers and links
+Looking = AbstractContextManager[list[Observer]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,8 +100,9 @@ def perform(
     speed: float | None,
     *,
     tape: Path | None = None,
+    page: Onlooker | None = None,
 ) -> Finished:
-    """Run one mission in lock-step, write its results, and record it in the folder ``tape``."""
+    """Run one mission in lock-step, write its results, record it in the folder ``tape``, and let ``page`` look on."""
     wall = SystemClock()
     started = wall.now()
     config = scenario.payload
@@ -117,9 +120,11 @@ def perform(
         clock.every(POLL, links.poll)
         recorder = stack.enter_context(taped(tape, _beginning(scenario, company, actuator), clock, links))
         runner = _runner(scenario, company, world, actuator, mount, recorder=recorder)
+        aside: Looking = nullcontext([]) if page is None else page.aboard(config, clock, actuator, runner.order)
+        looking = stack.enter_context(aside)  # before the telemetry, which then waits for nobody at its end
         tlog = out.staging / "mission.tlog" if out is not None else None
         telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
-        runner.observers = [collector, telemetry, view, *([Pace(speed)] if speed else [])]
+        runner.observers = [collector, telemetry, *looking, view, *([Pace(speed)] if speed else [])]
         runner.observers += [] if recorder is None else [recorder]
         ready = wall.now()
         with on_signal(lambda: runner.order(Stop())):

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+if TYPE_CHECKING:
+    from ross_sim.onlooker import Onlooker
+
+INTERRUPTED = 130
 EPILOG = """Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand.
 
 URLs are udpin:host:port, udpout:host:port, tcp:host:port or serial:device:baud."""
 
 
 def _speed(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
-    value = value or ("1" if context.params.get("serving") else "max")
+    value = value or ("1" if context.params.get("serving") else "4" if context.params.get("page") else "max")
     if value == "max":
         return None
     try:
@@ -44,7 +48,8 @@ def _folder(context: click.Context, parameter: click.Parameter, value: str | Non
 @click.option("--target", help="Name of the talker to look for, or of an enrolled voice.")
 @click.option("--telemetry", "urls", multiple=True, help="URL to send MAVLink to; may be given more than once.")
 @click.option("--serve", "serving", is_flag=True, is_eager=True, help="Obey orders from --telemetry until Ctrl-C.")
-@click.option("--speed", callback=_speed, help="max, or times real time; default: max, with --serve 1.")
+@click.option("--page", is_flag=True, is_eager=True, help="Serve the ground's page until Ctrl-C.")
+@click.option("--speed", callback=_speed, help="max, or times real time; default: max, with --page 4, with --serve 1.")
 @click.option("--out", callback=_folder, help="Folder for report, audio, picture and logs.")
 @click.option("--record", callback=_folder, help="Folder to record a session in, for `ross replay`.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON, and nothing else.")
@@ -55,10 +60,33 @@ def command(
     speed: float | None,
     record: Path | None,
     serving: bool,
+    page: bool,
     as_json: bool,
     **changes: Any,
 ) -> int:
     """Run the whole mission in a simulated room, with the real drivers on simulated wires."""
+    from contextlib import nullcontext
+
+    from ross_sim.onlooker import onlooker
+
+    with onlooker(out) if page else nullcontext() as looking:
+        if looking is not None:
+            click.echo(f"the page: {looking.url}", err=as_json)
+        return _run(scenario, changes, looking, out=out, speed=speed, tape=record, serving=serving, as_json=as_json)
+
+
+def _run(
+    scenario: str,
+    changes: dict[str, Any],
+    looking: Onlooker | None,
+    *,
+    out: Path | None,
+    speed: float | None,
+    tape: Path | None,
+    serving: bool,
+    as_json: bool,
+) -> int:
+    """Perform or serve what is wanted, and return the exit code."""
     from contextlib import nullcontext
 
     from ross_sim.casting import company_of, directed
@@ -68,6 +96,8 @@ def command(
     from ross_sim.session import expected, perform
     from ross_sim.summary import show
 
+    if serving and looking is not None:
+        changes["urls"] = (*changes["urls"], looking.link)
     chosen = directed(scenario, changes)
     with OutDir(out) if out is not None else nullcontext() as folder:
         with waiting(as_json, f"{chosen.title}: preparing the voices"):
@@ -75,10 +105,13 @@ def command(
         view = view_of(as_json, expected(chosen))
         try:
             if serving:
-                serve(chosen, company, view, out=folder, speed=speed, tape=record)
+                serve(chosen, company, view, out=folder, speed=speed, tape=tape)
                 return 0
-            finished = perform(chosen, company, view, folder, speed, tape=record)
+            finished = perform(chosen, company, view, folder, speed, tape=tape, page=looking)
         finally:
             view.close()
     show(finished, out, as_json)
-    return int(finished.result.outcome)
+    outcome = int(finished.result.outcome)
+    if looking is not None and (outcome != INTERRUPTED or looking.stopped):
+        looking.linger(out is not None, aside=as_json)
+    return outcome

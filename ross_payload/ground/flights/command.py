@@ -1,0 +1,84 @@
+"""``ross tlog``: a flight as a table, a picture, or a file for other tools."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ross_payload.ground.errors import GroundError
+
+if TYPE_CHECKING:
+    from ross_payload.ground.picture.known import Who
+
+EPILOG = "Exit codes: 0 done, 2 bad input or an output that cannot be written."
+
+
+class _Ending(click.Path):
+    """A path with one of some endings: nothing else is replaced by mistake."""
+
+    def __init__(self, *endings: str) -> None:
+        super().__init__(path_type=Path, dir_okay=False)
+        self._endings = endings
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # type: ignore[override]
+        """Return the path."""
+        path = Path(str(super().convert(value, param, ctx)))
+        if path.suffix.lower() not in self._endings:
+            self.fail(f"{path} found, a name that ends with {' or '.join(self._endings)} wanted", param, ctx)
+        return path
+
+
+class _WhoType(click.ParamType["Who"]):
+    name = "system-component"
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> Who:
+        """Return whom 1-191 means."""
+        from ross_payload.ground.picture.known import Who
+
+        try:
+            return Who.parse(value)
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+
+
+@click.command("tlog", short_help="Look at a flight: a telemetry log or a session folder.", epilog=EPILOG)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--payload", type=_WhoType(), help="Of this one only, as in 1-191.")
+@click.option("--picture", type=_Ending(".png", ".svg"), help="Draw the flight here.")
+@click.option("--mcap", type=_Ending(".mcap"), help="Write the flight here for Foxglove and other MCAP readers.")
+@click.option("--json", "as_json", is_flag=True, help="For machines.")
+def command(*, file: Path, payload: Who | None, picture: Path | None, mcap: Path | None, as_json: bool) -> None:
+    """Tell what a telemetry log (.tlog of RoSS, Mission Planner, QGroundControl or MAVProxy) or a session folder holds.
+
+    What is written replaces an earlier file of that name, when it is complete.
+    """
+    import json
+
+    from rich.console import Console
+
+    from ross_payload.ground.flights.reading import open_flight
+    from ross_payload.ground.flights.summary import Told, chosen, summary
+    from ross_payload.ground.flights.table import show
+
+    flight = open_flight(file)
+    told = Told(flight, chosen(flight, payload))
+    if picture is not None:
+        _needing("sim", "--picture", "picture").draw(told, picture)
+    if mcap is not None:
+        _needing("mcap", "--mcap", "mcap").export(flight, told.payloads, mcap)
+    if as_json:
+        click.echo(json.dumps(summary(told), indent=2, allow_nan=False))
+    else:
+        show(summary(told), Console())
+
+
+def _needing(extra: str, option: str, name: str) -> Any:
+    """Return a module of this room that needs an extra."""
+    from importlib import import_module
+
+    try:
+        return import_module(f"ross_payload.ground.flights.{name}")
+    except ImportError as error:
+        raise GroundError(f"{option} needs the extra '{extra}': pip install 'ross-payload[{extra}]'") from error

@@ -1,0 +1,148 @@
+"""A flight as an MCAP file: Foxglove's standard messages, and our own as JSON. Nothing is sent anywhere."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, BinaryIO, cast
+
+from foxglove import Channel, Context, Schema, open_mcap
+from foxglove.channels import (
+    FrameTransformChannel,
+    LocationFixChannel,
+    LogChannel,
+    PoseInFrameChannel,
+    SceneUpdateChannel,
+)
+from foxglove.mcap import MCAPWriteOptions
+from foxglove.messages import Log, LogLevel, Timestamp
+
+from ross_payload.ground.flights import scene
+from ross_payload.ground.flights.output import whole
+from ross_payload.ground.flights.playback import worth_hearing
+from ross_payload.ground.flights.reading import Flight
+from ross_payload.ground.flights.schemas import OUR_LAYOUTS, as_json, schema
+from ross_payload.ground.picture.fleet import Fleet
+from ross_payload.ground.picture.known import Payload, Said, Who
+from ross_protocols.codec import Packet
+from ross_protocols.tunnel import unwrap
+
+LEVELS = {2: LogLevel.Fatal, 3: LogLevel.Error, 4: LogLevel.Warning, 7: LogLevel.Debug}  # by MAV_SEVERITY
+
+
+def export(flight: Flight, payloads: tuple[Who, ...], path: Path) -> None:
+    """Write a flight as MCAP; the same bytes for the same flight.
+
+    Times are UNIX time, or count from the first frame when the log does not know it.
+
+    Raises
+    ------
+    GroundError
+        When the file cannot be written.
+    """
+    context = Context()
+    options = MCAPWriteOptions(profile="", compression_threads=0, disable_seeking=True)
+    about = {"flight": flight.name, "time": "since the first frame" if flight.start is None else "UNIX"}
+    with whole(path) as aside, aside.open("wb") as raw:
+        file = _File(raw)
+        with open_mcap(cast(BinaryIO, file), context=context, writer_options=options) as writer:
+            writer.write_metadata("ross", about)
+            said = _Export(flight, payloads, context)
+            for at, packet in flight.packets(worth_hearing(flight, payloads)):
+                said.hear(packet, at)
+        file.check()
+
+
+class _File:
+    """A file whose first error waits until `check`: the library would print one for every message."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._error: OSError | None = None
+        self._size = 0
+
+    def write(self, data: bytes) -> int:
+        """Take all of it."""
+        try:
+            if self._error is None:
+                self._file.write(data)
+        except OSError as error:
+            self._error = error
+        self._size += len(data)
+        return len(data)
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        """Stay at the end: the library only asks where that is."""
+        return self._size
+
+    def flush(self) -> None:
+        """Leave that to `check`."""
+
+    def check(self) -> None:
+        """Raise what went wrong, if anything did."""
+        if self._error is not None:
+            raise self._error
+        self._file.flush()
+
+
+class _Export:
+    """Says what is new after every packet, on a channel for each kind of thing."""
+
+    def __init__(self, flight: Flight, payloads: tuple[Who, ...], context: Context) -> None:
+        self._start = flight.start or 0.0
+        self._payloads = payloads
+        self._context = context
+        self._channels: dict[str, Any] = {}
+        self._fleet = Fleet()
+
+    def hear(self, packet: Packet, at: float) -> None:
+        """Take a packet that came ``at`` a time [s] since the first."""
+        who = Who(packet.system_id, packet.component_id)
+        now = round((self._start + at) * 1e6) * 1000
+        before, place = self._fleet.payloads.get(who), self._fleet.vehicles.get(packet.system_id)
+        self._fleet.hear(packet, at)
+        after, there = self._fleet.payloads.get(who), self._fleet.vehicles.get(packet.system_id)
+        if there is not None and there is not place:
+            fix = scene.location(there.system, there.position, _stamp(now))
+            self._say(LocationFixChannel, f"/vehicle-{there.system}/location", fix, now)
+        if after is not None and who in self._payloads:
+            self._wire(who, packet, now)
+            self._news(before, after, now)
+
+    def _wire(self, who: Who, packet: Packet, now: int) -> None:
+        told = unwrap(packet.message) if packet.name == "TUNNEL" else packet
+        if told is None or told.name not in OUR_LAYOUTS:
+            return
+        topic = f"/{who}/{told.name}"
+        if topic not in self._channels:
+            about = Schema(name=told.name, encoding="jsonschema", data=json.dumps(schema(told.name)).encode())
+            self._channels[topic] = Channel(topic, schema=about, message_encoding="json", context=self._context)
+        text = json.dumps(as_json(told.name, told.message), allow_nan=False)
+        self._channels[topic].log(text, log_time=now)
+
+    def _news(self, before: Payload | None, after: Payload, now: int) -> None:
+        who, stamp = after.who, _stamp(now)
+        if after.status is not None and (before is None or before.status is not after.status):
+            for transform in scene.transforms(who, after.status, stamp):
+                self._say(FrameTransformChannel, "/tf", transform, now)
+            pose = scene.heading(who, after.status, stamp)
+            if pose is not None:
+                self._say(PoseInFrameChannel, f"/{who}/heading", pose, now)
+        if after.sources != (before.sources if before else ()):
+            self._say(SceneUpdateChannel, f"/{who}/scene", scene.sources(after, stamp), now)
+        if after.texts and (before is None or not before.texts or before.texts[-1] is not after.texts[-1]):
+            self._say(LogChannel, f"/{who}/log", _log(who, after.texts[-1], stamp), now)
+
+    def _say(self, kind: Any, topic: str, message: Any, now: int) -> None:
+        if topic not in self._channels:
+            self._channels[topic] = kind(topic, context=self._context)
+        self._channels[topic].log(message, log_time=now)
+
+
+def _log(who: Who, said: Said, at: Timestamp) -> Log:
+    level = LEVELS.get(said.severity, LogLevel.Info if said.severity > 2 else LogLevel.Fatal)
+    return Log(timestamp=at, level=level, message=said.text, name=str(who), file="", line=0)
+
+
+def _stamp(nanoseconds: int) -> Timestamp:
+    return Timestamp(sec=nanoseconds // 10**9, nsec=nanoseconds % 10**9)

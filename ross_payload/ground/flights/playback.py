@@ -1,0 +1,93 @@
+"""Playing a flight: the fleet as it was known at any moment."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ross_payload.ground.flights.reading import Flight
+from ross_payload.ground.picture.fleet import Fleet
+from ross_payload.ground.picture.known import Who
+from ross_protocols.dialect import common
+
+SPACING = 500  # frames at least between two moments that are remembered: about 40 ms of work
+MOST_KEPT = 2000  # moments that are remembered
+SLOWEST, FASTEST = 1.0, 64.0
+POSITION = common.MAVLINK_MSG_ID_GLOBAL_POSITION_INT
+
+
+class Playback:
+    """The fleet at one moment of a flight; the same whether that moment was played or sought.
+
+    What was read once is found again after hearing `SPACING` frames at most, unless the log is huge. `prepare` reads
+    ahead in small portions: seeking before ``ready`` [s] is quick, seeking beyond it reads all that lies between.
+    """
+
+    def __init__(self, flight: Flight) -> None:
+        self.flight = flight
+        self.fleet = Fleet()
+        self.at = 0.0  # since the first frame [s]
+        self.playing = False
+        self._speed = 1.0
+        self._which = worth_hearing(flight, flight.payloads)
+        self._times = flight.at[self._which]
+        self._spacing = max(SPACING, len(self._which) // MOST_KEPT)
+        self._heard = 0  # frames of those that ``fleet`` knows
+        self._kept: list[Fleet] = [Fleet()]  # after every ``_spacing`` frames
+        self.seek(0.0)
+
+    @property
+    def speed(self) -> float:
+        """How many seconds of the flight go by in one."""
+        return self._speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._speed = min(max(SLOWEST, speed), FASTEST)
+
+    @property
+    def ready(self) -> float:
+        """Until when seeking is quick [s]."""
+        known = len(self._kept) * self._spacing
+        return self.flight.duration if known >= len(self._times) else float(self._times[known])
+
+    def seek(self, at: float) -> None:
+        """Go to a time [s]; all frames until then, and of then, are heard."""
+        self.at = min(max(0.0, at), self.flight.duration)
+        wanted = int(np.searchsorted(self._times, self.at, side="right"))
+        near = min(wanted // self._spacing, len(self._kept) - 1)
+        if wanted < self._heard or near * self._spacing > self._heard:
+            self.fleet, self._heard = self._kept[near].copy(), near * self._spacing
+        self._heard = self._hear(self.fleet, self._heard, wanted)
+
+    def advance(self, duration: float) -> None:
+        """Go on by a duration [s] of whoever watches, when playing; stop at the end."""
+        if not self.playing:
+            return
+        self.seek(self.at + duration * self.speed)
+        self.playing = self.at < self.flight.duration
+
+    def prepare(self) -> float:
+        """Read some frames ahead of all that was read; return which share of the flight is quick to seek in."""
+        known = (len(self._kept) - 1) * self._spacing
+        if known + self._spacing < len(self._times):
+            self._hear(self._kept[-1].copy(), known, known + self._spacing)
+        return min(len(self._kept) * self._spacing / max(len(self._times), 1), 1.0)
+
+    def _hear(self, fleet: Fleet, heard: int, wanted: int) -> int:
+        """Let a fleet that knows ``heard`` frames hear more, and remember it on the way; return how many it knows."""
+        while heard < wanted:
+            until = min(wanted, (heard // self._spacing + 1) * self._spacing)
+            for at, packet in self.flight.packets(self._which[heard:until]):
+                fleet.hear(packet, at)
+            heard = until
+            if heard == len(self._kept) * self._spacing:
+                self._kept.append(fleet.copy())
+        return heard
+
+
+def worth_hearing(flight: Flight, payloads: tuple[Who, ...]) -> NDArray[np.int64]:
+    """Return the numbers of the frames that change what is known of payloads, and of where vehicles are."""
+    senders = [256 * who.system + who.component for who in payloads]
+    index = flight.index
+    return np.flatnonzero(np.isin(index.sender, senders) | (index.message == POSITION))

@@ -1,0 +1,199 @@
+"""Opening a flight: a telemetry log of anybody, or a session folder."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ross_payload.ground.errors import GroundError
+from ross_payload.ground.flights.marks import Mark, marks_of
+from ross_payload.ground.flights.scan import Damage, Index, scan
+from ross_payload.ground.flights.tape import WANTED, Tape
+from ross_payload.ground.flights.times import seconds_of
+from ross_payload.ground.picture.known import Who
+from ross_protocols.codec import Decoder, Packet
+from ross_protocols.dialect import MESSAGES, common
+from ross_protocols.tunnel import OURS
+
+LOGS = ("telemetry.tlog", "mission.tlog")  # of a session folder, of the results of a simulation
+MANIFEST = 1 << 16  # [bytes] that a session.json has at most
+MIRRORS = (common.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, common.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY)
+SAMPLE = 500  # mirrors that are looked at to know a payload without our dialect
+MOST_NAMES = 6  # that a note lists
+AUTOPILOT = 1  # component id
+OUR_IDS = [number for number, message in MESSAGES.items() if message.msgname.startswith(OURS)]
+LOOKS = (
+    (b"\xa3\x95", "an ArduPilot flight log (.bin)"),
+    (b"ULog", "a PX4 flight log (.ulg)"),
+    (b"\x89MCAP", "an MCAP file"),
+    (b"\xd4\xc3\xb2\xa1", "a network capture"),
+    (b"\n\r\r\n", "a network capture"),
+)  # by how a file begins
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """A log that was opened: what is in it, and where. Times are seconds since its first frame."""
+
+    name: str
+    path: Path
+    start: float | None  # UNIX time of its first frame [s]; None: the log does not know
+    duration: float  # [s]
+    payloads: tuple[Who, ...]
+    notes: tuple[str, ...]  # what is odd about it, in words
+    marks: tuple[Mark, ...]  # state changes and texts, in order
+    index: Index
+    at: NDArray[np.float64]  # of every frame [s], never falling
+    tape: Tape
+
+    def packets(self, which: NDArray[np.int64]) -> Iterator[tuple[float, Packet]]:
+        """Yield times and packets of the frames with these numbers, in their order."""
+        yield from _packets(self.tape, self.index, self.at, which)
+
+
+def open_flight(path: Path) -> Flight:
+    """Open a telemetry log, or a folder with one.
+
+    Raises
+    ------
+    GroundError
+        When it is none, or cannot be read.
+    """
+    log = _find(path)
+    tape = Tape(log)
+    index, damage = scan(tape)
+    if not len(index):
+        raise GroundError(f"{log}: {_kind(tape)} found, {WANTED}")
+    at, start, steps = seconds_of(index.usec)
+    payloads = _payloads(tape, index, at)
+    manifest, odd = _manifest(log)
+    marks = marks_of(index, payloads, lambda which: _packets(tape, index, at, which))
+    notes = (*_damaged(damage), *_strange(index, payloads), *_clock(steps), *odd)
+    name = log.parent.resolve().name if log != path or log.name == LOGS[0] else log.name
+    started = start if start is not None else _unix(manifest.get("started"))
+    return Flight(name, log, started, float(at[-1]), payloads, notes, marks, index, at, tape)
+
+
+def who_of(sender: int) -> Who:
+    """Return whom a number of the index stands for.
+
+    >>> str(who_of(256 + 191))
+    '1-191'
+    """
+    return Who(sender >> 8, sender & 255)
+
+
+def name_of(message: int) -> str:
+    """Return the name of a message, or its number when nobody here knows it."""
+    return str(MESSAGES[message].msgname) if message in MESSAGES else str(message)
+
+
+def _find(path: Path) -> Path:
+    """Return the log that is meant."""
+    try:
+        if not path.is_dir():
+            return path
+        log = next((path / name for name in LOGS if (path / name).exists()), None)
+    except OSError as error:
+        raise GroundError(f"{path}: cannot be read: {error.strerror}") from error
+    if log is None:
+        raise GroundError(f"{path}: a folder without {' or '.join(LOGS)} found, {WANTED}")
+    return log
+
+
+def _packets(
+    tape: Tape, index: Index, at: NDArray[np.float64], which: NDArray[np.int64]
+) -> Iterator[tuple[float, Packet]]:
+    decoder = Decoder()
+    columns = (index.start[which].tolist(), index.size[which].tolist(), at[which].tolist())
+    for start, size, time in zip(*columns, strict=True):
+        for packet in decoder.feed(tape.read(start, size)):
+            yield time, packet
+
+
+def _payloads(tape: Tape, index: Index, at: NDArray[np.float64]) -> tuple[Who, ...]:
+    """Who says something of our dialect, or a mirror of it."""
+    ours = set(np.unique(index.sender[np.isin(index.message, OUR_IDS)]).tolist())
+    mirrors = np.isin(index.message, MIRRORS) & ~np.isin(index.sender, list(ours))
+    for sender in np.unique(index.sender[mirrors]).tolist():
+        which = np.flatnonzero(mirrors & (index.sender == sender))[:SAMPLE]
+        said = (packet.message.name for _, packet in _packets(tape, index, at, which))
+        if any(name.startswith("ross_") for name in said):
+            ours.add(sender)
+    return tuple(who for who in map(who_of, sorted(ours)) if who.component != AUTOPILOT)
+
+
+def _kind(tape: Tape) -> str:
+    """Tell what a file seems to be that is no log."""
+    head = tape.read(0, 1 << 16)
+    if not tape.size:
+        return "an empty file"
+    if any(Decoder().feed(head[:4096])):
+        return "MAVLink without times (a .raw file)"
+    text = "a text" if head.isascii() and b"\0" not in head else "no frame of MAVLink"
+    return next((words for begin, words in LOOKS if head.startswith(begin)), text)
+
+
+def _manifest(log: Path) -> tuple[dict[str, Any], list[str]]:
+    """Read what a session folder says of itself, and what is odd about it."""
+    path = log.parent / "session.json"
+    if log.name != LOGS[0] or not path.exists():
+        return {}, []
+    try:
+        tape = Tape(path)
+        manifest = json.loads(tape.read(0, MANIFEST))
+    except (GroundError, ValueError, RecursionError):
+        return {}, ["session.json cannot be read"]
+    if not isinstance(manifest, dict):
+        return {}, ["session.json is no session's"]
+    return manifest, ["the session was cut off"] if manifest.get("end") is None else []
+
+
+def _unix(started: Any) -> float | None:
+    try:
+        began = datetime.fromisoformat(str(started))
+        return (began if began.tzinfo else began.replace(tzinfo=UTC)).timestamp()
+    except (ValueError, OverflowError, OSError):
+        return None
+
+
+def _damaged(damage: Damage) -> list[str]:
+    notes = []
+    if damage.skipped:
+        places = "1 place" if damage.holes == 1 else f"{damage.holes} places"
+        notes.append(f"{damage.skipped} bytes in {places} are no frames and were skipped")
+    if damage.wrong:
+        words = f"{damage.wrong.total()} frames have a wrong checksum (damaged, or of another dialect)"
+        notes.append(f"{words}: {_listed(damage.wrong)}")
+    return [*notes, "the last frame is cut off"] if damage.cut else notes
+
+
+def _strange(index: Index, payloads: tuple[Who, ...]) -> list[str]:
+    """Tell of messages that nobody here knows, and of a log that is somebody else's."""
+    numbers, counts = np.unique(index.message, return_counts=True)
+    found = Counter(dict(zip(numbers.tolist(), counts.tolist(), strict=True)))
+    unknown = Counter({number: count for number, count in found.items() if number not in MESSAGES})
+    notes = [f"messages of another dialect: {_listed(unknown)}"] if unknown else []
+    if payloads:
+        return notes
+    systems = sorted({sender >> 8 for sender in np.unique(index.sender).tolist()})
+    whose = f"system{'s' if len(systems) > 1 else ''} {', '.join(map(str, systems[:MOST_NAMES]))}"
+    return [f"nothing of ours: this is a log of {whose}: {_listed(found)}", *notes]
+
+
+def _listed(found: Counter[int]) -> str:
+    most = [f"{name_of(number)} x {count}" for number, count in found.most_common(MOST_NAMES)]
+    return ", ".join(most + ["..."] * (len(found) > MOST_NAMES))
+
+
+def _clock(steps: int) -> list[str]:
+    times = "once" if steps == 1 else f"{steps} times"
+    return [f"the clock of the log jumped {times}: the jumps are left out"] if steps else []

@@ -1,0 +1,1 @@
+"""The picture of a payload in a terminal, as text lines, or as JSON lines."""

@@ -1,0 +1,43 @@
+"""``ross monitor``: a payload in a terminal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+DEFAULT_URL = "udpin:127.0.0.1:14550"
+SYSTEM_ID = click.IntRange(1, 255)
+EPILOG = "Exit codes: 0 ended by hand, or one look was taken; 2 bad input, or nothing was heard."
+
+
+@click.command("monitor", short_help="Watch and command a payload in a terminal.", epilog=EPILOG)
+@click.argument("urls", metavar="[URL]...", nargs=-1)
+@click.option("--payload", metavar="ID", help="Such as 1-191; default: the first one that is heard.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object per change; with --once one picture.")
+@click.option("--once", is_flag=True, help="Print the picture once and end.")
+@click.option("--wait", type=click.FloatRange(0.1), default=10.0, show_default=True, help="Of --once, for a word [s].")
+@click.option("--mavlink-key", type=click.Path(path_type=Path), help="File with the key that signs, as of the payload.")
+@click.option("--system-id", type=SYSTEM_ID, default=253, show_default=True, help="Ours; another program has another.")
+def command(
+    *,
+    urls: tuple[str, ...],
+    payload: str | None,
+    as_json: bool,
+    once: bool,
+    wait: float,
+    mavlink_key: Path | None,
+    system_id: int,
+) -> None:
+    """Watch what is heard at each URL (default: udpin:127.0.0.1:14550), until Ctrl-C.
+
+    On a terminal it draws a picture and obeys keys; elsewhere it prints one line per change.
+    """
+    from ross_payload.ground.monitor.running import Wanted, run
+    from ross_payload.ground.picture.known import Who
+
+    try:
+        who = None if payload is None else Who.parse(payload)
+    except ValueError as error:
+        raise click.UsageError(f"--payload: {error}") from error
+    run(Wanted(urls or (DEFAULT_URL,), who, as_json, once, wait, mavlink_key, system_id))

@@ -1,0 +1,149 @@
+/**
+ * The socket to the ground process, and the store that its messages fill.
+ *
+ * The store is a plain frozen-in-spirit object: `take` returns a new one, so a view can never change what is known.
+ */
+
+const FIRST_RETRY = 200; // [ms]
+const LONGEST_RETRY = 2000; // [ms]
+const MOST_REFUSALS = 5;
+const RATE_SPAN = 5; // [s] over which rates are taken
+
+/**
+ * @typedef {object} Told  A payload as it was told: live, or of a recording.
+ * @property {string} id
+ * @property {number} now  the teller's clock [s]
+ * @property {number} got  when it came, `performance.now()` [ms]
+ * @property {?number} heard  when its newest message came to the ground process, UNIX time [ms]
+ * @property {Object<string, any>} sections
+ * @property {{now: number, frames: number, bytes: number, lost: number}[]} counts  of the last seconds, oldest first
+ */
+
+/** Return a store that knows nothing. */
+export function blank() {
+  return {
+    you: null,
+    version: "",
+    mode: "live",
+    mayOrder: false,
+    fleet: null,
+    fleetGot: 0,
+    control: { holder: null, name: null, yours: false },
+    payload: /** @type {?Told} */ (null),
+    flights: null,
+    slots: { a: null, b: null }, // {flight, got, payload}
+    refusals: [], // newest first: {what, reason, got}
+  };
+}
+
+/** Return the store after a message that came at `got` [ms]. Unknown types change nothing: the server may be newer. */
+export function take(store, message, got) {
+  const taker = Object.hasOwn(TAKERS, message.type) ? TAKERS[message.type] : null;
+  return taker ? taker(store, message, got) : store;
+}
+
+const TAKERS = {
+  hello: (store, { you, version, mode, may_order: mayOrder }) => ({
+    ...store,
+    you,
+    version,
+    mode: mode ?? "live",
+    mayOrder: mayOrder ?? true,
+    payload: null,
+  }),
+  fleet: (store, message, got) => ({ ...store, fleet: message, fleetGot: got }),
+  control: (store, { holder, name, yours }) => ({ ...store, control: { holder, name, yours } }),
+  refused: (store, { what, reason }, got) => ({
+    ...store,
+    refusals: [{ what, reason, got }, ...store.refusals].slice(0, MOST_REFUSALS),
+  }),
+  flights: (store, { known }) => ({ ...store, flights: known }),
+  flight: (store, message, got) => inSlot(store, message.slot, (slot) => flown(slot, message, got)),
+  payload: (store, message, got) =>
+    message.slot
+      ? inSlot(store, message.slot, (slot) => ({ ...slot, payload: told(slot?.payload, message, got) }))
+      : { ...store, payload: told(store.payload, message, got) },
+};
+
+function inSlot(store, slot, change) {
+  if (slot !== "a" && slot !== "b") return store;
+  return { ...store, slots: { ...store.slots, [slot]: change(store.slots[slot]) } };
+}
+
+/** A flight as it goes on; another flight in its place begins with nothing. */
+const flown = (slot, flight, got) =>
+  slot?.flight && slot.flight.name !== flight.name ? { flight, got, payload: null } : { ...slot, flight, got };
+
+/** Merge a payload's changed sections into those that are known of it. @returns {Told} */
+function told(before, message, got) {
+  const same = before?.id === message.id ? before : null;
+  const sections = { ...same?.sections, ...message.sections };
+  return {
+    id: message.id,
+    now: message.now,
+    got,
+    heard: message.heard ?? null,
+    sections,
+    counts: counted(same?.counts ?? [], message.now, sections.health?.reception),
+  };
+}
+
+function counted(counts, now, reception) {
+  if (!reception) return counts;
+  const kept = counts.filter((each) => each.now <= now && now - each.now < RATE_SPAN);
+  return [...kept, { now, frames: reception.frames, bytes: reception.bytes, lost: reception.lost }];
+}
+
+/** Return the store without the watched payload, when another one is to be watched. */
+export const unwatched = (store) => ({ ...store, payload: null });
+
+/** Return the store with one slot emptied. */
+export const closed = (store, slot) => ({ ...store, slots: { ...store.slots, [slot]: null } });
+
+/**
+ * Keep a socket open: it is opened again within two seconds, for as long as the page is there.
+ *
+ * @param {() => string} address  of the socket, asked for before every attempt
+ * @param {{message: (message: object) => void, up: () => void, down: () => void}} on
+ * @returns {{send: (message: object) => boolean}} `send` says whether the message left
+ */
+export function connect(address, on) {
+  let socket = null;
+  let wait = FIRST_RETRY;
+  const open = () => {
+    socket = new WebSocket(address());
+    socket.addEventListener("open", () => {
+      wait = FIRST_RETRY;
+      on.up();
+    });
+    socket.addEventListener("message", (event) => receive(event.data, on.message));
+    socket.addEventListener("close", () => {
+      on.down();
+      setTimeout(open, wait);
+      wait = Math.min(wait * 2, LONGEST_RETRY);
+    });
+  };
+  open();
+  return {
+    send(message) {
+      if (socket?.readyState !== WebSocket.OPEN) return false;
+      socket.send(JSON.stringify(message));
+      return true;
+    },
+  };
+}
+
+function receive(data, call) {
+  let message = null;
+  try {
+    message = JSON.parse(data);
+  } catch {
+    return; // a broken message is as good as a lost one: the next one tells it again
+  }
+  if (message && typeof message === "object") call(message);
+}
+
+/** Return the address of the socket beside this page; `you` is who this browser was, to go on as the same one. */
+export function liveAddress({ protocol, host }, you) {
+  return `${protocol === "https:" ? "wss" : "ws"}://${host}/live${you ? `?you=${you}` : ""}`;
+}

@@ -1,0 +1,49 @@
+/** The mission strip: what the mission does and has reached, in numbers that a glance takes in. */
+
+import { html } from "../lit.js";
+import { DASH, decibels, duration, known, number } from "../words.js";
+
+export function missionFacts({ mission = {}, standing = {}, pointing = {} }) {
+  const facts = [
+    ["Rotation", rotation(mission), null],
+    ["Elapsed", ...elapsed(mission, standing)],
+    ["K", number(mission.k), mission.certain ? "sources, certain" : "sources, so far"],
+    [
+      "Score",
+      number(mission.score, 2),
+      known(mission.criterion) ? `criterion ${number(mission.criterion, 2)}` : "no voice compared",
+    ],
+    ["SI-SDR, estimated", decibels(mission.si_sdr), known(mission.si_sdr) ? improvement(mission) : "no separation yet"],
+    ["Predicted gain", decibels(mission.gain), known(mission.gain) ? "of the chosen heading" : "no heading chosen yet"],
+    ["Heading", number(pointing.heading, 0, "°"), goal(pointing)],
+    ["Target", target(mission), mission.target_found ? "sounds like the voice" : "voice not found yet"],
+  ];
+  return html`<section class="card mission" aria-label="Mission">
+    <h2>Mission</h2>
+    <p class="soft">${standing.state_meaning ?? ""}</p>
+    <dl class="facts">${facts.map(fact)}</dl>
+  </section>`;
+}
+
+const fact = ([name, value, remark]) =>
+  html`<div>
+    <dt>${name}</dt>
+    <dd>${value}</dd>
+    <dd class="soft">${remark ?? ""}</dd>
+  </div>`;
+
+function rotation({ rotation: step, rotation_max: most }) {
+  if (!known(step)) return DASH;
+  return known(most) ? `${step} of ${most}` : `${step}`;
+}
+
+function elapsed({ elapsed: time, expected }, { state }) {
+  if (!known(time)) return [DASH, state === "idle" ? "no mission yet" : "its beginning was not heard"];
+  return [duration(time), known(expected) ? `of about ${duration(expected)}` : "expected: needs the parameters"];
+}
+
+const improvement = (mission) =>
+  known(mission.si_sdri) ? `${number(mission.si_sdri, 1, " dB")} better than the mixture` : "";
+const goal = ({ goal: to, settled }) =>
+  known(to) && !settled ? `turns to ${number(to, 0, "°")}` : settled ? "settled" : "";
+const target = ({ target: source }) => (known(source) ? `source ${source}` : DASH);

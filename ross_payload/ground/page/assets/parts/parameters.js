@@ -1,0 +1,152 @@
+/** Every parameter with what it means and its bounds; a value is checked here before it is sent. */
+
+import { html, live, nothing, repeat } from "../lit.js";
+import { known } from "../words.js";
+
+const STATES = { known: "", sending: "sending", set: "set", refused: "refused", no_answer: "no answer" };
+
+export function parameters(page, told) {
+  const rows = told.sections.parameters ?? [];
+  const { filter } = page.ui;
+  const shown = rows.filter((each) => fits(each, filter));
+  return html`<details
+    class="card wide parameters"
+    @toggle=${(event) => page.change({ parametersOpen: event.target.open })}
+  >
+    <summary>
+      <h2>Parameters</h2>
+      <span class="soft">${rows.length ? `${rows.length} known` : "not heard yet"}</span>
+    </summary>
+    ${
+      page.ui.parametersOpen
+        ? html` <div class="entry">
+              <label for="filter">Show those with</label>
+              <input
+                id="filter"
+                type="search"
+                .value=${live(filter)}
+                @input=${(event) => page.change({ filter: event.target.value })}
+              />
+              <button
+                type="button"
+                ?disabled=${!page.socket.up}
+                @click=${() => page.send({ type: "refresh", id: told.id })}
+              >
+                Ask again
+              </button>
+            </div>
+            ${
+              rows.length && !rows.some((each) => each.description)
+                ? html`<p class="soft">
+                    The payload gave no descriptions (component metadata): names and values only, without bounds.
+                  </p>`
+                : nothing
+            }
+            ${rows.length ? table(page, told, shown, rows.length) : NONE}`
+        : nothing
+    }
+  </details>`;
+}
+
+const NONE = html`<p class="soft">The payload has told none yet; they are asked for.</p>`;
+
+const fits = ({ name, description }, filter) =>
+  `${name} ${description ?? ""}`.toLowerCase().includes(filter.trim().toLowerCase());
+
+function table(page, told, shown, total) {
+  return html`<p class="soft" role="status">
+      ${shown.length === total ? nothing : `${shown.length} of ${total} shown`}
+    </p>
+    <div class="scroll" tabindex="0" role="region" aria-label="Table of parameters">
+      <table class="stack">
+        <thead>
+          <tr>
+            <th scope="col">Parameter</th>
+            <th scope="col">Value</th>
+            <th scope="col">Bounds</th>
+            <th scope="col">Default</th>
+            <th scope="col">State</th>
+          </tr>
+        </thead>
+        <tbody>
+          ${repeat(
+            shown,
+            (each) => each.name,
+            (each) => row(page, told, each),
+          )}
+        </tbody>
+      </table>
+    </div>`;
+}
+
+function row(page, told, each) {
+  const draft = page.ui.drafts[each.name];
+  const flaw = draft === undefined ? null : wrong(each, draft);
+  const id = `p-${each.name}`;
+  return html`<tr data-state=${each.state}>
+    <th scope="row"><label for=${id}>${each.name}</label><span class="soft">${each.description ?? ""}</span></th>
+    <td data-name="Value">
+      <form class="value" @submit=${(event) => submit(page, told, each, event)}>
+        <input
+          id=${id}
+          inputmode="decimal"
+          autocomplete="off"
+          .value=${live(draft ?? plain(each.value))}
+          aria-invalid=${flaw !== null}
+          aria-describedby="${id}-state"
+          ?disabled=${page.handsTied !== null}
+          @input=${(event) => redraft(page, each, event.target.value)}
+        />
+        <span class="unit">${each.unit ?? ""}</span>
+        ${
+          draft === undefined
+            ? nothing
+            : html`<button type="submit" aria-disabled=${flaw !== null}>Set</button>
+                <button type="button" class="quiet" @click=${() => redraft(page, each, undefined)}>Undo</button>`
+        }
+      </form>
+    </td>
+    <td data-name="Bounds">${bounds(each)}</td>
+    <td data-name="Default">${known(each.default) ? plain(each.default) : "–"}</td>
+    <td
+      data-name="State"
+      id="${id}-state"
+      class=${flaw || each.state === "refused" || each.state === "no_answer" ? "bad" : ""}
+    >
+      ${flaw ?? [STATES[each.state] ?? each.state, each.reason].filter(Boolean).join(": ")}
+    </td>
+  </tr>`;
+}
+
+function redraft(page, each, text) {
+  const drafts = { ...page.ui.drafts };
+  if (text === undefined || text === plain(each.value)) delete drafts[each.name];
+  else drafts[each.name] = text;
+  page.change({ drafts });
+}
+
+function submit(page, told, each, event) {
+  event.preventDefault();
+  const draft = page.ui.drafts[each.name];
+  if (draft === undefined || wrong(each, draft) !== null) return;
+  page.send({ type: "set", id: told.id, name: each.name, value: Number(draft) });
+  redraft(page, each, undefined);
+}
+
+/** A float32 as people write it: 0.1, not 0.10000000149. */
+export const plain = (value) => (known(value) ? String(Number(value.toPrecision(7))) : "");
+
+/** What is wrong with a text as the value of a parameter; null: nothing. */
+export function wrong({ min, max, whole }, text) {
+  const value = text.trim() === "" ? NaN : Number(text);
+  if (!Number.isFinite(value)) return "a number is wanted";
+  if (whole && !Number.isInteger(value)) return "a whole number is wanted";
+  if (known(min) && value < min) return `at least ${plain(min)} is wanted`;
+  if (known(max) && value > max) return `at most ${plain(max)} is wanted`;
+  return null;
+}
+
+function bounds({ min, max }) {
+  if (known(min) && known(max)) return `${plain(min)} to ${plain(max)}`;
+  return known(min) ? `from ${plain(min)}` : known(max) ? `up to ${plain(max)}` : "none told";
+}

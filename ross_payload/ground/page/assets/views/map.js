@@ -1,0 +1,180 @@
+/** Where payloads stand and where their bearings cross: a grid in metres, drawn here, asked from nobody. */
+
+import { fitting, metres, zoomed } from "../geography.js";
+import { html, nothing } from "../lit.js";
+import { drawing } from "../parts/drawing.js";
+import { degrees, known, number } from "../words.js";
+
+const STEP = 60; // [px] that an arrow key moves
+const ZOOM = 1.4;
+
+export function mapView(page) {
+  const scene = sceneOf(page.store.fleet);
+  const look = page.ui.map ?? fitting(scene.points, page.ui.mapSize);
+  return html`<h1 tabindex="-1">Map</h1>
+    ${
+      scene.origin
+        ? frame(page, scene, look)
+        : html`<p class="opening">It is not known where any payload stands.</p>
+            <p>An autopilot on the link tells its position; else type it below.</p>`
+    }
+    ${scene.origin ? found(scene) : nothing} ${places(page, scene)}`;
+}
+
+/** Everything in metres about the first place; ghosts last. */
+function sceneOf(fleet) {
+  const places = Object.entries(fleet?.places ?? {}).filter(([, { lat, lon }]) => known(lat) && known(lon));
+  const origin = places.length ? places[0][1] : null;
+  const stands = places.map(([id, place]) => ({ id, place, at: metres(origin, place), ...payloadOf(fleet, id) }));
+  const crossed = origin ? (fleet.fixes ?? []).map((fix) => ({ ...fix, at: metres(origin, fix) })) : [];
+  const fixes = crossed.toSorted((one, other) => one.ghost - other.ghost);
+  const points = [...stands, ...fixes.filter((fix) => !fix.ghost)].map(({ at }) => at);
+  return { origin, stands, fixes, points };
+}
+
+function payloadOf(fleet, id) {
+  const payload = fleet.payloads.find((each) => each.id === id) ?? {};
+  return {
+    heading: payload.heading ?? null,
+    earth: payload.earth ?? false,
+    bearings: (fleet.bearings ?? []).filter((each) => each.id === id),
+  };
+}
+
+function frame(page, scene, look) {
+  const size = page.ui.mapSize;
+  const move = (to) => page.change({ map: to });
+  const button = (label, sign, to) =>
+    html`<button type="button" aria-label=${label} title=${label} @click=${() => move(to)}>${sign}</button>`;
+  return html`<div class="map-frame">
+    <div
+      class="map"
+      tabindex="0"
+      role="group"
+      aria-label="Map: arrows move it, plus and minus zoom, 0 shows all"
+      @keydown=${(event) => keyed(event, look, size, move)}
+      @wheel=${{ handleEvent: (event) => wheeled(event, look, size, move), passive: false }}
+      @pointermove=${(event) => dragged(event, look, move)}
+      @pointerdown=${(event) => grabbed(event)}
+    >
+      ${drawing(scene, look, size)}
+    </div>
+    <div class="map-buttons">
+      ${button("Zoom in", "+", zoomed(look, size, ZOOM))}${button("Zoom out", "−", zoomed(look, size, 1 / ZOOM))}
+      ${button("Show everything", "⤢", null)}
+    </div>
+  </div>`;
+}
+
+function keyed(event, look, size, move) {
+  const by = STEP / look.scale;
+  const looks = {
+    ArrowLeft: { ...look, x: look.x - by },
+    ArrowRight: { ...look, x: look.x + by },
+    ArrowUp: { ...look, y: look.y + by },
+    ArrowDown: { ...look, y: look.y - by },
+    "+": zoomed(look, size, ZOOM),
+    "=": zoomed(look, size, ZOOM),
+    "-": zoomed(look, size, 1 / ZOOM),
+    0: null,
+  };
+  if (!(event.key in looks) || event.ctrlKey || event.metaKey || event.altKey) return;
+  event.preventDefault();
+  move(looks[event.key]);
+}
+
+function wheeled(event, look, size, move) {
+  event.preventDefault();
+  const box = event.currentTarget.getBoundingClientRect();
+  move(zoomed(look, size, event.deltaY < 0 ? 1.15 : 1 / 1.15, [event.clientX - box.left, event.clientY - box.top]));
+}
+
+const grabbed = (event) => event.currentTarget.setPointerCapture(event.pointerId);
+
+function dragged(event, look, move) {
+  if (!event.buttons || !event.isPrimary) return;
+  move({ ...look, x: look.x - event.movementX / look.scale, y: look.y + event.movementY / look.scale });
+}
+
+/** The crossings as a table, for those who do not see the map. */
+function found({ fixes }) {
+  if (!fixes.length)
+    return html`<p class="soft">
+      No bearings cross: it takes two payloads that hear the same voice, with places and headings that are known.
+    </p>`;
+  return html`<section class="card">
+    <h2>Where bearings cross</h2>
+    <div class="scroll" tabindex="0" role="region" aria-label="Table of crossings">
+      <table class="crossings">
+        <thead>
+          <tr>
+            <th scope="col">Crossing</th>
+            <th scope="col">Position</th>
+            <th scope="col">Uncertain by</th>
+            <th scope="col">Heard by</th>
+          </tr>
+        </thead>
+        <tbody>
+          ${fixes.map(
+            (fix, index) =>
+              html`<tr>
+                <th scope="row">${nameOf(fix, index)}</th>
+                <td>${number(fix.lat, 6, "°")}, ${number(fix.lon, 6, "°")}</td>
+                <td>${number(spreadOf(fix), 1, " m")}</td>
+                <td>${fix.payloads.map((id, each) => `${id} source ${fix.sources[each]}`).join(", ")}</td>
+              </tr>`,
+          )}
+        </tbody>
+      </table>
+    </div>
+  </section>`;
+}
+
+const nameOf = (fix, index) => `${index + 1}${fix.ghost ? " (perhaps a ghost)" : ""}`;
+const spreadOf = ({ covariance: [[a], [, c]] }) => Math.sqrt(a + c);
+
+function places(page, { stands }) {
+  const payloads = page.store.fleet?.payloads ?? [];
+  if (!payloads.length) return html`<p class="soft">No payload is heard.</p>`;
+  return html`<section class="card">
+    <h2>Where payloads stand</h2>
+    <ul class="places">
+      ${stands.map(
+        ({ id, place }) =>
+          html`<li>
+            <strong>${id}</strong>
+            ${number(place.lat, 6, "°")},
+            ${number(place.lon, 6, "°")}${known(place.heading) ? html`, heading ${degrees(place.heading)}` : nothing}
+            <span class="soft">${place.from === "typed" ? "typed" : "from its autopilot"}</span>
+          </li>`,
+      )}
+    </ul>
+    ${placeForm(page, payloads)}
+  </section>`;
+}
+
+function placeForm(page, payloads) {
+  const field = (name, words, least, most, required) =>
+    html`<label
+      >${words}
+      <input name=${name} type="number" min=${least} max=${most} step="any" inputmode="decimal" ?required=${required}
+    /></label>`;
+  return html`<form class="place-form" @submit=${(event) => placed(page, event)}>
+    <label
+      >Payload
+      <select name="id" aria-label="Payload">
+        ${payloads.map((each) => html`<option>${each.id}</option>`)}
+      </select></label
+    >
+    ${field("lat", "Latitude, degrees north", -90, 90, true)}${field("lon", "Longitude, degrees east", -180, 180, true)}
+    ${field("heading", "Heading of its zero, degrees from north, if known", -360, 360, false)}
+    <button type="submit" ?disabled=${!page.socket.up}>Place it</button>
+  </form>`;
+}
+
+function placed(page, event) {
+  event.preventDefault();
+  const { id, lat, lon, heading } = event.target.elements;
+  const angle = Number.isNaN(heading.valueAsNumber) ? null : heading.valueAsNumber;
+  page.send({ type: "place", id: id.value, lat: lat.valueAsNumber, lon: lon.valueAsNumber, heading: angle });
+}

@@ -1,0 +1,53 @@
+"""The page beside a program that has no loop of its own, such as a simulation: on a thread."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from queue import SimpleQueue
+
+from ross_payload.ground.page.server import Served, serve
+from ross_payload.ground.page.shelf import Flights
+from ross_payload.ground.station import Station
+
+Started = tuple[Served, asyncio.AbstractEventLoop, asyncio.Event]
+
+
+@contextmanager
+def in_background(urls: Sequence[str], *, port: int = 0, flights: Path | None = None) -> Iterator[Served]:
+    """Serve the page on this computer with what is heard at the URLs, and with the past flights of a folder.
+
+    Raises
+    ------
+    GroundError
+        When a URL is none, or a port is in use.
+    """
+    told: SimpleQueue[Started | BaseException] = SimpleQueue()
+    thread = threading.Thread(target=_run, args=(told, urls, port, flights), name="page", daemon=True)
+    thread.start()
+    started = told.get()
+    if isinstance(started, BaseException):
+        thread.join()
+        raise started
+    served, loop, ended = started
+    try:
+        yield served
+    finally:
+        loop.call_soon_threadsafe(ended.set)
+        thread.join()
+
+
+def _run(told: SimpleQueue[Started | BaseException], urls: Sequence[str], port: int, flights: Path | None) -> None:
+    async def serving() -> None:
+        ended = asyncio.Event()
+        async with Station(urls) as station, serve(station, Flights(flights), port=port) as served:
+            told.put((served, asyncio.get_running_loop(), ended))
+            await ended.wait()
+
+    try:
+        asyncio.run(serving())
+    except BaseException as error:  # the caller's thread raises it
+        told.put(error)

@@ -1,0 +1,49 @@
+"""``ross ground``: the ground station's page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+DEFAULT_URL = "udpin:127.0.0.1:14550"
+PORT = 8765
+SYSTEM_ID = click.IntRange(1, 255)
+EPILOG = "Exit codes: 0 ended by hand, 2 bad input."
+
+
+@click.command("ground", short_help="A page to watch and command payloads.", epilog=EPILOG)
+@click.argument("urls", metavar="[URL]...", nargs=-1)
+@click.option("--port", type=click.IntRange(0, 65535), default=PORT, show_default=True, help="0: a free one.")
+@click.option("--host", default="127.0.0.1", show_default=True, help="Elsewhere than here a token is wanted.")
+@click.option("--token-file", type=click.Path(path_type=Path), help="File with the token, mode 0600; else one is made.")
+@click.option("--certificate", type=click.Path(path_type=Path), help="PEM file, for TLS.")
+@click.option("--key", type=click.Path(path_type=Path), help="PEM file with the certificate's private key.")
+@click.option("--mavlink-key", type=click.Path(path_type=Path), help="File with the key that signs, as of the payload.")
+@click.option("--system-id", type=SYSTEM_ID, default=254, show_default=True, help="Ours; another program has another.")
+@click.option("--log", type=click.Path(path_type=Path), help="Folder for a tlog of all that is heard.")
+@click.option("--flights", type=click.Path(path_type=Path), help="Folder of past flights (default: that of --log).")
+@click.option("--open", "open_page", is_flag=True, help="Open the page in a browser.")
+def command(
+    *,
+    urls: tuple[str, ...],
+    port: int,
+    host: str,
+    token_file: Path | None,
+    certificate: Path | None,
+    key: Path | None,
+    mavlink_key: Path | None,
+    system_id: int,
+    log: Path | None,
+    flights: Path | None,
+    open_page: bool,
+) -> None:
+    """Serve the page, with what is heard at each URL (default: udpin:127.0.0.1:14550), until Ctrl-C."""
+    try:
+        from ross_payload.ground.page.running import Wanted, run
+    except ModuleNotFoundError as error:
+        if error.name != "aiohttp":
+            raise
+        raise click.UsageError("the page needs aiohttp: pip install 'ross-payload[ground]'") from error
+    folder, listened = flights or log, urls or (DEFAULT_URL,)
+    run(Wanted(listened, port, host, token_file, certificate, key, mavlink_key, system_id, log, folder, open_page))

@@ -1,0 +1,163 @@
+"""What a browser may ask for, and what is answered when it may not."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from ross_payload.ground.clients.asking import Cancel, Stop, order_of
+from ross_payload.ground.clients.orders import Orders
+from ross_payload.ground.page.places import number, typed_place
+from ross_payload.ground.page.session import Session
+from ross_payload.ground.picture.known import Who
+
+Message = dict[str, Any]
+SLOTS = ("a", "b")
+LONGEST = 1e9  # [s] of a flight
+
+
+def hear(session: Session, text: str) -> None:
+    """Do what a browser asks for; what cannot be done is refused in words."""
+    what = "message"
+    try:
+        message = json.loads(text)
+        if not isinstance(message, dict):
+            raise ValueError(f"{text[:40]} found, an object with a type wanted")
+        what = _name(message)
+        kind = str(message.get("type"))[:40]
+        if kind not in REQUESTS:
+            raise ValueError(f"type {kind} found, one of {', '.join(REQUESTS)} wanted")
+        REQUESTS[kind](session, message)
+    except (ValueError, OverflowError, RecursionError) as error:
+        session.refuse(what, str(error))
+
+
+def _name(message: Message) -> str:
+    """Return what a refusal names: an order by its kind, all else by its type."""
+    order = message.get("order")
+    kind = order.get("kind") if isinstance(order, dict) else message.get("type")
+    return str(kind)[:40]
+
+
+def _order(session: Session, message: Message) -> None:
+    """Pass an order on; a stop is anybody's."""
+    wanted = message.get("order")
+    if not isinstance(wanted, dict):
+        raise ValueError(f"order {str(wanted)[:40]} found, an object with a kind wanted")
+    who, order, orders = _known(session, message), order_of(wanted), session.hub.hands.orders
+    by_number = isinstance(order, Cancel) and "number" in wanted
+    number = _number_of(orders, who, wanted["number"]) if by_number else 0
+    if not isinstance(order, Stop):
+        _hold(session)
+    if by_number:
+        orders.cancel(number)
+    else:
+        orders.order(who, order)
+    session.hub.tick()
+
+
+def _number_of(orders: Orders, who: Who, number: Any) -> int:
+    if not any(each.number == number and each.who == who for each in orders.doing):
+        raise ValueError(f"number {str(number)[:20]} found, that of an order to {who} wanted")
+    return int(number)
+
+
+def _set(session: Session, message: Message) -> None:
+    """Set a parameter; its own bounds are the payload's to judge."""
+    who, name, value = _known(session, message), message.get("name"), message.get("value")
+    settings = session.hub.hands.settings(who)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{str(name)[:40]}: {str(value)[:40]} found, a number wanted")
+    _hold(session)
+    settings.set(str(name), float(value))
+    session.hub.tick()
+
+
+def _refresh(session: Session, message: Message) -> None:
+    session.hub.hands.settings(_known(session, message)).refresh()
+    session.hub.tick()
+
+
+def _flight(session: Session, message: Message) -> None:
+    """Open, close or move a playback."""
+    name = message.get("slot")
+    if name not in SLOTS:
+        raise ValueError(f"slot {str(name)[:20]} found, one of {', '.join(SLOTS)} wanted")
+    if "open" in message:
+        session.open_flight(name, str(message["open"]))
+        return
+    slot = session.slots.get(name)
+    if slot is None:
+        raise ValueError(f"no flight is open in {name}")
+    if message.get("close") is True:
+        session.close_flight(name)
+    elif "seek" in message:
+        slot.wish(seek=number(message, "seek", 0, LONGEST))
+    elif "speed" in message:
+        slot.wish(speed=number(message, "speed", 1, 64))
+    elif "watch" in message:
+        slot.watch(Who.parse(str(message["watch"])))
+    elif isinstance(message.get("play"), bool):
+        slot.wish(play=message["play"])
+    else:
+        raise ValueError("nothing found, one of open, close, seek, play, speed, watch wanted")
+
+
+def _hold(session: Session) -> None:
+    """Take control when it is free.
+
+    Raises
+    ------
+    ValueError
+        When somebody else has it.
+    """
+    control = session.hub.control
+    if not control.may_order(session.id, session.name):
+        raise ValueError(f"{control.name} has control: take it first")
+
+
+def _watch(session: Session, message: Message) -> None:
+    session.watch(_who(message))
+
+
+def _unwatch(session: Session, message: Message) -> None:
+    session.watch(None)
+
+
+def _control(session: Session, message: Message) -> None:
+    if message.get("take") is True:
+        session.hub.control.take(session.id, session.name)
+    else:
+        session.hub.control.give_up(session.id)
+    session.hub.tick()
+
+
+def _place(session: Session, message: Message) -> None:
+    session.hub.places.typed[_known(session, message)] = typed_place(message)
+    session.hub.tick()
+
+
+def _who(message: Message) -> Who:
+    return Who.parse(str(message.get("id")))
+
+
+def _known(session: Session, message: Message) -> Who:
+    if not session.hub.live:
+        raise ValueError("a past flight takes no orders")
+    who = _who(message)
+    if who not in session.hub.station.fleet.payloads:
+        raise ValueError(f"payload {who} was not heard of")
+    return who
+
+
+REQUESTS: dict[str, Callable[[Session, Message], None]] = {
+    "order": _order,
+    "set": _set,
+    "refresh": _refresh,
+    "watch": _watch,
+    "unwatch": _unwatch,
+    "control": _control,
+    "place": _place,
+    "flight": _flight,
+}

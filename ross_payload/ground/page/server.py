@@ -1,0 +1,144 @@
+"""The web server of the page: from an address to a site that is served."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import socket
+import ssl
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+from aiohttp import web
+
+from ross_payload.ground.errors import GroundError
+from ross_payload.ground.page.browsers import Browsers
+from ross_payload.ground.page.faults import report
+from ross_payload.ground.page.hub import Hub, Silence
+from ross_payload.ground.page.security import Gate, is_loopback
+from ross_payload.ground.page.shelf import Flights
+from ross_payload.ground.page.site import application
+
+if TYPE_CHECKING:
+    from ross_payload.ground.station import Station
+
+TICK = 0.1  # [s]
+LOOK = 10.0  # [s] between two looks at the folder of flights
+SEND_BUFFER = 65536  # [bytes] of the system, per browser: what a slow one has not got must not be old
+TELLING = 0.3  # [s] for browsers to hear that the page ends
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """A page that is being served."""
+
+    url: str
+    hub: Hub
+
+
+@asynccontextmanager
+async def serve(
+    station: Station | None,
+    flights: Flights | None = None,
+    *,
+    host: str = "127.0.0.1",
+    port: int = 0,
+    token: str | None = None,
+    tls: ssl.SSLContext | None = None,
+) -> AsyncIterator[Served]:
+    """Serve the page; without a station it plays past flights only. Port 0: a free one.
+
+    Raises
+    ------
+    GroundError
+        When the port cannot be had, or others could reach the page without a token.
+    """
+    if token is None and not is_loopback(host):
+        raise GroundError(f"host {host}: others reach it, a token wanted")
+    with bound(host, port) as listener, flights or Flights(None) as shelf:
+        browsers = Browsers(Hub(station or Silence(), shelf))
+        async with _working(browsers), _site(browsers, Gate(token), is_loopback(host)) as runner:
+            await web.SockSite(runner, listener, ssl_context=tls).start()
+            yield Served(_url(host, listener.getsockname()[1], tls is not None), browsers.hub)
+
+
+@asynccontextmanager
+async def _site(browsers: Browsers, gate: Gate, loopback: bool) -> AsyncIterator[web.AppRunner]:
+    site = application(browsers, gate, loopback=loopback)
+    runner = web.AppRunner(site, access_log=None, shutdown_timeout=TELLING)
+    await runner.setup()
+    try:
+        yield runner
+    finally:
+        await runner.cleanup()
+
+
+@asynccontextmanager
+async def _working(browsers: Browsers) -> AsyncIterator[None]:
+    """Do what comes again and again, until the end."""
+    works = _every(TICK, partial(_tick, browsers)), _every(LOOK, browsers.look)
+    tasks = [asyncio.create_task(each) for each in works]
+    try:
+        yield
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        browsers.hub.close()
+
+
+def bound(host: str, port: int) -> socket.socket:
+    """Return a socket that is bound to an address.
+
+    Raises
+    ------
+    GroundError
+        When the address is not of this computer, or the port is taken.
+    """
+    try:
+        (family, _, _, _, address), *_ = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+    except OSError as error:
+        raise GroundError(f"--host {host}: {error.strerror}; wanted an address of this computer") from error
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+        listener.bind(address)
+    except OSError as error:
+        listener.close()
+        raise GroundError(_why(host, port, error)) from error
+    return listener
+
+
+def _why(host: str, port: int, error: OSError) -> str:
+    if error.errno == errno.EADDRINUSE:
+        return f"port {port} is taken: wanted a free one, --port 0 takes any"
+    if error.errno == errno.EADDRNOTAVAIL:
+        return f"--host {host}: not an address of this computer"
+    return f"{host}:{port}: {error.strerror}"
+
+
+def _url(host: str, port: int, tls: bool) -> str:
+    name = socket.gethostname() if host in ("0.0.0.0", "::") else host  # noqa: S104
+    name = f"[{name}]" if ":" in name else name
+    return f"http{'s' if tls else ''}://{name}:{port}/"
+
+
+async def _tick(browsers: Browsers) -> None:
+    browsers.hub.tick()
+
+
+async def _every(period: float, call: Callable[[], Awaitable[None]]) -> None:
+    """Call something again and again [s]; what fails is told once, and does not take the stop button away."""
+    told = ""
+    while True:
+        try:
+            await call()
+        except Exception as error:
+            if repr(error) != told:
+                told = repr(error)
+                report(error)
+        await asyncio.sleep(period)

@@ -1,0 +1,167 @@
+"""One of a browser's two places to play a flight of the past in.
+
+Whatever takes long runs on another thread, one thing at a time; of wishes that come meanwhile the latest counts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from ross_payload.ground.errors import GroundError
+from ross_payload.ground.flights.playback import Playback
+from ross_payload.ground.flights.reading import Flight, open_flight
+from ross_payload.ground.page.faults import report
+from ross_payload.ground.page.pictures import Picture, to_json
+from ross_payload.ground.picture.known import Payload, Who
+
+PERIOD = 0.05  # [s] between two steps
+LONGEST_STEP = 0.5  # [s] that is caught up with: a computer that is too slow for a speed plays as fast as it can
+TOLD = 0.25  # [s] between two words of how far it has come
+READ_AHEAD = 0.15  # [s] between two portions of the flight that are read ahead
+
+
+class Slot:
+    """Plays a flight from `start` to `close`; ``changed`` is called after every step."""
+
+    def __init__(self, name: str, title: str, changed: Callable[[], None]) -> None:
+        self.name, self.title = name, title
+        self.watched: Who | None = None
+        self.playback: Playback | None = None
+        self._changed = changed
+        self._picture, self._seen = Picture(), 0
+        self._known: Payload | None = None  # of the watched, after the latest step
+        self._wishes: dict[str, float | bool] = {}
+        self._wished = asyncio.Event()
+        self._sought_times = 0
+        self._told: tuple[Any, ...] = ()
+        self._told_at = -TOLD
+        self._fixed = ""  # what does not change, as text
+        self._task: asyncio.Task[None] | None = None
+
+    def start(self, path: Path, refuse: Callable[[str], None]) -> None:
+        """Open a flight and play it; ``refuse`` hears why that cannot be."""
+        self._task = asyncio.create_task(self._run(path, refuse))
+
+    async def close(self) -> None:
+        """End."""
+        if self._task is not None:
+            self._task.cancel()
+            with suppress(asyncio.CancelledError):
+                await self._task
+
+    def wish(self, **wishes: float | bool) -> None:
+        """Ask for ``seek`` [s], ``play``, or ``speed`` (seconds of the flight in one)."""
+        self._wishes |= wishes
+        self._wished.set()
+
+    def watch(self, who: Who) -> None:
+        """Show a payload."""
+        self.watched, self._picture, self._seen = who, Picture(), 0
+        self._wished.set()
+
+    def due(self) -> list[str]:
+        """Return what is to be sent now."""
+        playback = self.playback
+        return [] if playback is None else [*self._state(playback), *self._payload(playback)]
+
+    def _state(self, playback: Playback) -> list[str]:
+        """How it plays: when that changed, and now and then how far it has come."""
+        now, at = time.monotonic(), None if playback.playing else playback.at
+        told = (playback.playing, playback.speed, self._sought_times, at)
+        if told == self._told and not (playback.playing and now - self._told_at >= TOLD):
+            return []
+        self._told, self._told_at = told, now
+        moving = to_json({"at": playback.at, "playing": playback.playing, "speed": playback.speed})
+        return [f"{self._fixed[:-1]},{moving[1:]}"]
+
+    def _payload(self, playback: Playback) -> list[str]:
+        if self.watched is None or self._known is None:
+            return []
+        self._picture.draw(self._known, {})
+        sections = self._picture.since(self._seen)
+        if not sections:
+            return []
+        self._seen = self._picture.number
+        times = f'"now":{playback.at:.3f},"sent":{round(time.time() * 1e3)},"heard":null'
+        head = f'{{"type":"payload","slot":"{self.name}","id":"{self.watched}"'
+        return [f'{head},{times},"sections":{sections}}}']
+
+    async def _run(self, path: Path, refuse: Callable[[str], None]) -> None:
+        try:
+            playback = await asyncio.to_thread(lambda: Playback(open_flight(path)))
+            self._fixed = _fixed(self.name, self.title, playback.flight)
+            self.watched = self.watched or next(iter(playback.flight.payloads), None)
+            self.playback = playback
+            await self._play(playback)
+        except GroundError as error:
+            refuse(error.message)
+        except Exception as error:
+            report(error)
+            refuse("it cannot be played: the terminal says why")
+
+    async def _play(self, playback: Playback) -> None:
+        """Do what is due, and show what is known after it, until cancelled."""
+        before = time.monotonic()
+        while True:
+            self._look(playback)
+            played = playback.playing
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._wished.wait(), _pause(playback))
+            self._wished.clear()
+            wishes, self._wishes = self._wishes, {}
+            now = time.monotonic()
+            elapsed, before = min(now - before, LONGEST_STEP) if played else 0.0, now
+            await asyncio.to_thread(_step, playback, wishes, elapsed)
+            self._sought_times += "seek" in wishes
+
+    def _look(self, playback: Playback) -> None:
+        """Take what is known now: the playback's own is in motion while a step is done."""
+        if self.watched is not None:
+            self._known = playback.fleet.payloads.get(self.watched) or unheard(self.watched)
+        self._changed()
+
+
+def unheard(who: Who) -> Payload:
+    """Return what is known of a payload before its first word: nothing."""
+    return Payload(who, first=math.inf, last=-math.inf)
+
+
+def _pause(playback: Playback) -> float | None:
+    """Return how long to wait for a wish [s]; None: nothing else is due."""
+    if playback.playing:
+        return PERIOD
+    return READ_AHEAD if playback.ready < playback.flight.duration else None
+
+
+def _step(playback: Playback, wishes: dict[str, float | bool], elapsed: float) -> None:
+    """Fulfil wishes, or go on by what has elapsed [s], or read ahead."""
+    playback.speed = wishes.get("speed", playback.speed)
+    playback.playing = bool(wishes.get("play", playback.playing))
+    at_end = "play" in wishes and playback.playing and playback.at >= playback.flight.duration
+    if "seek" in wishes or at_end:
+        playback.seek(wishes.get("seek", 0.0))
+    elif playback.playing:
+        playback.advance(elapsed)
+    else:
+        playback.prepare()
+
+
+def _fixed(slot: str, title: str, flight: Flight) -> str:
+    return to_json(
+        {
+            "type": "flight",
+            "slot": slot,
+            "name": title,
+            "start": flight.start,
+            "duration": flight.duration,
+            "payloads": [str(who) for who in flight.payloads],
+            "marks": [{"at": mark.at, "words": mark.words, "id": str(mark.who)} for mark in flight.marks],
+            "notes": list(flight.notes),
+        }
+    )

@@ -1,0 +1,185 @@
+"""How a payload is, part by part, with words for whoever must act.
+
+``level`` is ``good``, ``watch`` (look now and then), ``act`` (something must be done, ``words`` say what) or
+``unknown``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ross_payload.ground.picture.known import Payload, twins
+from ross_protocols.dialect import ross
+from ross_protocols.pairs import wrap
+from ross_protocols.values import LinkReport, RecordingState
+
+GOOD, WATCH, ACT, UNKNOWN = "good", "watch", "act", "unknown"
+WAITING = 2.0  # [s] of audio that waits: the computer is too slow
+LOSSY = 0.1  # share of frames that may be lost before somebody looks
+HOT, BUSY, FULL = 80.0, 0.95, 0.95  # [degC], share of a core, share of the memory
+REMEDIES = {
+    "CLIPPING": "too loud: lower the gain",
+    "DEAD_1": "microphone 1 is silent: look at its wire",
+    "DEAD_2": "microphone 2 is silent: look at its wire",
+    "OFFSET": "a constant voltage: look at the coupling",
+    "IDENTICAL": "both channels are one microphone: look at the channel map",
+    "INVERTED": "one microphone is inverted: swap its wires or set the polarity",
+    "LOST": "samples were lost: the computer or the USB port is too busy",
+    "ABSENT": "no audio arrives: look at the device",
+}  # by entry of ROSS_AUDIO_TROUBLE
+
+
+def condition(known: Payload) -> dict[str, Any]:
+    """Return the condition of every part."""
+    return {
+        "microphones": _microphones(known),
+        "actuator": _actuator(known),
+        "links": [_link(each) for each in known.links],
+        "reception": _reception(known),
+        "processor": _processor(known),
+        "recording": _recording(known),
+    }
+
+
+def worst(parts: dict[str, Any]) -> str:
+    """Return the worst level among all parts.
+
+    >>> worst({"processor": {"level": "good"}, "links": [{"level": "act"}]})
+    'act'
+    """
+    flat = [each for part in parts.values() for each in (part if isinstance(part, list) else [part])]
+    return next((level for level in (ACT, WATCH, GOOD) if any(each["level"] == level for each in flat)), UNKNOWN)
+
+
+def _microphones(known: Payload) -> dict[str, Any]:
+    audio = known.audio
+    if audio is None:
+        return {"level": UNKNOWN, "words": "nothing is said of them"}
+    troubles = [words for name, words in REMEDIES.items() if audio.trouble & _bit(name)]
+    slow = audio.waiting > WAITING
+    level = ACT if troubles else WATCH if slow else GOOD
+    words = "; ".join(troubles) or (
+        f"{audio.waiting:.1f} s of audio wait: the computer is behind" if slow else "both hear"
+    )
+    return {
+        "level": level,
+        "words": words,
+        "level_db": list(audio.level),
+        "peak_db": list(audio.peak),
+        "lost": audio.lost,
+        "reopened": audio.reopened,
+        "waiting": audio.waiting,
+        "rate": audio.rate,
+    }
+
+
+def _bit(name: str) -> int:
+    return int(getattr(ross, f"ROSS_AUDIO_TROUBLE_{name}"))
+
+
+def _actuator(known: Payload) -> dict[str, Any]:
+    status = known.status
+    if status is None or not status.actuator_present:
+        at = None if status is None else known.status_at
+        return {"level": UNKNOWN, "words": "nothing is said of it", "at": at}
+    if status.fault:
+        level, words = ACT, "a fault: read the events, then home or rearm"
+    elif not status.homed:
+        level, words = ACT, "its zero is not known: home it"
+    else:
+        level, words = GOOD, "settled" if status.settled else "turning"
+    return {
+        "level": level,
+        "words": words,
+        "at": known.status_at,
+        "error": _apart(status.heading, status.heading_goal),
+        "open_loop": status.open_loop,
+    }
+
+
+def _apart(heading: float | None, goal: float | None) -> float | None:
+    """How far the heading is from its goal [deg]; None: there is no goal."""
+    return None if heading is None or goal is None else abs(math.degrees(wrap(goal - heading)))
+
+
+def _link(link: LinkReport) -> dict[str, Any]:
+    heard = link.received + link.lost
+    share = link.lost / heard if heard else 0.0
+    level = WATCH if not link.up or share > LOSSY else GOOD
+    words = f"{share:.0%} of what the payload should hear is lost" if link.up else "not connected"
+    return {
+        "level": level,
+        "words": words,
+        "url": link.url,
+        "up": link.up,
+        "autopilot": link.autopilot,
+        "sent": link.sent,
+        "dropped": link.dropped,
+        "received": link.received,
+        "lost": link.lost,
+        "bad": link.bad,
+        "refused": link.refused,
+        "reconnects": link.reconnects,
+    }
+
+
+def _reception(known: Payload) -> dict[str, Any]:
+    """What reaches the listener; rates are differences of these counts between two looks."""
+    counts = known.counts
+    share = counts.lost / max(counts.frames + counts.lost, 1)
+    if known.twin:
+        level, words = ACT, twins(known.who)
+    else:
+        level, words = (WATCH if share > LOSSY else GOOD), f"{share:.0%} of its frames were lost"
+    return {
+        "level": level,
+        "words": words,
+        "frames": counts.frames,
+        "bytes": counts.size,
+        "lost": counts.lost,
+        "malformed": counts.malformed,
+    }
+
+
+def _processor(known: Payload) -> dict[str, Any]:
+    computer = known.computer
+    if computer is None:
+        return {"level": UNKNOWN, "words": "nothing is said of it"}
+    load = max(computer.loads, default=None)
+    used, total = computer.memory_used, computer.memory_total
+    memory = used / total if used is not None and total else None
+    worries = [
+        words
+        for wrong, words in (
+            (computer.temperature is not None and computer.temperature > HOT, "hot: it will slow down"),
+            (load is not None and load > BUSY, "a core is busy all the time"),
+            (memory is not None and memory > FULL, "memory is nearly full"),
+        )
+        if wrong
+    ]
+    return {
+        "level": WATCH if worries else GOOD,
+        "words": "; ".join(worries) or "at ease",
+        "loads": list(computer.loads),
+        "memory": memory,
+        "temperature": computer.temperature,
+        "uptime": computer.uptime,
+    }
+
+
+def _recording(known: Payload) -> dict[str, Any]:
+    recording = known.recording
+    if recording is None:
+        return {"level": UNKNOWN, "words": "nothing is said of it", "on": False}
+    stopped = recording.state in (RecordingState.FULL, RecordingState.BROKEN)
+    on = recording.state == RecordingState.ON
+    words = recording.reason or "stopped" if stopped else f"records {recording.name}" if on else "off"
+    return {
+        "level": ACT if stopped else GOOD,
+        "words": words,
+        "on": on,
+        "name": recording.name,
+        "duration": recording.duration,
+        "free": recording.free,
+    }

@@ -1,0 +1,143 @@
+"""What somebody on the ground knows of one payload: frozen values, filled from telemetry alone.
+
+Times ``at`` are seconds on the listener's clock: monotonic while live, the log's own in a recording. Angles are as in
+`ross_protocols.values`: radians, counter-clockwise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ross_protocols.computer import Computer
+from ross_protocols.values import (
+    Alignment,
+    Audio,
+    Density,
+    Heartbeat,
+    Information,
+    Isolation,
+    LinkReport,
+    Recording,
+    Separation,
+    Source,
+    Status,
+)
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Who:
+    """A component on MAVLink.
+
+    >>> str(Who(1, 191)), Who.parse("1-191")
+    ('1-191', Who(system=1, component=191))
+    """
+
+    system: int
+    component: int
+
+    def __str__(self) -> str:
+        """Write it as URLs and file names can hold it."""
+        return f"{self.system}-{self.component}"
+
+    @classmethod
+    def parse(cls, text: str) -> Who:
+        """Read what `str` wrote.
+
+        Raises
+        ------
+        ValueError
+            When it is anything else.
+        """
+        system, dash, component = text.partition("-")
+        numbers = [int(part) if part.isascii() and part.isdigit() else 256 for part in (system, component)]
+        if not dash or not all(0 < number < 256 for number in numbers):
+            raise ValueError(f"'{text}' found, system-component wanted, as in 1-191")
+        return cls(*numbers)
+
+
+def twins(who: Who) -> str:
+    """Return what to do when two payloads speak with one id."""
+    return f"two payloads speak as {who}: give one another system_id, or on one vehicle another component_id"
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A text for humans, put together again from its chunks."""
+
+    at: float  # [s]
+    severity: int  # MAV_SEVERITY: 0 emergency to 7 debug
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """One point of a mission's history."""
+
+    at: float  # [s]
+    mission_time: float  # [s]
+    state: int  # ROSS_STATE
+    k: int | None
+    score: float | None
+    criterion: float | None
+    heading: float | None  # [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class Trail:
+    """Where a source was estimated lately; from one estimate to the next sources are told by where they are."""
+
+    source: int  # its index in the estimate
+    points: tuple[tuple[float, float], ...]  # at [s], azimuth [rad]; oldest first
+    estimate: int = 0  # number of the latest estimate that has it
+    earth: bool = False  # azimuths count from north
+    at: float = 0.0  # its source was heard of last [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """What went through the listener's link, of one payload."""
+
+    frames: int = 0
+    size: int = 0  # [bytes]
+    lost: int = 0  # frames missing in the sequence
+    malformed: int = 0  # messages that no payload means: a NaN where a number must be, a source out of range
+
+
+@dataclass(frozen=True, slots=True)
+class Payload:
+    """Everything that is known of one payload."""
+
+    who: Who
+    first: float  # heard of [s]
+    last: float  # heard of [s]
+    boots: int = 1  # starts that were noticed; after a new start all else is forgotten
+    tunnelled: bool = False  # its messages came inside TUNNEL
+    twin: bool = False  # two senders share this id
+    counts: Counts = field(default_factory=Counts)
+    heartbeat: Heartbeat | None = None
+    information: Information | None = None
+    status: Status | None = None
+    status_at: float | None = None  # when it came [s]
+    sources: tuple[Source, ...] = ()  # of the latest estimate, by index
+    announced: int = 0  # sources that the latest estimate announces, shown or not
+    trails: tuple[Trail, ...] = ()
+    alignments: tuple[Alignment, ...] = ()  # of the latest plan, by index
+    separations: tuple[Separation, ...] = ()  # of the latest separation, by index
+    densities: tuple[Density, ...] = ()  # of the latest exploration, by rotation
+    isolations: tuple[Isolation, ...] = ()  # of the latest plan, by source
+    audio: Audio | None = None
+    recording: Recording | None = None
+    links: tuple[LinkReport, ...] = ()  # by index
+    computer: Computer | None = None
+    texts: tuple[Said, ...] = ()  # oldest first
+    history: tuple[Moment, ...] = ()  # oldest first
+    began: float | None = None  # mission time at which the latest mission began [s]; None: that was not heard
+    ended: float | None = None  # mission time at which it ended [s]; None: it has not
+    mirrors: tuple[tuple[str, float], ...] = ()  # NAMED_VALUE_FLOAT ross_*, for want of our dialect
+    azimuths: tuple[float, ...] = ()  # clockwise [deg]: DEBUG_FLOAT_ARRAY ross_az, for want of our dialect
+    flaws: tuple[str, ...] = ()  # what is odd about its messages, in words
+
+    @property
+    def earth(self) -> bool:
+        """Whether its angles count from north."""
+        return self.status is not None and self.status.earth

@@ -1,0 +1,184 @@
+"""A ground station: hears payloads on any number of links, speaks to them, and keeps the fleet.
+
+All of it happens on one asyncio loop; nothing here waits for anybody.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Sequence
+from contextlib import AsyncExitStack, suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from ross_payload.ground.links.advice import PATIENCE, advice
+from ross_payload.ground.links.keys import SigningTime
+from ross_payload.ground.links.link import Link, LinkState
+from ross_payload.ground.links.ports import Peer
+from ross_payload.ground.links.tlog import Log
+from ross_payload.ground.links.ways import Way, Ways
+from ross_payload.ground.picture.fleet import Fleet
+from ross_payload.ground.picture.known import Who
+from ross_protocols.codec import Encoder, Packet, message_of
+from ross_protocols.dialect import common
+from ross_protocols.signing import Guardian
+
+BEAT = 1.0  # [s] between two heartbeats, and between two writes of the log
+TICK = 0.1  # [s] between two looks at what is due
+
+Call = Callable[[Packet, float], None]
+
+
+class Station:
+    """Links, fleet and log of one ground station. An async context manager.
+
+    Parameters
+    ----------
+    urls
+        Where to listen or connect, see docs/reference/links.md.
+    system_id, component_id
+        Who we are; nobody else on the links may be the same. Other ground stations call themselves 255/190.
+    key
+        Of 32 bytes: what we send is signed, and only what is signed with it is heard.
+    log
+        Folder for a .tlog of everything heard and sent.
+    now
+        The clock of the fleet [s], monotonic.
+    unix
+        UNIX time [s], for signatures and the log.
+
+    Raises
+    ------
+    GroundError
+        When a URL is none, a port is in use, or the log cannot be written.
+    """
+
+    def __init__(
+        self,
+        urls: Sequence[str],
+        *,
+        system_id: int = 254,
+        component_id: int = 190,
+        key: bytes | None = None,
+        log: Path | None = None,
+        now: Callable[[], float] = time.monotonic,
+        unix: Callable[[], float] = time.time,
+    ) -> None:
+        self.fleet = Fleet()
+        self.now = now
+        self.log: Log | None = None
+        self.system_id, self.component_id = system_id, component_id
+        self._folder = log
+        self._unix = unix
+        self._began = now()
+        self._signs = key is not None
+        self._ways = Ways()
+        self._calls: list[Call] = []
+        self._diary = Encoder(system_id, component_id)  # numbers what we say in the log
+        self._links = self._made(urls, key)
+        self._stack = AsyncExitStack()
+
+    async def __aenter__(self) -> Self:
+        """Open the log and every link, or none."""
+        async with AsyncExitStack() as stack:
+            if self._folder is not None:
+                self.log = Log(self._folder, self._unix())
+                stack.push_async_callback(self.log.close)
+            for link in self._links:
+                stack.push_async_callback(link.close)
+                await link.open()
+            for going in (self._go(), self._keep_log()):
+                stack.push_async_callback(_ended, asyncio.create_task(going))
+            self._stack = stack.pop_all()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close everything."""
+        await self._stack.aclose()
+
+    def links(self) -> list[LinkState]:
+        """Return how every link is, in the order of the URLs."""
+        now = self.now()
+        return [link.state(now) for link in self._links]
+
+    def subscribe(self, call: Call) -> Callable[[], None]:
+        """Call ``call`` with every packet as it came, and its time [s]; return what ends that."""
+        self._calls.append(call)
+        return lambda: self._calls.remove(call)
+
+    def send(self, message: Any, who: Who | None = None) -> None:
+        """Send a value or one of pymavlink's messages to where ``who`` was heard, else everywhere.
+
+        Where it was heard on several ways, one of them is taken: a payload that gets an order on two links would
+        refuse the second one. A stop, and what is sent again, goes all of them.
+        """
+        message = message_of(message)
+        if self.log is not None:
+            self.log.add(self._unix(), self._diary.encode(message), 0)
+        ways = [] if who is None else self._ways.to(who, self.now(), message)
+        open_ways = [way for way in ways if self._links[way.link].knows(way.peer)]
+        for way in open_ways:
+            self._links[way.link].send(message, [way.peer])
+        if not open_ways:
+            for link in self._links:
+                link.send(message)
+
+    def advice(self, patience: float = PATIENCE) -> str:
+        """Return what is wrong ``patience`` [s] after the start, and what to do about it; empty when all is well."""
+        ended = "" if self.log is None else self.log.error
+        payloads = tuple(self.fleet.payloads.values())
+        heard = advice(self.links(), payloads, self.now(), self._began, self._signs, patience=patience)
+        return "; ".join(part for part in (heard, ended) if part)
+
+    def _made(self, urls: Sequence[str], key: bytes | None) -> list[Link]:
+        """Return the links, not open yet; they share one signing time."""
+        signing_time = SigningTime(self._unix)
+        me = self.system_id, self.component_id
+        return [
+            Link(
+                number, url, me=me, now=self.now, hear=self._hear, guardian=Guardian(key, signing_time) if key else None
+            )
+            for number, url in enumerate(urls)
+        ]
+
+    def _hear(self, number: int, peer: Peer, packet: Packet, at: float) -> None:
+        who = Who(packet.system_id, packet.component_id)
+        if self.log is not None:
+            self.log.add(self._unix(), packet.frame, number)
+        self.fleet.hear(packet, at)
+        if self._ways.note(who, Way(number, peer), packet, at):
+            self.fleet.twin(who, at)
+        for call in tuple(self._calls):
+            call(packet, at)
+
+    async def _go(self) -> None:
+        """Do what is due, until cancelled."""
+        due = self.now()
+        while True:
+            now = self.now()
+            for link in self._links:
+                link.tick(now)
+            if now >= due:
+                due = now + BEAT
+                self.send(self._beat())
+            await asyncio.sleep(TICK)
+
+    async def _keep_log(self) -> None:
+        while self.log is not None:
+            await self.log.flush()
+            await asyncio.sleep(BEAT)
+
+    @staticmethod
+    def _beat() -> Any:
+        kind, none = common.MAV_TYPE_GCS, common.MAV_AUTOPILOT_INVALID
+        return common.MAVLink_heartbeat_message(kind, none, 0, 0, common.MAV_STATE_ACTIVE, 3)
+
+
+async def _ended(task: asyncio.Task[None]) -> None:
+    task.cancel()
+    with suppress(asyncio.CancelledError):
+        await task
