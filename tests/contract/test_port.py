@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import pytest
 
+from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.links import LinkPort, open_port
 
@@ -24,12 +25,6 @@ class Rig:
     port: LinkPort
     say: Callable[[bytes], object]
     hear: Callable[[], bytes]  # what has arrived there, maybe nothing
-
-
-def free_port(kind: socket.SocketKind) -> int:
-    with socket.socket(socket.AF_INET, kind) as sock:
-        sock.bind(("127.0.0.1", 0))
-        return int(sock.getsockname()[1])
 
 
 def until(true: Callable[[], object], seconds: float = 20.0) -> object:

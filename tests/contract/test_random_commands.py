@@ -19,7 +19,7 @@ from ross_sim.devices.far_end import Fault
 
 MANY = math.ceil(10_000 / len(KINDS))
 BRAKING = 300  # quanta in which everything comes to rest
-FEW = settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+FEW = settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
 SOAK = settings(FEW, max_examples=MANY, phases=[Phase.explicit, Phase.generate])
 
 goals = st.one_of(st.floats(-250, 250), st.sampled_from([-200.0, 0.0, 200.0, math.nan, math.inf]))

@@ -8,27 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from short_mission import SHORT
+
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "how-to" / "add-your-own-actuator.md"
 FILE = re.compile(r"```(?:python|toml)\n# (?P<name>\S+)\n(?P<text>.*?)```", re.DOTALL)
-SHORT = """
-title = "a short mission"
-[payload.explore]
-lead_in_s = 2.0
-unit_s = 0.5
-min_rotations = 1
-max_rotations = 2
-[payload.exploit]
-check_s = 1.0
-run_s = 1.0
-max_restarts = 0
-[[talkers]]
-azimuth_deg = 40
-[[talkers]]
-azimuth_deg = 155
-[[talkers]]
-azimuth_deg = -80
-"""
 
 
 @pytest.fixture(scope="module")

@@ -2,14 +2,22 @@
 
 import json
 import os
+import re
+import signal
+import socket
 import subprocess
 import sys
 import sysconfig
 import venv
 import zipfile
+from contextlib import closing
+from http.client import HTTPConnection
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
+
+from ports import free_port
 
 ROOT = Path(__file__).parents[2]
 
@@ -61,3 +69,30 @@ def test_the_installed_command_flies_a_mission_outside_the_checkout(installed, t
     where = [installed / "bin" / "python", "-c", "import ross_payload; print(ross_payload.__file__)"]
     found = subprocess.run(where, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True).stdout
     assert Path(found.strip()).is_relative_to(installed)
+
+
+def test_the_installed_ground_serves_its_page_outside_the_checkout(installed, tmp_path):
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    command = [installed / "bin" / "ross", "ground", f"udpin:127.0.0.1:{free_port()}", "--port", "0"]
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True) as ground:
+        try:
+            url = ground.stdout.readline().split()[2]
+            host = urlsplit(url).netloc
+            page = got(host, "/")
+            assert page.startswith("<!doctype html>")
+            for asset in (*re.findall(r'(?:src|href)="(/assets/[^"]+)"', page), "/assets/vendor/lit-html.js"):
+                assert got(host, asset), asset
+        finally:
+            ground.send_signal(signal.SIGINT)
+    assert ground.returncode == 0
+
+
+def got(host, path):
+    """The text at a path."""
+    with closing(HTTPConnection(host)) as connection:
+        connection.request("GET", path)
+        answer = connection.getresponse()
+        assert answer.status == 200, path
+        return answer.read().decode()
+
+

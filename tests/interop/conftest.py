@@ -17,12 +17,14 @@ import soundfile
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega
 
+import ports
+
 ROSS = (sys.executable, "-m", "ross_payload.cli")
 LOOPBACK = "127.0.0.1"
 RATE = 16000
 CONFIG = """
 audio.source = "{source}"
-actuator.kind = "tb6600"
+actuator = {{ kind = "tb6600", options = {{ ahead_ms = 100 }} }}
 service = {{ state_dir = "state", log_format = "json" }}
 """
 
@@ -45,13 +47,7 @@ def until():
 @pytest.fixture(scope="session")
 def free_port():
     """Tell a port that nobody listens on."""
-
-    def look():
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.bind((LOOPBACK, 0))
-            return probe.getsockname()[1]
-
-    return look
+    return ports.free_port
 
 
 class Payload:

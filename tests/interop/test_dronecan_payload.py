@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import soundfile
 
-from device_bench import ROSS, device, free_udp_port, ross
+from device_bench import ROSS, device, ross
+from ports import free_port
 from ross_payload.events import State
 from ross_payload.service.live import AGAIN
 
@@ -117,7 +118,7 @@ def test_a_mission_is_followed_on_the_bus_until_it_has_found_everybody(tmp_path)
             states, found = [], []
             node.add_handler(broadcast(dronecan, STATUS), lambda event: states.append(event.message.state))
             node.add_handler(broadcast(dronecan, SOURCES), lambda event: found.append(event.message))
-            command += ["--telemetry", f"udpout:127.0.0.1:{free_udp_port()}"]
+            command += ["--telemetry", f"udpout:127.0.0.1:{free_port()}"]
             with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL) as payload:
                 try:
                     spin_until(node, lambda: found and found[-1].flags & found[-1].FLAG_FINAL, within=200)

@@ -6,7 +6,8 @@ import time
 
 import pytest
 
-from device_bench import device, free_udp_port
+from device_bench import device
+from ports import free_port
 
 mavsdk = pytest.importorskip("mavsdk", minversion="4", reason="needs the Python package mavsdk, 4 or later")
 plugin = pytest.importorskip("mavsdk.plugins.gimbal.gimbal")
@@ -47,7 +48,7 @@ class Client:
 
 @pytest.fixture(scope="module")
 def gimbal(tmp_path_factory):
-    port = free_udp_port()
+    port = free_port()
     with device(tmp_path_factory.mktemp("gimbal"), "gimbal", "--wire", f"udpout:127.0.0.1:{port}") as process:
         process.port = port
         yield process

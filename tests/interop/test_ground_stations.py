@@ -2,7 +2,6 @@
 
 import os
 import re
-import socket
 import subprocess
 import sys
 import time
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
 from ross_payload.events import Estimate, SourceEstimate, SourcesEstimated
@@ -21,12 +21,6 @@ from ross_payload.telemetry.service import Telemetry
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "ground-stations.md"
 HOP = Input(AudioBlock(np.zeros((2, 160), np.float32), 0, 0.0), 0.0, 0.0, 0.0, settled=True, attitude=Attitude(0.0))
 SOURCES = tuple(SourceEstimate(np.radians(azimuth), 0.02, 0.9, resolved=True) for azimuth in (-80.0, 40.0))
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        return sock.getsockname()[1]
 
 
 @pytest.mark.parametrize("role", ["autopilot", "ground"])

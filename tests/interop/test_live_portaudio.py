@@ -128,6 +128,7 @@ def short(tmp_path):
     return path
 
 
+@pytest.mark.soak
 def test_over_tcp_a_short_mission_is_that_of_lock_step(short, tmp_path):
     agree(*fly(short, tmp_path))
 

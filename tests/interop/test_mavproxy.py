@@ -1,54 +1,20 @@
 """MAVProxy, without a terminal, beside a payload in another process."""
 
-import importlib.util
-import re
-import subprocess
 import sys
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+
+from mavproxy_prompt import mavproxy
 
 MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
 LAUNCHER = "runpy"  # what tells its block of the guide from others
 
 
-class Prompt:
-    """MAVProxy's command line, on pipes."""
-
-    def __init__(self, process, log, until):
-        self._process, self._log, self._until = process, log, until
-
-    def type(self, line):
-        self._process.stdin.write(f"{line}\n")
-        self._process.stdin.flush()
-
-    def said(self):
-        return self._log.read_text(errors="replace")
-
-    def read(self, pattern, since=0):
-        """Wait until it has printed what fits the pattern."""
-        return self._until(lambda: re.search(pattern, self.said()[since:]), 30, f"'{pattern}' in\n{self.said()}")
-
-
-@contextmanager
-def mavproxy(launcher, port, folder, until):
-    if importlib.util.find_spec("MAVProxy") is None or not MAVPROXY.exists():
-        pytest.skip("needs the Python package MAVProxy")
-    log = folder / "mavproxy.log"
-    command = [sys.executable, "-W", "ignore", "-u", "-c", launcher, MAVPROXY, "--master", f"udpin:127.0.0.1:{port}"]
-    command += ["--target-system", "1", "--target-component", "191", "--no-state"]
-    command += ["--default-modules", "link,param,cmdlong,log"]
-    with (
-        log.open("w") as out,
-        subprocess.Popen(
-            command, cwd=folder, stdin=subprocess.PIPE, stdout=out, stderr=subprocess.STDOUT, text=True
-        ) as process,
-    ):
-        try:
-            yield Prompt(process, log, until)
-        finally:
-            process.kill()
+def started(launcher, port, folder, until):
+    arguments = ["-c", launcher, MAVPROXY, "--master", f"udpin:127.0.0.1:{port}"]
+    arguments += ["--target-system", "1", "--target-component", "191", "--default-modules", "link,param,cmdlong,log"]
+    return mavproxy(arguments, folder, until)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +27,7 @@ def payload(ross_run, free_port, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def prompt(payload, until, guide):
-    with mavproxy(guide(LAUNCHER), payload.port, payload.folder, until) as prompt:
+    with started(guide(LAUNCHER), payload.port, payload.folder, until) as prompt:
         yield prompt
 
 

@@ -1,7 +1,6 @@
 """pymavlink's mavutil, a client that we did not write, reads our streams and our logs."""
 
 import os
-import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +9,7 @@ from types import ModuleType
 import pytest
 from pymavlink import mavutil
 
+from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.links import Heard, Links
@@ -61,9 +61,7 @@ def tlog(path: Path) -> Path:
 
 
 def test_a_udp_client_reads_the_stream(dialect: ModuleType) -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        port = sock.getsockname()[1]
+    port = free_port()
     client = mavutil.mavlink_connection(f"udpin:127.0.0.1:{port}")
     with Links.open([Link(url=f"udpout:127.0.0.1:{port}")], SystemClock()) as links:
         for value in STORY:
@@ -77,9 +75,7 @@ def test_a_udp_client_reads_the_stream(dialect: ModuleType) -> None:
 
 
 def test_a_udp_client_that_speaks_first_is_answered(dialect: ModuleType) -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        port = sock.getsockname()[1]
+    port = free_port()
     heard: list[Heard] = []
     with Links.open([Link(url=f"udpin:127.0.0.1:{port}")], SystemClock()) as links:
         links.component(191).subscribe(heard.append)

@@ -1,5 +1,6 @@
 """What the simulated missions share."""
 
+import json
 import signal
 import socket
 import subprocess
@@ -10,31 +11,14 @@ from contextlib import contextmanager
 
 import pytest
 
+import ports
 from ross_payload import cli
 from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import common, ross
+from short_mission import SHORT
 
 LOOPBACK = "127.0.0.1"
 IN_PROGRESS = 5  # MAV_RESULT
-
-SHORT = """
-title = "a short mission"
-[payload.explore]
-lead_in_s = 2.0
-unit_s = 0.5
-min_rotations = 1
-max_rotations = 2
-[payload.exploit]
-check_s = 1.0
-run_s = 1.0
-max_restarts = 0
-[[talkers]]
-azimuth_deg = 40
-[[talkers]]
-azimuth_deg = 155
-[[talkers]]
-azimuth_deg = -80
-"""
 
 
 @pytest.fixture
@@ -57,15 +41,21 @@ def run(monkeypatch, capsys):
 
 
 @pytest.fixture
+def fly(run):
+    """Run a simulated mission that succeeds; its report."""
+
+    def call(*arguments):
+        code, out, err = run("sitl", "--json", *arguments)
+        assert code == 0, err
+        return json.loads(out)
+
+    return call
+
+
+@pytest.fixture
 def free_port():
     """Tell a port that nobody listens on."""
-
-    def look(kind):
-        with socket.socket(socket.AF_INET, kind) as probe:
-            probe.bind((LOOPBACK, 0))
-            return probe.getsockname()[1]
-
-    return look
+    return ports.free_port
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ import pytest
 import soundfile
 
 import ross_sim
+from reports import gain
 
 SCENARIO = (Path(ross_sim.__file__).parents[1] / "scenarios" / "drone-yaw.toml").read_text(encoding="utf-8")
 REST = SCENARIO.replace("amplitude_deg = 15", "amplitude_deg = 0")
@@ -36,10 +37,6 @@ def fly(run, tmp_path):
 
 def azimuths(report):
     return {source["azimuth_true_deg"]: source["azimuth_deg"] for source in report["sources"]}
-
-
-def gain(report):
-    return next(group["si_sdri_db"] for group in report["groups"] if group["target"])
 
 
 def compare(fly, seed):

@@ -1,8 +1,8 @@
 """The default mission with a controller that runs grbl: real driver, real bytes, a simulated firmware and motor."""
 
-import json
-
 import pytest
+
+from reports import gain
 
 SWITCH = """
 [payload.actuator]
@@ -11,20 +11,6 @@ kind = "grbl"
 zero = "switch"
 home_deg = 10.0
 """
-
-
-@pytest.fixture
-def fly(run):
-    def call(*arguments):
-        code, out, err = run("sitl", "--json", *arguments)
-        assert code == 0, err
-        return json.loads(out)
-
-    return call
-
-
-def gain(report):
-    return next(group["si_sdri_db"] for group in report["groups"] if group["target"])
 
 
 @pytest.mark.soak

@@ -3,11 +3,11 @@
 import os
 import re
 import signal
-import socket
 import subprocess
 import sys
 from pathlib import Path
 
+from ports import free_port
 from ross_sim.scenario import load
 
 ROOT = Path(__file__).parents[2]
@@ -39,9 +39,7 @@ def test_the_guide_reads_the_log_of_a_mission(tmp_path):
 
 
 def test_the_guide_commands_a_simulated_payload(tmp_path):
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     served = [sys.executable, "-m", "ross_payload.cli", "sitl", "--serve", "--scenario", "one-talker"]
     ground = [sys.executable, "-c", block("command-the-payload.md", "python"), f"udpin:127.0.0.1:{port}"]
     with subprocess.Popen([*served, "--telemetry", f"udpout:127.0.0.1:{port}"], cwd=tmp_path) as payload:

@@ -7,7 +7,8 @@ import sys
 
 import pytest
 
-from device_bench import driver, free_udp_port, ross
+from device_bench import driver, ross
+from ports import free_port
 
 
 def test_a_world_that_nobody_listens_to_ends_cleanly_with_a_truth_of_nothing(tmp_path):
@@ -26,7 +27,7 @@ def test_a_world_that_nobody_listens_to_ends_cleanly_with_a_truth_of_nothing(tmp
 
 
 WIRES = {
-    "mavlink_gimbal": lambda: ("--wire", f"udpout:127.0.0.1:{free_udp_port()}"),
+    "mavlink_gimbal": lambda: ("--wire", f"udpout:127.0.0.1:{free_port()}"),
     "grbl": tuple,
     "dronecan_servo": tuple,
 }

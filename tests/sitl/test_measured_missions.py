@@ -2,9 +2,7 @@
 
 import json
 
-
-def gain(report):
-    return next(group["si_sdri_db"] for group in report["groups"] if group["target"])
+from reports import gain
 
 
 def worst(report):

@@ -5,12 +5,13 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 import soundfile
 from pymavlink import mavutil
+
+from ports import free_port
 
 ROSS = (sys.executable, "-m", "ross_payload.cli")
 RATE = 16000
@@ -128,7 +129,7 @@ def test_a_port_in_use_is_named(folder):
 
 def test_a_ground_station_sees_it_and_its_order_is_obeyed(folder):
     """A client that is not ours: pymavlink's mavutil."""
-    port = 20000 + Path(folder).stat().st_ino % 20000
+    port = free_port()
     path = written(
         folder,
         source="file:long.wav",
@@ -168,7 +169,7 @@ def commanded(folder, number, *parameters, links):
 
 
 def test_a_stop_outlives_a_restart_until_armed_again(folder):
-    links = f"url = 'udpin:127.0.0.1:{20000 + Path(folder).stat().st_ino % 20000}'"
+    links = f"url = 'udpin:127.0.0.1:{free_port()}'"
     assert commanded(folder, 54004, links=links)[0] == 0  # stop
     assert (folder / "state" / "stopped").exists()
     result, said = commanded(folder, 54006, links=links)  # park

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-TALKERS = "[[talkers]]\nazimuth_deg = 40\n[[talkers]]\nazimuth_deg = 155\n[[talkers]]\nazimuth_deg = -80\n"
+from short_mission import THREE
 
 
 @pytest.fixture
@@ -46,7 +46,10 @@ def test_azimuths_that_are_told_by_eye_will_do(mission):
     assert target(report)["talkers"] == [report["target"]]
 
 
-@pytest.mark.parametrize("arguments", [("--scenario", "pipelined"), ("--scenario", "demo", "--informed")])
+@pytest.mark.parametrize(
+    "arguments",
+    [("--scenario", "pipelined"), pytest.param(("--scenario", "demo", "--informed"), marks=pytest.mark.soak)],
+)
 def test_a_rerun_gives_the_same_bytes(mission, tmp_path, arguments):
     mission("one", *arguments, "--seed", 2)
     mission("two", *arguments, "--seed", 2)
@@ -68,7 +71,7 @@ def test_a_rerun_gives_the_same_bytes(mission, tmp_path, arguments):
 )
 def test_what_cannot_be_told_is_one_line_and_exit_code_2(run, tmp_path, told, words):
     path = tmp_path / "told.toml"
-    path.write_text(f"title = 'told'\n{TALKERS}[payload.informed]\n{told}\n")
+    path.write_text(f"title = 'told'\n{THREE}[payload.informed]\n{told}\n")
     code, out, err = run("sitl", "--scenario", path, "--out", tmp_path / "out")
     assert (code, out) == (2, "")
     assert words in err

@@ -1,8 +1,8 @@
 """Missions with a stepper: as good as with an ideal actuator, also with a switch for its zero and after a slip."""
 
-import json
-
 import pytest
+
+from reports import gain, worst_azimuth
 
 SWITCH = """
 [payload.actuator]
@@ -26,25 +26,6 @@ azimuth_deg = -80
 fault = "slip"
 at_s = 34
 """
-
-
-@pytest.fixture
-def fly(run):
-    def call(*arguments):
-        code, out, err = run("sitl", "--json", *arguments)
-        assert code == 0, err
-        return json.loads(out)
-
-    return call
-
-
-def worst_azimuth(report):
-    assert report["k"] == report["k_true"] == 3
-    return max(abs(source["azimuth_error_deg"]) for source in report["sources"])
-
-
-def gain(report):
-    return next(group["si_sdri_db"] for group in report["groups"] if group["target"])
 
 
 @pytest.mark.soak

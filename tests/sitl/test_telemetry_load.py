@@ -2,7 +2,6 @@
 
 import os
 import pty
-import socket
 import time
 import tty
 from collections import Counter
@@ -12,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.health import AudioHealth
@@ -28,12 +28,6 @@ from ross_sim.session import perform
 
 BYTES = 5760  # a second
 URL = "serial:/dev/ttyRadio:57600"
-
-
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        return sock.getsockname()[1]
 
 
 class Capture:

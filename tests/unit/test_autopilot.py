@@ -8,6 +8,7 @@ import time
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from ports import free_port
 from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import ross
 from ross_protocols.values import Health, Heartbeat
@@ -174,12 +175,6 @@ def test_heartbeat_time_and_attitude_come_unasked(air):
     assert counts["SYSTEM_TIME"] == pytest.approx(10, abs=1)
     assert counts["ATTITUDE"] == pytest.approx(40, abs=2)
     assert counts["TIMESYNC"] == 1
-
-
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def test_as_a_process_it_passes_messages_between_sockets():

@@ -1,47 +1,16 @@
 """The computer is a folder and a table of what its programs print; ports, files and permissions are real."""
 
-import json
-import socket
-import sys
-
 import numpy as np
 import pytest
 import soundfile
 
-from ross_payload import cli
+from doctor_bench import FAST, config, machine, put, said
 from ross_payload.clock import SystemClock
-from ross_payload.config import Config, validated
-from ross_payload.doctor import computer, folders, microphones, speed, turning, wires
-from ross_payload.doctor.examine import examine
+from ross_payload.doctor import computer, folders, microphones, speed, turning
 from ross_payload.doctor.finding import Verdict, ok, warn, worst
-from ross_payload.doctor.machine import Machine, output_of
+from ross_payload.doctor.machine import Machine
 from ross_payload.health import AudioTrouble
 from ross_sim.clock import SimClock
-
-DEVICE = "serial:/dev/ttyUSB0:115200"
-
-
-def config(**tables):
-    return validated(Config, tables, "test")
-
-
-def machine(root, programs=None, **other):
-    """A computer with nothing but a root folder; programs that are not named are not installed."""
-    answers = {} if programs is None else programs
-    return Machine(root=root, environment={"HOME": str(root)}, run=lambda words: answers.get(words[0]), **other)
-
-
-def put(root, where, text=""):
-    path = root / where.lstrip("/")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text)
-    return path
-
-
-def said(findings):
-    """The worst verdict and everything that was found, in one text."""
-    findings = list(findings)
-    return worst(findings), "\n".join(f"{each.found} -> {each.todo}" for each in findings)
 
 
 def test_whatever_is_not_well_says_what_to_do():
@@ -90,158 +59,6 @@ def test_a_pi_tells_about_its_supply(tmp_path, answer, verdict, words):
 
 def test_another_computer_is_not_asked_for_its_supply(tmp_path):
     assert not list(computer.power(config(), machine(tmp_path, {"vcgencmd": "throttled=0x5"})))
-
-
-# -------------------------------------------------------------------------------------------- wires
-
-
-def test_a_serial_port_that_is_not_there_lists_those_that_are(tmp_path):
-    put(tmp_path, "/dev/ttyACM0")
-    verdict, text = said(wires.serial(config(links=[{"url": DEVICE}]), machine(tmp_path)))
-    assert verdict is Verdict.FAIL
-    assert "there are: /dev/ttyACM0" in text
-
-
-def test_a_serial_port_of_others_names_the_group(tmp_path):
-    put(tmp_path, "/dev/ttyUSB0")
-    strange = machine(tmp_path, may_use=lambda path: path.name != "ttyUSB0")
-    verdict, text = said(wires.serial(config(links=[{"url": DEVICE}]), strange))
-    assert verdict is Verdict.FAIL
-    assert "usermod -aG" in text
-
-
-def test_a_serial_port_in_the_options_of_the_actuator_is_checked_too(tmp_path):
-    turns = config(actuator={"kind": "x", "options": {"wire": {"port": "serial:/dev/ross-grbl:115200"}}})
-    assert "/dev/ross-grbl does not exist" in said(wires.serial(turns, machine(tmp_path)))[1]
-
-
-def test_a_console_on_the_port_is_found_through_its_other_name(tmp_path):
-    put(tmp_path, "/dev/ttyAMA0")
-    (tmp_path / "dev" / "serial0").symlink_to("ttyAMA0")
-    put(tmp_path, "/proc/cmdline", "console=tty1 console=serial0,115200 root=/dev/mmcblk0p2\n")
-    verdict, text = said(wires.serial(config(links=[{"url": "serial:/dev/ttyAMA0:auto"}]), machine(tmp_path)))
-    assert verdict is Verdict.FAIL
-    assert "console" in text
-
-
-def test_a_login_on_the_port_is_found(tmp_path):
-    put(tmp_path, "/dev/ttyUSB0")
-    busy = machine(tmp_path, {"systemctl": "active"})
-    assert said(wires.serial(config(links=[{"url": DEVICE}]), busy))[0] is Verdict.FAIL
-    assert said(wires.serial(config(links=[{"url": DEVICE}]), machine(tmp_path)))[0] is Verdict.OK
-
-
-@pytest.mark.parametrize(
-    ("flags", "verdict", "words"),
-    [("0x40081\n", Verdict.OK, "up"), ("0x40080\n", Verdict.FAIL, "down"), (None, Verdict.FAIL, "there are: none")],
-)
-def test_a_can_interface_must_be_up(tmp_path, flags, verdict, words):
-    if flags:
-        put(tmp_path, "/sys/class/net/can0/flags", flags)
-    servo = config(actuator={"kind": "servo", "options": {"port": "socketcan:can0"}})
-    found = said(wires.can(servo, machine(tmp_path)))
-    assert found[0] is verdict
-    assert words in found[1]
-
-
-def test_words_that_hold_can_are_no_interface():
-    turns = config(actuator={"kind": "x", "options": {"name": "canopen", "port": "scan0", "bus": "vcan1"}})
-    assert wires.can_interfaces(turns) == ["vcan1"]
-
-
-def test_the_bus_of_our_own_node_is_looked_at():
-    assert wires.can_interfaces(config(dronecan={"port": "can:socketcan:can3"})) == ["can3"]
-
-
-@pytest.mark.parametrize(
-    ("kind", "port", "devices", "interfaces"),
-    [
-        ("grbl", "serial:tcp:127.0.0.1:3333", [], []),
-        ("dronecan_servo", "can:socketcand:127.0.0.1:29536:can0", [], []),
-        ("dronecan_servo", "can:slcan:/dev/ttyACM0:1000000", ["/dev/ttyACM0"], []),
-        ("canopen_drive", "can:socketcan:can1", [], ["can1"]),
-    ],
-)
-def test_only_what_is_on_this_computer_is_looked_for(kind, port, devices, interfaces):
-    turns = config(actuator={"kind": kind, "options": {"port": port}})
-    assert wires.serial_devices(turns) == devices
-    assert wires.can_interfaces(turns) == interfaces
-
-
-def test_a_port_that_is_left_out_is_looked_at_as_well():
-    assert wires.can_interfaces(config(actuator={"kind": "dronecan_servo"})) == ["can0"]
-    assert wires.serial_devices(config(actuator={"kind": "grbl"})) == ["/dev/ttyUSB0"]
-
-
-def test_a_port_that_another_program_has_is_found(tmp_path):
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
-        other.bind(("127.0.0.1", 0))
-        link = {"url": f"udpin:127.0.0.1:{other.getsockname()[1]}"}
-        verdict, text = said(wires.links(config(links=[link]), machine(tmp_path)))
-    assert verdict is Verdict.FAIL
-    assert "in use" in text
-    assert said(wires.links(config(links=[link]), machine(tmp_path)))[0] is Verdict.OK
-
-
-def test_a_tcp_port_that_is_served_already_is_found(tmp_path):
-    with socket.create_server(("127.0.0.1", 0)) as other:
-        link = {"url": f"tcpin:127.0.0.1:{other.getsockname()[1]}"}
-        assert said(wires.links(config(links=[link]), machine(tmp_path)))[0] is Verdict.FAIL
-
-
-def test_a_listener_for_everybody_without_a_key_is_warned_of(tmp_path):
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("", 0))
-        link = {"url": f"udpin:0.0.0.0:{free.getsockname()[1]}"}
-    verdict, text = said(wires.links(config(links=[link]), machine(tmp_path)))
-    assert verdict is Verdict.WARN
-    assert "may give orders" in text
-
-
-def test_no_link_and_no_address_are_found(tmp_path):
-    assert said(wires.links(config(), machine(tmp_path)))[0] is Verdict.WARN
-    assert said(wires.links(config(links=[{"url": "carrier:pigeon"}]), machine(tmp_path)))[0] is Verdict.FAIL
-
-
-@pytest.mark.parametrize(
-    ("content", "mode", "verdict"),
-    [(b"k" * 32, 0o600, Verdict.OK), (b"k" * 32, 0o644, Verdict.FAIL), (b"k", 0o600, Verdict.FAIL)],
-)
-def test_a_key_is_whole_and_ours_alone(tmp_path, content, mode, verdict):
-    path = put(tmp_path, "/etc/ross/key")
-    path.write_bytes(content)
-    path.chmod(mode)
-    link = {"url": "udpout:127.0.0.1:14550", "key_file": "/etc/ross/key"}
-    assert said(wires.links(config(links=[link]), machine(tmp_path)))[0] is verdict
-
-
-def test_a_key_that_is_missing_is_found(tmp_path):
-    link = {"url": "udpout:127.0.0.1:14550", "key_file": "/etc/ross/key"}
-    assert "No such file" in said(wires.links(config(links=[link]), machine(tmp_path)))[1]
-
-
-@pytest.mark.parametrize(
-    ("tables", "verdict"),
-    [
-        ({}, Verdict.OK),
-        ({"telemetry": {"system_id": 0}}, Verdict.FAIL),
-        ({"telemetry": {"system_id": 0}, "links": [{"url": DEVICE, "role": "autopilot"}]}, Verdict.OK),
-        ({"mount": {"source": "autopilot"}}, Verdict.FAIL),
-        ({"telemetry": {"system_id": 255}}, Verdict.WARN),
-    ],
-)
-def test_ids_and_roles_must_fit(tmp_path, tables, verdict):
-    assert said(wires.identity(config(**tables), machine(tmp_path)))[0] is verdict
-
-
-def test_an_extra_that_is_not_asked_for_is_not_looked_for(tmp_path):
-    assert not list(wires.extras(config(audio={"source": "tcp:127.0.0.1:1"}), machine(tmp_path)))
-
-
-def test_pins_ask_for_the_library_that_drives_them(tmp_path):
-    pins = {"kind": "tb6600", "options": {"port": "pulses:lgpio:0:23,24,25"}}
-    finding = said(wires.extras(config(audio={"source": "tcp:127.0.0.1:1"}, actuator=pins), machine(tmp_path)))
-    assert finding[1].startswith("lgpio is ")
 
 
 # -------------------------------------------------------------------------------------------- microphones
@@ -368,9 +185,6 @@ def test_a_back_end_that_is_unknown_or_simulated_is_found(tmp_path):
 # -------------------------------------------------------------------------------------------- speed
 
 
-FAST = {"explore": {"unit_s": 0.5, "min_rotations": 1}, "exploit": {"separator": "duet", "run_s": 1}}
-
-
 class SlowClock:
     """Every look at it is ``step`` seconds after the one before."""
 
@@ -404,85 +218,3 @@ def test_the_made_up_voices_arrive_as_the_geometry_says():
 
 def test_a_separator_that_does_not_exist_is_a_finding():
     assert said(speed.headroom(config(exploit={"separator": "magic"}), SystemClock()))[0] is Verdict.FAIL
-
-
-# -------------------------------------------------------------------------------------------- machine
-
-
-def test_a_program_that_is_not_there_or_fails_says_nothing():
-    assert output_of(("no-such-program-here",)) is None
-    assert output_of(("false",)) is None
-    assert output_of(("echo", "yes")) == "yes"
-
-
-def test_this_computer_is_seen_as_it_is():
-    here = Machine()
-    assert here.text("/proc/self/comm")
-    assert here.text("/no/such/file") == ""
-    assert here.bits in (32, 64)
-    assert here.names("/dev", "nul[l]", "null") == ["/dev/null"]
-
-
-# -------------------------------------------------------------------------------------------- the command
-
-
-@pytest.fixture
-def doctor(monkeypatch, capsys, tmp_path):
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path / "state"))
-    path = tmp_path / "ross.toml"
-
-    def call(text, *options):
-        path.write_text(QUICK + text)
-        monkeypatch.setattr(sys, "argv", ["ross", "doctor", str(path), *options])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        said = capsys.readouterr()
-        return end.value.code, said.out, said.err
-
-    return call
-
-
-QUICK = """
-[audio]
-source = "tcp:127.0.0.1:9"
-[explore]
-unit_s = 0.5
-min_rotations = 1
-[exploit]
-separator = "duet"
-run_s = 1
-"""
-
-
-def test_every_check_is_one_line_and_one_for_what_to_do(doctor):
-    code, out, _ = doctor("[actuator]\nkind = 'ideal'\n")
-    assert code == 2  # nobody sends audio there
-    assert "fail  microphones  tcp:127.0.0.1:9" in out
-    lines = [line for line in out.splitlines() if not line.lstrip().startswith("->")]
-    assert all(line.split()[0] in ("ok", "warn", "fail") for line in lines)
-    assert "-> choose another actuator.kind" in out
-
-
-def test_what_must_be_mended_is_exit_code_2(doctor):
-    code, out, _ = doctor("[actuator]\nkind = 'hamster'\n", "--json")
-    report = json.loads(out)
-    assert code == 2
-    assert report["verdict"] == "fail"
-    assert any("hamster" in check["found"] and check["verdict"] == "fail" for check in report["checks"])
-
-
-def test_a_configuration_that_is_wrong_gets_one_line(doctor):
-    code, out, err = doctor("[guard]\nlower_deg = 'left'\n")
-    assert (code, out) == (2, "")
-    assert err.count("\n") == 1
-
-
-def test_a_check_that_breaks_hurts_no_other(tmp_path):
-    def surprised(config, machine):
-        yield ok("surprised", "so far")
-        raise KeyError("this")
-
-    found = list(examine(config(**FAST), machine(tmp_path), SystemClock(), (surprised, computer.python)))
-    assert [each.check for each in found[:3]] == ["surprised", "surprised", "python"]
-    assert "KeyError('this')" in found[1].found

@@ -14,22 +14,25 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fake_lgpio import FakeLgpio
+from pulse_trains import pulse, segment
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
-from ross_payload.actuators.tb6600.pulses import EDGE, Level, Line, Played, RanOut, Segment
+from ross_payload.actuators.tb6600.pulses import Level, Line, Played, RanOut, Segment
 from ross_payload.actuators.wires import open_wire
-from ross_payload.actuators.wires.gpio import GpioPulses, pins_of, wave
+from ross_payload.actuators.wires.gpio import GpioPulses, pins_of
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError, LinkError, PluginError
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.tb6600 import Tb6600FarEnd, far_end
+from tb6600_bench import Turning
 
 URL = "pulses:lgpio:0:17,27,22"
+
 SWITCH_PIN = 23
 
 
-class Bench:
+class Bench(Turning):
     """The driver on pins, the module and the motor on the same pins, in simulated time."""
 
     def __init__(self, phase: float = 0.0, **options: Any) -> None:
@@ -55,15 +58,6 @@ class Bench:
             if isinstance(report, Level):
                 self.gpio.inputs[SWITCH_PIN] = int(report.level)
 
-    def go(self, goal_deg: float, duration: float = 5.0) -> Bench:
-        self.guard.command(math.radians(goal_deg))
-        self.clock.sleep(duration)
-        return self
-
-    @property
-    def true_deg(self) -> float:
-        return math.degrees(self.far.angle())
-
 
 @pytest.fixture
 def clock() -> SimClock:
@@ -78,59 +72,6 @@ def gpio(clock: SimClock) -> FakeLgpio:
 @pytest.fixture
 def port(gpio: FakeLgpio, clock: SimClock) -> GpioPulses:
     return GpioPulses(gpio, pins_of(URL), clock)
-
-
-def segment(start: float, duration: float, *edges: tuple[float, Line, bool]) -> Segment:
-    return Segment(start, duration, np.array(list(edges), dtype=EDGE))
-
-
-def pulse(time: float) -> tuple[tuple[float, Line, bool], ...]:
-    return (time, Line.STEP, True), (time + 10e-6, Line.STEP, False)
-
-
-# ------------------------------------------------------------------------------------------ waves
-
-
-def test_a_wave_waits_until_the_first_edge_and_after_the_last() -> None:
-    pulses, end = wave(segment(5.0, 0.01, *pulse(0.002)), origin=5.0, written=0)
-    assert pulses == [(0, 0, 2000), (1, 1, 10), (0, 1, 7990)]
-    assert end == 10_000
-
-
-def test_edges_of_one_microsecond_become_one_pulse_that_touches_only_their_lines() -> None:
-    together = segment(0.0, 1e-3, (0.0, Line.DIRECTION, True), (0.0, Line.ENABLE, False))
-    assert wave(together, 0.0, 0)[0] == [(0b010, 0b110, 1000)]
-
-
-def test_a_segment_without_edges_is_a_rest() -> None:
-    assert wave(segment(1.5, 0.25), origin=1.0, written=500_000) == ([(0, 0, 250_000)], 750_000)
-
-
-times = st.lists(st.floats(5e-6, 0.01), min_size=1, max_size=30).map(np.cumsum)
-
-
-@given(times, st.floats(0, 1e5), st.integers(1, 20))
-def test_rounding_never_adds_up_and_waves_of_a_stream_fit_together(ends: np.ndarray, origin: float, n: int) -> None:
-    """Each edge is within a microsecond of its time, whatever stretches the stream is cut into."""
-    written, total, found = 0, 0, []
-    for begin, end in zip(np.concatenate([[0.0], ends]), ends, strict=False):
-        edges = np.linspace(0, end - begin, n, endpoint=False)
-        lines = [(time, Line.STEP, index % 2 == 0) for index, time in enumerate(edges)]
-        pulses, written = wave(segment(origin + begin, end - begin, *lines), origin, written)
-        for _, mask, delay in pulses:
-            found += [total] * bool(mask)
-            assert delay >= 0
-            total += delay
-    assert total == written
-    assert written == pytest.approx(ends[-1] * 1e6, abs=0.6)
-    assert len(found) <= n * len(ends)
-
-
-@given(st.floats(0, 1e6), st.floats(0, 1), st.integers(1, 1000))
-def test_edges_whole_microseconds_and_a_trifle_apart_stay_so_far_apart(start: float, first: float, gap: int) -> None:
-    edges = segment(start, 2.0, (first, Line.STEP, True), (first + gap * 1e-6 + 1e-8, Line.STEP, False))
-    pulses, _ = wave(edges, start, 0)
-    assert next(delay for bits, mask, delay in pulses if bits & mask) >= gap
 
 
 # ------------------------------------------------------------------------------------------ the port

@@ -10,6 +10,7 @@ from fastcrc.crc16 import mcrf4xx
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.links import Counts, Heard, Links, open_port
@@ -225,9 +226,7 @@ def test_a_flood_is_taken_in_bounded_bites_and_nothing_of_it_is_lost_in_here() -
 def test_a_flood_of_datagrams_is_read_in_bounded_bites() -> None:
     port = open_port("udpout:127.0.0.1:9", SystemClock())
     port.close()
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        free = probe.getsockname()[1]
+    free = free_port()
     port = open_port(f"udpin::{free}", SystemClock())
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
         for _ in range(50):

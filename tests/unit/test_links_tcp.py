@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.errors import ConfigError, LinkError
@@ -24,12 +25,6 @@ class LeapingClock(SystemClock):
 
     def now(self) -> float:
         return super().now() + self.ahead
-
-
-def free_port() -> int:
-    with socket.socket() as sock:
-        sock.bind(("127.0.0.1", 0))
-        return int(sock.getsockname()[1])
 
 
 def until(true: Callable[[], object], seconds: float = 10.0) -> object:
@@ -86,11 +81,11 @@ def test_tcp_goes_both_ways(server: socket.socket) -> None:
 
 def test_a_refused_connection_is_one_clear_line_for_the_impatient() -> None:
     with pytest.raises(LinkError, match=r"^link 'tcp:127.0.0.1:\d+' cannot be opened: Connection refused$"):
-        links_to(f"tcp:127.0.0.1:{free_port()}")
+        links_to(f"tcp:127.0.0.1:{free_port(socket.SOCK_STREAM)}")
 
 
 def test_a_patient_link_waits_for_a_server_that_comes_late() -> None:
-    port, clock = free_port(), LeapingClock()
+    port, clock = free_port(socket.SOCK_STREAM), LeapingClock()
     with links_to(f"tcp:127.0.0.1:{port}", clock=clock, patient=True) as links:
         until(lambda: links.poll() or status(links).error)
         assert (status(links).up, status(links).error) == (False, "Connection refused")
@@ -124,7 +119,7 @@ def test_a_server_that_leaves_and_returns_is_found_again(server: socket.socket) 
 
 
 def test_attempts_become_rarer() -> None:
-    port, clock = free_port(), LeapingClock()
+    port, clock = free_port(socket.SOCK_STREAM), LeapingClock()
     with links_to(f"tcp:127.0.0.1:{port}", clock=clock, patient=True) as links:
         port = links._links[0]._port
         attempts = []
@@ -199,7 +194,7 @@ def joined(links: Links, port: int, count: int) -> list[socket.socket]:
 
 
 def test_a_server_talks_to_all_its_clients() -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_STREAM)
     with links_to(f"tcpin::{port}") as links:
         clients = joined(links, port, 3)
         links.component(191).send(BEAT)
@@ -209,7 +204,7 @@ def test_a_server_talks_to_all_its_clients() -> None:
 
 
 def test_frames_of_two_clients_that_come_in_pieces_do_not_mix() -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_STREAM)
     one, two = Encoder(255, 190), Encoder(254, 190)
     with links_to(f"tcpin::{port}") as links:
         heard = hears(links)
@@ -231,7 +226,7 @@ def test_frames_of_two_clients_that_come_in_pieces_do_not_mix() -> None:
 
 
 def test_a_client_that_leaves_makes_room_and_the_others_stay() -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_STREAM)
     with links_to(f"tcpin::{port}") as links:
         stays, leaves = joined(links, port, 2)
         leaves.close()
@@ -243,7 +238,7 @@ def test_a_client_that_leaves_makes_room_and_the_others_stay() -> None:
 
 
 def test_the_seventeenth_client_is_turned_away() -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_STREAM)
     with links_to(f"tcpin::{port}") as links:
         clients = joined(links, port, 17)
         assert clients[16].recv(10) == b""
@@ -252,7 +247,7 @@ def test_the_seventeenth_client_is_turned_away() -> None:
 
 
 def test_a_server_listens_on_the_loopback_only_and_says_when_its_port_is_in_use(server: socket.socket) -> None:
-    port = open_port(f"tcpin::{free_port()}", SystemClock())
+    port = open_port(f"tcpin::{free_port(socket.SOCK_STREAM)}", SystemClock())
     assert port._socket.getsockname()[0] == "127.0.0.1"
     port.close()
     with pytest.raises(LinkError, match="cannot be opened: Address already in use"):
@@ -272,7 +267,7 @@ def test_no_link_is_opened_when_one_is_wrong(server: socket.socket) -> None:
 
 def test_the_links_before_a_broken_one_are_closed_again(server: socket.socket) -> None:
     with pytest.raises(LinkError):
-        links_to(f"tcp:127.0.0.1:{port_of(server)}", f"tcp:127.0.0.1:{free_port()}")
+        links_to(f"tcp:127.0.0.1:{port_of(server)}", f"tcp:127.0.0.1:{free_port(socket.SOCK_STREAM)}")
     ground, _ = server.accept()
     with ground:
         assert ground.recv(10) == b""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.errors import LinkError
@@ -15,12 +16,6 @@ from ross_protocols.values import Health, Heartbeat
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 FRAME = Encoder(255, 190).encode(BEAT)
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        sock.bind(("127.0.0.1", 0))
-        return int(sock.getsockname()[1])
 
 
 def until(true: Callable[[], object], seconds: float = 10.0) -> object:

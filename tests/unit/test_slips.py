@@ -6,11 +6,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 
-from mission_bench import RATE, RUN, SETTINGS, Likes, Rig, ThreeTalkers, rig
+from mission_bench import RATE, RUN, SETTINGS, Likes, OneGroupEach, Rig, ThreeTalkers, rig
+from ross_payload.dsp.stft import Stft
 from ross_payload.dsp.turned import common_turn
 from ross_payload.events import Doubted, Estimate, OrientationHeard, Outcome, Slipped, SourceEstimate, SourcesEstimated
 from ross_payload.interfaces import Observation
-from ross_payload.mission.slips import common_shift
+from ross_payload.mission.context import Context, Listening, Tools, hop
+from ross_payload.mission.slips import common_shift, survey, suspicion
 
 AZIMUTHS = (170, 70, -50)
 DROPS_ONCE = {RUN: lambda count: -1.0 if count <= 3 else 1.0}
@@ -51,6 +53,11 @@ def test_a_shift_of_everybody_is_found_whatever_their_order(shift):
     assert math.degrees(common_shift(estimate(*AZIMUTHS), after)) == pytest.approx(shift)
 
 
+def test_the_shift_is_the_mean_of_everybody_s():
+    after = estimate(170 + 12, 70 + 13.5, -50 + 12)
+    assert math.degrees(common_shift(estimate(*AZIMUTHS), after)) == pytest.approx(12.5)
+
+
 def test_a_shift_across_the_back_is_one_like_any_other():
     assert math.degrees(common_shift(estimate(175, 20), estimate(-170, 35))) == pytest.approx(15)
 
@@ -89,6 +96,22 @@ def test_the_mission_says_so_and_goes_on_with_the_azimuths_it_knew():
     assert [round(math.degrees(event.shift)) for event in one.said(Slipped)] == [12]
     assert put_right(one) == [12.0]
     assert last_azimuths(one) == pytest.approx(AZIMUTHS)
+    *_, explored, corrected = one.said(SourcesEstimated)
+    assert corrected.rotations == explored.rotations == 2
+
+
+def test_what_was_heard_is_remembered_with_headings_put_right():
+    stft = Stft(RATE, 512, 128)
+    context = Context(SETTINGS, Tools(Turned(shifts=(12,)), stft, OneGroupEach(), stft, Likes(1)))
+    context.surveyed = estimate(*AZIMUTHS), False
+
+    def brain():
+        yield from hop(context)
+        return (yield from survey(context))
+
+    found, _ = Rig(brain()).run()
+    assert [math.degrees(source.azimuth) for source in found.sources] == pytest.approx(AZIMUTHS)
+    assert [round(math.degrees(heard.heading)) for heard in context.explored] == [-12, 3, 18]
 
 
 def test_after_a_slip_the_alignment_is_that_of_the_azimuths_put_right():
@@ -148,6 +171,27 @@ def test_one_orientation_tells_by_how_much_everybody_has_turned():
 def test_talkers_who_stay_pause_or_walk_alone_are_no_turn_of_everybody(now):
     _, gain = common_turn(heard(*now), estimate(40, 155, -80), 0.05, 343.0)
     assert gain < 2
+
+
+@pytest.mark.parametrize(
+    ("now", "suspicious"),
+    [
+        ((40 + 8, 155 + 8, -80 + 8), True),
+        ((40 + 2, 155 + 2, -80 + 2), False),  # likelier than none, but nothing to turn for
+        ((40, 155, -100), False),  # a turn of everybody is a little likelier than none, but not by enough
+    ],
+)
+def test_a_suspicion_needs_a_turn_that_is_large_and_likely(now, suspicious):
+    class Hears(ThreeTalkers):
+        def observe(self, *_, frame_period=None):
+            return heard(*now, width=0.008 if max(now) == 157 else 0.03)
+
+    stft = Stft(RATE, 512, 128)
+    context = Context(SETTINGS, Tools(Hears(), stft, OneGroupEach(), stft, Likes(1)))
+    silence = Listening(HEADING, np.zeros((2, RATE), np.float32))
+    turn, gain = common_turn(Hears().observe(), estimate(40, 155, -80), 0.05, 343.0)
+    assert (gain > 2) or (abs(turn) > math.radians(3))  # one of both would do
+    assert bool(suspicion(context, estimate(40, 155, -80), silence)) is suspicious
 
 
 @dataclass

@@ -1,0 +1,262 @@
+"""The page as its operator meets it: a real browser, `ross ground` in its process, emulated payloads on real UDP."""
+
+import pytest
+from playwright.sync_api import expect
+
+from browsing import eventually
+from fleet_bench import FleetBench
+from page_eyes import texts, watch
+from served_ground import served
+
+pytest.importorskip("aiohttp", reason="the extra [ground]")
+
+
+SIZES = ((320, 640), (768, 1024), (1280, 800), (1920, 1080), (3840, 2160))
+
+THEMES = ("dark", "light", "sunlight")
+
+VIEWS = ("payload/1-191", "", "map", "flights")
+
+OVERLAPS = """() => {
+  const shown = (element) => element.getClientRects().length && getComputedStyle(element).visibility !== "hidden";
+  const boxes = [...document.querySelectorAll(
+    ".card, .hero, h1, .topbar :is(.brand, nav, .theme, .control, .stop-button, .square)"
+  )].filter(shown).map((element) => ({ element, box: element.getBoundingClientRect() }));
+  const pinned = (element) => Boolean(element.closest(".topbar"));
+  const found = [];
+  for (const [index, one] of boxes.entries()) for (const other of boxes.slice(index + 1)) {
+    if (one.element.contains(other.element) || pinned(one.element) !== pinned(other.element)) continue;
+    const across = Math.min(one.box.right, other.box.right) - Math.max(one.box.left, other.box.left);
+    const down = Math.min(one.box.bottom, other.box.bottom) - Math.max(one.box.top, other.box.top);
+    if (across > 1 && down > 1) found.push(`${one.element.className} on ${other.element.className}`);
+  }
+  return found;
+}"""
+
+STOP_IN_SIGHT = """() => {
+  const box = document.querySelector(".stop-button").getBoundingClientRect();
+  const on = document.elementFromPoint(box.left + box.width / 2, box.top + box.height / 2);
+  return box.top >= 0 && box.right <= innerWidth && Math.min(box.width, box.height) >= 44
+    && Boolean(on?.closest(".stop-button"));
+}"""
+
+
+@pytest.fixture(scope="module")
+def crew(browser, tmp_path_factory):
+    """Three payloads that are well, for tests that change nothing for the next one but orders."""
+    flights = tmp_path_factory.mktemp("flights")
+    with served("--flights", flights) as ground, FleetBench(ground.port, payloads=3, sources=4):
+        yield ground
+
+
+def command(open_page, url, who="1-191"):
+    """Open a payload's page and take control: it waits a while for the browser of the test before."""
+    page = watch(open_page, url, who)
+    page.get_by_role("button", name="Take control").click()
+    page.get_by_role("button", name="Leave control").wait_for()
+    return page
+
+
+def rearm(page):
+    page.get_by_role("button", name="Rearm").click()
+    eventually(page, lambda: page.locator(".payload-title .state").inner_text() != "Stopped")
+
+
+def test_axe_finds_nothing_wrong(crew, open_page):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    page = watch(open_page, crew.url)
+    page.locator("table.sources button").first.click()
+    page.locator(".parameters summary").click()
+    for view in (*VIEWS, "help"):
+        if view == "help":
+            page.get_by_role("button", name="Help").click()
+        else:
+            page.evaluate("view => { location.hash = `#/${view}`; }", view)
+        for theme in THEMES:
+            page.get_by_label("Look").select_option(theme)
+            page.wait_for_timeout(300)
+            found = axe.Axe().run(page).response["violations"]
+            wrong = [(each["id"], [node["html"] for node in each["nodes"]]) for each in found]
+            assert not wrong, (view, theme)
+
+
+def test_nothing_overlaps_or_leaves_the_screen(crew, open_page):
+    page = watch(open_page, crew.url)
+    page.locator("table.sources button").first.click()
+    page.locator(".parameters summary").click()
+    for view in VIEWS:
+        page.evaluate("view => { location.hash = `#/${view}`; }", view)
+        for width, height in SIZES:
+            page.set_viewport_size({"width": width, "height": height})
+            page.wait_for_timeout(200)
+            at = f"{view} at {width} x {height}"
+            assert page.evaluate("document.documentElement.scrollWidth") <= width, at
+            assert page.evaluate(OVERLAPS) == [], at
+            assert page.evaluate(STOP_IN_SIGHT), at
+            page.evaluate("scrollTo(0, document.body.scrollHeight)")
+            assert page.evaluate(STOP_IN_SIGHT), f"{at}, scrolled down"
+            page.evaluate("scrollTo(0, 0)")
+
+
+def test_every_payload_is_listed_with_a_way_to_it(crew, open_page):
+    page = open_page(crew.url)
+    page.get_by_role("link", name="Payload 2-191").click()
+    page.get_by_role("heading", name="Payload 2-191").wait_for()
+    page.locator("table.sources").wait_for()
+    expect(page.locator("h1")).to_be_focused()
+
+
+def test_escape_twice_stops_also_from_a_field(crew, open_page):
+    page = command(open_page, crew.url)
+    page.get_by_label("Heading, degrees").focus()
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
+    eventually(page, lambda: texts(page, ".payload-title .state") == ["Stopped"])
+    eventually(page, lambda: texts(page, ".stop-fate") == ["stopped"])
+    rearm(page)
+
+
+def test_one_escape_stops_nothing(crew, open_page):
+    page = watch(open_page, crew.url)
+    page.keyboard.press("Escape")
+    page.wait_for_timeout(1500)
+    page.keyboard.press("Escape")
+    page.wait_for_timeout(500)
+    assert not page.locator(".stop-fate").count()
+
+
+def test_stop_needs_no_control_and_no_second_click(crew, open_page):
+    holder, other = watch(open_page, crew.url), watch(open_page, crew.url)
+    holder.get_by_role("button", name="Take control").click()
+    explore = other.get_by_role("button", name="Explore", exact=True)
+    expect(explore).to_be_disabled()
+    expect(other.locator(".tied")).to_contain_text("has control: take it")
+    other.get_by_role("button", name="Stop 1-191").click()
+    eventually(other, lambda: texts(other, ".payload-title .state") == ["Stopped"])
+    other.get_by_role("button", name="Take control").click()
+    eventually(other, explore.is_enabled)
+    eventually(holder, holder.get_by_role("button", name="Explore", exact=True).is_disabled)
+    rearm(other)
+    other.get_by_role("button", name="Leave control").click()
+
+
+def test_away_from_a_payload_stop_is_for_all(crew, open_page):
+    page = open_page(crew.url)
+    page.get_by_role("button", name="Take control").click()
+    page.get_by_role("button", name="Stop all 3 payloads").click()
+    eventually(
+        page, lambda: [each.split("\n")[0] for each in texts(page, ".fleet .state")] == ["Stopped health: good"] * 3
+    )
+    eventually(page, lambda: texts(page, ".stop-fate") == ["stopped"])
+    for who in ("1-191", "2-191", "3-191"):
+        page.evaluate("who => { location.hash = `#/payload/${who}`; }", who)
+        page.get_by_role("heading", name=f"Payload {who}").wait_for()
+        rearm(page)
+
+
+def test_an_order_is_followed_to_its_end(crew, open_page):
+    page = command(open_page, crew.url, "2-191")
+    page.get_by_role("button", name="Explore", exact=True).click()
+    latest = page.locator(".order").first
+    eventually(page, lambda: latest.get_attribute("data-state") == "in_progress")
+    eventually(page, lambda: latest.locator("progress").count() == 1)
+    eventually(page, lambda: latest.get_attribute("data-state") == "done")
+    expect(latest.locator("progress")).to_have_count(0)
+
+
+def test_a_refusal_says_why_in_the_payloads_words(crew, open_page):
+    page = command(open_page, crew.url, "3-191")
+    page.locator("table.sources").get_by_role("button", name="Source 3").click()
+    page.get_by_role("button", name="Listen to source 3").first.click()  # its commands know of three: 0, 1 and 2
+    latest = page.locator(".order").first
+    eventually(page, lambda: latest.get_attribute("data-state") == "refused")
+    expect(latest.locator(".fate")).to_contain_text("no source 3")
+
+
+def test_a_heading_that_is_none_is_not_sent(crew, open_page):
+    page = command(open_page, crew.url, "3-191")
+    sent = page.locator(".order").count()
+    page.get_by_label("Heading, degrees").fill("4000")
+    page.get_by_role("button", name="Turn").click()
+    assert page.evaluate("document.querySelector('#turn').validity.rangeOverflow")
+    page.get_by_label("Heading, degrees").fill("30")
+    page.get_by_role("button", name="Turn").click()
+    expect(page.locator(".order")).to_have_count(sent + 1)
+    expect(page.locator(".order .what").first).to_contain_text("30")
+
+
+def test_a_source_of_the_table_can_be_listened_to(crew, open_page):
+    page = command(open_page, crew.url, "2-191")
+    page.locator("table.sources").get_by_role("button", name="Source 1").click()
+    page.get_by_role("button", name="Listen to source 1").first.click()
+    eventually(page, lambda: "source 1" in page.locator(".order .what").first.inner_text())
+
+
+def test_a_parameter_is_checked_here_and_set_there(crew, open_page):
+    page = command(open_page, crew.url)
+    page.locator(".parameters summary").click()
+    row = page.locator("tr", has=page.get_by_label("EXP_UNIT", exact=True))
+    field = page.get_by_label("EXP_UNIT", exact=True)
+    expect(row).to_contain_text("0.5 to 60")
+    field.fill("900")
+    expect(row).to_contain_text("at most 60 is wanted")
+    expect(row.get_by_role("button", name="Set")).to_be_disabled()
+    field.fill("4.5")
+    field.press("Enter")
+    expect(row).to_have_attribute("data-state", "set")
+    expect(field).to_have_value("4.5")
+    page.get_by_label("Show those with").fill("lead_in")
+    eventually(page, lambda: page.locator(".parameters tbody tr").count() == 1)
+
+
+def test_a_mission_is_ordered_with_the_keyboard_alone(crew, open_page):
+    page = open_page(crew.url)
+    page.get_by_role("link", name="Payload 1-191").wait_for()
+    tab_to(page, "Payload 1-191")
+    page.keyboard.press("Enter")
+    page.locator("table.sources").wait_for()
+    tab_to(page, "Take")
+    page.keyboard.press("Enter")
+    tab_to(page, "Explore")
+    page.keyboard.press("Enter")
+    eventually(page, lambda: "explore" in page.locator(".order .what").first.inner_text())
+    tab_to(page, "Source 0")
+    page.keyboard.press("Space")
+    tab_to(page, "Listen to source 0")
+    page.keyboard.press("Enter")
+    eventually(page, lambda: "source 0" in page.locator(".order .what").first.inner_text())
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
+    eventually(page, lambda: texts(page, ".payload-title .state") == ["Stopped"])
+    rearm(page)
+
+
+def tab_to(page, name):
+    """Press Tab until something of this name has the focus."""
+    for _ in range(80):
+        page.keyboard.press("Tab")
+        if name == page.evaluate("document.activeElement.innerText?.trim().split('\\n')[0]"):
+            return
+    raise AssertionError(f"no way to {name} by Tab")
+
+
+def test_what_is_drawn_can_be_measured(crew, open_page):
+    page = watch(open_page, crew.url)
+    eventually(page, lambda: page.evaluate("(globalThis.rossLatency ?? []).length") >= 5)
+    assert all(each["drawn"] >= each["heard"] - 1 for each in page.evaluate("rossLatency"))
+
+
+def test_two_placed_payloads_cross_their_bearings(crew, open_page):
+    page = open_page(f"{crew.url}#/map")
+    for who, north in (("1-191", "47.0"), ("2-191", "47.001")):
+        page.get_by_label("Payload", exact=True).select_option(who)
+        page.get_by_label("Latitude").fill(north)
+        page.get_by_label("Longitude").fill("8.0")
+        page.get_by_role("button", name="Place it").click()
+        page.locator(".places li", has_text=who).wait_for()
+    eventually(page, lambda: page.locator(".map .crossing").count() > 0 and page.locator(".map .ray").count() >= 8)
+    assert page.locator(".map .scale text").text_content().endswith(" m")
+    before = page.locator(".map .stand").first.get_attribute("transform")
+    page.locator(".map").focus()
+    page.keyboard.press("ArrowLeft")
+    eventually(page, lambda: page.locator(".map .stand").first.get_attribute("transform") != before)

@@ -1,0 +1,91 @@
+"""The demo's mission, watched through its page from the first word to the replay."""
+
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+
+import pytest
+
+from browsing import eventually
+from page_eyes import follow, seen, sees
+from short_mission import SHORT
+
+GONE = "ERR_CONNECTION_REFUSED"  # the page tries to come back when its server has ended
+
+
+@contextmanager
+def mission(window, *arguments):
+    """``ross sitl --page``: the process and the address of its page; Ctrl-C ends it."""
+    command = [sys.executable, "-u", "-m", "ross_payload.cli", "sitl", "--page", *map(str, arguments)]
+    window.expected.append(GONE)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        process.said = ""
+        try:
+            yield process, heard(process, "the page:").split()[-1]
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.said += process.communicate(timeout=90)[0]
+
+
+def heard(process, words):
+    """Read on until a line has these words; return it."""
+    for line in process.stdout:
+        process.said += line
+        if words in line:
+            return line
+    raise AssertionError(process.said)
+
+
+def payload(open_page, url):
+    page = open_page(f"{url}#/payload/1-191")
+    page.set_default_timeout(60_000)
+    page.locator(".payload-title .state").wait_for()
+    return page
+
+
+@pytest.mark.timeout(280)
+def test_the_whole_mission_is_watched_and_played_again(window, open_page, tmp_path):
+    with mission(window, "--out", tmp_path) as (process, url):
+        page = payload(open_page, url)
+        follow(page, ".payload-title .state")
+        source = page.locator(".scope .source").first
+        source.wait_for(timeout=90_000)
+        source.click()
+        page.get_by_role("button", name="Listen to source").first.click()
+        page.locator(".order[data-state='refused']").wait_for()
+        page.get_by_role("button", name="Park").click()
+        sees(page, "refused: this mission runs by itself", ".orders")
+        eventually(page, lambda: seen(page)[-1] == "Done", 120.0)
+        passed = seen(page)
+        assert any(words.startswith("Exploring") for words in passed), passed
+        assert "Separating the voice" in passed
+        assert "target" in page.locator("table.sources").text_content()
+        assert "replays the mission" in heard(process, "Ctrl-C ends it")
+        page.get_by_role("link", name="play it again").click(timeout=60_000)
+        replayed(page)
+    assert process.returncode == 0, process.said
+
+
+def replayed(page):
+    page.get_by_role("button", name="Open mission.tlog").click(timeout=60_000)
+    slider = page.get_by_label("Time of mission.tlog")
+    slider.wait_for()
+    slider.fill("20")
+    moment = page.locator(".playback .moment")
+    eventually(page, lambda: moment.text_content().startswith("0:20"))
+    page.locator(".recorded .scope .source").first.wait_for()
+    page.get_by_role("button", name="Play", exact=True).click()
+    eventually(page, lambda: "0:20" < moment.text_content()[:4] <= "0:42")
+
+
+@pytest.mark.timeout(200)
+def test_a_stop_pressed_on_the_page_ends_the_mission(window, open_page, tmp_path):
+    (tmp_path / "short.toml").write_text(SHORT)
+    with mission(window, "--scenario", tmp_path / "short.toml", "--speed", "0.5") as (process, url):
+        page = payload(open_page, url)
+        page.get_by_role("button", name="Stop 1-191").click()
+        eventually(page, lambda: "Stopped" in page.locator(".payload-title .state").text_content(), 60.0)
+        assert "shows how it ended" in heard(process, "Ctrl-C ends it")
+    assert process.returncode == 130
+    assert "stopped" in process.said

@@ -1,0 +1,46 @@
+"""What payloads say, and a picture that hears it."""
+
+from ross_payload.ground.picture.fleet import Fleet
+from ross_payload.ground.picture.known import Who
+from ross_payload.ground.picture.view import view
+from ross_protocols import values as v
+from ross_protocols.codec import Decoder, Encoder
+
+WHO = Who(1, 191)
+
+
+def status(time, **how):
+    return v.Status(**{"time_usec": round(time * 1e6), "mission_time": time, "state": 2, "earth": True} | how)
+
+
+def source(index, azimuth, estimate=1, count=3, time=1.0, **how):
+    told = {"sigma": 0.02, "confidence": 0.9, "weight": 0.3, "earth": True, "resolved": True} | how
+    return v.Source(round(time * 1e6), estimate, index, count, azimuth, **told)
+
+
+class Ground:
+    """Hears what components say."""
+
+    def __init__(self):
+        self.fleet, self.decoder, self.at = Fleet(), Decoder(), 0.0
+        self.encoders = {}
+
+    def frames(self, *said, who=(1, 191), sender=0):
+        encoder = self.encoders.setdefault((*who, sender), Encoder(*who))
+        return [encoder.encode(each) for each in said]
+
+    def say(self, *said, who=(1, 191), sender=0):
+        self.hear(self.frames(*said, who=who, sender=sender))
+
+    def hear(self, frames):
+        for frame in frames:
+            for packet in self.decoder.feed(frame):
+                self.fleet.hear(packet, self.at)
+
+    @property
+    def known(self):
+        return self.fleet.payloads[WHO]
+
+    @property
+    def view(self):
+        return view(self.known)

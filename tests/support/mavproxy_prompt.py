@@ -1,0 +1,58 @@
+"""MAVProxy in a process of its own, without a terminal: what is typed, and what it prints."""
+
+import importlib.util
+import re
+import subprocess
+import sys
+from contextlib import contextmanager
+
+import pytest
+
+
+def need_mavproxy():
+    if importlib.util.find_spec("MAVProxy") is None:
+        pytest.skip("needs the Python package MAVProxy")
+
+
+class Prompt:
+    """MAVProxy's command line, on pipes."""
+
+    def __init__(self, process, log, until):
+        self.process, self._log, self._until = process, log, until
+
+    def type(self, line):
+        """Type a line; return the place in what is printed, for `read`."""
+        place = len(self.said())
+        self.process.stdin.write(f"{line}\n")
+        self.process.stdin.flush()
+        return place
+
+    def said(self):
+        return self._log.read_text(errors="replace")
+
+    def read(self, pattern, since=0):
+        """Wait until it has printed what fits the pattern."""
+        return self._until(lambda: re.search(pattern, self.said()[since:]), 60, f"'{pattern}' in\n{self.said()}")
+
+    def asks(self, line, pattern):
+        """Type a line again and again until the answer fits: a payload may not be heard yet."""
+        return self._until(lambda: re.search(pattern, self._answer(line)), 60, f"'{pattern}' in\n{self.said()}")
+
+    def _answer(self, line):
+        place = self.type(line)
+        self.read(r"\S", place)
+        return self.said()[place:]
+
+
+@contextmanager
+def mavproxy(arguments, folder, until):
+    """Run Python with these arguments, which become MAVProxy; it keeps its files in a folder."""
+    need_mavproxy()
+    log = folder / "mavproxy.log"
+    command = [sys.executable, "-W", "ignore", "-u", *arguments, "--no-state"]
+    pipes = {"stdin": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    with log.open("w") as out, subprocess.Popen(command, cwd=folder, stdout=out, **pipes) as process:
+        try:
+            yield Prompt(process, log, until)
+        finally:
+            process.kill()

@@ -1,0 +1,41 @@
+"""What a person would see on a page: the words that stood in a place one after the other, and words anywhere."""
+
+from browsing import eventually
+
+FOLLOW = """selector => {
+  globalThis.rossSeen = [];
+  const look = () => {
+    const words = document.querySelector(selector)?.textContent.trim();
+    if (words && globalThis.rossSeen.at(-1) !== words) globalThis.rossSeen.push(words);
+  };
+  new MutationObserver(look).observe(document.body, {childList: true, characterData: true, subtree: true});
+  look();
+}"""
+
+
+def follow(page, selector):
+    """From now on, note all words that the page shows in a place; `seen` tells them in their order."""
+    page.evaluate(FOLLOW, selector)
+
+
+def seen(page):
+    return page.evaluate("() => globalThis.rossSeen")
+
+
+def sees(page, words, selector="body"):
+    """Wait until words are on the page."""
+    eventually(page, lambda: words in (page.locator(selector).first.text_content() or ""))
+
+
+def watch(open_page, url, who="1-191", **options):
+    """Open a payload's page and wait for its picture."""
+    page = open_page(f"{url}#/payload/{who}", **options)
+    page.set_default_timeout(60_000)
+    page.locator(".hero .scope").wait_for()
+    page.locator("table.sources").wait_for()
+    return page
+
+
+def texts(page, selector):
+    """The words of all that fits a selector."""
+    return page.locator(selector).all_inner_texts()

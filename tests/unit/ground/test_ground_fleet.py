@@ -1,0 +1,176 @@
+"""What is known of payloads from their frames alone: starts, twins, losses, texts in pieces."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from fleet_ear import WHO, source, status
+from ross_payload.ground.picture.fleet import MOST_PAYLOADS
+from ross_payload.ground.picture.known import Who
+from ross_protocols import values as v
+from ross_protocols.codec import chunks, message_of
+from ross_protocols.dialect import common
+from ross_protocols.tunnel import Wrapper
+
+# ------------------------------------------------------------------------------------------- who is there
+
+
+def test_only_who_speaks_our_dialect_or_its_mirrors_is_a_payload(ground):
+    ground.say(v.Heartbeat(v.Health.ACTIVE, 2), v.Named(0.0, "speed", 3.0), v.Text(v.Severity.INFO, "hello"))
+    assert ground.fleet.payloads == {}
+    ground.say(v.Named(0.0, "ross_k", 3.0), who=(2, 191))
+    ground.say(message_of(Wrapper(3, 191).wrap(status(1.0))), who=(3, 191))
+    assert [str(who) for who in ground.fleet.payloads] == ["2-191", "3-191"]
+    assert [known.tunnelled for known in ground.fleet.payloads.values()] == [False, True]
+
+
+def test_an_autopilot_tells_where_its_system_is(ground):
+    ground.say(common.MAVLink_global_position_int_message(0, 474000000, 85000000, 0, 0, 0, 0, 0, 9000), who=(1, 1))
+    assert math.degrees(ground.fleet.vehicles[1].position.latitude) == pytest.approx(47.4)
+    assert ground.fleet.payloads == {}
+
+
+def test_who_was_silent_for_long_makes_room_and_nobody_else_does(ground):
+    for system in range(1, MOST_PAYLOADS + 1):
+        ground.say(status(1.0), who=(system, 191))
+    ground.say(status(1.0), who=(200, 191))
+    assert (Who(200, 191) in ground.fleet.payloads, ground.fleet.refused) == (False, 1)
+    ground.at = 61.0
+    for system in range(2, MOST_PAYLOADS + 1):
+        ground.say(status(61.0), who=(system, 191))
+    ground.say(status(61.0), who=(200, 191))
+    assert Who(200, 191) in ground.fleet.payloads
+    assert WHO not in ground.fleet.payloads
+    assert len(ground.fleet.payloads) == MOST_PAYLOADS
+
+
+# ------------------------------------------------------------------------------------------- starts and twins
+
+
+def test_a_time_that_goes_back_is_a_new_start_and_what_was_known_is_forgotten(ground):
+    ground.say(status(100.0), source(0, 1.0), v.Text(v.Severity.INFO, "before"))
+    ground.at = 5.0
+    ground.say(status(1.0))
+    assert (ground.known.boots, ground.known.sources, ground.known.trails) == (2, (), ())
+    assert [said.text for said in ground.known.texts] == ["before"], "what was said stays said"
+
+
+def test_a_start_is_noticed_though_the_clock_is_that_of_the_world(ground):
+    ground.say(replace(status(100.0), time_usec=10**15, time_unix=True))
+    ground.say(replace(status(1.0), time_usec=10**15 + 10**7, time_unix=True))
+    assert ground.known.boots == 2
+
+
+def test_a_clock_that_is_set_is_no_new_start(ground):
+    ground.say(status(100.0))
+    ground.say(replace(status(100.1), time_usec=10**15, time_unix=True))
+    ground.say(replace(status(100.2), time_usec=100_200_000))
+    assert ground.known.boots == 1
+
+
+def test_a_heartbeat_that_boots_and_the_time_after_it_are_one_start(ground):
+    ground.say(v.Heartbeat(v.Health.ACTIVE, 2), status(100.0), v.Heartbeat(v.Health.ACTIVE, 2))
+    ground.say(v.Heartbeat(v.Health.BOOT, 0), v.Heartbeat(v.Health.BOOT, 0), status(0.1))
+    assert ground.known.boots == 2
+
+
+def test_a_frame_that_comes_late_is_no_new_start(ground):
+    ground.say(status(100.0), status(99.5), status(100.1))
+    assert ground.known.boots == 1
+
+
+def test_two_payloads_of_one_id_on_one_wire_are_noticed_and_named(ground):
+    for step in range(40):
+        ground.at = step / 10
+        ground.say(status(100 + ground.at), sender=1)
+        ground.say(status(500 + ground.at), sender=2)
+    assert ground.known.twin
+    reception = ground.view["health"]["reception"]
+    assert reception["level"] == "act"
+    assert "another system_id, or on one vehicle another component_id" in reception["words"]
+    assert ground.known.boots <= 3
+
+
+def test_when_one_of_the_two_is_gone_it_is_a_twin_no_longer_and_its_starts_count_again(ground):
+    test_two_payloads_of_one_id_on_one_wire_are_noticed_and_named(ground)
+    for step in range(200):
+        ground.at = 4 + step / 10
+        ground.say(status(500 + ground.at), sender=2)
+    boots = ground.known.boots
+    assert not ground.known.twin
+    ground.say(status(1.0), sender=2)
+    assert ground.known.boots == boots + 1
+
+
+# ------------------------------------------------------------------------------------------- losses
+
+
+def test_frames_that_are_missing_are_counted(ground):
+    frames = ground.frames(*(status(step / 10) for step in range(100)))
+    ground.hear(frames[:10] + frames[13:50] + frames[51:])
+    assert (ground.known.counts.frames, ground.known.counts.lost) == (96, 4)
+
+
+def test_a_payload_that_is_heard_on_two_links_loses_nothing(ground):
+    for step in range(300):
+        ground.say(status(step / 10), sender="udp")
+        if step > 100:
+            ground.say(status(step / 10 + 0.01), sender="radio")
+    assert (ground.known.counts.lost, ground.known.boots) == (0, 1)
+
+
+def test_doubled_frames_change_nothing(ground):
+    frames = ground.frames(*(status(step / 10) for step in range(20)), v.Text(v.Severity.INFO, "once"))
+    ground.hear([frame for frame in frames for _ in range(2)])
+    assert (ground.known.counts.frames, ground.known.counts.lost) == (21, 0)
+    assert len(ground.known.texts) == 1
+
+
+# ------------------------------------------------------------------------------------------- texts
+
+LONG = "RoSS: " + "abcdefghij" * 14
+
+
+def texts(ground):
+    return [said.text for said in ground.known.texts]
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 0, 2, 0, 1, 2)])
+def test_a_text_is_whole_once_in_whatever_order_its_chunks_come(ground, order):
+    ground.say(status(0.0))
+    frames = ground.frames(*chunks(v.Severity.WARNING, LONG, 9))
+    ground.hear([frames[index] for index in order])
+    ground.at = 3.0
+    ground.say(status(3.0))
+    assert texts(ground) == [LONG]
+
+
+@pytest.mark.parametrize(
+    ("lost", "shown"), [(0, " ... " + LONG[50:]), (1, LONG[:50] + " ... " + LONG[100:]), (2, LONG[:100] + " ...")]
+)
+def test_a_lost_chunk_leaves_a_gap_and_the_rest_is_shown_within_three_seconds(ground, lost, shown):
+    ground.say(status(0.0))
+    frames = ground.frames(*chunks(v.Severity.WARNING, LONG, 9))
+    ground.hear(frames[:lost] + frames[lost + 1 :])
+    assert texts(ground) == []
+    ground.at = 2.5
+    ground.say(status(2.5))
+    assert texts(ground) == [shown]
+
+
+def test_a_number_is_used_again_for_another_text_later(ground):
+    ground.say(status(0.0))
+    for at in (0.0, 60.0):
+        ground.at = at
+        ground.say(*chunks(v.Severity.WARNING, LONG, 9))
+    assert texts(ground) == [LONG, LONG]
+
+
+def test_no_flood_of_beginnings_fills_the_memory(ground):
+    ground.say(status(0.0))
+    for number in range(1, 5000):
+        ground.at = number / 10
+        ground.say(v.Text(v.Severity.INFO, "x" * 50, number, 255))
+    assert len(ground.known.texts) == 200
+    assert max(map(len, texts(ground))) < 1100

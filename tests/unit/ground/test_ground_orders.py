@@ -1,0 +1,267 @@
+"""Orders to a payload that is scripted: what is said again, what every answer means, and what is shown."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from client_bench import OVER, US, WHO
+from ross_payload.ground.clients.orders import (
+    Cancel,
+    Explore,
+    Listen,
+    Orders,
+    Rearm,
+    Record,
+    Stop,
+    Turn,
+)
+from ross_payload.ground.picture.known import Payload as Known
+from ross_payload.ground.picture.known import Who
+from ross_protocols.codec import Decoder, Encoder
+from ross_protocols.commands import Result, acknowledgement
+from ross_protocols.dialect import ross
+from ross_protocols.values import Severity, Text
+
+TURN, LISTEN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_LISTEN, ross.MAV_CMD_ROSS_STOP
+
+
+class Script:
+    """A payload that says what it is told to, and keeps what it hears."""
+
+    def __init__(self):
+        self.heard = []
+        self.now = 0.0
+        self.orders = Orders(lambda message, who: self.heard.append((self.now, message)), *US)
+        self.encoder, self.decoder = Encoder(1, 191), Decoder()
+
+    def say(self, message, encoder=None):
+        for packet in self.decoder.feed((encoder or self.encoder).encode(message)):
+            self.orders.heard(packet, self.now)
+
+    def ack(self, number, result, to=US, progress=None, encoder=None):
+        self.say(acknowledgement(number, result, *to, progress), encoder)
+
+    def wait(self, seconds):
+        for _ in range(round(seconds * 20)):
+            self.now = round(self.now + 0.05, 6)
+            self.orders.tick(self.now)
+
+    def states(self):
+        return [doing.state for doing in self.orders.doing]
+
+
+@pytest.fixture
+def script():
+    return Script()
+
+
+def test_an_order_that_nobody_answers_is_said_five_times_in_four_seconds(script):
+    script.orders.order(WHO, Turn(40))
+    script.wait(20)
+    assert [at for at, _ in script.heard] == pytest.approx([0, 1, 2, 3, 4], abs=0.06)
+    assert [message.confirmation for _, message in script.heard] == [0, 1, 2, 3, 4]
+    assert {(m.target_system, m.target_component, m.command, m.param1) for _, m in script.heard} == {(1, 191, TURN, 40)}
+    (doing,) = script.orders.doing
+    assert (doing.state, doing.at) == ("no_answer", pytest.approx(5.0, abs=0.06))
+    assert "accept" in doing.reason
+
+
+def test_a_stop_that_nobody_answers_is_said_five_times_a_second(script):
+    script.orders.order(WHO, Stop())
+    script.wait(10)
+    assert [at for at, _ in script.heard] == pytest.approx([0.2 * k for k in range(11)], abs=0.06)
+    assert script.states() == ["no_answer"]
+
+
+def test_a_stop_waits_for_nothing_and_silences_what_was_never_heard(script):
+    for order in (Turn(40), Rearm(), Explore()):
+        script.orders.order(WHO, order)
+    script.orders.order(WHO, Stop())
+    assert script.heard[-1] == (0.0, script.heard[-1][1])
+    assert script.heard[-1][1].command == STOP
+    script.wait(6)
+    assert script.states() == ["cancelled", "cancelled", "cancelled", "no_answer"]
+    assert {message.command for at, message in script.heard if at > 0} == {STOP}
+
+
+def test_a_cancel_that_was_not_heard_does_not_end_the_order_after_it(script):
+    script.orders.order(WHO, Cancel())
+    script.orders.order(WHO, Explore())
+    script.wait(3)
+    assert {message.command for at, message in script.heard if at > 0} == {Explore.number}
+
+
+@pytest.mark.parametrize(
+    ("result", "state", "word"),
+    [
+        (Result.ACCEPTED, "done", ""),
+        (Result.TEMPORARILY_REJECTED, "refused", "not now"),
+        (Result.DENIED, "refused", "accept"),
+        (Result.UNSUPPORTED, "refused", "know"),
+        (Result.FAILED, "failed", "no good end"),
+        (Result.CANCELLED, "cancelled", "ended by"),
+    ],
+)
+def test_every_result_has_a_state_and_words_even_without_a_text(script, result, state, word):
+    script.orders.order(WHO, Turn(40))
+    script.ack(TURN, result)
+    (doing,) = script.orders.doing
+    assert doing.state == state
+    assert word in doing.reason
+
+
+def test_an_answer_to_somebody_else_is_none(script):
+    script.orders.order(WHO, Turn(40))
+    script.ack(TURN, Result.ACCEPTED, to=(254, 190))
+    script.ack(TURN, Result.ACCEPTED, to=(255, 1))
+    script.ack(TURN, Result.ACCEPTED, encoder=Encoder(2, 191))
+    script.ack(TURN, Result.ACCEPTED, encoder=Encoder(1, 154))
+    script.ack(LISTEN, Result.ACCEPTED)
+    assert script.states() == ["sent"]
+    script.ack(TURN, Result.ACCEPTED, to=(0, 0))
+    assert script.states() == ["done"]
+
+
+def test_a_text_about_another_order_is_no_reason(script):
+    script.orders.order(WHO, Turn(40))
+    script.ack(TURN, Result.DENIED)
+    script.say(Text(Severity.WARNING, "RoSS: listen refused: nobody there"))
+    assert "nobody" not in script.orders.doing[-1].reason
+
+
+def test_a_reason_that_comes_before_its_refusal_counts_and_a_late_one_does_not(script):
+    text = Text(Severity.WARNING, "RoSS: turn refused: beyond the limit")
+    script.orders.order(WHO, Turn(40))
+    script.say(text)
+    script.wait(0.2)
+    script.ack(TURN, Result.DENIED)
+    assert script.orders.doing[-1].reason == "beyond the limit"
+    script.wait(5)
+    script.orders.order(WHO, Turn(41))
+    script.ack(TURN, Result.DENIED)
+    script.wait(2)
+    script.say(text)
+    assert script.orders.doing[-1].reason != "beyond the limit"
+
+
+def test_a_failure_is_told_in_the_words_of_the_missions_end(script):
+    script.orders.order(WHO, Explore())
+    script.ack(Explore.number, Result.IN_PROGRESS)
+    script.say(Text(Severity.CRITICAL, "RoSS: mission over: the actuator is blocked"))
+    script.ack(Explore.number, Result.FAILED)
+    assert script.orders.doing[-1].reason == "the actuator is blocked"
+
+
+def test_a_doubled_end_of_one_order_does_not_end_the_next(script):
+    for heading in (40, 41):
+        script.orders.order(WHO, Turn(heading))
+        script.ack(TURN, Result.ACCEPTED)
+    assert script.states() == ["done", "sent"]
+    script.ack(TURN, Result.IN_PROGRESS)
+    script.ack(TURN, Result.ACCEPTED)
+    assert script.states() == ["done", "acknowledged"]
+    script.wait(1.0)
+    assert script.heard[-1][1].confirmation == 1, "it asks whose answer that was"
+    script.ack(TURN, Result.ACCEPTED)
+    assert script.states() == ["done", "done"]
+
+
+def test_a_second_stop_is_in_doubt_only_when_something_was_armed_in_between(script):
+    for order in (Stop(), Stop(), Rearm(), Stop()):
+        script.orders.order(WHO, order)
+        script.ack(order.number, Result.ACCEPTED)
+    assert script.states() == ["done", "done", "done", "sent"]
+
+
+def test_listening_to_another_one_takes_the_place_of_listening(script):
+    for source in (0, 1):
+        script.orders.order(WHO, Listen(source=source))
+        script.ack(LISTEN, Result.IN_PROGRESS)
+    assert script.states() == ["acknowledged", "acknowledged"]
+    script.wait(1.05)
+    assert script.heard[-1][1].param2 == 1, "the answer may have been to the first: it asks once more"
+    script.ack(LISTEN, Result.IN_PROGRESS)
+    script.ack(LISTEN, Result.CANCELLED)
+    assert script.states() == ["cancelled", "cancelled"]
+
+
+def test_the_end_of_the_first_is_not_that_of_the_second_which_was_not_heard_yet(script):
+    script.orders.order(WHO, Turn(40))
+    script.ack(TURN, Result.IN_PROGRESS)
+    script.wait(0.5)
+    script.orders.order(WHO, Turn(50))
+    script.ack(TURN, Result.ACCEPTED)
+    assert script.states() == ["done", "sent"]
+
+
+def test_an_answer_after_all_is_shown_though_it_was_given_up(script):
+    script.orders.order(WHO, Turn(40))
+    script.wait(8)
+    assert script.states() == ["no_answer"]
+    script.ack(TURN, Result.IN_PROGRESS, progress=0.5)
+    assert (script.states(), script.orders.doing[-1].progress) == (["in_progress"], 0.5)
+    script.ack(TURN, Result.ACCEPTED)
+    assert script.states() == ["done"]
+
+
+def test_a_payload_that_starts_anew_does_not_do_what_it_was_told_before(script):
+    script.orders.met(Known(WHO, 0.0, 0.0, boots=1))
+    script.orders.order(WHO, Turn(40))
+    script.orders.order(Who(2, 191), Turn(40))
+    script.orders.met(Known(WHO, 0.0, 1.0, boots=2))
+    assert script.states() == ["failed", "sent"]
+    assert script.orders.doing[0].reason == "the payload started anew"
+    script.wait(3)
+    assert {message.target_system for at, message in script.heard if at > 0} == {2}
+
+
+def test_the_latest_fifty_are_kept(script):
+    for heading in range(60):
+        script.orders.order(WHO, Turn(heading))
+    assert [doing.words for doing in script.orders.doing] == [f"turn to {h} deg" for h in range(10, 60)]
+    script.wait(1.1)
+    assert len(script.heard) == 60 + 50
+
+
+def test_a_result_that_nobody_knows_changes_nothing(script):
+    script.orders.order(WHO, Turn(40))
+    script.say(ross.MAVLink_command_ack_message(TURN, 77, target_system=255, target_component=190))
+    assert script.states() == ["sent"]
+
+
+KINDS = [Explore(), Turn(40.0), Turn(41.0), Listen(source=1), Stop(), Rearm(), Cancel(), Record(True), Record(False)]
+
+actions = st.one_of(
+    st.tuples(st.just("order"), st.sampled_from(KINDS)),
+    st.tuples(st.just("ack"), st.sampled_from(KINDS), st.sampled_from(Result), st.sampled_from([None, 0.0, 0.7])),
+    st.tuples(st.just("wait"), st.sampled_from([0.05, 0.3, 1.0, 2.5, 6.0])),
+    st.tuples(st.just("cancel"), st.integers(0, 12)),
+    st.tuples(st.just("restart"), st.just(0)),
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(actions, max_size=25))
+def test_whatever_is_answered_what_is_over_stays_over_and_silence_ends_every_talk(story):
+    script, boots, over = Script(), 1, {}
+    for what, *how in story:
+        match what:
+            case "order":
+                script.orders.order(WHO, how[0])
+            case "ack":
+                script.ack(how[0].number, how[1], progress=how[2])
+            case "wait":
+                script.wait(how[0])
+            case "cancel":
+                script.orders.cancel(how[0])
+            case "restart":
+                boots += 1
+                script.orders.met(Known(WHO, 0.0, script.now, boots=boots))
+        now = {doing.number: doing.state for doing in script.orders.doing if doing.state in OVER[:-1]}
+        assert over.items() <= now.items()
+        over = now
+    script.wait(12)
+    said = len(script.heard)
+    script.wait(5)
+    assert len(script.heard) == said
+    assert set(script.states()) <= set(OVER)

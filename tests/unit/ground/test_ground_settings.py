@@ -1,0 +1,269 @@
+"""Parameters of a payload: listed, explained, set; on good links, on bad ones, and of a payload with other manners."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from pymavlink.dialects.v20 import common
+
+from client_bench import US, WHO, Served, Station
+from ross_payload.config import Config
+from ross_payload.ground.clients.settings import Settings
+from ross_payload.ground.picture.known import Payload as Known
+from ross_payload.parameters import TABLE, value_of
+from ross_protocols.codec import Decoder, Encoder
+from ross_protocols.params import NO_INDEX, ParamError, value_message
+from ross_protocols.values import Severity, Text
+
+DEFAULTS = {name: value_of(Config(), name) for name in TABLE}
+
+
+def rig_of(sky, **odds):
+    payload = Served(sky(**odds))
+    station = Station(payload)
+    settings = Settings(station.send, WHO, *US)
+    station.clients.append(settings)
+    return SimpleNamespace(payload=payload, station=station, settings=settings)
+
+
+@pytest.fixture
+def rig(sky):
+    return rig_of(sky)
+
+
+def row(settings, name):
+    return next(row for row in settings.rows() if row["name"] == name)
+
+
+def test_all_parameters_come_with_values_in_the_payloads_order(rig):
+    assert rig.station.wait(5, lambda: rig.settings.complete)
+    assert rig.settings.values == pytest.approx(DEFAULTS)
+    assert [row["name"] for row in rig.settings.rows()] == list(TABLE)
+    assert {row["state"] for row in rig.settings.rows()} == {"known"}
+
+
+def test_their_meaning_comes_from_the_payloads_metadata(rig):
+    rig.station.wait(15, lambda: rig.settings.complete and all(row["description"] for row in rig.settings.rows()))
+    unit, parameter = row(rig.settings, "EXP_UNIT"), TABLE["EXP_UNIT"]
+    assert (unit["min"], unit["max"], unit["unit"]) == (parameter.lower, parameter.upper, "s")
+    assert parameter.about.rstrip(".") in unit["description"]
+    assert unit["group"] == "explore"
+    assert (row(rig.settings, "EXP_MAX_ROT")["whole"], unit["whole"]) == (True, False)
+    assert rig.settings.notes() == []
+
+
+def test_what_is_set_is_sent_read_back_and_in_force(rig):
+    rig.station.wait(5, lambda: rig.settings.complete)
+    rig.settings.set("EXP_UNIT", 2.3)
+    assert row(rig.settings, "EXP_UNIT")["state"] == "sending"
+    assert rig.station.wait(1, lambda: row(rig.settings, "EXP_UNIT")["state"] == "set")
+    assert rig.payload.parameters.value("EXP_UNIT") == rig.settings.values["EXP_UNIT"] == 2.3
+
+
+def test_what_is_refused_says_why_and_keeps_its_value(rig):
+    rig.station.wait(5, lambda: rig.settings.complete)
+    rig.settings.set("EXP_STEP", 999)
+    assert rig.station.wait(2, lambda: "found 999, wanted" in row(rig.settings, "EXP_STEP")["reason"])
+    assert row(rig.settings, "EXP_STEP")["state"] == "refused"
+    assert rig.settings.values["EXP_STEP"] == 15.0
+
+
+def test_what_somebody_else_sets_is_seen(rig):
+    rig.station.wait(5, lambda: rig.settings.complete)
+    other = Station(rig.payload, (254, 190))
+    rig.payload.parameters.set("EXP_UNIT", 4.0)
+    rig.station.wait(1)
+    assert row(rig.settings, "EXP_UNIT")["value"] == 4.0
+    assert not other.sent
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_on_a_bad_link_the_list_and_its_meaning_are_whole_after_all(sky, seed):
+    rig = rig_of(sky, loss=0.2, doubled=0.2, delayed=0.2, seed=seed)
+    assert rig.station.wait(30, lambda: rig.settings.complete)
+    assert rig.settings.values == pytest.approx(DEFAULTS)
+    assert rig.station.wait(60, lambda: all(row["description"] for row in rig.settings.rows()))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_on_a_bad_link_what_is_shown_as_set_is_in_force(sky, seed):
+    rig = rig_of(sky, loss=0.2, doubled=0.2, delayed=0.2, damaged=0.05, seed=seed)
+    assert rig.station.wait(30, lambda: rig.settings.complete)
+    for value in (2.0, 3.5, 2.0, 4.5):
+        rig.settings.set("EXP_UNIT", value)
+        rig.station.wait(8, lambda: row(rig.settings, "EXP_UNIT")["state"] == "set")
+        assert rig.payload.parameters.value("EXP_UNIT") == value
+        rig.settings.set("EXP_STEP", 999)
+        assert rig.station.wait(8, lambda: row(rig.settings, "EXP_STEP")["state"] == "refused")
+        rig.station.wait(1)
+
+
+def test_who_may_not_set_is_told_that_nobody_answers(rig):
+    rig.station.wait(5, lambda: rig.settings.complete)
+    rig.station.lose = lambda message: True
+    rig.settings.set("EXP_UNIT", 2.3)
+    rig.station.wait(8)
+    assert row(rig.settings, "EXP_UNIT")["state"] == "no_answer"
+    assert "accept" in row(rig.settings, "EXP_UNIT")["reason"]
+    assert sum(message.get_type() == "PARAM_SET" for _, message in rig.station.sent) == 5
+
+
+# ------------------------------------------------------------------------------------------- with a scripted payload
+
+
+class Script:
+    """A payload with any parameters."""
+
+    def __init__(self):
+        self.heard, self.now = [], 0.0
+        self.settings = Settings(lambda message, who: self.heard.append(message), WHO, *US)
+        self.encoder, self.decoder = Encoder(1, 191), Decoder()
+        self.wait(0.05)
+
+    def say(self, message):
+        for packet in self.decoder.feed(self.encoder.encode(message)):
+            self.settings.heard(packet, self.now)
+
+    def tell(self, values, start=0, count=None):
+        for index, (name, value) in enumerate(values.items(), start):
+            self.say(value_message(name, value, index, len(values) if count is None else count))
+
+    def wait(self, seconds):
+        for _ in range(round(seconds * 20)):
+            self.now = round(self.now + 0.05, 6)
+            self.settings.tick(self.now)
+
+    def names(self):
+        return [message.get_type() for message in self.heard]
+
+
+@pytest.fixture
+def script():
+    return Script()
+
+
+def test_a_payload_that_tells_nothing_about_its_parameters_still_shows_them(script):
+    script.tell({"ALPHA": 1.0, "BETA": 2.5})
+    script.wait(20)
+    assert [(row["name"], row["value"], row["description"]) for row in script.settings.rows()] == [
+        ("ALPHA", 1.0, ""),
+        ("BETA", 2.5, ""),
+    ]
+    assert script.settings.notes() == ["the payload tells nothing about its parameters"]
+
+
+def test_a_list_that_nobody_answers_is_asked_for_every_five_seconds(script):
+    script.wait(20)
+    assert script.names() == ["PARAM_REQUEST_LIST"] * 5 or script.names() == ["PARAM_REQUEST_LIST"] * 4
+
+
+def test_what_is_missing_is_asked_for_by_index(script):
+    script.tell({"ALPHA": 1.0}, count=3)
+    script.wait(2.5)
+    asked = [message.param_index for message in script.heard if message.get_type() == "PARAM_REQUEST_READ"]
+    assert set(asked) == {1, 2}
+
+
+def test_a_payload_that_starts_with_other_parameters_is_listed_again(script):
+    script.settings.met(Known(WHO, 0.0, 0.0, boots=1))
+    script.tell({"ALPHA": 1.0, "BETA": 2.5})
+    script.settings.met(Known(WHO, 0.0, 1.0, boots=2))
+    assert script.settings.values == {}
+    script.wait(0.1)
+    assert script.names()[-1] == "PARAM_REQUEST_LIST"
+    script.tell({"GAMMA": 3.0})
+    assert script.settings.values == {"GAMMA": 3.0}
+    assert script.settings.complete
+
+
+def test_another_set_is_noticed_though_the_start_was_not(script):
+    script.tell({"ALPHA": 1.0, "BETA": 2.5})
+    script.wait(6)
+    script.tell({"GAMMA": 3.0, "DELTA": 1.0, "EPS": 0.5})
+    assert list(script.settings.values) == ["GAMMA", "DELTA", "EPS"]
+
+
+def test_two_sets_at_once_are_noticed_and_no_flood_of_requests_follows(script):
+    for _ in range(200):
+        script.tell({"ALPHA": 1.0})
+        script.tell({"GAMMA": 3.0, "DELTA": 1.0})
+        script.wait(0.05)
+    assert any("two payloads" in note for note in script.settings.notes())
+    assert len(script.heard) < 40
+
+
+def test_no_more_than_a_thousand_are_kept(script):
+    script.tell({f"P{index}": 1.0 for index in range(1200)})
+    assert len(script.settings.rows()) == 1000
+    assert any("1200" in note for note in script.settings.notes())
+    assert script.settings.complete
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_value_that_is_no_number_is_left_out_with_a_note(script, value):
+    script.tell({"ALPHA": value, "BETA": 2.5})
+    assert script.settings.values == {"BETA": 2.5}
+    assert any("no number" in note for note in script.settings.notes())
+
+
+@pytest.mark.parametrize("name", [b"", b"\xff\xfe", b"A\x1b[31m"])
+def test_a_name_that_is_none_is_left_out_with_a_note(script, name):
+    script.say(common.MAVLink_param_value_message(name, 1.0, common.MAV_PARAM_TYPE_REAL32, 1, 0))
+    assert script.settings.values == {}
+    assert any("no name" in note for note in script.settings.notes())
+
+
+def test_a_value_without_an_index_changes_what_is_known(script):
+    script.tell({"ALPHA": 1.0})
+    script.say(value_message("ALPHA", 2.0, NO_INDEX, 1))
+    assert script.settings.values == {"ALPHA": 2.0}
+
+
+@pytest.mark.parametrize(("kind", "wire"), [("INT32", 1.6815581571897805e-44), ("INT32", 12.0), ("REAL32", 12.0)])
+def test_a_whole_number_is_understood_however_it_is_sent(script, kind, wire):
+    number = getattr(common, f"MAV_PARAM_TYPE_{kind}")
+    script.say(common.MAVLink_param_value_message(b"ALPHA", wire, number, 1, 0))
+    assert script.settings.values == {"ALPHA": 12.0}
+
+
+def test_a_value_that_stays_is_a_refusal_though_no_error_comes(script):
+    script.tell({"ALPHA": 1.0})
+    script.settings.set("ALPHA", 5.0)
+    for _ in range(8):
+        script.tell({"ALPHA": 1.0})
+        script.wait(1)
+    (row,) = script.settings.rows()
+    assert (row["state"], row["reason"]) == ("refused", "it stays at 1")
+
+
+def test_an_error_meant_for_somebody_else_refuses_nothing(script):
+    script.tell({"ALPHA": 1.0})
+    script.settings.set("ALPHA", 5.0)
+    error = ParamError.VALUE_OUT_OF_RANGE
+    script.say(common.MAVLink_param_error_message(254, 190, b"ALPHA", -1, error))
+    assert script.settings.rows()[0]["state"] == "sending"
+    script.say(common.MAVLink_param_error_message(*US, b"ALPHA", -1, error))
+    assert script.settings.rows()[0]["state"] == "refused"
+
+
+def test_a_text_about_another_parameter_is_no_reason(script):
+    script.tell({"ALPHA": 1.0})
+    script.settings.set("ALPHA", 5.0)
+    script.say(common.MAVLink_param_error_message(*US, b"ALPHA", -1, 77))
+    script.say(Text(Severity.WARNING, "RoSS: BETA: found 5, wanted 1"))
+    assert script.settings.rows()[0]["reason"] == "refused"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("NOBODY", 1.0), ("ALPHA", math.nan), ("ALPHA", 1e39), ("ALPHA", 10**400)], ids=range(4)
+)
+def test_what_cannot_be_set_says_so_at_once(script, name, value):
+    script.tell({"ALPHA": 1.0})
+    with pytest.raises(ValueError, match=r"found.* wanted"):
+        script.settings.set(name, value)
+
+
+def test_what_another_component_says_is_no_parameter_of_this_one(script):
+    script.encoder = Encoder(1, 1)
+    script.tell({"ALPHA": 1.0})
+    assert script.settings.values == {}

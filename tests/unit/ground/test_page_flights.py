@@ -1,0 +1,296 @@
+"""Flights of the past on the page: what is in the folder, what browsers bring, and how it plays."""
+
+import asyncio
+import io
+import itertools
+import os
+import stat
+import tempfile
+import time
+from pathlib import Path
+
+import aiohttp
+import pytest
+
+from flight_logs import UNIX, record, write_hour
+from ground_page import browser, page
+from ross_payload.ground.page import shelf
+from ross_payload.ground.page.shelf import Flights
+from ross_protocols.codec import Encoder
+from ross_protocols.dialect import common
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A log of two payloads, one of somebody else, a session, and what is none."""
+    flights = tmp_path / "flights"
+    (flights / "session").mkdir(parents=True)
+    (flights / "empty").mkdir()
+    write_hour(flights / "two.tlog", seconds=60, payloads=2)
+    write_hour(flights / "session" / "telemetry.tlog", seconds=5, payloads=1)
+    beat = Encoder(1, 1).encode(common.MAVLink_heartbeat_message(2, 3, 81, 0, 4, 3))
+    (flights / "other.tlog").write_bytes(record(UNIX, beat))
+    (flights / "text.tlog").write_text("hello")
+    (flights / "notes.txt").write_text("hello")
+    return flights
+
+
+async def opened(one, name="two.tlog", slot="a"):
+    await one.say(type="flight", slot=slot, open=name)
+    return await one.next("flight", lambda message: message["slot"] == slot)
+
+
+def test_the_flights_of_the_folder_are_listed_with_what_is_odd_about_them(folder):
+    async def run():
+        async with page(None, Flights(folder)) as served, browser(served.url) as one:
+            told = await one.next("flights", lambda message: message["known"])
+            known = {each["name"]: each for each in told["known"]}
+            assert set(known) == {"two.tlog", "session", "other.tlog", "text.tlog"}
+            assert "a text found" in known["text.tlog"]["notes"][0]
+            assert "nothing of ours" in known["other.tlog"]["notes"][0]
+
+    for path in folder.rglob("*.tlog"):
+        make_old(path)
+    asyncio.run(run())
+
+
+def make_old(path):
+    os.utime(path, (time.time() - 100, time.time() - 100))
+
+
+def test_a_flight_that_is_still_written_is_listed_and_not_read_again_and_again(folder):
+    flights = Flights(folder)
+    rows = {each["name"]: each for each in flights.known()}
+    assert rows["two.tlog"]["duration"] is None
+    assert rows["two.tlog"]["start"] == pytest.approx(UNIX / 1e6)
+    make_old(folder / "two.tlog")
+    rows = {each["name"]: each for each in flights.known()}
+    assert rows["two.tlog"]["duration"] == pytest.approx(59.9, abs=0.2)
+
+
+def test_an_opened_flight_tells_what_is_in_it_and_shows_its_first_payload(folder):
+    async def run():
+        async with page(None, Flights(folder)) as served, browser(served.url) as one:
+            told = await opened(one)
+            assert told["name"] == "two.tlog"
+            assert told["payloads"] == ["1-191", "2-191"]
+            assert told["duration"] == pytest.approx(59.9, abs=0.2)
+            assert (told["at"], told["playing"], told["speed"]) == (0, False, 1)
+            assert told["marks"][0]["words"]
+            await one.say(type="flight", slot="a", seek=30)
+            shown = await one.next("payload", lambda message: message["now"] == 30)
+            assert (shown["slot"], shown["id"]) == ("a", "1-191")
+            assert shown["sections"]["mission"]["time"] == pytest.approx(30, abs=0.2)
+            await one.say(type="flight", slot="a", watch="2-191")
+            shown = await one.next("payload", lambda message: message["id"] == "2-191")
+            assert len(shown["sections"]) == 11
+
+    asyncio.run(run())
+
+
+def test_a_playing_flight_goes_on_with_the_wall_clock_times_its_speed(folder):
+    async def run():
+        async with page(None, Flights(folder)) as served, browser(served.url) as one:
+            await opened(one)
+            await one.say(type="flight", slot="a", speed=8)
+            await one.say(type="flight", slot="a", play=True)
+            first = await one.next("flight", lambda message: message["playing"])
+            start = time.monotonic()
+            last = await one.next("flight", lambda message: message["at"] > first["at"] + 8)
+            lasted = time.monotonic() - start
+            assert last["speed"] == 8
+            assert 0.4 * 8 * lasted < last["at"] - first["at"] < 1.3 * 8 * lasted + 3
+            times = [each["now"] for each in one.got if each["type"] == "payload"]
+            assert times == sorted(times)
+            await one.say(type="flight", slot="a", play=False)
+            paused = await one.next("flight", lambda message: not message["playing"])
+            await one.next("fleet")
+            await one.next("fleet")
+            assert not [each for each in one.got if each["type"] == "payload" and each["now"] > paused["at"] + 0.01]
+
+    asyncio.run(run())
+
+
+def test_a_flight_stops_at_its_end_and_plays_from_the_beginning_again(folder):
+    async def run():
+        async with page(None, Flights(folder)) as served, browser(served.url) as one:
+            told = await opened(one)
+            await one.say(type="flight", slot="a", seek=told["duration"] - 0.2)
+            await one.say(type="flight", slot="a", play=True)
+            ended = await one.next(
+                "flight", lambda message: message["at"] == told["duration"] and not message["playing"]
+            )
+            assert ended["at"] == told["duration"]
+            await one.say(type="flight", slot="a", play=True)
+            await one.next("flight", lambda message: message["playing"] and message["at"] < 20)
+
+    asyncio.run(run())
+
+
+def test_before_its_first_word_nothing_is_known_of_a_payload(folder):
+    beat = Encoder(1, 1).encode(common.MAVLink_heartbeat_message(2, 3, 81, 0, 4, 3))
+    late = (folder / "session" / "telemetry.tlog").read_bytes()
+    (folder / "late.tlog").write_bytes(record(UNIX - 20_000_000, beat) + late)
+
+    async def run():
+        async with page(None, Flights(folder)) as served, browser(served.url) as one:
+            await opened(one, "late.tlog")
+            await one.say(type="flight", slot="a", seek=23.0)
+            await one.next("payload", lambda message: (message["sections"].get("standing") or {}).get("state"))
+            await one.say(type="flight", slot="a", seek=5.0)
+            told = await one.next("payload", lambda message: "standing" in message["sections"])
+            assert (told["sections"]["standing"]["state"], told["sections"]["standing"]["last"]) == (None, None)
+            assert told["sections"]["sources"] == []
+
+    asyncio.run(run())
+
+
+def test_two_flights_play_apart(folder):
+    async def run():
+        async with page(None, Flights(folder)) as served, browser(served.url) as one, browser(served.url) as other:
+            await opened(one, "two.tlog", "a")
+            await opened(one, "session", "b")
+            await opened(other, "session", "a")
+            await one.say(type="flight", slot="a", seek=20)
+            await one.next("flight", lambda message: message["at"] == 20)
+            await one.say(type="flight", slot="b", seek=3)
+            told = await one.next("flight", lambda message: message["at"] == 3)
+            assert (told["slot"], told["name"]) == ("b", "session")
+            await one.say(type="flight", slot="b", close=True)
+            await one.say(type="flight", slot="b", seek=1)
+            assert (await one.next("refused"))["reason"] == "no flight is open in b"
+            assert all(each["at"] == 0 for each in other.got if each["type"] == "flight")
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize(
+    ("message", "reason"),
+    [
+        ({"slot": "c", "open": "two.tlog"}, "slot c found, one of a, b wanted"),
+        ({"slot": ["a"], "open": "two.tlog"}, "found, one of a, b wanted"),
+        ({"slot": "a", "open": "../flights/two.tlog"}, "there is none of that name"),
+        ({"slot": "a", "open": "/etc/passwd"}, "there is none of that name"),
+        ({"slot": "a", "open": "text.tlog"}, "a text found"),
+        ({"slot": "b", "seek": 1}, "no flight is open in b"),
+        ({"slot": "a", "seek": "1"}, "seek: 1 found, a number from 0"),
+        ({"slot": "a", "speed": 0}, "speed: 0 found, a number from 1 to 64 wanted"),
+        ({"slot": "a", "play": 1}, "nothing found, one of open, close"),
+        ({"slot": "a", "watch": "all"}, "'all' found, system-component wanted"),
+    ],
+)
+def test_what_no_flight_can_do_is_refused(folder, message, reason):
+    async def run():
+        async with page(None, Flights(folder)) as served, browser(served.url) as one:
+            await opened(one)
+            await one.say(type="flight", **message)
+            assert reason in (await one.next("refused"))["reason"]
+
+    asyncio.run(run())
+
+
+async def bring(served, name, data):
+    address, body = f"{served.url}flights", io.BytesIO(data)
+    async with aiohttp.ClientSession() as client, client.post(address, params={"name": name}, data=body) as answer:
+        return answer.status, await answer.json()
+
+
+def test_a_flight_that_is_brought_is_played_and_gone_with_the_page(folder):
+    async def run():
+        flights = Flights(None)
+        async with page(None, flights) as served, browser(served.url) as one:
+            data = (folder / "two.tlog").read_bytes()
+            assert await bring(served, "two.tlog", data) == (200, {"name": "two.tlog"})
+            told = await one.next("flights", lambda message: message["known"])
+            assert told["known"][0]["name"] == "two.tlog"
+            kept = flights.path("two.tlog")
+            assert stat.S_IMODE(kept.parent.stat().st_mode) == 0o700
+            status, answer = await bring(served, "two.tlog", data)
+            assert (status, answer) == (200, {"name": "two 2.tlog"})
+            assert (await opened(one, "two 2.tlog"))["payloads"] == ["1-191", "2-191"]
+        return kept
+
+    assert not asyncio.run(run()).parent.exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "status", "why"),
+    [
+        ("notes.txt", b"hello", 415, "notes.txt found, a telemetry log (.tlog) wanted"),
+        ("", b"hello", 415, "no name found, a telemetry log (.tlog) wanted"),
+        ("text.tlog", b"hello", 422, "text.tlog: a text found, a telemetry log"),
+        ("empty.tlog", b"", 422, "empty.tlog: an empty file found"),
+        ("large.tlog", b"x" * 3_000_000, 413, "more than 2 MB found, less wanted"),
+    ],
+)
+def test_what_is_no_flight_is_refused_in_one_line_and_not_kept(name, data, status, why, monkeypatch):
+    async def run():
+        flights = Flights(None)
+        async with page(None, flights) as served:
+            found, answer = await bring(served, name, data)
+            assert found == status
+            assert why in answer["error"]
+            assert "\n" not in answer["error"]
+            assert "/tmp" not in answer["error"]  # noqa: S108
+            assert flights.known() == []
+
+    monkeypatch.setattr(shelf, "LARGEST", 2 << 20)
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize(
+    "name", ["../../evil.tlog", "/etc/evil.tlog", "..\\evil.tlog", ".tlog", "....tlog", "a\0b.tlog"]
+)
+def test_no_name_leads_out_of_the_folder(folder, name):
+    async def run():
+        flights = Flights(None)
+        async with page(None, flights) as served:
+            status, answer = await bring(served, name, (folder / "session" / "telemetry.tlog").read_bytes())
+            assert status == 200
+            kept = flights.path(answer["name"])
+            assert kept.parent.name.startswith("ross-flights-")
+            assert kept.resolve().parent == kept.parent.resolve()
+            assert not Path(answer["name"]).name.startswith(".")
+
+    asyncio.run(run())
+
+
+def test_no_more_flights_are_brought_than_there_is_room_for(folder, monkeypatch):
+    async def run():
+        async with page(None, Flights(None)) as served:
+            data = (folder / "session" / "telemetry.tlog").read_bytes()
+            assert (await bring(served, "a.tlog", data))[0] == 200
+            assert (await bring(served, "b.tlog", data))[0] == 200
+            assert await bring(served, "c.tlog", data) == (
+                507, {"error": "2 flights were brought already: no more are taken"},
+            )  # fmt: skip
+
+    monkeypatch.setattr(shelf, "MOST_BROUGHT", 2)
+    asyncio.run(run())
+
+
+def test_a_browser_that_goes_while_it_brings_a_flight_leaves_nothing():
+    async def run():
+        flights = Flights(None)
+        async with page(None, flights) as served:
+            host, port = served.url.removeprefix("http://").strip("/").split(":")
+            _, writer = await asyncio.open_connection(host, int(port))
+            head = f"POST /flights?name=gone-{os.getpid()}.tlog HTTP/1.1\r\nHost: {host}:{port}\r\n"
+            head += "Content-Length: 1000000\r\n\r\n"
+            writer.write(head.encode() + b"x" * 1000)
+            await writer.drain()
+            await until(parts)
+            writer.transport.abort()
+            await until(lambda: not parts())
+
+    def parts():
+        return list(Path(tempfile.gettempdir()).glob(f"ross-flights-*/gone-{os.getpid()}*.part"))
+
+    async def until(wanted):
+        async with asyncio.timeout(20):
+            for _ in itertools.count():
+                if wanted():
+                    return
+                await asyncio.sleep(0.02)
+
+    asyncio.run(run())

@@ -1,0 +1,281 @@
+"""Who may open the page, and who may not."""
+
+import asyncio
+import shutil
+import ssl
+import subprocess
+
+import aiohttp
+import pytest
+
+from ground_page import browser, page
+from hand_station import HandStation
+from ross_payload.ground.errors import GroundError
+from ross_payload.ground.page import security
+from ross_payload.ground.page.security import TRIES, WAIT, Gate, new_token, read_token
+from ross_payload.ground.page.tls import out_of_date, tls_of
+
+TOKEN = "open-sesame-open-sesame"  # noqa: S105
+
+needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="apt install openssl")
+
+
+async def status(client, url, **options):
+    async with client.get(url, allow_redirects=False, **options) as answer:
+        await answer.read()
+        return answer.status
+
+
+def test_without_the_token_nothing_is_shown():
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            base = served.url
+            async with client.get(base) as answer:
+                assert answer.status == 401
+                assert 'name="token"' in await answer.text()
+            for path in ("assets/live.js", "live", "flights", "login", "nothing"):
+                assert await status(client, base + path) == 401
+            async with client.post(f"{base}flights?name=a.tlog", data=b"x") as answer:
+                assert answer.status == 401
+            with pytest.raises(aiohttp.WSServerHandshakeError):
+                async with browser(base):
+                    pass
+
+    asyncio.run(run())
+
+
+def test_the_token_in_the_address_becomes_a_cookie_that_no_script_reads_and_leaves_the_address():
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served:
+            jar = aiohttp.CookieJar(unsafe=True)
+            async with aiohttp.ClientSession(cookie_jar=jar) as client:
+                async with client.get(f"{served.url}?token={TOKEN}", allow_redirects=False) as answer:
+                    assert answer.status == 303
+                    assert answer.headers["Location"] == "/"
+                    cookie = answer.headers["Set-Cookie"]
+                    assert "HttpOnly" in cookie
+                    assert "SameSite=Strict" in cookie
+                    assert TOKEN not in cookie
+                base = served.url
+                assert await status(client, base) == 200
+                async with client.ws_connect(f"{base}live") as socket:
+                    assert (await socket.receive_json())["type"] == "hello"
+
+    asyncio.run(run())
+
+
+def test_the_token_in_the_form_opens_the_page_and_a_wrong_one_does_not():
+    async def run():
+        jar = aiohttp.CookieJar(unsafe=True)
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession(cookie_jar=jar) as client:
+            login = served.url + "login"
+            async with client.post(login, data={"token": "wrong"}) as answer:
+                assert answer.status == 401
+                assert "The token is wrong." in await answer.text()
+            async with client.post(login, data={"token": TOKEN}) as answer:
+                assert answer.status == 200
+                assert answer.url.path == "/"
+
+    asyncio.run(run())
+
+
+def test_nobody_serves_the_page_to_others_without_a_token():
+    async def run():
+        with pytest.raises(GroundError, match="others reach it, a token wanted"):
+            async with page(HandStation(), host="0.0.0.0"):  # noqa: S104
+                pass
+
+    asyncio.run(run())
+
+
+def test_whoever_guesses_waits_even_with_the_right_token():
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            base = served.url
+            for _ in range(TRIES):
+                assert await status(client, f"{base}?token=guess") == 401
+            async with client.get(f"{served.url}?token={TOKEN}", allow_redirects=False) as answer:
+                assert answer.status == 429
+                assert 0 < int(answer.headers["Retry-After"]) <= WAIT
+
+    asyncio.run(run())
+
+
+def test_a_guess_is_forgotten_after_the_wait_and_addresses_do_not_fill_the_memory():
+    gate = Gate(TOKEN)
+    for _ in range(TRIES):
+        assert not gate.tried("guess", "10.0.0.1", now=0.0)
+    assert gate.tried(TOKEN, "10.0.0.2", now=0.0)
+    assert not gate.tried(TOKEN, "10.0.0.1", now=WAIT - 0.1)
+    assert gate.tried(TOKEN, "10.0.0.1", now=WAIT)
+    for number in range(2 * security.MOST_ADDRESSES):
+        gate.tried("guess", f"host {number}", now=0.0)
+    assert len(gate.wrong) <= security.MOST_ADDRESSES
+
+
+def test_a_cookie_is_good_for_one_token_only():
+    assert Gate(TOKEN).lets_in(Gate(TOKEN).cookie)
+    assert not Gate(TOKEN).lets_in(Gate("another-token-another").cookie)
+    assert not Gate(TOKEN).lets_in("")
+    assert not Gate(TOKEN).lets_in("é")
+    assert new_token() != new_token()
+
+
+def test_a_name_that_leads_here_from_elsewhere_is_refused():
+    async def run():
+        async with page(HandStation()) as served, aiohttp.ClientSession() as client:
+            port = served.url.rsplit(":", 1)[1].strip("/")
+            for host in ("evil.example", f"evil.example:{port}", "127.0.0.1.evil.example", "[", "10.0.0.1"):
+                assert await status(client, served.url, headers={"Host": host}) in (400, 421)
+            assert await status(client, served.url, headers={"Host": f"localhost:{port}"}) == 200
+
+    asyncio.run(run())
+
+
+def test_a_page_of_another_origin_gets_no_socket_and_brings_no_flight():
+    async def run():
+        async with page(HandStation()) as served, aiohttp.ClientSession() as client:
+            for origin in ("http://evil.example", "null", "http://127.0.0.1:1"):
+                with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+                    async with browser(served.url, headers={"Origin": origin}):
+                        pass
+                assert refused.value.status == 403
+            async with client.post(f"{served.url}flights?name=a.tlog", headers={"Origin": "http://evil.example"}) as it:
+                assert it.status == 403
+            async with browser(served.url, headers={"Origin": served.url.strip("/")}) as one:
+                await one.next("hello")
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "assets/../server.py", "assets/%2e%2e/server.py", "assets/..%2fserver.py", "assets/%2fetc/passwd", "assets/",
+        "assets", "assets/vendor", "assets/vendor/", "assets/.hidden.js", "assets//index.html", "assets/live.js%00",
+        "assets/live.js/x", "../pyproject.toml", "login.html",
+    ],
+)  # fmt: skip
+def test_no_path_leads_out_of_the_page_and_none_lists_it(path):
+    async def run():
+        async with page(HandStation()) as served:
+            host, port = served.url.removeprefix("http://").strip("/").split(":")
+            reader, writer = await asyncio.open_connection(host, int(port))
+            writer.write(f"GET /{path} HTTP/1.1\r\nHost: {host}:{port}\r\nConnection: close\r\n\r\n".encode())
+            answer = await reader.read()
+            writer.close()
+            await writer.wait_closed()
+            assert answer.split()[1] in (b"404", b"400")
+            assert b"Content-Security-Policy" in answer or answer.split()[1] == b"400"
+
+    asyncio.run(run())
+
+
+def secret(path, text, mode=0o600):
+    path.write_text(text)
+    path.chmod(mode)
+    return path
+
+
+def test_a_token_is_read_from_a_file_that_only_its_owner_can_read(tmp_path):
+    assert read_token(secret(tmp_path / "token", f"{TOKEN}\n")) == TOKEN
+
+
+@pytest.mark.parametrize(
+    ("text", "mode", "why"),
+    [
+        (TOKEN, 0o644, "mode 0644 found, 0600 wanted"),
+        ("short", 0o600, "5 characters found, a token of at least 16"),
+        ("", 0o600, "0 characters found"),
+        ("é" * 20, 0o600, "20 characters found"),
+    ],
+)
+def test_a_bad_token_file_is_told_in_one_line(tmp_path, text, mode, why):
+    with pytest.raises(GroundError, match=why):
+        read_token(secret(tmp_path / "token", text, mode))
+
+
+def test_a_token_file_that_is_not_there_is_told(tmp_path):
+    with pytest.raises(GroundError, match=r"token: No such file or directory; wanted a file with a token"):
+        read_token(tmp_path / "token")
+
+
+CA = """[ca]
+default_ca=d
+[d]
+database=index.txt
+new_certs_dir=.
+rand_serial=yes
+default_md=sha256
+policy=p
+[p]
+commonName=supplied
+"""
+
+
+def certificate(folder, name="good", years=(2020, 2090)):
+    """Make a certificate and its key."""
+
+    def openssl(*words):
+        subprocess.run(["openssl", *words], cwd=folder, check=True, capture_output=True)
+
+    (folder / "ca.cnf").write_text(CA)
+    (folder / "index.txt").write_text("")
+    key, request, made = f"{name}.key", f"{name}.csr", f"{name}.pem"
+    openssl("req", "-new", "-newkey", "rsa:2048", "-nodes", "-keyout", key, "-out", request, "-subj", f"/CN={name}")
+    dates = [f"{year}0101000000Z" for year in years]
+    openssl(
+        "ca", "-batch", "-notext", "-config", "ca.cnf", "-selfsign", "-keyfile", key, "-in", request, "-out", made,
+        "-startdate", dates[0], "-enddate", dates[1],
+    )  # fmt: skip
+    return folder / made, folder / key
+
+
+@needs_openssl
+def test_the_page_speaks_tls_and_its_cookie_never_travels_without(tmp_path):
+    async def run():
+        files = certificate(tmp_path)
+        tls = tls_of(*files)
+        assert not out_of_date(tls, files[0])
+        trusting = ssl.create_default_context(cafile=files[0])
+        trusting.check_hostname = False
+        trusting.verify_flags |= ssl.VerifyFlags.VERIFY_X509_PARTIAL_CHAIN
+        async with page(HandStation(), token=TOKEN, tls=tls) as served, aiohttp.ClientSession() as client:
+            assert served.url.startswith("https://")
+            async with client.get(f"{served.url}?token={TOKEN}", ssl=trusting, allow_redirects=False) as answer:
+                assert answer.status == 303
+                assert "Secure" in answer.headers["Set-Cookie"]
+            base = served.url
+            cookie = answer.headers["Set-Cookie"].split(";")[0]
+            headers = {"Cookie": cookie, "Origin": base.strip("/")}
+            async with client.ws_connect(f"{base}live", ssl=trusting, headers=headers) as socket:
+                assert (await socket.receive_json())["type"] == "hello"
+
+    asyncio.run(run())
+
+
+@needs_openssl
+def test_a_certificate_out_of_date_is_noticed(tmp_path):
+    old, new = certificate(tmp_path, "old", (2020, 2021)), certificate(tmp_path, "new", (2080, 2090))
+    assert out_of_date(tls_of(*old), old[0]) == "has expired"
+    assert out_of_date(tls_of(*new), new[0]) == "is not valid yet"
+
+
+@needs_openssl
+def test_the_key_of_another_certificate_is_told(tmp_path):
+    (one, _), (_, other) = certificate(tmp_path, "one"), certificate(tmp_path, "other")
+    with pytest.raises(GroundError, match=r"other\.key: the key of another certificate, wanted that of .*one\.pem"):
+        tls_of(one, other)
+
+
+def test_what_is_no_certificate_is_told(tmp_path):
+    text = secret(tmp_path / "text", "hello")
+    with pytest.raises(GroundError, match=r"--certificate .*nothing: no such file"):
+        tls_of(tmp_path / "nothing", text)
+    with pytest.raises(GroundError, match=r"--key .*nothing: no such file"):
+        tls_of(text, tmp_path / "nothing")
+    with pytest.raises(GroundError, match="not a certificate and its key in PEM"):
+        tls_of(text, None)
+    with pytest.raises(GroundError, match="--key without --certificate"):
+        tls_of(None, text)
+    assert tls_of(None, None) is None

@@ -1,0 +1,297 @@
+"""``ross tlog``: a flight as a table, as JSON and as a picture."""
+
+import json
+import math
+import subprocess
+import sys
+
+import pytest
+from click.testing import CliRunner
+
+from flight_logs import UNIX, full_tick, record, vehicle_frames
+from ross_payload import cli
+from ross_payload.ground.flights.command import command
+from ross_protocols.codec import Encoder, chunks
+from ross_protocols.commands import Result, acknowledgement
+from ross_protocols.dialect import common
+from ross_protocols.values import (
+    Alignment,
+    CandidateState,
+    Health,
+    Heartbeat,
+    Information,
+    Named,
+    Rule,
+    Severity,
+    Source,
+    Status,
+)
+from ross_sim.sitl import command as sitl
+from short_mission import SHORT
+
+TURN = 54003
+
+
+@pytest.fixture(scope="module")
+def mission(tmp_path_factory):
+    """The results of a short simulated mission, and its report."""
+    folder = tmp_path_factory.mktemp("mission")
+    (folder / "short.toml").write_text(SHORT)
+    arguments = ["--scenario", str(folder / "short.toml"), "--out", str(folder / "out"), "--seed", "1", "--json"]
+    flown = CliRunner().invoke(sitl, arguments, standalone_mode=False)
+    assert flown.exception is None, flown.output
+    return folder / "out", json.loads((folder / "out" / "report.json").read_text())
+
+
+@pytest.fixture
+def tlog(monkeypatch, capsys):
+    """Run ``ross tlog``; exit code, output, errors."""
+
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["ross", "tlog", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        said = capsys.readouterr()
+        return end.value.code, said.out, said.err
+
+    return call
+
+
+@pytest.fixture
+def told(tlog, tmp_path):
+    """Write frames with their times [s] as a log; what ``ross tlog --json`` tells."""
+
+    def call(*frames):
+        path = tmp_path / "flight.tlog"
+        path.write_bytes(b"".join(record(UNIX + round(at * 1e6), frame) for at, frame in frames))
+        code, out, err = tlog(path, "--json")
+        assert code == 0, err
+        return json.loads(out)
+
+    return call
+
+
+def apart(a, b):
+    return abs(math.remainder(a - b, 360))
+
+
+def test_a_mission_is_told_as_its_report_tells_it(tlog, mission):
+    folder, report = mission
+    code, out, _ = tlog(folder, "--json")
+    assert code == 0
+    (payload,) = json.loads(out)["payloads"]
+    assert [each["state"] for each in payload["states"]][-1] == "done"
+    assert sum(each["duration"] for each in payload["states"]) == pytest.approx(payload["last"] - payload["first"])
+    (explored,) = payload["explorations"]
+    assert explored["k"][-1][1] == report["k"] == len(explored["sources"])
+    for source, found in zip(explored["sources"], report["sources"], strict=True):
+        assert apart(source["azimuth"], -found["azimuth_deg"]) < 0.01
+        assert source["sigma"] == pytest.approx(found["sigma_deg"], abs=0.01)
+    used = [each for each in payload["alignments"] if each["state"] == "accepted"]
+    assert len(used) == 1
+    assert apart(used[0]["heading"], -report["alignment"]["used"]["heading_deg"]) < 0.01
+    assert payload["events"][-1]["text"].startswith("mission over")
+
+
+def test_the_table_says_it_to_a_person(tlog, mission):
+    code, out, _ = tlog(mission[0])
+    assert code == 0
+    for words in ("payload 1-191", "explore listen", "Exploration 1", "accepted", "mission over", "ROSS_STATUS"):
+        assert words in out
+
+
+def test_k_is_told_over_time_and_silence_is(told):
+    one = Encoder(1, 191)
+    said = [(0.0, 1, 3), (1.0, 2, 3), (2.0, 2, 3), (8.5, 3, 3), (9.0, 3, 6)]
+    frames = [(at, one.encode(Status(round(at * 1e6), at, state, True, k=k))) for at, k, state in said]
+    (payload,) = told(*frames)["payloads"]
+    assert payload["explorations"][0]["k"] == [[0.0, 1], [1.0, 2], [8.5, 3]]
+    assert payload["gaps"] == [{"at": 2.0, "duration": 6.5}]
+    assert [each["state"] for each in payload["states"]] == ["explore_listen", "run"]
+    assert payload["states"][0]["duration"] == 9.0
+
+
+def test_two_explorations_keep_their_own_sources(told):
+    one = Encoder(1, 191)
+
+    def explored(at, estimate, azimuth):
+        time = round(at * 1e6)
+        yield at, one.encode(Status(time, at, 3, True, k=1))
+        yield at + 1, one.encode(Source(time, estimate, 0, 1, azimuth, 0.05, 0.9, 1.0, True, True, final=True))
+        yield at + 2, one.encode(Status(time + 2_000_000, at + 2, 6, True, k=1))
+        again = Source(time, estimate, 0, 1, azimuth, 0.05, 0.9, 1.0, True, True, final=True, score=4.5)
+        yield at + 3, one.encode(again)
+
+    (payload,) = told(*explored(0.0, 1, -0.5), *explored(10.0, 2, -1.0))["payloads"]
+    first, second = payload["explorations"]
+    assert first["sources"][0]["azimuth"] == pytest.approx(math.degrees(0.5), abs=1e-4)
+    assert second["sources"][0]["azimuth"] == pytest.approx(math.degrees(1.0), abs=1e-4)
+    assert first["sources"][0]["score"] == 4.5
+
+
+def test_what_became_of_a_candidate_is_its_last_word(told):
+    one = Encoder(1, 191)
+    states = (CandidateState.PLANNED, CandidateState.TURNING, CandidateState.REJECTED, CandidateState.REJECTED)
+    frames = [
+        (place, one.encode(Alignment(5, 1, 0, 1, 0, 0.5, 0.5, 2e-4, (1, 2), Rule.GAIN, state, True)))
+        for place, state in enumerate(states)
+    ]
+    (payload,) = told(*frames)["payloads"]
+    assert [(each["state"], each["aliased"]) for each in payload["alignments"]] == [("rejected", [1, 2])]
+
+
+def test_orders_are_told_with_their_answers(told):
+    ground, payload, other = Encoder(255, 190), Encoder(1, 191), Encoder(254, 190)
+
+    def order(sender, confirmation=0, heading=30.0):
+        numbers = (heading, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return sender.encode(common.MAVLink_command_long_message(1, 191, TURN, confirmation, *numbers))
+
+    def answer(result, to=255, progress=None):
+        return payload.encode(acknowledgement(TURN, result, to, 190, progress))
+
+    (told_of,) = told(
+        (0.0, payload.encode(Status(0, 0.0, 0, True))),
+        (1.0, order(ground)),
+        (1.1, answer(Result.IN_PROGRESS, progress=0.1)),
+        (1.2, order(ground, confirmation=1)),
+        (1.5, answer(Result.IN_PROGRESS, progress=0.6)),
+        (1.6, order(other, heading=90.0)),
+        (1.7, answer(Result.TEMPORARILY_REJECTED, to=254)),
+        (2.0, answer(Result.ACCEPTED)),
+    )["payloads"]
+    mine, theirs = told_of["commands"]
+    assert (mine["from"], mine["command"], mine["numbers"]) == ("255-190", "turn", [30.0])
+    assert [(each["result"], each["progress"]) for each in mine["answers"]] == [
+        ("in_progress", 0.6),
+        ("accepted", None),
+    ]
+    assert [each["result"] for each in theirs["answers"]] == ["temporarily_rejected"]
+
+
+def test_answers_to_orders_that_were_not_heard_are_told_too(told):
+    one = Encoder(1, 191)
+    (payload,) = told(
+        (0.0, one.encode(Status(0, 0.0, 0, True))),
+        (1.0, one.encode(acknowledgement(TURN, Result.ACCEPTED, 255, 190))),
+    )["payloads"]
+    (order,) = payload["commands"]
+    assert (order["at"], order["command"], order["answers"][0]["result"]) == (None, "turn", "accepted")
+
+
+def test_long_texts_are_put_together(told):
+    one, text = Encoder(1, 191), "RoSS: " + "word " * 20 + "end"
+    parts = [one.encode(part) for part in chunks(Severity.WARNING, text, 9)]
+    (payload,) = told((0.0, one.encode(Status(0, 0.0, 0, True))), *((1.0, part) for part in parts))["payloads"]
+    assert [(each["severity"], each["text"]) for each in payload["events"]] == [(4, text.removeprefix("RoSS: "))]
+
+
+def test_lost_frames_and_rates_are_counted(told):
+    one = Encoder(1, 191)
+    frames = [(place / 4, one.encode(Status(place * 250_000, 0.0, 0, True))) for place in range(41)]
+    kept = [frame for place, frame in enumerate(frames) if place not in (7, 8, 20)]
+    (payload,) = told(*kept)["payloads"]
+    assert payload["lost"] == 3
+    assert payload["kinds"] == [{"name": "ROSS_STATUS", "count": 38, "rate": 3.7}]
+
+
+def test_a_payload_that_only_mirrors_tell_of_has_states_and_k(told):
+    one = Encoder(1, 191)
+    frames = [
+        (at, one.encode(value))
+        for at, state, k in ((0.0, 3, 1), (1.0, 3, 2), (2.0, 6, 2))
+        for value in (Heartbeat(Health.ACTIVE, state), Named(at, "ross_k", k), Named(at, "ross_state", state))
+    ]
+    (payload,) = told(*frames)["payloads"]
+    assert [each["state"] for each in payload["states"]] == ["explore_listen", "run"]
+    assert payload["explorations"][0]["k"] == [[0.0, 1], [1.0, 2]]
+
+
+@pytest.fixture
+def fleet_log(tmp_path):
+    """Two payloads and a vehicle."""
+    encoders = [Encoder(system, 191) for system in (1, 2)]
+    frames = [encoder.encode(value) for step in range(30) for encoder in encoders for value in full_tick(step, step)]
+    path = tmp_path / "fleet.tlog"
+    mixed = [*frames, *vehicle_frames(system=3)]
+    path.write_bytes(b"".join(record(UNIX + 10_000 * place, frame) for place, frame in enumerate(mixed)))
+    return path
+
+
+def test_one_of_many_can_be_asked_for(tlog, fleet_log):
+    code, out, _ = tlog(fleet_log, "--json", "--payload", "2-191")
+    assert code == 0
+    told = json.loads(out)
+    assert [each["who"] for each in told["payloads"]] == ["2-191"]
+    assert [each["who"] for each in told["others"]] == ["3-1"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--payload", "9-191"], "payload 9-191: not in this flight; found 1-191, 2-191"),
+        (["--payload", "x"], "'x' found, system-component wanted, as in 1-191"),
+        (["--picture", "a.tlog"], "a.tlog found, a name that ends with .png or .svg wanted"),
+        (["--mcap", "a.png"], "a.png found, a name that ends with .mcap wanted"),
+        (["--picture", "/nowhere/a.png"], "/nowhere/a.png: cannot be written: No such file or directory"),
+    ],
+)
+def test_a_mistake_costs_one_line_and_exit_code_2(tlog, fleet_log, arguments, words):
+    code, _, err = tlog(fleet_log, *arguments)
+    assert code == 2
+    assert words in err
+    assert len(err.splitlines()) == 1
+
+
+def test_a_log_of_somebody_else_is_told_but_not_drawn(tlog, tmp_path):
+    path = tmp_path / "other.tlog"
+    path.write_bytes(b"".join(record(UNIX, frame) for frame in vehicle_frames()))
+    code, out, _ = tlog(path)
+    assert code == 0
+    assert "nothing of ours: this is a log of system 1" in out
+    code, _, err = tlog(path, "--picture", tmp_path / "a.png")
+    assert code == 2
+    assert "no payload found" in err
+    assert not (tmp_path / "a.png").exists()
+
+
+@pytest.mark.parametrize(("name", "magic"), [("a.png", b"\x89PNG"), ("a.svg", b"<?xml")])
+def test_the_picture_is_drawn_whole_and_the_same_again(tlog, fleet_log, tmp_path, name, magic):
+    pytest.importorskip("matplotlib", reason="needs the extra 'sim'")
+    path = tmp_path / name
+    path.write_text("an earlier one")
+    drawn = []
+    for _ in range(2):
+        assert tlog(fleet_log, "--picture", path)[0] == 0
+        drawn.append(path.read_bytes())
+    assert drawn[0].startswith(magic)
+    assert drawn[0] == drawn[1]
+    assert not [each for each in tmp_path.iterdir() if each.name.startswith(".")]
+
+
+def test_names_from_the_air_are_not_taken_for_markup(tlog, tmp_path):
+    one = Encoder(1, 191)
+    said = Information(0, 0.2, 340.0, 0.0, None, None, None, 3.0, 16_000, 6, "[red]1[/nope]", "[bold]x")
+    frames = [one.encode(said), *(one.encode(part) for part in chunks(Severity.INFO, "[/bad] $x_$\x1b[2J\x07", 1))]
+    path = tmp_path / "odd.tlog"
+    path.write_bytes(b"".join(record(UNIX, frame) for frame in frames))
+    code, out, _ = tlog(path, "--picture", tmp_path / "a.png")
+    assert code == 0
+    assert "[/bad] $x_$?[2J?" in out
+    assert "[red]1[/nope]" in out
+
+
+def test_help_names_what_it_reads():
+    assert "Mission Planner" in CliRunner().invoke(command, ["--help"]).output
+
+
+@pytest.mark.parametrize(
+    ("absent", "option", "extra"), [("matplotlib", "--picture=a.png", "sim"), ("foxglove", "--mcap=a.mcap", "mcap")]
+)
+def test_a_missing_extra_is_named_in_one_line(fleet_log, absent, option, extra):
+    script = f"import sys; sys.modules[{absent!r}] = None; from ross_payload.cli import main; main()"
+    command = [sys.executable, "-c", script, "tlog", fleet_log, option]
+    said = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert said.returncode == 2
+    assert said.stderr.endswith(f"needs the extra '{extra}': pip install 'ross-payload[{extra}]'\n")
+    assert len(said.stderr.splitlines()) == 1

@@ -1,0 +1,140 @@
+"""Commands that come again, late, doubled or over a bad link: each is obeyed once."""
+
+import math
+from collections import Counter
+
+import pytest
+
+from command_bench import (
+    ACCEPTED,
+    IN_PROGRESS,
+    REARM,
+    RECORD,
+    STOP,
+    TEMPORARILY_REJECTED,
+    TURN,
+    Payload,
+)
+from ross_payload.orders import (
+    Rearm,
+    Stop,
+    TurnTo,
+)
+
+
+@pytest.fixture
+def payload(sky):
+    return Payload(sky())
+
+
+def test_a_confirmation_is_answered_again_and_not_obeyed_again(payload):
+    payload.command(TURN, 40, seconds=0.1)
+    assert payload.command(TURN, 40, seconds=0.05, confirmation=1) == [IN_PROGRESS]
+    payload.wait(2.0)
+    assert payload.command(TURN, 40, seconds=0.05, confirmation=2) == [ACCEPTED]
+    assert len(payload.given) == 1
+
+
+def test_a_confirmation_of_what_was_never_heard_is_obeyed(payload):
+    assert payload.command(TURN, 40, confirmation=1)[-1] == ACCEPTED
+    assert len(payload.given) == 1
+
+
+def test_a_confirmation_with_other_numbers_is_another_command(payload):
+    payload.command(TURN, 40)
+    assert payload.command(TURN, -40, confirmation=1)[-1] == ACCEPTED
+    assert len(payload.given) == 2
+
+
+def test_a_confirmation_long_after_the_end_is_a_new_command(payload):
+    payload.command(TURN, 40)
+    payload.wait(10.0)
+    payload.command(TURN, 40, confirmation=1)
+    assert len(payload.given) == 2
+
+
+def test_another_senders_confirmation_is_its_own(payload):
+    payload.command(RECORD, 1, seconds=0.1)
+    other = type(payload.ground)(payload.ground.air, system_id=254)
+    other.long(RECORD, 1, confirmation=1)
+    payload.wait(0.1)
+    assert payload.recorded == [True, True]
+
+
+def test_a_doubled_frame_is_obeyed_once(sky):
+    payload = Payload(sky(doubled=1.0))
+    payload.command(RECORD, 1, seconds=0.1)
+    assert payload.recorded == [True]
+
+
+def test_what_was_asked_before_a_stop_is_not_obeyed_after_it(payload):
+    """The network delivers a stop before the re-arming that its sender had sent earlier."""
+    payload.command(STOP, seconds=0.1)
+    frames = []
+    payload.ground.air.call = frames.append
+    payload.ground.long(REARM)
+    payload.ground.long(STOP)
+    payload.ground.air.up = frames[::-1]
+    assert payload.results(REARM, 0.2) == [TEMPORARILY_REJECTED]
+    assert payload.stopped
+    assert not any(isinstance(order, Rearm) for order in payload.given)
+
+
+def test_a_script_that_is_run_again_is_obeyed_again(payload):
+    """Every run of a script counts its frames from 0."""
+    for number in (REARM, STOP, REARM, TURN):
+        payload.ground = type(payload.ground)(payload.ground.air)
+        assert payload.command(number, seconds=1.0)[-1] == ACCEPTED
+    assert [type(order) for order in payload.given] == [Rearm, Stop, Rearm, TurnTo]
+    assert not payload.stopped
+
+
+def test_a_doubled_first_frame_is_no_new_start(payload):
+    """A frame with the number 0 that comes twice within half a second."""
+    payload.command(RECORD, 1, seconds=0.3)
+    payload.ground = type(payload.ground)(payload.ground.air)
+    payload.command(RECORD, 1, seconds=0.3)
+    assert payload.recorded == [True]
+
+
+class Patient:
+    """A client as MAVLink wants it: sends again with a growing confirmation until it is answered."""
+
+    def __init__(self, payload):
+        self.payload = payload
+
+    def command(self, number, *numbers):
+        """Return the final result, None when all was lost."""
+        for confirmation in range(30):
+            acks = self.payload.command(number, *numbers, seconds=0.7, confirmation=confirmation)
+            while acks and acks[-1] == IN_PROGRESS:
+                acks = self.payload.results(number, 2.0)
+            if acks:
+                return acks[-1]
+        return None
+
+
+ODDS = [
+    {"loss": 0.01},
+    {"loss": 0.2},
+    {"doubled": 0.3},
+    {"delayed": 0.3},
+    {"damaged": 0.2},
+    {"loss": 0.2, "doubled": 0.2, "delayed": 0.2, "damaged": 0.1},
+]
+
+
+@pytest.mark.parametrize("odds", ODDS, ids="+".join)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_on_a_bad_link_every_command_is_obeyed_once_and_its_end_is_told(sky, odds, seed):
+    payload = Payload(sky(**odds, seed=seed))
+    client = Patient(payload)
+    wanted = Counter()
+    for turn in range(8):
+        heading = 10.0 * (turn % 3 - 1)
+        assert client.command(TURN, heading) == ACCEPTED
+        assert client.command(RECORD, turn % 2) == ACCEPTED
+        wanted += Counter({("turn", round(heading)): 1, ("record", turn % 2): 1})
+        payload.wait(6.0)  # so that a confirmation cannot be taken for the last but one command
+    done = Counter(("turn", round(-math.degrees(order.heading))) for order in payload.given)
+    assert done + Counter(("record", int(on)) for on in payload.recorded) == wanted

@@ -1,0 +1,150 @@
+"""Sessions that are cut off, damaged, of another version, or of a process that was killed."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import wave
+
+import numpy as np
+import pytest
+
+from recording_bench import HOP, SUPPORT, equal, input_of, only, record
+from ross_payload.config import Config
+from ross_payload.errors import ConfigError
+from ross_payload.events import Event
+from ross_payload.recording.session import Session
+from ross_payload.recording.shelf import Shelf
+
+# ------------------------------------------------------------------------------------------------ torn files
+
+
+@pytest.fixture
+def whole(tmp_path):
+    record(tmp_path, [input_of(k) for k in range(100)], said=[Event(1.0)])
+    return only(tmp_path)
+
+
+@pytest.mark.parametrize("cut", [1, 7, 150, 5000])
+def test_inputs_that_are_cut_off_are_read_up_to_the_cut(whole, cut):
+    path = whole.path / "inputs.jsonl"
+    content = path.read_bytes()
+    path.write_bytes(content[:-cut])
+    found = list(whole.inputs(Config().audio))
+    assert len(found) == content[:-cut].count(b"\n") < 100
+    assert whole.contents().notes
+
+
+def test_a_short_audio_file_ends_the_inputs(whole):
+    path = whole.path / "audio.wav"
+    os.truncate(path, 44 + 6 * (50 * HOP + 3) + 2)
+    assert len(list(whole.inputs(Config().audio))) == 50
+    assert any("shorter" in note for note in whole.contents().notes)
+
+
+def test_a_damaged_line_in_the_middle_is_said(whole):
+    path = whole.path / "inputs.jsonl"
+    lines = path.read_bytes().splitlines(keepends=True)
+    lines[40] = b'{"index": 3}\n'
+    path.write_bytes(b"".join(lines))
+    assert len(list(whole.inputs(Config().audio))) == 40
+    assert any("line 41" in note for note in whole.contents().notes)
+
+
+def test_events_are_read_up_to_the_first_that_is_damaged(tmp_path):
+    record(tmp_path, [input_of(k) for k in range(5)], said=[Event(1.0)])
+    whole = only(tmp_path)
+    path = whole.path / "events.jsonl"
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(lines[0] + b"\x00\x00\xff\n" + lines[1] + lines[2][:9])
+    assert whole.events() == [lines[0].decode()]
+    assert any(note.startswith("events.jsonl: damaged at line 2") for note in whole.contents().notes)
+
+
+@pytest.mark.parametrize("name", ["events.jsonl", "config.json", "audio.wav", "inputs.jsonl"])
+def test_a_missing_file_is_said(whole, name):
+    (whole.path / name).unlink()
+    assert any(note.startswith(f"{name}: missing") for note in whole.contents().notes)
+
+
+def test_a_session_of_a_newer_version_is_read_as_far_as_it_goes(whole):
+    path = whole.path / "session.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"version": 2, "new": True}))
+    found = Session.open(whole.path)
+    assert found.contents().inputs == 100
+    assert "version 2, wanted 1" in found.contents().notes[0]
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"format": "other"}', '{"format": "ross-session"}'])
+def test_a_folder_that_is_no_session_is_refused_with_one_line(tmp_path, content):
+    (tmp_path / "session.json").write_text(content)
+    with pytest.raises(ConfigError) as refused:
+        Session.open(tmp_path)
+    assert "\n" not in str(refused.value)
+
+
+def test_an_order_of_another_version_is_named(whole):
+    path = whole.path / "inputs.jsonl"
+    lines = path.read_text().splitlines(keepends=True)
+    lines[3] = json.dumps(json.loads(lines[3]) | {"orders": [{"order": "Sing", "number": 1}]}) + "\n"
+    path.write_text("".join(lines))
+    with pytest.raises(ConfigError, match="Sing"):
+        list(whole.inputs(Config().audio))
+
+
+# ------------------------------------------------------------------------------------------------ kill -9
+
+LIVE = f"""
+import itertools, sys, time
+sys.path.insert(0, {SUPPORT!r})
+import recording_bench as t
+from pathlib import Path
+from ross_payload.events import Event
+from ross_payload.recording.recorder import in_background
+recorder = t.recording(Path(sys.argv[1]))
+with recorder, in_background(recorder):
+    start = time.monotonic()
+    for index in itertools.count():
+        recorder.heard(t.input_of(index))
+        recorder.said(Event(index / 100), None)
+        sys.stdout.write(f"{{index + 1}}\\n")
+        sys.stdout.flush()
+        time.sleep(max(start + index * 0.01 - time.monotonic(), 0))
+"""
+
+
+def killed(folder, after):
+    """Record in real time, kill the process without warning; return how many Inputs it had heard."""
+    with subprocess.Popen([sys.executable, "-c", LIVE, folder], stdout=subprocess.PIPE) as process:
+        process.stdout.readline()
+        time.sleep(after)
+        process.send_signal(signal.SIGKILL)
+        rest = process.stdout.read()
+    return int(rest.splitlines()[-1])
+
+
+def check_killed(folder, moments):
+    for number, after in enumerate(moments):
+        heard = killed(folder / str(number), after)
+        if heard < 100 and not Shelf(folder / str(number)).all():
+            continue  # killed before the first write: the last second is all there was
+        found = only(folder / str(number))
+        inputs = list(found.inputs(Config().audio))
+        assert heard - len(inputs) <= 100
+        assert len(inputs) >= 50 or heard < 100
+        assert all(equal(one, input_of(index)) for index, one in enumerate(inputs[-3:], len(inputs) - 3))
+        with wave.open(str(found.path / "audio.wav")) as file:
+            assert file.getnframes() >= len(inputs) * HOP
+        assert found.manifest.end is None
+        assert "cut off" in found.contents().notes[0]
+
+
+def test_a_killed_recording_misses_at_most_the_last_second(tmp_path):
+    check_killed(tmp_path, np.random.default_rng(1).uniform(1.0, 2.5, 3))
+
+
+@pytest.mark.soak
+def test_a_recording_killed_at_fifty_moments_misses_at_most_the_last_second(tmp_path):
+    check_killed(tmp_path, np.random.default_rng(2).uniform(0.0, 6.0, 50))

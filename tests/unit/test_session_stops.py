@@ -1,0 +1,184 @@
+"""Stops, cancels, faults and arming again, whenever they come in a session."""
+
+import pytest
+
+from ross_payload.config import Config
+from ross_payload.events import (
+    Answer,
+    Answered,
+    Separated,
+    State,
+    StateChanged,
+    TurnStarted,
+)
+from ross_payload.mission.tasks import Memory
+from ross_payload.orders import (
+    Cancel,
+    Explore,
+    Home,
+    ListenTo,
+    Park,
+    Rearm,
+    Stop,
+    TurnTo,
+)
+from session_bench import Bench, estimate
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+def test_a_stop_ends_the_task_and_nothing_moves_until_armed_again(bench):
+    bench.hop(Explore(number=1))
+    bench.hops_until(TurnStarted)
+    bench.hop(Stop(number=2))
+    assert bench.over(1).answer is Answer.CANCELLED
+    bench.hop()
+    assert (bench.state(), bench.stopped) == (State.STOPPED, True)
+    bench.hop(Park(number=3))
+    assert bench.over(3).answer is Answer.REFUSED
+    assert "re-arm" in bench.reason(3)
+    bench.hop(Rearm(number=4))
+    bench.hop()
+    bench.hop()
+    assert bench.answers(4) == [Answer.ACCEPTED]
+    bench.hop(Park(number=5))
+    assert bench.over(5).answer is Answer.DONE
+
+
+def test_a_cancel_ends_the_task_and_the_next_one_is_welcome(bench):
+    bench.hop(Explore(number=1))
+    bench.hops_until(TurnStarted)
+    bench.hop(Cancel(number=2))
+    assert bench.over(1).answer is Answer.CANCELLED
+    bench.hop(Park(number=3))
+    assert bench.over(3).answer is Answer.DONE
+
+
+def test_a_stop_while_idle_latches(bench):
+    bench.hop(Stop(number=1))
+    bench.hop(Park(number=2))
+    assert bench.over(2).answer is Answer.REFUSED
+
+
+def test_a_task_and_a_stop_in_one_hop_is_a_stop(bench):
+    bench.hop(Park(number=1), Stop(number=2))
+    assert bench.over(1).answer is Answer.REFUSED
+    bench.hop()
+    assert bench.goals == []
+    assert bench.state() is State.STOPPED
+
+
+def test_a_second_task_is_refused_while_one_is_busy(bench):
+    bench.hop(Explore(number=1))
+    bench.hop(Park(number=2))
+    assert bench.over(2).answer is Answer.REFUSED
+    assert bench.over(1).answer is Answer.DONE
+
+
+def test_of_two_tasks_in_one_hop_the_first_is_performed(bench):
+    bench.hop(Park(number=1), TurnTo(1.0, number=2))
+    assert bench.over(2).answer is Answer.REFUSED
+    assert bench.over(1).answer is Answer.DONE
+
+
+def test_while_listening_another_task_takes_over():
+    bench = Bench(Config.model_validate({"exploit": {"runs": 0}}), memory=Memory(estimate()))
+    bench.hop(ListenTo(0, number=1))
+    bench.hops_until(Separated)
+    bench.hop(ListenTo(1, number=2))
+    assert bench.over(1).answer is Answer.CANCELLED
+    delivered = bench.hops_until(Separated)
+    assert delivered.groups[delivered.target].members == (1,)
+
+
+def test_a_fault_ends_the_task_and_forbids_the_next(bench):
+    bench.hop(Explore(number=1))
+    bench.hops_until(TurnStarted)
+    bench.fault = "motor stalled"
+    assert bench.over(1).answer is Answer.FAILED
+    bench.hop(Park(number=2))
+    assert bench.over(2).answer is Answer.REFUSED
+    assert "motor stalled" in bench.reason(2)
+    assert bench.state() is State.FAULT
+
+
+def test_arming_fails_while_the_fault_is_there_and_finding_the_zero_clears_it(bench):
+    bench.fault = "position lost"
+    bench.hop()
+    bench.hop(Rearm(number=1))
+    bench.hop()
+    bench.hop()
+    assert bench.answers(1) == [Answer.REFUSED]
+    begun = bench.hops
+    bench.hop(Home(number=2))
+    assert bench.over(2).answer is Answer.DONE
+    assert bench.hops < begun + 20, "what is not armed never settles"
+    bench.hop(Park(number=3))
+    assert bench.over(3).answer is Answer.DONE
+
+
+def test_a_stop_after_a_fault_does_not_keep_the_zero_from_being_found(bench):
+    bench.fault = "position lost"
+    bench.hop()
+    bench.hop(Stop(number=1))
+    bench.hop(Rearm(number=2))
+    bench.hop()
+    bench.hop()
+    assert bench.answers(2) == [Answer.REFUSED]
+    assert bench.state() is State.FAULT
+    bench.hop(Home(number=3))
+    assert bench.over(3).answer is Answer.DONE
+    bench.hop(Rearm(number=4))
+    bench.hop()
+    bench.hop()
+    assert bench.answers(4) == [Answer.ACCEPTED]
+
+
+@pytest.mark.parametrize("hops", range(6))
+def test_a_stop_while_the_zero_is_looked_for_is_obeyed_whenever_it_comes(bench, hops):
+    bench.hop(Home(number=1))
+    for _ in range(hops):
+        bench.hop()
+    bench.hop(Stop(number=2))
+    bench.hop()
+    bench.hop()
+    bench.hop()
+    assert bench.answers(2) == [Answer.ACCEPTED]
+    assert bench.stopped
+    assert bench.state() is State.STOPPED
+
+
+def test_a_stop_outlives_a_fault(bench):
+    bench.hop(Stop())
+    bench.fault = "unplugged"
+    bench.hop()
+    bench.fault = ""
+    bench.hop()
+    bench.hop(Park(number=1))
+    assert bench.over(1).answer is Answer.REFUSED
+    assert "re-arm" in bench.reason(1)
+
+
+def test_what_comes_with_the_order_that_ends_a_task_is_obeyed_after_it(bench):
+    bench.hop(TurnTo(1.0, number=1))
+    bench.hop()
+    bench.hop(Stop(number=2), Rearm(number=3))
+    bench.over(1)
+    bench.hops_until(lambda e: isinstance(e, Answered) and e.order == 3)
+    assert bench.answers(1)[-1] is Answer.CANCELLED
+    assert bench.answers(2) == bench.answers(3) == [Answer.ACCEPTED]
+    assert bench.state() is State.IDLE
+
+
+def test_a_stop_that_comes_with_a_task_in_place_of_another_is_obeyed():
+    bench = Bench(memory=Memory(estimate()))
+    bench.hop(ListenTo(0, number=1))
+    bench.hops_until(lambda e: isinstance(e, StateChanged) and e.state is State.RUN)
+    bench.hop(TurnTo(1.0, number=2), Stop(number=3))
+    bench.hops_until(lambda e: isinstance(e, Answered) and e.order == 3)
+    assert bench.answers(1)[-1] is Answer.CANCELLED
+    assert bench.answers(2) == [Answer.REFUSED]
+    assert bench.state() is State.STOPPED
