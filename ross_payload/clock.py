@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 TICK = 0.010  # [s]
+LAST_CALL = 1.0  # so long a cancelled call that hangs is waited for [s]
 URGENCY = 10  # real-time priority of the pump, above everything ordinary and below the kernel's own threads
 TIMEX = 512  # more than the size of Linux's struct timex [bytes]
 UNSYNCHRONISED = 5  # TIME_ERROR of adjtimex
@@ -44,6 +45,7 @@ class _Periodic:
     due: float
     call: Callable[[], None]
     active: bool = field(default=True)
+    running: threading.RLock = field(default_factory=threading.RLock)
 
 
 class SystemClock:
@@ -85,7 +87,10 @@ class SystemClock:
             raise RuntimeError(f"a periodic call died: {self._failure!r}") from self._failure
 
     def every(self, period: float, call: Callable[[], None]) -> Callable[[], None]:
-        """Call ``call`` every ``period`` [s] on the pump thread until the returned function is called."""
+        """Call ``call`` every ``period`` [s] on the pump thread until the returned function is called.
+
+        When that returns, the last call is over (but for one that hangs), so that what it used can be closed.
+        """
         self.check()
         periodic = _Periodic(period, self.now() + period, call)
         with self._lock:
@@ -99,6 +104,8 @@ class SystemClock:
             with self._lock:
                 if periodic in self._calls:
                     self._calls.remove(periodic)
+            if periodic.running.acquire(timeout=LAST_CALL):
+                periodic.running.release()
 
         return cancel
 
@@ -111,10 +118,11 @@ class SystemClock:
                     self._thread = None
                     return
             for periodic in calls:
-                now = self.now()
-                if periodic.active and now >= periodic.due:
-                    periodic.due = max(periodic.due + periodic.period, now)
-                    self._run(periodic)
+                with periodic.running:
+                    now = self.now()
+                    if periodic.active and now >= periodic.due:
+                        periodic.due = max(periodic.due + periodic.period, now)
+                        self._run(periodic)
             time.sleep(TICK)
 
     def _run(self, periodic: _Periodic) -> None:

@@ -45,7 +45,10 @@ class Clock(Protocol):
         """Wait for ``duration`` [s]."""
 
     def every(self, period: float, call: Callable[[], None]) -> Cancel:
-        """Call ``call`` every ``period`` [s] until cancelled; calls due at one time run in order of registration."""
+        """Call ``call`` every ``period`` [s] until cancelled; calls due at one time run in order of registration.
+
+        Cancelling waits for a call that is under way.
+        """
 
 
 # ---------------------------------------------------------------------------------------------------- audio

@@ -62,5 +62,5 @@ def device_rig(file: Path) -> Iterator[Rig]:
             rig.settle(within=5.0)
             yield rig
         finally:
-            actuator.__exit__(None, None, None)
             cancel()
+            actuator.__exit__(None, None, None)

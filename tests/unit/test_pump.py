@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 
 import pytest
 
@@ -52,3 +53,34 @@ def test_cancelling_one_of_two_equal_calls_leaves_the_other() -> None:
     for _ in range(3):
         assert called.acquire(timeout=5.0)
     cancels[1]()
+
+
+def test_when_cancelling_returns_the_last_call_is_over() -> None:
+    clock, inside, over = SystemClock(), threading.Event(), threading.Event()
+
+    def call() -> None:
+        inside.set()
+        time.sleep(0.2)
+        over.set()
+
+    cancel = clock.every(0.01, call)
+    assert inside.wait(5.0)
+    cancel()
+    assert over.is_set()
+
+
+def test_a_call_may_cancel_itself_and_one_that_hangs_is_waited_for_no_longer_than_a_second() -> None:
+    clock, inside, cancelled, go_on = SystemClock(), threading.Event(), threading.Event(), threading.Event()
+
+    def call() -> None:
+        inside.set()
+        go_on.wait(20.0)
+        cancel()
+        cancelled.set()
+
+    cancel = clock.every(0.01, call)
+    assert inside.wait(5.0)
+    cancel()
+    assert not cancelled.is_set()
+    go_on.set()
+    assert cancelled.wait(5.0)

@@ -51,6 +51,8 @@ def test_nothing_is_sent_of_a_payload_that_nobody_watches():
                 station.say(audio(rate=48000), who=OTHER)
                 await asyncio.sleep(0.1)
             await one.say(type="unwatch")
+            await one.say(type="nothing of the kind")
+            await one.next("refused")  # so that what came before it is obeyed
             station.say(audio(rate=48000))
             await one.next("fleet")
             await one.next("fleet")
