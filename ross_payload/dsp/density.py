@@ -1,10 +1,13 @@
-"""Density of ITDs in one orientation: weighted histogram, kernel density, prominent peaks."""
+"""Density of ITDs in one orientation: weighted histogram, kernel density, prominent peaks.
+
+Prominence is that of `scipy.signal.find_peaks`; importing that package would double the time that the payload takes to
+start.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import find_peaks
 
 from ross_payload.interfaces import Real
 
@@ -55,6 +58,19 @@ def prominent_peaks(density: Real, grid: Real, prominence: float = 0.1) -> tuple
     if not density.max(initial=0.0) > 0:
         return ()
     padded = np.pad(density, 1)
-    peaks, _ = find_peaks(padded, prominence=prominence * density.max())
-    order = np.argsort(-padded[peaks], kind="stable")
-    return tuple(float(grid[peak - 1]) for peak in peaks[order])
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(padded)) + 1, [len(padded)]])  # of plateaus
+    first, last = edges[1:-2], edges[2:-1] - 1
+    height = padded[first]
+    is_peak = (height > padded[first - 1]) & (height > padded[last + 1])
+    places = ((first + last) // 2)[is_peak]
+    least = prominence * density.max()
+    peaks = [int(place) for place in places if padded[place] - _saddle(padded, place) >= least]
+    return tuple(float(grid[peak - 1]) for peak in sorted(peaks, key=lambda peak: -padded[peak]))
+
+
+def _saddle(values: Real, peak: int) -> float:
+    """Return how far one must climb down, on the better side, to climb higher than a peak or leave the density."""
+    higher = np.flatnonzero(values > values[peak])
+    left, right = higher[higher < peak], higher[higher > peak]
+    begin, end = (left[-1] if left.size else 0), (right[0] if right.size else len(values))
+    return float(max(values[begin : peak + 1].min(), values[peak:end].min()))

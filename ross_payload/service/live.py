@@ -13,6 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import FrameType
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ross_payload import __version__
@@ -39,6 +40,7 @@ from ross_payload.service.runner import Runner
 from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.timebase import Timebase
 from ross_payload.voiceprint import VoiceStore
+from ross_payload.voiceprint.features import at_rate
 
 PATIENCE = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
 AGAIN = 75  # exit code: start me again; EX_TEMPFAIL of sysexits.h
@@ -165,7 +167,11 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
 def _enrolled(config: Config) -> VoicePrint | None:
     if config.service.autostart == "seek" and not config.service.target:
         raise ConfigError("service.autostart = 'seek': found no service.target, wanted the name of an enrolled voice")
-    return VoiceStore.default().load(config.service.target) if config.service.target else None
+    if not config.service.target:
+        return None
+    voice = VoiceStore.default().load(config.service.target)
+    at_rate(np.zeros(1), config.audio.rate_hz)  # what resampling needs is loaded now, not while something turns
+    return voice
 
 
 def _run(runner: Runner, manager: Manager) -> None:

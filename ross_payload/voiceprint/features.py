@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dct, irfft, rfft
-from scipy.signal import resample_poly
 
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
@@ -83,8 +82,12 @@ def checked(voice: Real, rate: int) -> Real:
 
 def at_rate(samples: Real, rate: int) -> Real:
     """Resample from ``rate`` to RATE [Hz]."""
+    if rate == RATE:
+        return samples
+    from scipy.signal import resample_poly  # noqa: PLC0415  takes as long as all the rest of the payload
+
     common = math.gcd(rate, RATE)
-    return samples if rate == RATE else np.asarray(resample_poly(samples, RATE // common, rate // common))
+    return np.asarray(resample_poly(samples, RATE // common, rate // common))
 
 
 def mel_filters() -> Real:

@@ -48,6 +48,22 @@ def test_help_imports_nothing_heavy():
     assert "sitl" in done.stdout
 
 
+A_PAYLOAD = """
+import sys
+import ross_payload.service.live
+from ross_payload.config import Config
+from ross_payload.service.assemble import tools_of
+tools_of(Config(), None)
+heavy = {"scipy.signal", "scipy.stats", "sklearn", "matplotlib", "pyroomacoustics", "sounddevice", "rich", "aiohttp"}
+assert not heavy & set(sys.modules), heavy & set(sys.modules)
+"""
+
+
+def test_a_payload_loads_nothing_that_it_can_do_without():
+    done = subprocess.run([sys.executable, "-c", A_PAYLOAD], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
 def test_a_good_configuration_is_good(run, tmp_path):
     path = tmp_path / "a.toml"
     path.write_text("[actuator]\nkind = 'ideal'\n")

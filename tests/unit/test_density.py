@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import find_peaks
 
 from ross_payload.dsp.density import histogram, itd_grid, kde, prominent_peaks
 
@@ -53,3 +54,15 @@ def test_a_talker_at_the_very_end_of_the_grid_is_a_peak(edge: int) -> None:
     density = np.zeros(len(GRID))
     density[edge] = 1.0
     assert prominent_peaks(density, GRID) == (GRID[edge],)
+
+
+levels = st.lists(st.one_of(st.integers(0, 4).map(float), st.floats(0, 4)), min_size=1, max_size=40)
+
+
+@given(levels, st.floats(0.01, 1.0))
+def test_peaks_are_those_of_scipy(values: list[float], prominence: float) -> None:
+    density, grid = np.array(values), np.arange(len(values), dtype=float)
+    padded = np.pad(density, 1)
+    peaks, _ = find_peaks(padded, prominence=prominence * density.max())
+    wanted = sorted((peak - 1 for peak in peaks), key=lambda peak: -density[peak]) if density.max() > 0 else ()
+    assert prominent_peaks(density, grid, prominence) == tuple(float(peak) for peak in wanted)
