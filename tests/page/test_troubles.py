@@ -43,7 +43,7 @@ def test_silence_is_told_within_three_seconds_and_ends_by_itself(lone, open_page
 
 def test_the_page_comes_back_when_the_ground_process_does(lone, open_page, window):
     window.expected.append("/live")
-    ground, _ = lone
+    ground, payloads = lone
     page = watch(open_page, ground.url)
     page.evaluate("globalThis.sameDocument = true")
     ground.end()
@@ -51,10 +51,23 @@ def test_the_page_comes_back_when_the_ground_process_does(lone, open_page, windo
     expect(page.get_by_role("button", name="Explore", exact=True)).to_be_disabled()
     page.get_by_role("button", name="Stop 1-191").click()
     expect(page.locator(".stop-fate")).to_have_text("not sent: waits for the link")
+    payloads.tell(silence=[1])
     ground.start()
     page.locator("#no-ground").wait_for(state="detached")
+    expect(page.locator(".stop-fate")).to_have_text("stop sent")  # to whoever may be heard a moment later
+    payloads.tell(speak=[1])
     eventually(page, lambda: texts(page, ".payload-title .state") == ["Stopped"])
     assert page.evaluate("sameDocument")
+
+
+def test_a_stop_for_a_payload_that_is_never_heard_says_so(alone, open_page):
+    page = open_page(alone.url)
+    fates = page.evaluate("""async () => {
+      const { stopFate } = await import("/assets/stop.js");
+      const fate = (at) => stopFate({ ui: { stop: { ids: ["1-191"], at } }, store: { fleet: { payloads: [] } } }).words;
+      return [fate(performance.now()), fate(performance.now() - 60000)];
+    }""")
+    assert fates == ["stop sent", "1-191 is not heard: stop it by other means"]
 
 
 def test_what_is_odd_is_told_in_words(lone, open_page):

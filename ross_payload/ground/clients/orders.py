@@ -61,6 +61,7 @@ __all__ = [
 
 AGAIN, TIMES = 1.0, 4  # [s] without an answer until a frame is sent again, and how often
 STOP_AGAIN, STOP_TIMES = 0.2, 10
+LOOKED_FOR = 30.0  # [s] that a stop is sent to a payload that was never heard; when it is, all tries are before it
 SILENT, ASKING = 2.0, 0.5  # [s] without progress until it is asked for, and how often
 REMEMBERED = 4.0  # [s] within which the payload knows what is said again: it remembers for 5, and a frame may be late
 LIKE = 10.0  # [s] after an order, in which the payload may take its like that is said again for it
@@ -154,6 +155,9 @@ class Orders:
             for one in [one for one in self._of(payload.who) if not one.over]:
                 self._end(one, FAILED, STARTED_ANEW)
             self._peers[payload.who] = peer = _Peer()
+        elif peer.boots is None:
+            for one in [one for one in self._of(payload.who) if isinstance(one.order, Stop) and one.heard is None]:
+                one.sent, one.due = min(one.sent, 1), self._now
         peer.boots = payload.boots
 
     def heard(self, packet: Packet, now: float) -> None:
@@ -210,12 +214,17 @@ class Orders:
         if one.cancelling:
             self._say_cancel(one) if one.cancelling <= TIMES else self._give_up(one)
         elif one.heard is None:
-            self._say(one) if one.sent <= times else self._give_up(one)
+            self._say(one) if one.sent <= times or self._looked_for(one) else self._give_up(one)
         elif self._now - one.heard > REMEMBERED:
             self._give_up(one)
         else:
             self._say(one)
             one.due = self._now + ASKING
+
+    def _looked_for(self, one: _Open) -> bool:
+        """Whether it is a stop for somebody who was never heard, but may be any moment: we may have just started."""
+        unmet = isinstance(one.order, Stop) and self._peer(one.who).boots is None
+        return unmet and self._now - self._doing[one.number].since < LOOKED_FOR
 
     def _say_cancel(self, one: _Open) -> None:
         one.cancelling += 1

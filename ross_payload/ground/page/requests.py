@@ -41,11 +41,12 @@ def _name(message: Message) -> str:
 
 
 def _order(session: Session, message: Message) -> None:
-    """Pass an order on; a stop is anybody's."""
+    """Pass an order on; a stop is anybody's, and for whoever was not heard yet, too."""
     wanted = message.get("order")
     if not isinstance(wanted, dict):
         raise ValueError(f"order {str(wanted)[:40]} found, an object with a kind wanted")
-    who, order, orders = _known(session, message), order_of(wanted), session.hub.hands.orders
+    order, orders = order_of(wanted), session.hub.hands.orders
+    who = _live(session, message) if isinstance(order, Stop) else _known(session, message)
     by_number = isinstance(order, Cancel) and "number" in wanted
     number = _number_of(orders, who, wanted["number"]) if by_number else 0
     if not isinstance(order, Stop):
@@ -142,10 +143,14 @@ def _who(message: Message) -> Who:
     return Who.parse(str(message.get("id")))
 
 
-def _known(session: Session, message: Message) -> Who:
+def _live(session: Session, message: Message) -> Who:
     if not session.hub.live:
         raise ValueError("a past flight takes no orders")
-    who = _who(message)
+    return _who(message)
+
+
+def _known(session: Session, message: Message) -> Who:
+    who = _live(session, message)
     if who not in session.hub.station.fleet.payloads:
         raise ValueError(f"payload {who} was not heard of")
     return who

@@ -28,10 +28,12 @@ TURN, LISTEN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_LISTEN, ross.MAV_
 class Script:
     """A payload that says what it is told to, and keeps what it hears."""
 
-    def __init__(self):
+    def __init__(self, *, met=True):
         self.heard = []
         self.now = 0.0
         self.orders = Orders(lambda message, who: self.heard.append((self.now, message)), *US)
+        if met:
+            self.orders.met(Known(WHO, 0.0, 0.0))
         self.encoder, self.decoder = Encoder(1, 191), Decoder()
 
     def say(self, message, encoder=None):
@@ -71,6 +73,31 @@ def test_a_stop_that_nobody_answers_is_said_five_times_a_second(script):
     script.wait(10)
     assert [at for at, _ in script.heard] == pytest.approx([0.2 * k for k in range(11)], abs=0.06)
     assert script.states() == ["no_answer"]
+
+
+def test_a_stop_for_a_payload_that_was_never_heard_is_sent_for_half_a_minute():
+    script = Script(met=False)
+    script.orders.order(WHO, Turn(40))
+    script.orders.order(WHO, Stop())
+    script.wait(29)
+    assert script.states() == ["cancelled", "sent"]
+    script.wait(2)
+    assert script.states() == ["cancelled", "no_answer"]
+    said = len(script.heard)
+    script.wait(5)
+    assert len(script.heard) == said
+
+
+def test_a_stop_is_sent_anew_as_soon_as_its_payload_is_heard_for_the_first_time():
+    script = Script(met=False)
+    script.orders.order(WHO, Stop())
+    script.wait(20.05)
+    script.orders.met(Known(WHO, 0.0, script.now))
+    said = len(script.heard)
+    script.wait(0.05)
+    assert len(script.heard) == said + 1
+    script.ack(STOP, Result.ACCEPTED)
+    assert script.states() == ["done"]
 
 
 def test_a_stop_waits_for_nothing_and_silences_what_was_never_heard(script):

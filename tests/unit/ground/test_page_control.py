@@ -119,6 +119,18 @@ def test_a_stop_is_obeyed_from_everybody_and_takes_no_control():
     asyncio.run(run())
 
 
+def test_a_stop_is_sent_to_a_payload_that_was_not_heard_yet():
+    async def run():
+        station = HandStation()
+        async with page(station) as served, browser(served.url) as one:
+            await one.say(type="order", id="1-191", order={"kind": "stop"})
+            await one.say(type="order", id="1-191", order=TURN)
+            assert "was not heard of" in (await one.next("refused"))["reason"]
+            assert set(commands(station)) == {ross.MAV_CMD_ROSS_STOP}
+
+    asyncio.run(run())
+
+
 def test_a_browser_that_comes_back_in_time_still_has_control():
     async def run():
         station = there()

@@ -32,14 +32,17 @@ export function followed(page) {
 const NONE = { words: "", level: "" };
 const STOPPED = { words: "stopped", level: "good" };
 const lately = (at) => performance.now() - at < SHOWN * 1000;
-const stateOf = (page, id) => (page.store.fleet?.payloads ?? []).find((each) => each.id === id)?.state;
+const rowOf = (page, id) => (page.store.fleet?.payloads ?? []).find((each) => each.id === id);
+const stateOf = (page, id) => rowOf(page, id)?.state;
+const heard = (page, id) => rowOf(page, id) !== undefined;
 const rests = (page, ids) => ids.every((id) => stateOf(page, id) === "stopped");
 
 function fateOf(page, id, stop) {
   const doing = page.store.payload?.id === id ? latestStop(page.store.payload.sections.orders, stop.now) : null;
   if (doing?.state === "done" || doing?.state === "acknowledged") return "stopped";
   if (doing && isOver(doing.state)) return doing.reason || "no answer: stop it by other means";
-  return stateOf(page, id) === "stopped" ? "stopped" : "sent";
+  if (stateOf(page, id) === "stopped") return "stopped";
+  return heard(page, id) || lately(stop.at) ? "sent" : `${id} is not heard: stop it by other means`;
 }
 
 function latestStop(orders, since) {
