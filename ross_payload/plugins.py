@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
@@ -17,8 +19,9 @@ EXTRAS = {
 }
 
 
-def available(group: str) -> dict[str, EntryPoint]:
-    """Return the entry points of a group by name, sorted; nothing is imported."""
+@cache
+def available(group: str) -> Mapping[str, EntryPoint]:
+    """Return the entry points of a group by name, sorted; nothing is imported, and every package is asked only once."""
     return {point.name: point for point in sorted(entry_points(group=group), key=lambda point: point.name)}
 
 

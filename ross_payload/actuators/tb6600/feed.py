@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,23 @@ from ross_payload.interfaces import Port, Real
 SHORTEST = 0.001  # of a segment that is not the last [s]
 OVERDUE = 0.020  # how late a report may be before what is known counts as old [s]
 REMEMBERED = 256  # segments handed over whose steps are kept, to tell where the counter was: over a second
+
+
+@dataclass(frozen=True, slots=True)
+class _Steps:
+    """The steps of one segment, at least one."""
+
+    first: float  # [s]
+    last: float  # [s]
+    sum: int
+    times: Real
+    signs: Signs
+
+    def after(self, time: float) -> int:
+        """Sum of those later than ``time`` [s]."""
+        if self.first > time:
+            return self.sum
+        return int(self.signs[np.searchsorted(self.times, time, side="right") :].sum())
 
 
 class Feed:
@@ -40,7 +57,7 @@ class Feed:
         self._wires = Wires()
         self._rest = Train(np.empty(0, EDGE), np.empty(0), np.empty(0, np.int64), -math.inf)
         self._outstanding: deque[float] = deque()  # ends of segments not yet reported [s]
-        self._recent: deque[tuple[Real, Signs]] = deque(maxlen=REMEMBERED)  # steps handed over
+        self._recent: deque[_Steps] = deque(maxlen=REMEMBERED)  # handed over
         self.committed = -math.inf  # end of the last segment handed over [s]
 
     @property
@@ -115,11 +132,10 @@ class Feed:
     def angle(self, time: float) -> float:
         """The counter at ``time`` [s], up to a second ago, in radians: steps handed over whose time has come."""
         ahead = 0
-        for steps, signs in reversed(self._recent):
-            if len(steps):
-                if steps[-1] <= time:
-                    break
-                ahead += int(signs[np.searchsorted(steps, time, side="right") :].sum())
+        for steps in reversed(self._recent):
+            if steps.last <= time:
+                break
+            ahead += steps.after(time)
         return (self._wires.count - ahead) * self._resolution
 
     def known(self, now: float) -> float:
@@ -136,7 +152,8 @@ class Feed:
         n_steps = len(rest.steps) if last else int(np.searchsorted(rest.steps, end))
         edges, steps, signs = rest.edges[:n_edges], rest.steps[:n_steps], rest.signs[:n_steps]
         self._wires = after(self._wires, edges, steps, signs, self._interface)
-        self._recent.append((steps, signs))
+        if n_steps:
+            self._recent.append(_Steps(float(steps[0]), float(steps[-1]), int(signs.sum()), steps, signs))
         relative = edges.copy()
         relative["time"] -= start
         self._send(relative, end - start)

@@ -189,10 +189,9 @@ def test_an_order_takes_one_way_and_a_stop_or_a_second_attempt_takes_all(
 ) -> None:
     async def claim() -> None:
         async with Station(urls(ports)) as station:
-            for far in two:
+            for number, far in enumerate(two):
                 far.say(AUDIO)
-                await asyncio.sleep(0.1)
-            await until(lambda: all(link.frames for link in station.links()))
+                await until(lambda number=number: station.links()[number].frames)
             station.send(order(TURN), WHO)
             station.send(common.MAVLink_param_request_list_message(1, 191), WHO)
             station.send(order(STOP), WHO)
@@ -209,10 +208,9 @@ def test_when_a_way_falls_silent_the_other_one_is_taken(two: tuple[Far, Far], po
     async def claim() -> None:
         clock = HandClock()
         async with Station(urls(ports), now=clock.now) as station:
-            for far in two:
+            for number, far in enumerate(two):
                 far.say(AUDIO)
-                await asyncio.sleep(0.1)
-            await until(lambda: all(link.frames for link in station.links()))
+                await until(lambda number=number: station.links()[number].frames)
             clock.ahead += 5.0
             two[1].say(AUDIO)
             await until(lambda: station.links()[1].frames == 2)

@@ -89,7 +89,7 @@ def test_a_change_is_sent_with_the_time_at_which_it_was_heard():
             await one.next("payload")
             before = time.time() * 1e3
             station.say(audio(rate=8000))
-            told = await one.next("payload")
+            told = await one.next("payload", lambda message: rate_of(message) == 8000)
             assert before - 1 <= told["heard"] <= told["sent"] <= time.time() * 1e3 + 1
             assert told["sections"]["standing"]["last"] <= told["now"]
 
