@@ -8,6 +8,7 @@ SPEECH ?= ../shared/speech
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet install --constraint constraints.txt
 BENCH := --settings S1,S2,S3 --talkers ls3005,ls3331,ls2414,ls3080,ls533 --speech $(SPEECH)
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+COMPILED := PYTHONDONTWRITEBYTECODE=  # hundreds of processes are started
 
 .PHONY: demo test check bench soak docs protocols clean
 .DELETE_ON_ERROR:
@@ -16,7 +17,7 @@ demo: $(VENV)/.demo
 	@if [ -t 1 ]; then page=--page; fi; $(BIN)/ross sitl --out out/demo $$page
 
 test: $(VENV)/.dev
-	$(ONE_THREAD) $(BIN)/pytest --numprocesses 3 --dist worksteal $(ARGS)
+	$(ONE_THREAD) $(COMPILED) $(BIN)/pytest --numprocesses 3 --dist worksteal $(ARGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .

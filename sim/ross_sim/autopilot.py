@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
@@ -22,8 +22,10 @@ from ross_protocols.codec import Decoder, Encoder, Packet
 from ross_protocols.vehicle import AUTOPILOT, SystemTime, TimeSync, VehicleAttitude
 from ross_sim.delay import wire
 from ross_sim.routing import Router
-from ross_sim.scenario import Vehicle
 from ross_sim.vehicle import Yaw
+
+if TYPE_CHECKING:  # whoever runs an autopilot alone needs no room
+    from ross_sim.scenario import Vehicle
 
 HEARTBEAT, SYSTEM_TIME, ATTITUDE, TIMESYNC, GIMBAL_STATE = 0, 2, 30, 111, 286  # message ids
 PERIODS = {HEARTBEAT: 1.0, SYSTEM_TIME: 1.0, TIMESYNC: 10.0}  # [s], until somebody asks otherwise
