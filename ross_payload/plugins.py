@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -19,9 +20,14 @@ EXTRAS = {
 }
 
 
-@cache
 def available(group: str) -> Mapping[str, EntryPoint]:
-    """Return the entry points of a group by name, sorted; nothing is imported, and every package is asked only once."""
+    """Return the entry points of a group by name, sorted; nothing is imported."""
+    return _along(group, tuple(sys.path))
+
+
+@cache
+def _along(group: str, path: tuple[str, ...]) -> Mapping[str, EntryPoint]:
+    """Ask every package along a path, which takes several milliseconds."""
     return {point.name: point for point in sorted(entry_points(group=group), key=lambda point: point.name)}
 
 

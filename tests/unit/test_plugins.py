@@ -12,9 +12,9 @@ def points(monkeypatch):
         found = [EntryPoint(name, value, "ross_payload.things") for name, value in values.items()]
         monkeypatch.setattr(plugins, "entry_points", lambda group: found)
 
-    plugins.available.cache_clear()
+    plugins._along.cache_clear()
     yield use
-    plugins.available.cache_clear()
+    plugins._along.cache_clear()
 
 
 def test_only_the_one_asked_for_is_imported(points):
