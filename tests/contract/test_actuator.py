@@ -17,6 +17,8 @@ from ross_payload.errors import ActuatorFault, ConfigError, LimitError
 from ross_payload.interfaces import Feedback, Services
 from ross_sim.clock import QUANTUM, SimClock
 
+pytestmark = pytest.mark.lockstep
+
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Take every kind; a real device where a test asks for no more than a device can show, with --actuator."""

@@ -18,6 +18,8 @@ from ross_payload.errors import ActuatorError
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
 
+pytestmark = pytest.mark.lockstep
+
 STILL = math.radians(0.3)  # between two looks a second apart [rad]
 CASES = [
     pytest.param(kind, fault, detection, id=f"{kind}-{fault}")

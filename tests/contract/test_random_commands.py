@@ -17,6 +17,8 @@ from ross_payload.errors import ActuatorError
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
 
+pytestmark = pytest.mark.lockstep
+
 MANY = math.ceil(10_000 / len(KINDS))
 BRAKING = 300  # quanta in which everything comes to rest
 FEW = settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))

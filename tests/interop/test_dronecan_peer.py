@@ -99,8 +99,8 @@ def test_it_turns_a_gimbal_to_the_left_with_a_negative_yaw(node: Any, channel: s
         node.periodic(0.02, lambda: node.broadcast(command))
         wanted = pytest.approx(list(command.quaternion_xyzw), abs=0.003)
         spin_until(node, lambda: attitudes and list(attitudes[-1].camera_orientation_in_body_frame_xyzw) == wanted)
+        spin_until(node, lambda: servo.node.joint() == pytest.approx(0.6, abs=0.006))
     assert attitudes[-1].gimbal_id == 3
-    assert servo.node.joint() == pytest.approx(0.6, abs=0.006)
 
 
 def test_it_reads_who_the_servo_is_and_how_it_is_and_reboots_it(node: Any, channel: str) -> None:

@@ -10,6 +10,8 @@ import soundfile
 import ross_sim
 from reports import gain
 
+pytestmark = pytest.mark.lockstep
+
 SCENARIO = (Path(ross_sim.__file__).parents[1] / "scenarios" / "drone-yaw.toml").read_text(encoding="utf-8")
 REST = SCENARIO.replace("amplitude_deg = 15", "amplitude_deg = 0")
 

@@ -7,6 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+pytestmark = pytest.mark.lockstep
+
 
 def test_talkers_below_are_found_and_the_target_is_separated(tmp_path: Path) -> None:
     """The talkers are 22 to 58 deg below: at one's cosine a horizontal one would be up to 58 deg away."""

@@ -2,7 +2,11 @@
 
 import json
 
+import pytest
+
 from reports import gain
+
+pytestmark = pytest.mark.lockstep
 
 
 def worst(report):

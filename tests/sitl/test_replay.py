@@ -15,6 +15,8 @@ import pytest
 
 from replay_bench import SHORT, replayed
 
+pytestmark = pytest.mark.lockstep
+
 
 @pytest.fixture(scope="module")
 def taped(tmp_path_factory):

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 import soundfile
 
+pytestmark = pytest.mark.lockstep
+
 
 def ross(*arguments, **options):
     command = [sys.executable, "-m", "ross_payload.cli", *map(str, arguments)]

@@ -6,6 +6,8 @@ import pytest
 
 from short_mission import THREE
 
+pytestmark = pytest.mark.lockstep
+
 
 @pytest.fixture
 def mission(run, tmp_path):

@@ -8,6 +8,8 @@ from ross_sim.devices.far_end import Fault
 from ross_sim.scenario import load
 from short_mission import THREE
 
+pytestmark = pytest.mark.lockstep
+
 QUIET = """
 title = "Nothing slips"
 [payload.explore]

@@ -13,6 +13,8 @@ import soundfile
 
 from ross_sim.voices import synthetic_voice
 
+pytestmark = pytest.mark.lockstep
+
 STUDY = """
 settings = ["S1"]
 k = [2, 3]

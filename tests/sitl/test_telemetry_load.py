@@ -26,6 +26,8 @@ from ross_sim.casting import company_of, directed
 from ross_sim.clock import SimClock
 from ross_sim.session import perform
 
+pytestmark = pytest.mark.lockstep
+
 BYTES = 5760  # a second
 URL = "serial:/dev/ttyRadio:57600"
 

@@ -12,6 +12,8 @@ from ross_sim.scenario import load
 from ross_sim.voices import synthetic_voices
 from ross_sim.world import World
 
+pytestmark = pytest.mark.lockstep
+
 FLIPPED = np.array([[1], [-1]], np.float32)
 
 

@@ -18,6 +18,8 @@ from ross_protocols.dronecan import (
 )
 from ross_sim.clock import QUANTUM
 
+pytestmark = pytest.mark.lockstep
+
 
 def test_a_jammed_servo_is_named_before_it_is_20_degrees_behind_and_pulls_no_more():
     rig = Rig()

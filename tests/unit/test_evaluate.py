@@ -16,6 +16,8 @@ from ross_payload.evaluation.takes import lag_of, placed
 from ross_sim.study.rooms import SETTINGS
 from ross_sim.study.separation import FRAME, HOP, RATE, aligned_heading, record, scene_of
 
+pytestmark = pytest.mark.lockstep
+
 AZIMUTHS_DEG, TARGET = (170.0, 70.0, -50.0), 1
 QUIET = 0.05  # full scale per unit of the simulation
 

@@ -11,6 +11,8 @@ from hand_bench import Base
 from ross_payload.events import Answer, Answered, State, StateChanged
 from ross_payload.orders import Cancel, Explore, Rearm, Stop, TurnTo
 
+pytestmark = pytest.mark.lockstep
+
 LOWER, UPPER = -70.0, 110.0  # [deg]
 BUSY, LENGTH, QUIET = 3.0, 30.0, 12.0  # [s] before, during and after the noise
 SLACK = 0.01  # [deg]

@@ -21,6 +21,8 @@ from ross_sim.devices.home_switch import HomeSwitch
 from ross_sim.devices.tb6600 import Tb6600FarEnd, far_end
 from tb6600_bench import Turning
 
+pytestmark = pytest.mark.lockstep
+
 PERIOD = 7.2  # of the rotor's teeth: a module that is switched on pulls it to the nearest of these [deg]
 STEP = 0.1125 * 1.01  # [deg]
 

@@ -20,6 +20,8 @@ from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Complex, Observation, Real
 
+pytestmark = pytest.mark.lockstep
+
 SPACING, SPEED = 0.05, 343.0
 RATE = 16000
 STFT = Stft(RATE, 512, 128)

@@ -1,6 +1,10 @@
 """The study of estimated qualities: it compares with the truth, for every group."""
 
+import pytest
+
 from ross_sim.study import quality
+
+pytestmark = pytest.mark.lockstep
 
 
 def test_it_compares_every_group_with_the_truth(capsys):

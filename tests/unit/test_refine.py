@@ -13,6 +13,8 @@ from ross_payload.interfaces import Scene
 from ross_sim.study import refiner_model
 from ross_sim.voices import synthetic_voice
 
+pytestmark = pytest.mark.lockstep
+
 RATE = 16000
 STFT = Stft(RATE, 2048, 512)
 LONGEST = 0.05 / 343.0

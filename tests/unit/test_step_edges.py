@@ -22,6 +22,8 @@ from ross_payload.errors import ActuatorError
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
 
+pytestmark = pytest.mark.lockstep
+
 MODULE_LOW = 2.5e-6  # [s] STEP low that the slowest module wants
 LIMIT = math.radians(200)
 NOISE = 1e-9  # of a time on the clock [s]

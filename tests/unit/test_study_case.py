@@ -17,6 +17,8 @@ from ross_sim.study.design import PRESETS, Task, chosen, mixed, tasks
 from ross_sim.study.rows import ALIGNED, ESTIMATED, UNALIGNED
 from ross_sim.voices import synthetic_voice
 
+pytestmark = pytest.mark.lockstep
+
 TINY = {
     "settings": ("S1",), "k": (2,), "layouts": 0, "separators": ("gaussian", "tvmwf"), "rotations": (2, 4, "stop"),
     "unit_s": (1.0,), "run_s": 2.0, "rate_hz": 16000,

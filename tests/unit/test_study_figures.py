@@ -11,6 +11,8 @@ from ross_sim.study.figures import draw
 from ross_sim.study.rows import Exploration, Separation
 from ross_sim.study.tables import tables
 
+pytestmark = pytest.mark.lockstep
+
 GAINS = {"aligned": 12.0, "estimated": 11.0, "unaligned": 6.0}
 SETTINGS, COUNTS, SEPARATORS = ("S1", "S2", "S3"), (3, 4), ("duet", "gaussian")
 

@@ -14,6 +14,8 @@ from ross_sim.study.augment import masked
 from ross_sim.study.train_voiceprint import main as train
 from ross_sim.study.voices import OUTSIDE, equal_error_rate
 
+pytestmark = pytest.mark.lockstep
+
 SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / ".." / "shared" / "speech"))
 RATE = 16_000
 

@@ -19,6 +19,8 @@ from ross_protocols.dialect import MESSAGES, common
 from ross_protocols.tunnel import OURS
 from ross_protocols.values import Source, Status
 
+pytestmark = pytest.mark.lockstep
+
 SAID = [number for number, message in MESSAGES.items() if message.msgname.startswith(OURS)]
 OTHERS = [
     common.MAVLINK_MSG_ID_HEARTBEAT,

@@ -14,6 +14,8 @@ from ross_payload.ground.picture.fleet import Fleet
 from ross_protocols.codec import Encoder, chunks
 from ross_protocols.values import Health, Heartbeat, Severity
 
+pytestmark = pytest.mark.lockstep
+
 LONG_TEXT = "RoSS: " + "a text that needs more than one chunk, " * 3
 
 

@@ -29,6 +29,8 @@ from ross_protocols.values import (
 from ross_sim.sitl import command as sitl
 from short_mission import SHORT
 
+pytestmark = pytest.mark.lockstep
+
 TURN = 54003
 
 
