@@ -60,14 +60,18 @@ def test_the_page_comes_back_when_the_ground_process_does(lone, open_page, windo
     assert page.evaluate("sameDocument")
 
 
-def test_a_stop_for_a_payload_that_is_never_heard_says_so(alone, open_page):
+def test_a_stop_that_stops_nobody_says_so(alone, open_page):
     page = open_page(alone.url)
     fates = page.evaluate("""async () => {
       const { stopFate } = await import("/assets/stop.js");
-      const fate = (at) => stopFate({ ui: { stop: { ids: ["1-191"], at } }, store: { fleet: { payloads: [] } } }).words;
-      return [fate(performance.now()), fate(performance.now() - 60000)];
+      const row = (state) => [{ id: "1-191", state }];
+      const fate = (at, payloads) => stopFate({ ui: { stop: { ids: ["1-191"], at } }, store: { fleet: { payloads } } });
+      const states = [[], row("explore_turn"), row("fault"), row("stopped")];
+      return [0, 60000].map((ago) => states.map((each) => fate(performance.now() - ago, each).words));
     }""")
-    assert fates == ["stop sent", "1-191 is not heard: stop it by other means"]
+    assert fates[0] == ["stop sent"] * 3 + ["stopped"]
+    other = "stop it by other means"
+    assert fates[1] == [f"1-191 is not heard: {other}", f"1-191 has not stopped: {other}", "stop sent", "stopped"]
 
 
 def test_what_is_odd_is_told_in_words(lone, open_page):

@@ -3,6 +3,7 @@
 import { isOver } from "./words.js";
 
 const SHOWN = 8; // [s] that an answer stays beside the button
+const UNTOLD = ["", "fault"]; // states of a payload that may stand still, or not
 
 /** The payload on the screen, else all of them. @returns {string[]} */
 export function stopTargets(page) {
@@ -33,16 +34,16 @@ const NONE = { words: "", level: "" };
 const STOPPED = { words: "stopped", level: "good" };
 const lately = (at) => performance.now() - at < SHOWN * 1000;
 const rowOf = (page, id) => (page.store.fleet?.payloads ?? []).find((each) => each.id === id);
-const stateOf = (page, id) => rowOf(page, id)?.state;
-const heard = (page, id) => rowOf(page, id) !== undefined;
-const rests = (page, ids) => ids.every((id) => stateOf(page, id) === "stopped");
+const rests = (page, ids) => ids.every((id) => rowOf(page, id)?.state === "stopped");
 
 function fateOf(page, id, stop) {
   const doing = page.store.payload?.id === id ? latestStop(page.store.payload.sections.orders, stop.now) : null;
   if (doing?.state === "done" || doing?.state === "acknowledged") return "stopped";
   if (doing && isOver(doing.state)) return doing.reason || "no answer: stop it by other means";
-  if (stateOf(page, id) === "stopped") return "stopped";
-  return heard(page, id) || lately(stop.at) ? "sent" : `${id} is not heard: stop it by other means`;
+  const row = rowOf(page, id);
+  if (row?.state === "stopped") return "stopped";
+  if (lately(stop.at) || (row && UNTOLD.includes(row.state ?? ""))) return "sent";
+  return `${id} ${row ? "has not stopped" : "is not heard"}: stop it by other means`;
 }
 
 function latestStop(orders, since) {
