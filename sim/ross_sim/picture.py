@@ -12,17 +12,10 @@ from matplotlib.figure import Figure
 
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import AlignmentPlanned, Checked, Separated, SourcesEstimated
+from ross_payload.ground.flights.look import COLOURS, STYLE
 from ross_payload.interfaces import Real
 from ross_sim.report import Story, Truth, orientations
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#999999")
-STYLE: dict[Any, Any] = {
-    "text.parse_math": False,
-    "font.size": 8,
-    "axes.titlesize": 9,
-    "axes.titleweight": "bold",
-    "svg.hashsalt": "ross",
-}
 RANGE = 60.0  # [dB] shown in spectrograms
 
 

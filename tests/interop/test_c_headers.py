@@ -8,25 +8,10 @@ import sys
 
 import pytest
 
+from alignments import ALIGNMENT
 from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.commands import command_of
-from ross_protocols.values import Alignment, CandidateState, Health, Heartbeat, Rule, Status
-
-ALIGNMENT = Alignment(
-    time_usec=1,
-    earth=True,
-    plan=3,
-    candidate=1,
-    count=2,
-    heading=1.0,
-    joint=0.25,
-    source=0,
-    aliased=(1, 2),
-    isolation=125e-6,
-    gain=3.5,
-    rule=Rule.BISECTOR,
-    state=CandidateState.TURNING,
-)
+from ross_protocols.values import Alignment, Health, Heartbeat, Status
 
 
 @pytest.fixture(scope="module")

@@ -5,31 +5,19 @@ import math
 import shutil
 import struct
 import subprocess
+from dataclasses import replace
 
 import pytest
 
+import alignments
 from ross_protocols.codec import Encoder
 from ross_protocols.dialect import common
 from ross_protocols.tunnel import Wrapper
-from ross_protocols.values import Alignment, Audio, CandidateState, Health, Heartbeat, Rule, Status
+from ross_protocols.values import Audio, Health, Heartbeat, Status
 
 RAW_IP = 101  # the link type of a capture without Ethernet
 LOOPBACK = bytes([127, 0, 0, 1])
-ALIGNMENT = Alignment(
-    time_usec=5_000_000,
-    earth=True,
-    plan=3,
-    candidate=1,
-    count=2,
-    heading=-math.pi / 2,
-    joint=0.25,
-    source=0,
-    aliased=(1, 2),
-    isolation=125e-6,
-    gain=3.5,
-    rule=Rule.BISECTOR,
-    state=CandidateState.TURNING,
-)
+ALIGNMENT = replace(alignments.ALIGNMENT, heading=-math.pi / 2)
 
 
 def capture(path, datagrams, port):

@@ -8,11 +8,12 @@ import sys
 import threading
 import time
 from contextlib import contextmanager
+from functools import partial
 
 import pytest
 
 import ports
-from ross_payload import cli
+from command_line import called
 from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import common, ross
 from short_mission import SHORT
@@ -30,14 +31,7 @@ def short(tmp_path):
 
 @pytest.fixture
 def run(monkeypatch, capsys):
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["ross", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        said = capsys.readouterr()
-        return end.value.code, said.out, said.err
-
-    return call
+    return partial(called, monkeypatch, capsys)
 
 
 @pytest.fixture

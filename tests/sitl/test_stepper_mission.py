@@ -3,6 +3,7 @@
 import pytest
 
 from reports import gain, worst_azimuth
+from short_mission import THREE
 
 SWITCH = """
 [payload.actuator]
@@ -16,16 +17,15 @@ title = "The array slips, and finds its zero by its switch"
 payload.explore.max_rotations = 6
 payload.exploit.runs = 3
 noise.snr_db = 25
-[[talkers]]
-azimuth_deg = 40
-[[talkers]]
-azimuth_deg = 155
-[[talkers]]
-azimuth_deg = -80
+"""
+SLIP += (
+    THREE
+    + """
 [[troubles]]
 fault = "slip"
 at_s = 34
 """
+)
 
 
 @pytest.mark.soak

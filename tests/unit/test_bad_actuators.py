@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 import socket
 import stat
-import sys
 from pathlib import Path
 
 import pytest
 
-from ross_payload import cli
+from command_line import called
 
 CAN = '[actuator]\nkind = "{kind}"\noptions = {{ port = "{port}"{more} }}\n'
 
@@ -23,15 +22,12 @@ def written(folder: Path, text: str) -> Path:
 
 def ross(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str]:
     """The exit code, and the complaint: what failed, or the only line of the error output."""
-    monkeypatch.setattr(sys, "argv", ["ross", *map(str, arguments)])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    said = capsys.readouterr()
-    assert "Traceback" not in said.err + said.out
-    failed = [line for line in said.out.splitlines() if line.startswith("fail")]
-    lines = failed or said.err.splitlines()
-    assert len(lines) == 1, said
-    return int(str(end.value.code)), lines[0]
+    code, said, complained = called(monkeypatch, capsys, *arguments)
+    assert "Traceback" not in complained + said
+    failed = [line for line in said.splitlines() if line.startswith("fail")]
+    lines = failed or complained.splitlines()
+    assert len(lines) == 1, said + complained
+    return int(str(code)), lines[0]
 
 
 CONFIGURATIONS = {

@@ -1,26 +1,19 @@
 import json
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
 import soundfile
 
-from ross_payload import cli
-
-
-def ross(monkeypatch, capsys, *arguments):
-    monkeypatch.setattr(sys, "argv", ["ross", *map(str, arguments)])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    said = capsys.readouterr()
-    return end.value.code, said.out, said.err
+from command_line import called
 
 
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    return lambda *arguments: ross(monkeypatch, capsys, *arguments)
+    return partial(called, monkeypatch, capsys)
 
 
 def test_help_lists_every_command_and_exit_code(run):

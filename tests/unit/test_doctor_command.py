@@ -1,12 +1,11 @@
 """`ross doctor` as a command, and the computer it runs on."""
 
 import json
-import sys
 
 import pytest
 
+from command_line import called
 from doctor_bench import FAST, config, machine
-from ross_payload import cli
 from ross_payload.clock import SystemClock
 from ross_payload.doctor import computer
 from ross_payload.doctor.examine import examine
@@ -41,11 +40,7 @@ def doctor(monkeypatch, capsys, tmp_path):
 
     def call(text, *options):
         path.write_text(QUICK + text)
-        monkeypatch.setattr(sys, "argv", ["ross", "doctor", str(path), *options])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        said = capsys.readouterr()
-        return end.value.code, said.out, said.err
+        return called(monkeypatch, capsys, "doctor", path, *options)
 
     return call
 

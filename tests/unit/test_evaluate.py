@@ -1,13 +1,13 @@
 """`ross evaluate`: the score of two takes is the score against the truth, and every mistake is one line."""
 
 import json
-import sys
+from functools import partial
 
 import numpy as np
 import pytest
 import soundfile
 
-from ross_payload import cli
+from command_line import called
 from ross_payload.audio.files import write_wav
 from ross_payload.dsp.choice import separator
 from ross_payload.dsp.metrics import si_sdri
@@ -53,14 +53,7 @@ def takes(scene, tmp_path_factory):
 
 @pytest.fixture
 def run(monkeypatch, capsys):
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["ross", "evaluate", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        said = capsys.readouterr()
-        return end.value.code, said.out, said.err
-
-    return call
+    return partial(called, monkeypatch, capsys, "evaluate")
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from ross_payload.ground.errors import GroundError
+from ross_payload.ground.flights.look import COLOURS, STYLE
 from ross_payload.ground.flights.output import whole
 from ross_payload.ground.flights.story import Story
 from ross_payload.ground.flights.summary import Told
@@ -21,14 +22,6 @@ from ross_payload.ground.picture.known import Moment, Who
 from ross_payload.ground.picture.view import word
 from ross_protocols.values import Source
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#999999")
-STYLE: dict[Any, Any] = {
-    "text.parse_math": False,
-    "font.size": 8,
-    "axes.titlesize": 9,
-    "axes.titleweight": "bold",
-    "svg.hashsalt": "ross",
-}
 QUIET, HEARING, TURNING, MOVING, CHECKING, RUNNING, ENDED = (
     "#dddddd", "#e8f2f9", "#cfe3f1", "#f6ddc7", "#fdf3d8", "#d5ecdf", "#f2c6c6",
 )  # fmt: skip

@@ -28,6 +28,7 @@ from foxglove.messages import (
     Vector3,
 )
 
+from ross_payload.ground.flights.look import COLOURS, parts
 from ross_payload.ground.picture.known import Payload, Who
 from ross_protocols.values import Source, Status
 from ross_protocols.vehicle import Position
@@ -35,10 +36,6 @@ from ross_protocols.vehicle import Position
 EARTH = "earth"
 LENGTH = 5.0  # of a wedge [m]: how far a source is nobody knows
 SIGMAS = 3.0  # to each side of a wedge
-COLOURS = (
-    (0.00, 0.45, 0.70), (0.84, 0.37, 0.00), (0.00, 0.62, 0.45), (0.80, 0.47, 0.65), (0.90, 0.62, 0.00),
-    (0.34, 0.71, 0.91), (0.60, 0.60, 0.60),
-)  # fmt: skip
 NOWHERE = Vector3(x=0.0, y=0.0, z=0.0)
 
 
@@ -123,7 +120,7 @@ def _point(angle: float, length: float) -> Point3:
 
 
 def _colour(source: Source, alpha: float) -> Color:
-    r, g, b = COLOURS[source.source % len(COLOURS)]
+    r, g, b = parts(COLOURS[source.source % len(COLOURS)])
     return Color(r=r, g=g, b=b, a=alpha)
 
 

@@ -4,12 +4,13 @@ import json
 import math
 import subprocess
 import sys
+from functools import partial
 
 import pytest
 from click.testing import CliRunner
 
+from command_line import called
 from flight_logs import UNIX, full_tick, record, vehicle_frames
-from ross_payload import cli
 from ross_payload.ground.flights.command import command
 from ross_protocols.codec import Encoder, chunks
 from ross_protocols.commands import Result, acknowledgement
@@ -49,14 +50,7 @@ def mission(tmp_path_factory):
 def tlog(monkeypatch, capsys):
     """Run ``ross tlog``; exit code, output, errors."""
 
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["ross", "tlog", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        said = capsys.readouterr()
-        return end.value.code, said.out, said.err
-
-    return call
+    return partial(called, monkeypatch, capsys, "tlog")
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 import { levels } from "../instruments/gauge.js";
 import { html, nothing } from "../lit.js";
 import { DASH, ago, duration, known, level, number, share, size } from "../words.js";
+import { fact } from "./facts.js";
 
 export function health(told, now) {
   const parts = told.sections.health;
@@ -23,13 +24,7 @@ function card(name, part, facts, picture = nothing) {
     <p>${part.words}</p>
     ${picture}
     <dl>
-      ${facts.filter(Boolean).map(
-        ([term, value]) =>
-          html`<div>
-            <dt>${term}</dt>
-            <dd>${value}</dd>
-          </div>`,
-      )}
+      ${facts.filter(Boolean).map(fact)}
     </dl>
   </section>`;
 }

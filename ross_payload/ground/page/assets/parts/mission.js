@@ -2,6 +2,7 @@
 
 import { html } from "../lit.js";
 import { DASH, decibels, duration, known, number } from "../words.js";
+import { fact } from "./facts.js";
 
 export function missionFacts({ mission = {}, standing = {}, pointing = {} }) {
   const facts = [
@@ -24,13 +25,6 @@ export function missionFacts({ mission = {}, standing = {}, pointing = {} }) {
     <dl class="facts">${facts.map(fact)}</dl>
   </section>`;
 }
-
-const fact = ([name, value, remark]) =>
-  html`<div>
-    <dt>${name}</dt>
-    <dd>${value}</dd>
-    <dd class="soft">${remark ?? ""}</dd>
-  </div>`;
 
 function rotation({ rotation: step, rotation_max: most }) {
   if (!known(step)) return DASH;

@@ -1,6 +1,7 @@
 /** Every payload that is heard, and the links they are heard on. */
 
 import { html, nothing } from "../lit.js";
+import { fact } from "../parts/facts.js";
 import { payloadAddress } from "../route.js";
 import { DASH, ago, degrees, known, level, number, plural, share, size, state } from "../words.js";
 
@@ -47,13 +48,7 @@ function card(page, each) {
     ${each.twin ? html`<p class="bad">${twins(each.id)}</p>` : nothing}
     ${age > OLD ? html`<p><strong>No telemetry for ${number(age, 0, " s")}.</strong></p>` : nothing}
     <dl class="facts">
-      ${facts.map(
-        ([term, value]) =>
-          html`<div>
-            <dt>${term}</dt>
-            <dd>${value}</dd>
-          </div>`,
-      )}
+      ${facts.map(fact)}
     </dl>
     ${each.actuator ? html`<p class="soft">Turns by ${each.actuator}</p>` : nothing}
   </li>`;

@@ -1,6 +1,7 @@
 /** Help beside the page, not over it: the stop stays in reach. */
 
 import { html } from "../lit.js";
+import { fact } from "../parts/facts.js";
 
 const KEYS = [
   ["Escape twice, or held", "Stop. On a payload’s page that payload, elsewhere all. It works in every field, too."],
@@ -21,13 +22,7 @@ export function helpPanel(page) {
     </p>
     <h3>Keys</h3>
     <dl class="keys">
-      ${KEYS.map(
-        ([key, words]) =>
-          html`<div>
-            <dt>${key}</dt>
-            <dd>${words}</dd>
-          </div>`,
-      )}
+      ${KEYS.map(fact)}
     </dl>
     <h3>Stop</h3>
     <p>
