@@ -30,7 +30,12 @@ class _Steps:
     signs: Signs
 
     def after(self, time: float) -> int:
-        """Sum of those later than ``time`` [s]."""
+        """Sum of those later than ``time`` [s].
+
+        >>> steps = _Steps(1.0, 2.0, 2, np.array([1.0, 2.0]), np.array([1, 1]))
+        >>> [steps.after(time) for time in (0.5, 1.0, 1.5, 2.0)]
+        [2, 1, 1, 0]
+        """
         if self.first > time:
             return self.sum
         return int(self.signs[np.searchsorted(self.times, time, side="right") :].sum())
