@@ -23,6 +23,7 @@ from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, Recor
 from ross_payload.interfaces import Input
 from ross_payload.links import LinkStatus
 from ross_payload.telemetry.texts import line
+from ross_protocols.angle_text import bearings, rotation
 from ross_protocols.values import Severity
 
 BURST = 5.0  # warnings of one kind that come through at once
@@ -150,7 +151,7 @@ class LogObserver:
 
     def said(self, event: Event, heard: Input) -> None:
         """Write one line about an event; at level debug about every event."""
-        level, text = words(event)
+        level, text = words(event, earth=heard.attitude.known)
         if self._log.isEnabledFor(level):
             self._log.log(level, text, extra={"fields": described(event)})
 
@@ -211,20 +212,22 @@ class Changes:
         self._recording = now.state
 
 
-def words(event: Event) -> tuple[int, str]:
+def words(event: Event, *, earth: bool) -> tuple[int, str]:
     """Return the level and the message of an event: what the operator is told, or what only the log says.
 
-    >>> words(TurnStarted(2.0, joint=math.pi / 4, heading=math.pi / 2, reason="rotation 1"))
-    (20, 'turning to heading 90.0 deg, joint 45.0 deg: rotation 1')
+    ``earth`` tells whether its headings count from north. Angles are written as `ross_protocols.angle_text` does.
+
+    >>> words(TurnStarted(2.0, joint=math.pi / 4, heading=math.pi / 2, reason="rotation 1"), earth=True)
+    (20, 'turning to heading 270.0 deg from north, joint 45.0 deg counter-clockwise: rotation 1')
     """
     match event:
         case StateChanged():
             return logging.INFO, _colon(event.state.name.lower().replace("_", " "), event.detail)
         case TurnStarted():
-            where = f"heading {math.degrees(event.heading):.1f} deg, joint {math.degrees(event.joint):.1f} deg"
+            where = f"heading {bearings([event.heading], earth=earth)}, joint {rotation(event.joint)}"
             return logging.INFO, f"turning to {where}: {event.reason}"
         case Separated():
-            seconds = f"from {event.time:.1f} s at heading {math.degrees(event.heading):.1f} deg"
+            seconds = f"from {event.time:.1f} s at heading {bearings([event.heading], earth=earth)}"
             return logging.INFO, f"separated {len(event.groups)} groups {seconds} by {event.method}"
         case Answered():
             level = logging.WARNING if event.answer in (Answer.REFUSED, Answer.FAILED) else logging.INFO

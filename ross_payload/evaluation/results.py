@@ -15,18 +15,25 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from ross_payload.angles import wrap
 from ross_payload.audio.files import write_wav
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError, OutputError
 from ross_payload.evaluation.scoring import Evaluation, level_of
 from ross_payload.evaluation.takes import Pair
+from ross_protocols.angle_text import rounded
 
 VOICE = re.compile(r"group-\d+\.wav")
+DIRECTIONS = {"given": "directions given", "heard in A": "directions found in the mixture"}
+NOISE = {"measured at the start of A": "noise measured at the start of the mixture", "unknown": "noise level unknown"}
 PACKAGES = ("ross-payload", "numpy", "scipy")
 
 
 def report(pair: Pair, found: Evaluation, config: Config, azimuths_deg: Sequence[float]) -> dict[str, Any]:
-    """Everything worth keeping, as plain values: no paths, the same on every rerun."""
+    """Everything worth keeping, as plain values: no paths, the same on every rerun.
+
+    ``azimuths_deg`` are those of the command line, clockwise; the report has them counter-clockwise, as all reports do.
+    """
     rate = pair.mixture.rate
     return {
         "rate_hz": rate,
@@ -37,7 +44,7 @@ def report(pair: Pair, found: Evaluation, config: Config, azimuths_deg: Sequence
         "mixture_dbfs": _rounded(level_of(pair.mixture.samples[0, pair.span]), 2),
         "target_dbfs": _rounded(level_of(pair.target), 2),
         "directions": "given" if found.given else "heard in A",
-        "azimuths_deg": list(azimuths_deg),
+        "azimuths_deg": [round(math.degrees(wrap(-math.radians(given))), 6) for given in azimuths_deg],
         "tdoas_us": [round(tau * 1e6, 2) for tau in found.tau],
         "separator": found.method,
         "why": found.why,
@@ -53,7 +60,7 @@ def report(pair: Pair, found: Evaluation, config: Config, azimuths_deg: Sequence
 def _doubts(found: Evaluation) -> tuple[str, ...]:
     if found.given or len(found.tau) > 1:
         return ()
-    return ("A: only one direction stands out, so nothing is separated: give --sources, --azimuth or --tdoa-us",)
+    return ("mixture: only one direction was found, so nothing is separated: give --sources, --azimuth or --tdoa-us",)
 
 
 def _group(index: int, found: Evaluation) -> dict[str, Any]:
@@ -72,11 +79,11 @@ def show(values: dict[str, Any]) -> None:
     """Print the table, and in words what was done to the files."""
     console = Console()
     console.print(_table(values))
-    lag = f"{abs(values['lag_s']):.4f} s {'later' if values['lag_s'] > 0 else 'earlier'} in A than in B"
+    lag = f"{abs(values['lag_s']):.4f} s {'later' if values['lag_s'] > 0 else 'earlier'}"
     heard = (
-        f"the target is heard {lag if values['lag_s'] else 'at the same time in A and B'}, "
-        f"correlation {values['correlation']:.2f}; A {_text(values['mixture_dbfs'])} dBFS, "
-        f"B {_text(values['target_dbfs'])} dBFS; directions {values['directions']}, noise {values['noise']}"
+        f"the target is heard {lag if values['lag_s'] else 'at the same time'} in the mixture, "
+        f"correlation {values['correlation']:.2f}; mixture {_text(values['mixture_dbfs'])} dBFS, "
+        f"target {_text(values['target_dbfs'])} dBFS; {DIRECTIONS[values['directions']]}, {NOISE[values['noise']]}"
     )
     for line in (heard, *values["notes"]):
         console.print(line, highlight=False, markup=False, soft_wrap=True)
@@ -94,7 +101,7 @@ def _table(values: dict[str, Any]) -> Table:
 
 def _who(row: dict[str, Any], values: dict[str, Any]) -> str:
     azimuths = values["azimuths_deg"]
-    return " + ".join(f"{azimuths[m]:.0f} deg" if azimuths else str(m) for m in row["sources"]) or "-"
+    return " + ".join(f"{rounded(-azimuths[m], 0):.0f} deg" if azimuths else str(m) for m in row["sources"]) or "-"
 
 
 def _where(row: dict[str, Any], values: dict[str, Any]) -> str:

@@ -89,7 +89,7 @@ def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None
     if tau is None:
         tau = heard_delays(pair, config, n_sources)
     if not tau.size:
-        raise AudioError("A: no direction stands out: noise alone, or too short")
+        raise AudioError("mixture: no direction found: it holds only noise, or is too short")
     audio, n = config.audio, pair.mixture.samples.shape[1]
     stft = Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap)))
     scene = Scene(

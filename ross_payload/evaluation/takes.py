@@ -69,20 +69,20 @@ def read_take(path: Path) -> Take:
     try:
         samples, rate = soundfile.read(path, dtype="float64", always_2d=True)
     except (soundfile.LibsndfileError, RuntimeError) as error:
-        raise AudioError(f"{path}: not audio that libsndfile can read") from error
+        raise AudioError(f"{path}: expected audio that libsndfile can read") from error
     _check(path, samples.T, int(rate))
     return Take(samples.T.copy(), int(rate))
 
 
 def _check(path: Path, samples: Real, rate: int) -> None:
     if len(samples) != 2:
-        raise AudioError(f"{path}: {len(samples)} channel{'s' * (len(samples) != 1)}, wanted 2: both microphones")
+        raise AudioError(f"{path}: expected 2 channels, one per microphone, got {len(samples)}")
     if rate < LOWEST_RATE:
-        raise AudioError(f"{path}: {rate} Hz, wanted at least {LOWEST_RATE} Hz")
+        raise AudioError(f"{path}: expected at least {LOWEST_RATE} Hz, got {rate} Hz")
     if samples.shape[1] < SHORTEST * rate:
-        raise AudioError(f"{path}: {samples.shape[1] / rate:.2f} s, wanted at least {SHORTEST:g} s")
+        raise AudioError(f"{path}: expected at least {SHORTEST:g} s, got {samples.shape[1] / rate:.2f} s")
     if not np.isfinite(samples).all():
-        raise AudioError(f"{path}: holds samples that are not finite numbers")
+        raise AudioError(f"{path}: expected finite samples, got NaN or infinity")
     for index, channel in enumerate(samples, start=1):
         if math.sqrt(float(np.mean(channel**2))) < SILENCE:
             raise AudioError(f"{path}: microphone {index} is silent")
@@ -110,27 +110,28 @@ def paired(mixture: Take, target: Take, rate: int) -> Pair:
     """
     notes = tuple(
         f"{name}: resampled from {take.rate} to {rate} Hz"
-        for name, take in (("A", mixture), ("B", target))
+        for name, take in (("mixture", mixture), ("target", target))
         if take.rate != rate
     )
     mixture, target = resampled(mixture, rate), resampled(target, rate)
     found = lag_of(mixture.samples[0], target.samples[0])
     reference, span = placed(target.samples[0], found, mixture.samples.shape[1])
     if reference.size < SHORTEST * rate:
-        raise AudioError(f"A and B have {reference.size / rate:.2f} s in common, wanted at least {SHORTEST:g} s")
+        common = reference.size / rate
+        raise AudioError(f"mixture and target: expected {SHORTEST:g} s or more in common, got {common:.2f} s")
     lag = Lag(found, _correlation(mixture.samples[0, span], reference))
     if lag.correlation < ABSENT:
         raise AudioError(
-            f"B is not heard in A: correlation {lag.correlation:.2f}, wanted at least {ABSENT:g}; "
-            "both need the same recording from the same place"
+            f"the target is not in the mixture: expected a correlation of at least {ABSENT:g}, got "
+            f"{lag.correlation:.2f}; both need the same recording played at the same place"
         )
     return Pair(mixture, reference, span, lag, notes + _cut(mixture, target, reference.size / rate))
 
 
 def _cut(mixture: Take, target: Take, common: float) -> tuple[str, ...]:
-    takes = (("A", mixture), ("B", target))
+    takes = (("mixture", mixture), ("target", target))
     return tuple(
-        f"{name}: scored over {common:.2f} s of {take.seconds:.2f} s, which both takes have"
+        f"{name}: scored over the {common:.2f} s of {take.seconds:.2f} s that both recordings have"
         for name, take in takes
         if take.seconds - common > 1.5 / take.rate
     )

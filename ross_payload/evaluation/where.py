@@ -20,7 +20,7 @@ def delays(
     tdoas_us: Sequence[float],
     sources: int | None,
 ) -> Real | None:
-    """TDOAs [s] of every source, (n_sources,); None when nothing is known.
+    """TDOAs [s] of every source, (n_sources,); None when nothing is known. Degrees are those of a compass, clockwise.
 
     Raises
     ------
@@ -38,11 +38,11 @@ def delays(
     array = config.array
     longest = array.spacing_m / array.speed_of_sound_m_s
     if azimuths_deg:
-        heading = math.radians(heading_deg or 0.0)
-        return tdoa(np.deg2rad(azimuths_deg), heading, array.spacing_m, array.speed_of_sound_m_s)
+        heading = -math.radians(heading_deg or 0.0)
+        return tdoa(-np.deg2rad(azimuths_deg), heading, array.spacing_m, array.speed_of_sound_m_s)
     for delay in tdoas_us:
         if not abs(delay) <= 1e6 * longest + 1:
-            raise ConfigError(f"--tdoa-us {delay:g}: at most {1e6 * longest:.0f} us (d / v_p) wanted")
+            raise ConfigError(f"--tdoa-us: expected at most {1e6 * longest:.0f} us (d / v_p), got {delay:g}")
     return np.array(tdoas_us) * 1e-6 if tdoas_us else None
 
 
@@ -50,8 +50,8 @@ def _consistent(
     azimuths_deg: Sequence[float], heading_deg: float | None, tdoas_us: Sequence[float], sources: int | None
 ) -> None:
     if not np.isfinite([*azimuths_deg, heading_deg or 0.0, *tdoas_us]).all():
-        raise ConfigError("--azimuth, --heading and --tdoa-us: finite numbers are wanted")
+        raise ConfigError("--azimuth, --heading and --tdoa-us: expected finite numbers")
     if sum(map(bool, (azimuths_deg, tdoas_us, sources))) > 1:
-        raise ConfigError("give one of --azimuth, --tdoa-us and --sources, not several")
+        raise ConfigError("--azimuth, --tdoa-us, --sources: expected only one of them")
     if heading_deg is not None and not azimuths_deg:
-        raise ConfigError("--heading says nothing without --azimuth")
+        raise ConfigError("--heading: expected together with --azimuth")

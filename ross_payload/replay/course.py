@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 from ross_payload.events import Event, State, StateChanged, TurnStarted
 from ross_payload.interfaces import Input, Output
+from ross_protocols.angle_text import rotation
 
 NEAR = math.radians(2.0)  # so far from where the mission wants it the array may stand [rad]
 SAME = 1e-6  # goals that differ by less are one [rad]
@@ -59,7 +60,8 @@ class Course:
                 self._compare(Turn(event.time, event.joint))
         missed = self._next()
         if not self.parted and missed is not None and missed.time <= time - self._early:
-            self._part(f"the recorded mission turns to joint {_deg(missed.joint)} at {missed.time:.2f} s, this one not")
+            recorded = f"the recorded mission turned to {_joint(missed.joint)} at {missed.time:.2f} s"
+            self._part(f"{recorded}, the replay does not")
             self._wanted, self._there = here, True
 
     def fit(self, output: Output, heard: Input) -> Input:
@@ -81,8 +83,8 @@ class Course:
         stands = heard.settled and abs(heard.joint - self._wanted) <= NEAR and output.goal is None
         if self._there and not stands and self._state in LISTENING:
             raise Strayed(
-                f"the recorded array stands at joint {_deg(heard.joint)} or turns, "
-                f"and this mission listens at {_deg(self._wanted)}"
+                f"the replay listens at {_joint(self._wanted)}, "
+                f"but the recorded array is at {_joint(heard.joint)} or turning"
             )
         self._there = self._there or stands
         return replace(heard, settled=stands)
@@ -92,7 +94,7 @@ class Course:
         """What the mission waits for in vain, empty when for nothing."""
         if not self.parted or self._there or self._wanted is None:
             return ""
-        return f"from then on the recorded array never stands at joint {_deg(self._wanted)}"
+        return f"from then on the recorded array is never at rest at {_joint(self._wanted)}"
 
     def _next(self) -> Turn | None:
         return self._recorded[self._turns] if self._turns < len(self._recorded) else None
@@ -102,15 +104,15 @@ class Course:
         self._turns += 1
         if self.parted:
             return
-        ours = f"this mission turns to joint {_deg(turn.joint)} at {turn.time:.2f} s"
+        ours = f"the replay turns to {_joint(turn.joint)} at {turn.time:.2f} s"
         if recorded is None:
-            self._part(f"{ours}, the recorded one not at all")
+            self._part(f"{ours}, the recorded mission does not")
         elif abs(turn.time - recorded.time) > self._early or abs(turn.joint - recorded.joint) > SAME:
-            self._part(f"{ours}, the recorded one to {_deg(recorded.joint)} at {recorded.time:.2f} s")
+            self._part(f"{ours}, the recorded mission to {_joint(recorded.joint)} at {recorded.time:.2f} s")
 
     def _part(self, words: str) -> None:
         self.parted = words
 
 
-def _deg(angle: float) -> str:
-    return f"{math.degrees(angle):.1f} deg"
+def _joint(angle: float) -> str:
+    return f"joint angle {rotation(angle)}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from ross_payload.events import Event
+from ross_payload.events import Event, SourcesEstimated
 from ross_payload.interfaces import Input, Mission, Output, Result
 from ross_payload.recording import plain
 from ross_payload.replay.course import Course, Strayed
@@ -22,6 +22,7 @@ class Replayed:
     inputs: int = 0  # sent so far
     samples: int = 0  # heard so far
     result: Result | None = None  # None: the mission has not come to its own end
+    earth: bool = False  # azimuths count from north
     early: str = ""  # why it ended before the recording did, empty: it did not
 
 
@@ -46,6 +47,8 @@ def _feed(mission: Mission, inputs: Iterable[Input], course: Course, rate: int, 
     for heard in inputs:
         if told.inputs:  # what was said before the first Input is not in the recording either
             told.events += output.events
+            if any(isinstance(event, SourcesEstimated) for event in output.events):
+                told.earth = heard.attitude.known
             told.lines += [plain.line(event) for event in output.events]
             course.follow(output.events, told.start + told.samples / rate, joint)
         fitted = course.fit(output, heard)

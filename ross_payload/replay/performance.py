@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from ross_payload.replay.course import Course, turns_of
 from ross_payload.replay.feed import Replayed, replay
 from ross_payload.replay.voices import sought
 from ross_payload.voiceprint import VoiceStore
+from ross_protocols.angle_text import bearings
 
 
 def perform(path: Path, out: Path | None, file: Path | None, settings: tuple[str, ...]) -> dict[str, Any]:
@@ -77,18 +79,19 @@ def in_words(values: dict[str, Any]) -> Iterator[str]:
     """Say how a replay went, line by line."""
     yield from (f"note: {note}" for note in values["notes"])
     if values["without_effect"]:
-        yield f"without effect, the record decides: {', '.join(values['without_effect'])}"
+        yield f"no effect in a replay, the recorded value is used: {', '.join(values['without_effect'])}"
     if values["voice"]:
         yield f"looked for {values['voice']}"
     if values["parted"]:
-        yield f"the missions part: {values['parted']}"
+        yield f"the replay diverges from the recording: {values['parted']}"
     if values["ended_early"]:
         yield f"ended after {values['replayed_s']:.2f} s: {values['ended_early']}"
     elif values["outcome"] is None:
-        yield "the recording ends here; the mission would go on"
+        yield "the recording ends here; the mission would have continued"
     else:
         yield f"{values['outcome'].replace('_', ' ')}: {values['reason']}"
-    found = ", ".join(f"{source['azimuth_deg']:.1f} deg" for source in values["sources"])
+    azimuths = (math.radians(source["azimuth_deg"]) for source in values["sources"])
+    found = bearings(azimuths, earth=values["frame"] == "earth")
     yield f"replayed {values['replayed_s']:.2f} s, {values['events']} events; sources: {found or 'none'}"
     yield from _compared(values)
 

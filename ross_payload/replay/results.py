@@ -34,7 +34,7 @@ def prepare(folder: Path) -> None:
     except OSError as error:
         raise ConfigError(f"--out {folder}: cannot be written: {error.strerror}") from error
     if (folder / "session.json").exists():
-        raise ConfigError(f"--out {folder}: this is a session; wanted a folder for the results")
+        raise ConfigError(f"--out: expected a folder for the results, got the session {folder}")
     if not os.access(folder, os.W_OK):
         raise ConfigError(f"--out {folder}: cannot be written: permission denied")
 
@@ -52,6 +52,7 @@ def report(session: Session, told: Replayed, rate: int) -> dict[str, Any]:
         "replayed_s": round(told.samples / rate, 3),
         "inputs": told.inputs,
         "events": len(told.lines),
+        "frame": "earth" if told.earth else "mount",
         "sources": [] if estimated is None else [_source(source) for source in estimated.estimate.sources],
         "groups": []
         if separated is None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import degrees
 
 from ross_payload.events import (
     AlignmentPlanned,
@@ -21,6 +20,7 @@ from ross_payload.events import (
     StateChanged,
 )
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
+from ross_protocols.angle_text import rotation
 from ross_protocols.codec import chunks
 from ross_protocols.values import Severity, Text
 
@@ -44,9 +44,9 @@ def line(event: Event) -> Line | None:
         case StateChanged(state=State.LEAD_IN):
             said = Severity.INFO, "mission started"
         case NoiseMeasured(level_db=None):
-            said = Severity.WARNING, "no quiet lead-in, the noise is not known"
+            said = Severity.WARNING, "no quiet lead-in: the noise level is unknown"
         case SourcesEstimated(informed=True):
-            said = Severity.INFO, f"{_count(event.estimate.k, 'source')} told from outside"
+            said = Severity.INFO, f"using {_count(event.estimate.k, 'known source')}, not exploring"
         case SourcesEstimated(final=True):
             found = f"{_count(event.estimate.k, 'source')} found after {_count(event.rotations, 'turn')}"
             said = Severity.INFO, found
@@ -57,7 +57,7 @@ def line(event: Event) -> Line | None:
         case ScoreDropped():
             said = Severity.WARNING, f"target lost, score {event.value:.1f} below {event.criterion:.1f}"
         case Slipped():
-            said = Severity.WARNING, f"all azimuths shifted by {degrees(event.shift):+.0f} deg: the array has slipped"
+            said = Severity.WARNING, f"all azimuths shifted by {rotation(event.shift, 0)}: the array has slipped"
         case Doubted():
             said = Severity.WARNING, f"exploring after all: {event.reason}"
         case Finished():
@@ -70,7 +70,7 @@ def ears(before: AudioHealth, now: AudioHealth) -> Line | None:
     if now.trouble == before.trouble:
         return None
     if not now.trouble:
-        return Severity.NOTICE, "microphones are well again"
+        return Severity.NOTICE, "microphones recovered"
     names = (trouble.name or "" for trouble in AudioTrouble if trouble and trouble in now.trouble)
     return Severity.WARNING, f"microphones: {', '.join(name.lower().replace('_', ' ') for name in names)}"
 

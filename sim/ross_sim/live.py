@@ -31,11 +31,12 @@ from ross_payload.events import (
     TurnStarted,
 )
 from ross_payload.interfaces import Input, Real
+from ross_protocols.angle_text import bearing, bearings, frame, rotation
 
 BARS = " ▁▂▃▄▅▆▇█"
 LINES = 6  # of the log under the live view
 REFRESH = 8  # [Hz]
-RADIUS = 5  # of the compass [rows]
+RADIUS = 5  # of the polar view [rows]
 
 
 class View(Protocol):
@@ -75,7 +76,7 @@ class PlainLines:
 
     def said(self, event: Event, heard: Input) -> None:
         """Print the event in words."""
-        words = in_words(event)
+        words = in_words(event, earth=heard.attitude.known)
         if words:
             self._console.print(f"{event.time:7.2f} s  {words}", highlight=False, markup=False, soft_wrap=True)
 
@@ -91,6 +92,7 @@ class LiveView:
         self._time = 0.0
         self._level = -100.0
         self._heading = 0.0
+        self._earth = False
         self._state = State.IDLE
         self._detail = ""
         self._density = ""
@@ -104,7 +106,7 @@ class LiveView:
         samples = heard.block.samples
         power = float((samples * samples).mean()) if samples.size else 0.0
         self._level = max(10 * math.log10(power + 1e-10), self._level - 0.5)
-        self._heading = heard.heading_end
+        self._heading, self._earth = heard.heading_end, heard.attitude.known
         self._time = heard.block.time
 
     def said(self, event: Event, heard: Input) -> None:
@@ -115,7 +117,7 @@ class LiveView:
             self._density = sparkline(event.density)
         elif isinstance(event, SourcesEstimated):
             self._sources = event
-        words = in_words(event)
+        words = in_words(event, earth=heard.attitude.known)
         if words:
             self._log = [*self._log[-LINES + 1 :], f"{event.time:7.2f} s  {words}"]
 
@@ -126,12 +128,12 @@ class LiveView:
     def __rich__(self) -> Group:
         """Draw the latest; called by the library's refresh thread, which only reads."""
         state = Text.assemble((self._state.name.replace("_", " ").lower(), "bold"), f"  {self._detail}")
-        facts = f"heading {math.degrees(self._heading) % 360:6.1f} deg   level {self._level:6.1f} dBFS"
+        facts = f"heading {bearing(self._heading):>5} deg {frame(self._earth)}   level {self._level:6.1f} dBFS"
         bar = Table.grid()
         bar.add_row(ProgressBar(total=self._expected, completed=min(self._time, self._expected), width=60))
         azimuths = [source.azimuth for source in self._sources.estimate.sources] if self._sources else []
         picture = Table.grid(padding=(0, 4))
-        picture.add_row(Text(compass(self._heading, azimuths)), self._table())
+        picture.add_row(Text(polar_plot(self._heading, azimuths)), self._table())
         return Group(
             state,
             Text(f"{facts}   {self._time:6.1f} s of about {self._expected:.0f} s"),
@@ -148,18 +150,18 @@ class LiveView:
         for index, source in enumerate(self._sources.estimate.sources if self._sources else ()):
             table.add_row(
                 str(index),
-                f"{math.degrees(source.azimuth):.1f} deg",
+                f"{bearing(source.azimuth)} deg",
                 f"{math.degrees(source.sigma):.1f}",
                 f"{source.confidence:.2f}",
-                "told" if source.resolved else "open",
+                "resolved" if source.resolved else "ambiguous",
             )
         return table
 
 
-def compass(heading: float, azimuths: Sequence[float]) -> str:
-    """Draw the array's axis and the sources by number; azimuth 0 to the right, counter-clockwise.
+def polar_plot(heading: float, azimuths: Sequence[float]) -> str:
+    """Draw the array's axis and the sources by number as on a compass: 0 at the top, clockwise; angles in [rad].
 
-    >>> print(compass(0.0, [math.pi / 2, math.pi]))
+    >>> print(polar_plot(-math.pi / 2, [0.0, math.pi / 2]))
               0
     <BLANKLINE>
     <BLANKLINE>
@@ -175,13 +177,13 @@ def compass(heading: float, azimuths: Sequence[float]) -> str:
     rows = [[" "] * (4 * RADIUS + 1) for _ in range(2 * RADIUS + 1)]
 
     def put(angle: float, distance: float, mark: str) -> None:
-        row, column = RADIUS - distance * math.sin(angle), 2 * (RADIUS + distance * math.cos(angle))
+        row, column = RADIUS - distance * math.cos(angle), 2 * (RADIUS - distance * math.sin(angle))
         rows[round(row)][round(column)] = mark
 
-    stroke = "-/|\\"[round(math.degrees(heading) % 180 / 45) % 4]
+    stroke = "|\\-/"[round(math.degrees(heading) % 180 / 45) % 4]
     for step in range(-5, 5):
         put(heading, step / 2, stroke)
-    put(heading, 2.0, ">^<v"[round(math.degrees(heading) % 360 / 90) % 4])
+    put(heading, 2.0, "^<v>"[round(math.degrees(heading) % 360 / 90) % 4])
     for index, azimuth in enumerate(azimuths):
         put(azimuth, RADIUS, str(index % 10))
     return "\n".join("".join(row).rstrip() for row in rows)
@@ -201,25 +203,24 @@ def sparkline(values: Real, width: int = 60) -> str:
     return "".join(BARS[int(height * (len(BARS) - 1))] for height in heights)
 
 
-def in_words(event: Event) -> str:  # noqa: PLR0911, PLR0912 - one line for each kind of event
-    """Tell an event in words; empty when it is not worth a line."""
+def in_words(event: Event, *, earth: bool) -> str:  # noqa: PLR0911, PLR0912 - one line for each kind of event
+    """Tell an event in words; empty when it is not worth a line. ``earth``: its headings count from north."""
     match event:
         case NoiseMeasured(level_db=None):
-            return "there was no quiet lead-in: the noise is guessed"
+            return "no quiet lead-in: the noise level is assumed"
         case NoiseMeasured(level_db=level, seconds=seconds):
             return f"quiet lead-in of {seconds:g} s: noise at {level:.1f} dBFS"
         case SourcesEstimated(estimate=estimate, rotations=rotations, final=final, informed=informed):
-            where = ", ".join(f"{math.degrees(source.azimuth):.1f}" for source in estimate.sources)
+            where = bearings((source.azimuth for source in estimate.sources), earth=earth)
+            found = f"K = {estimate.k}{' at ' + where if where else ''}"
             if informed:
-                return f"told from outside: K = {estimate.k} at {where} deg"
-            return f"rotation {rotations}: K = {estimate.k}{' at ' + where + ' deg' if where else ''}" + (
-                "; enough heard" if final else ""
-            )
+                return f"known without exploring: {found}"
+            return f"rotation {rotations}: {found}{'; exploration complete' if final else ''}"
         case AlignmentPlanned(candidates=candidates):
-            plans = ", ".join(f"{math.degrees(c.joint):.1f} deg for source {c.source} ({c.rule})" for c in candidates)
-            return f"alignments: {plans or 'none can be reached'}"
-        case TurnStarted(joint=joint, reason=reason):
-            return f"turn to {math.degrees(joint):.1f} deg: {reason}" if "alignment" in reason else ""
+            plans = ", ".join(f"{bearing(c.heading)} deg for source {c.source} ({c.rule})" for c in candidates)
+            return f"headings to try, {frame(earth)}: {plans}" if plans else "no alignment is within the joint's limits"
+        case TurnStarted(heading=heading, reason=reason):
+            return f"turning to {bearings([heading], earth=earth)}: {reason}" if "alignment" in reason else ""
         case Checked(groups=groups, method=method, accepted=accepted):
             scores = ", ".join(f"{'+'.join(map(str, g.members))}: {g.value:+.1f}" for g in groups)
             verdict = "no target here" if accepted is None else f"group {accepted} is the target"
@@ -227,11 +228,11 @@ def in_words(event: Event) -> str:  # noqa: PLR0911, PLR0912 - one line for each
         case Separated(groups=groups, target=target, method=method, why=why):
             return f"separated by {method}, score {groups[target].value:+.1f}" + (f": {why}" if why else "")
         case ScoreDropped(value=value, criterion=criterion):
-            return f"the score dropped to {value:+.1f}, below {criterion:+.1f}: start again"
+            return f"the score dropped to {value:+.1f}, below {criterion:+.1f}: starting again"
         case Slipped(shift=shift):
-            return f"all azimuths shifted by {math.degrees(shift):+.1f} deg: the array has slipped; put right"
+            return f"all azimuths shifted by {rotation(shift)}: the array has slipped; corrected"
         case Doubted(reason=reason):
-            return f"in doubt: {reason}; explore"
+            return f"exploring after all: {reason}"
         case Finished(reason=reason):
             return reason
         case _:

@@ -9,11 +9,13 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator
 
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import AlignmentPlanned, Checked, Separated, SourcesEstimated
-from ross_payload.ground.flights.look import COLOURS, STYLE
+from ross_payload.ground.flights.look import COLOURS, STYLE, compass_rose
 from ross_payload.interfaces import Real
+from ross_protocols.angle_text import frame
 from ross_sim.report import Story, Truth, orientations
 
 RANGE = 60.0  # [dB] shown in spectrograms
@@ -37,28 +39,27 @@ def draw(path: Path, story: Story, truth: Truth, *, rate: int, unit: float, titl
 
 
 def _polar(axes: Any, story: Story, truth: Truth) -> None:
-    axes.set_title("where: truth (rings), found (wedges), headings")
+    compass_rose(axes, "where: truth (rings), found (wedges), headings", earth=story.earth)
     axes.set_ylim(0, 1.3)
-    axes.set_yticks([])
-    for name, azimuth in zip(truth.names, truth.azimuths, strict=True):
+    for name, azimuth in zip(truth.names, -truth.azimuths, strict=True):
         axes.plot([azimuth], [1.0], "o", ms=13, mfc="none", mec="black", mew=1.4)
         axes.annotate(name, (azimuth, 1.22), ha="center", va="center")
     for event in orientations(story):
-        axes.plot([event.heading, event.heading + np.pi], [0.42, 0.42], color="0.82", lw=0.8)
+        axes.plot([-event.heading, np.pi - event.heading], [0.42, 0.42], color="0.82", lw=0.8)
     estimated: SourcesEstimated | None = story.last(SourcesEstimated)
     for index, source in enumerate(estimated.estimate.sources if estimated else ()):
         width = max(2 * source.sigma, np.deg2rad(1.5))
         axes.bar(
-            [source.azimuth],
+            [-source.azimuth],
             [1.0],
             width=width,
             color=COLOURS[index % len(COLOURS)],
             alpha=0.35 + source.confidence / 2,
         )
-        axes.annotate(f"{index}", (source.azimuth, 0.8), ha="center", va="center", fontweight="bold")
+        axes.annotate(f"{index}", (-source.azimuth, 0.8), ha="center", va="center", fontweight="bold")
     checked: Checked | None = story.last(Checked)
     if checked is not None:
-        heading = checked.candidate.heading
+        heading = -checked.candidate.heading
         arrow = {"arrowstyle": "-|>", "lw": 2, "color": "black"}
         axes.annotate("", (heading, 0.5), (heading + np.pi, 0.5), arrowprops=arrow)
 
@@ -66,13 +67,15 @@ def _polar(axes: Any, story: Story, truth: Truth) -> None:
 def _densities(axes: Any, story: Story, unit: float) -> None:
     axes.set_title("heard: ITD density per orientation")
     axes.set_xlabel("ITD [us]")
-    axes.set_ylabel("heading [deg]")
+    axes.set_ylabel(f"heading {frame(story.earth)} [deg]")
+    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda level, place: f"{level % 360:g}"))
     heard = orientations(story)
     if not heard:
         return
     step = np.median(np.abs(np.diff([np.rad2deg(event.heading) for event in heard]))) if len(heard) > 1 else 15.0
     for event in heard:
-        level, peak = np.rad2deg(event.heading), event.density.max()
+        level, peak = -np.rad2deg(event.heading), event.density.max()  # not wrapped: the curves go on through 0
         shape = event.density / peak if peak > 0 else event.density
         axes.fill_between(event.grid * 1e6, level, level + 0.9 * step * shape, color="#0072b2", alpha=0.35, lw=0)
     headings = np.linspace(heard[0].heading, heard[-1].heading, 200)
@@ -80,7 +83,7 @@ def _densities(axes: Any, story: Story, unit: float) -> None:
     reach = np.abs(heard[0].grid).max() * 1e6
     for index, source in enumerate(estimated.estimate.sources if estimated else ()):
         tau = unit * np.cos(source.elevation or 0.0) * np.cos(source.azimuth - headings) * 1e6
-        axes.plot(tau, np.rad2deg(headings), color=COLOURS[index % len(COLOURS)], lw=1.4, label=f"source {index}")
+        axes.plot(tau, -np.rad2deg(headings), color=COLOURS[index % len(COLOURS)], lw=1.4, label=f"source {index}")
     axes.set_xlim(-reach, reach)
     if estimated and estimated.estimate.sources:
         axes.legend(loc="upper right", fontsize=7)
@@ -89,21 +92,28 @@ def _densities(axes: Any, story: Story, unit: float) -> None:
 def _isolation(axes: Any, story: Story) -> None:
     axes.set_title("where to turn: predicted isolation of each source")
     axes.set_xlabel("heading modulo 180 [deg]")
+    axes.xaxis.set_major_locator(MultipleLocator(45))
     axes.set_ylabel("isolation [us]")
     planned: AlignmentPlanned | None = story.last(AlignmentPlanned)
     if planned is None:
         return
+    headings = _axis(planned.headings)
+    order = np.argsort(headings)
     for index, curve in enumerate(planned.isolation):
-        axes.plot(
-            np.rad2deg(planned.headings), curve * 1e6, color=COLOURS[index % len(COLOURS)], label=f"source {index}"
-        )
+        look = {"color": COLOURS[index % len(COLOURS)], "label": f"source {index}"}
+        axes.plot(headings[order], curve[order] * 1e6, **look)
     for candidate in planned.candidates:
         colour = COLOURS[candidate.source % len(COLOURS)]
-        axes.plot([np.rad2deg(candidate.heading) % 180], [candidate.isolation * 1e6], "v", color=colour, ms=7)
+        axes.plot([_axis(candidate.heading)], [candidate.isolation * 1e6], "v", color=colour, ms=7)
     checked: Checked | None = story.last(Checked)
     if checked is not None:
-        axes.axvline(np.rad2deg(checked.candidate.heading) % 180, color="black", lw=1, ls=":", label="array")
+        axes.axvline(_axis(checked.candidate.heading), color="black", lw=1, ls=":", label="array")
     axes.legend(fontsize=7)
+
+
+def _axis(heading: Any) -> Any:
+    """Degrees of a compass in [0, 180) of a heading [rad]: the opposite heading is the same axis."""
+    return np.rad2deg(-heading) % 180
 
 
 def _spectrograms(axes: list[Any], story: Story, truth: Truth, rate: int) -> None:

@@ -49,6 +49,7 @@ class Story:
     """The events of a mission, as they are needed afterwards."""
 
     events: list[Event] = field(default_factory=list)
+    earth: bool = False  # its headings and azimuths count from north, not from the zero of the mount
 
     def last(self, kind: type[Event]) -> Any:
         """Return the last event of a kind, or None."""
@@ -107,6 +108,7 @@ def report(story: Story, truth: Truth, result: Result, configuration: dict[str, 
         "outcome": result.outcome.name.lower(),
         "reason": result.reason,
         "target": truth.target,
+        "frame": "earth" if story.earth else "mount",
         "k_true": len(truth.names),
         "k": len(sources),
         "rotations": estimated.rotations if estimated else 0,

@@ -18,7 +18,7 @@ from ross_payload.audio.files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.config import Guard as Rules
-from ross_payload.events import Event, Separated
+from ross_payload.events import Event, Separated, SourcesEstimated, TurnStarted
 from ross_payload.interfaces import ActuatorState, Attitude, Input, Mount, Result, Services
 from ross_payload.links import Links
 from ross_payload.mission.supervise import mission
@@ -72,8 +72,10 @@ class Collector:
             self.mixture.write(heard.block.samples)
 
     def said(self, event: Event, heard: Input) -> None:
-        """Keep the event."""
+        """Keep the event, and the frame of its angles."""
         self.story.events.append(event)
+        if isinstance(event, (SourcesEstimated, TurnStarted)):
+            self.story.earth = heard.attitude.known
 
 
 class Pace:

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from ross_protocols.angle_text import frame, rounded
 from ross_sim.session import Finished
 
 
@@ -26,7 +27,7 @@ def show(finished: Finished, out: Path | None, as_json: bool) -> None:
     _elevated(console, values)
     _missed(console, values)
     if values["alignment"] and values["alignment"]["used"]:
-        _aligned(console, values["alignment"]["used"])
+        _aligned(console, values["alignment"]["used"], _frame(values))
     if values["groups"]:
         console.print()
         console.print(_groups(values))
@@ -46,18 +47,18 @@ def show(finished: Finished, out: Path | None, as_json: bool) -> None:
 
 
 def _sources(values: dict[str, Any]) -> Table:
-    how = "told from outside" if values["informed"] else f"found after {values['rotations']} rotations"
-    title = f"K = {values['k']} {how}, {values['k_true']} true"
-    table = Table(title=title, title_justify="left")
-    for column in ("source", "talker", "true [deg]", "found [deg]", "error [deg]", "sigma [deg]", "confidence"):
-        table.add_column(escape(column), justify="left" if column == "talker" else "right")
+    how = "given, not explored" if values["informed"] else f"found after {values['rotations']} rotations"
+    caption = f"azimuths in degrees, clockwise {_frame(values)}"
+    table = Table(title=f"K = {values['k']} {how}, {values['k_true']} true", title_justify="left", caption=caption)
+    for column in ("source", "talker", "true", "found", "error", "sigma", "confidence"):
+        table.add_column(column, justify="left" if column == "talker" else "right")
     for index, row in enumerate(values["sources"]):
         table.add_row(
             str(index),
             _target(row["name"], values["target"]),
-            _number(row["azimuth_true_deg"], 1),
-            _number(row["azimuth_deg"], 1),
-            _number(row["azimuth_error_deg"], 2),
+            _bearing(row["azimuth_true_deg"]),
+            _bearing(row["azimuth_deg"]),
+            _number(_clockwise(row["azimuth_error_deg"]), 2),
             _number(row["sigma_deg"], 2),
             _number(row["confidence"], 2),
         )
@@ -76,20 +77,23 @@ def _elevated(console: Console, values: dict[str, Any]) -> None:
 
 def _missed(console: Console, values: dict[str, Any]) -> None:
     for row in values["missed"]:
-        console.print(f"missed: {row['name']} at {row['azimuth_true_deg']:.1f} deg", style="yellow", markup=False)
+        where = f"{_bearing(row['azimuth_true_deg'])} deg {_frame(values)}"
+        console.print(f"missed: {row['name']} at {where}", style="yellow", markup=False)
 
 
-def _aligned(console: Console, used: dict[str, Any]) -> None:
-    posing = " and ".join(str(index) for index in used["aliased"])
-    text = f"aligned at heading {used['heading_deg']:.1f} deg for source {used['source']} ({used['rule']})"
-    console.print(text + (f": sources {posing} pose as one" if posing else ""), highlight=False, soft_wrap=True)
+def _aligned(console: Console, used: dict[str, Any], frame_text: str) -> None:
+    aliased = " and ".join(str(index) for index in used["aliased"])
+    where = f"{_bearing(used['heading_deg'])} deg {frame_text}"
+    text = f"aligned at heading {where} for source {used['source']} ({used['rule']})"
+    console.print(text + (f": sources {aliased} share one delay" if aliased else ""), highlight=False, soft_wrap=True)
 
 
 def _groups(values: dict[str, Any]) -> Table:
     first = values["groups"][0]
-    table = Table(title=f"separated by {first['separator']}", title_justify="left", caption=first["why"] or None)
-    for column in ("group", "talkers", "voice score", "SI-SDR before [dB]", "after [dB]", "gain [dB]"):
-        table.add_column(escape(column), justify="left" if column == "talkers" else "right")
+    title = f"separated by {first['separator']}; SI-SDR in dB"
+    table = Table(title=title, title_justify="left", caption=first["why"] or None)
+    for column in ("group", "talkers", "voice score", "SI-SDR before", "after", "gain"):
+        table.add_column(column, justify="left" if column == "talkers" else "right")
     for index, row in enumerate(values["groups"]):
         after, gain = row["si_sdr_db"], row["si_sdri_db"]
         before = None if after is None or gain is None else after - gain
@@ -104,6 +108,19 @@ def _groups(values: dict[str, Any]) -> Table:
 
 def _target(name: str | None, target: str) -> str:
     return "-" if name is None else escape(f"{name} (target)" if name == target else name)
+
+
+def _frame(values: dict[str, Any]) -> str:
+    return frame(values["frame"] == "earth")
+
+
+def _clockwise(degrees: float | None) -> float | None:
+    """Turn an angle of the report, which is counter-clockwise, around."""
+    return None if degrees is None else 0.0 - degrees
+
+
+def _bearing(degrees: float | None) -> str:
+    return "-" if degrees is None else f"{rounded(-degrees):.1f}"
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -57,7 +57,7 @@ def test_the_module_is_loaded_and_helps(prompt):
 def test_status_says_state_and_health(prompt):
     place = prompt.type("ross status")
     prompt.read(r"RoSS 1-191  \w+.* heard \d", place)
-    prompt.read(r"axis [-\d.]+ deg, from the zero of the mount", place)
+    prompt.read(r"axis [-\d.]+ deg, from the nose", place)
     place = prompt.type("ross status")
     while prompt.read(r"microphones +(both|nothing)", place)[1] == "nothing":  # it tells every second
         place = prompt.type("ross status")

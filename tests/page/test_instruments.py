@@ -102,7 +102,7 @@ def test_north_is_up_or_the_zero_of_the_mount_and_it_says_which(board):
     assert "north up" in page.locator(".corners").text_content()
     assert page.locator(".degree").first.text_content() == "N"
     page.evaluate("state => show(state)", {"sections": scenes()["mount"]})
-    assert "mount zero up" in page.locator(".corners").text_content()
+    assert "nose up" in page.locator(".corners").text_content()
     assert page.locator(".degree").first.text_content() == "0"
 
 

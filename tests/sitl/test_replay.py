@@ -88,7 +88,7 @@ def test_what_another_configuration_does_not_touch_stays_the_same(taped, tmp_pat
 def test_shorter_listening_waits_for_the_recorded_turns(taped, tmp_path, run):
     _, session = taped
     _, values = replayed(session, tmp_path / "out", run, "explore.unit_s=0.5")
-    assert "this mission turns to joint 15.0 deg at 1.5" in values["parted"]
+    assert "the replay turns to joint angle 15.0 deg counter-clockwise at 1.5" in values["parted"]
     events = [json.loads(line) for line in (tmp_path / "out" / "events.jsonl").read_text().splitlines()]
     second = [event for event in events if event["event"] == "OrientationHeard"][1]
     recorded = [json.loads(line) for line in (session / "events.jsonl").read_text().splitlines()]
@@ -101,15 +101,15 @@ def test_longer_listening_ends_where_the_recorded_array_turns_away(taped, tmp_pa
     _, session = taped
     code, values = replayed(session, tmp_path / "out", run, "explore.unit_s=3")
     assert code == 3
-    assert "the recorded mission turns to joint 15.0 deg at 2.0" in values["parted"]
-    assert "turns" in values["ended_early"]
+    assert "the recorded mission turned to joint angle 15.0 deg counter-clockwise at 2.0" in values["parted"]
+    assert "turning" in values["ended_early"]
 
 
 def test_a_goal_that_the_record_never_visits_ends_the_replay(taped, tmp_path, run):
     _, session = taped
     code, values = replayed(session, tmp_path / "out", run, "explore.step_deg=50")
     assert code == 3
-    assert "never stands at joint 50.0 deg" in values["ended_early"]
+    assert "never at rest at joint angle 50.0 deg counter-clockwise" in values["ended_early"]
 
 
 def test_what_the_record_decides_has_no_effect_and_is_said(taped, tmp_path, run):
@@ -189,7 +189,7 @@ def test_a_file_stands_for_a_configuration_of_another_version(taped, tmp_path, r
 def test_results_do_not_go_into_a_session(taped, run):
     code, error = replayed(taped[1], taped[1], run)
     assert code == 2
-    assert "this is a session" in error
+    assert "expected a folder for the results, got the session" in error
 
 
 def test_a_folder_that_cannot_be_made_is_refused_before_the_mission(tmp_path, run):

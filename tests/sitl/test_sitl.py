@@ -168,7 +168,7 @@ def test_ctrl_c_in_the_middle_of_a_move_decelerates_and_closes_the_files(short, 
         list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
         for line in process.stdout:
-            if "turn to" in line:
+            if "turning to" in line:
                 break
         time.sleep(0.2)
         process.send_signal(signal.SIGINT)

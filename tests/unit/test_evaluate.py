@@ -36,7 +36,7 @@ def talker(seed, seconds=6.0):
 
 @pytest.fixture(scope="module")
 def scene():
-    azimuths = np.deg2rad(AZIMUTHS_DEG)
+    azimuths = -np.deg2rad(AZIMUTHS_DEG)
     heading = aligned_heading(azimuths, TARGET)
     voices = [talker(seed) for seed in range(3)]
     return record(voices, azimuths, TARGET, heading, SETTINGS["S1"], rng=np.random.default_rng(9)), heading
@@ -67,7 +67,7 @@ def scored(run):
 
 
 def known(heading):
-    return [word for azimuth in AZIMUTHS_DEG for word in ("--azimuth", azimuth)] + ["--heading", np.rad2deg(heading)]
+    return [word for azimuth in AZIMUTHS_DEG for word in ("--azimuth", azimuth)] + ["--heading", -np.rad2deg(heading)]
 
 
 def truth(recording, start=0, *, known_noise=False):
@@ -138,7 +138,8 @@ def test_a_configuration_sets_the_rate_the_array_and_the_separator(scene, takes,
     values = scored(takes / "a.wav", takes / "b.wav", "--config", path, "--azimuth", 0)
     assert (values["rate_hz"], values["separator"]) == (16000, "duet")
     assert values["tdoas_us"] == [pytest.approx(0.04 / 343 * 1e6, abs=0.01)]
-    assert {note[0] for note in values["notes"] if "resampled from 24000 to 16000" in note} == {"A", "B"}
+    resampled = [note.split(":")[0] for note in values["notes"] if "resampled from 24000 to 16000" in note]
+    assert resampled == ["mixture", "target"]
 
 
 def test_one_direction_separates_nothing_and_says_so(takes, scored):
@@ -159,7 +160,7 @@ def test_a_shorter_take_is_scored_where_both_are_heard_and_said_so(takes, scored
     soundfile.write(tmp_path / "short.wav", samples[: 5 * rate], rate, subtype="PCM_24")
     values = scored(takes / "a.wav", tmp_path / "short.wav")
     assert values["scored_s"] == 5.0
-    assert any(note.startswith("A: scored over 5.00 s of 6.00 s") for note in values["notes"])
+    assert any(note.startswith("mixture: scored over the 5.00 s of 6.00 s") for note in values["notes"])
 
 
 def test_out_holds_every_voice_and_the_report_and_none_of_an_earlier_run(takes, scored, run, tmp_path):
@@ -181,6 +182,15 @@ def test_the_table_names_the_gain(takes, run):
     assert "separated by duet" in out
 
 
+def test_the_table_shows_the_compass_degrees_that_were_given(takes, run, scored):
+    where = ["--azimuth", 320, "--azimuth", 80, "--heading", 350]
+    code, out, _ = run(takes / "a.wav", takes / "b.wav", *where)
+    assert code == 0
+    assert "320 deg" in out
+    assert "80 deg" in out
+    assert scored(takes / "a.wav", takes / "b.wav", *where)["azimuths_deg"] == [40.0, -80.0]
+
+
 def wav(folder, samples, rate=16000):
     path = folder / "odd.wav"
     soundfile.write(path, samples, rate, subtype="FLOAT")
@@ -197,17 +207,19 @@ def not_audio(folder):
 
 
 BAD = {
-    "1 channel, wanted 2": lambda folder: wav(folder, stereo(1)[:, 0]),
-    "3 channels, wanted 2": lambda folder: wav(folder, np.column_stack([stereo(1), stereo(2)[:, 0]])),
+    "one per microphone, got 1": lambda folder: wav(folder, stereo(1)[:, 0]),
+    "one per microphone, got 3": lambda folder: wav(
+        folder, np.column_stack([stereo(1), stereo(2)[:, 0]])
+    ),
     "silent": lambda folder: wav(folder, np.zeros((48000, 2))),
     "microphone 2 is silent": lambda folder: wav(folder, stereo(1) * [1, 0]),
-    "not finite": lambda folder: wav(folder, np.where(np.arange(48000)[:, None] == 5, np.nan, stereo(1))),
+    "expected finite samples": lambda folder: wav(folder, np.where(np.arange(48000)[:, None] == 5, np.nan, stereo(1))),
     "no such file": lambda folder: folder / "odd.wav",
-    "wanted at least 1 s": lambda folder: wav(folder, stereo(1, 0.5)),
-    "0.00 s, wanted": lambda folder: wav(folder, stereo(1, 0)),
-    "wanted at least 8000 Hz": lambda folder: wav(folder, stereo(1), 4000),
-    "not audio": not_audio,
-    "not heard in A": lambda folder: wav(folder, stereo(99)),
+    "expected at least 1 s, got 0.50 s": lambda folder: wav(folder, stereo(1, 0.5)),
+    "expected at least 1 s, got 0.00 s": lambda folder: wav(folder, stereo(1, 0)),
+    "expected at least 8000 Hz, got 4000 Hz": lambda folder: wav(folder, stereo(1), 4000),
+    "expected audio": not_audio,
+    "not in the mixture": lambda folder: wav(folder, stereo(99)),
 }
 
 
@@ -221,10 +233,10 @@ def test_a_bad_recording_is_one_line_and_exit_code_2(takes, run, tmp_path, words
 
 
 WRONG = {
-    "not several": ["--azimuth", 10, "--sources", 2],
-    "says nothing without": ["--heading", 10],
-    "at most 146 us": ["--tdoa-us", 400],
-    "finite": ["--azimuth", "nan"],
+    "expected only one of them": ["--azimuth", 10, "--sources", 2],
+    "--heading: expected together with --azimuth": ["--heading", 10],
+    "expected at most 146 us (d / v_p), got 400": ["--tdoa-us", 400],
+    "expected finite numbers": ["--azimuth", "nan"],
     "is unknown": ["--separator", "magic"],
     "cannot be read": ["--config", "nowhere.toml"],
 }

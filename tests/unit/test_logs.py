@@ -39,9 +39,9 @@ def written():
     return write
 
 
-def hop():
+def hop(*, earth=True):
     block = AudioBlock(np.zeros((2, 160), np.float32), index=0, time=0.0)
-    return Input(block, 0.0, 0.0, 0.0, settled=True, attitude=Attitude(0.0))
+    return Input(block, 0.0, 0.0, 0.0, settled=True, attitude=Attitude(0.0, known=earth))
 
 
 def said(event):
@@ -168,10 +168,16 @@ def test_a_mission_tells_its_states_turns_and_end(written):
     line = written(said(StateChanged(1.0, State.RUN, "source 0")))
     assert line.endswith("info    mission: run: source 0\n")
     line = written(said(TurnStarted(1.0, np.pi / 4, np.pi / 2, "rotation 1")))
-    assert "heading 90.0 deg, joint 45.0 deg" in line
+    assert "heading 270.0 deg from north, joint 45.0 deg counter-clockwise" in line
     line = written(said(Finished(1.0, Outcome.FAULT, "motor stalled")))
     assert "critical mission" in line
     assert "motor stalled" in line
+
+
+def test_a_heading_in_the_log_counts_from_the_nose_while_north_is_unknown(written):
+    turned = TurnStarted(1.0, 0.0, np.deg2rad(-80), "rotation 1")
+    line = written(lambda: LogObserver().said(turned, hop(earth=False)))
+    assert "heading 80.0 deg from the nose, joint 0.0 deg: rotation 1" in line
 
 
 def test_events_bring_their_plain_values_and_no_arrays(written):
@@ -193,7 +199,7 @@ def test_events_bring_their_plain_values_and_no_arrays(written):
     ],
 )
 def test_answers_weigh_as_much_as_they_matter(answer, level):
-    assert words(Answered(1.0, 7, answer, "busy"))[0] == level
+    assert words(Answered(1.0, 7, answer, "busy"), earth=True)[0] == level
 
 
 def test_what_nobody_needs_is_for_debugging(written):

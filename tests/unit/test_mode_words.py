@@ -18,8 +18,8 @@ DOUBTED = Doubted(9.0, "none of 1 voices is the target's")
 
 
 def test_what_was_told_is_not_said_to_be_found():
-    assert line(TOLD) == (Severity.INFO, "1 source told from outside")
-    assert in_words(TOLD) == "told from outside: K = 1 at 90.0 deg"
+    assert line(TOLD) == (Severity.INFO, "using 1 known source, not exploring")
+    assert in_words(TOLD, earth=True) == "known without exploring: K = 1 at 270.0 deg from north"
 
 
 def test_the_end_of_belief_is_a_warning_with_its_reason():
@@ -27,7 +27,7 @@ def test_the_end_of_belief_is_a_warning_with_its_reason():
     assert severity is Severity.WARNING
     assert DOUBTED.reason in words
     assert "explor" in words
-    assert DOUBTED.reason in in_words(DOUBTED)
+    assert DOUBTED.reason in in_words(DOUBTED, earth=False)
 
 
 @pytest.mark.parametrize("planner", [plan, paper_plan])

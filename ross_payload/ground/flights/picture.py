@@ -14,12 +14,13 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.flights.look import COLOURS, STYLE
+from ross_payload.ground.flights.look import COLOURS, STYLE, compass_rose
 from ross_payload.ground.flights.output import whole
 from ross_payload.ground.flights.story import Story
 from ross_payload.ground.flights.summary import Told
 from ross_payload.ground.picture.known import Moment, Who
 from ross_payload.ground.picture.view import word
+from ross_protocols.pairs import compass
 from ross_protocols.values import Source
 
 QUIET, HEARING, TURNING, MOVING, CHECKING, RUNNING, ENDED = (
@@ -89,29 +90,24 @@ def _row(row: Any, told: Told, who: Who) -> None:
 
 def _scene(axes: Any, story: Story) -> None:
     """Draw the last estimate as on a compass: wedges of three sigma, mirrors dashed, the axis both ways."""
-    earth = story.status is not None and story.status.earth
-    axes.set_theta_zero_location("N")
-    axes.set_theta_direction(1)  # inside angles are counter-clockwise, so are these; the labels are a compass's
-    axes.set_thetagrids(range(0, 360, 45), [f"{-angle % 360}" for angle in range(0, 360, 45)])
+    compass_rose(axes, f"{story.who} at the end", earth=story.status is not None and story.status.earth)
     axes.set_ylim(0, 1.15)
-    axes.set_yticks([])
-    axes.set_title(f"{story.who} at the end, deg from {'north' if earth else 'the zero of the mount'}")
     for index, source in sorted(story.sources.items()):
         _wedge(axes, source, COLOURS[index % len(COLOURS)])
     heading = story.status.heading if story.status else None
     if heading is not None:
-        axes.plot([heading, heading + math.pi], [0.5, 0.5], color="black", lw=1.5)
-        axes.plot([heading], [0.5], marker="o", ms=5, color="black")
+        axes.plot([-heading, math.pi - heading], [0.5, 0.5], color="black", lw=1.5)
+        axes.plot([-heading], [0.5], marker="o", ms=5, color="black")
 
 
 def _wedge(axes: Any, source: Source, colour: str) -> None:
     width = min(max(6 * source.sigma, math.radians(2)), 2 * math.pi)
     alpha = 0.35 + min(max(source.confidence, 0.0), 1.0) / 2  # a sender may say anything
-    axes.bar([source.azimuth], [1.0], width=width, color=colour, alpha=alpha)
+    axes.bar([-source.azimuth], [1.0], width=width, color=colour, alpha=alpha)
     if source.mirror is not None:
-        axes.plot([source.mirror] * 2, [0, 1.0], color=colour, ls="--", lw=1)
+        axes.plot([-source.mirror] * 2, [0, 1.0], color=colour, ls="--", lw=1)
     name = f"{source.source}{' target' if source.target else ''}"
-    axes.annotate(name, (source.azimuth, 1.08), ha="center", va="center", fontweight="bold", color=colour)
+    axes.annotate(name, (-source.azimuth, 1.08), ha="center", va="center", fontweight="bold", color=colour)
 
 
 def _states(axes: Any, story: Story) -> None:
@@ -140,7 +136,7 @@ def _headings(axes: Any, story: Story) -> None:
     """Draw headings of a compass; the line is broken where it passes north."""
     moments = _thin(story.moments)
     times = [moment.at for moment in moments]
-    degrees = [math.nan if moment.heading is None else math.degrees(-moment.heading) % TURN for moment in moments]
+    degrees = [math.nan if moment.heading is None else compass(moment.heading) for moment in moments]
     breaks = [i for i in range(1, len(degrees)) if abs(degrees[i] - degrees[i - 1]) > TURN / 2]
     for place in reversed(breaks):
         times.insert(place, times[place])

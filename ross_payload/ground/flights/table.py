@@ -10,6 +10,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from ross_protocols.angle_text import frame, rounded
+
 MOST = 40  # rows of one table
 Row = dict[str, Any]
 
@@ -44,9 +46,9 @@ def span(seconds: float) -> str:
 def _payload(console: Console, payload: Row) -> None:
     console.rule(f"payload {payload['who']}", style="default")
     about = [payload["actuator"], payload["version"] and f"version {payload['version']}"]
-    frame = {True: "angles from north", False: "angles from the zero of the mount", None: None}[payload["earth"]]
+    counted = None if payload["earth"] is None else f"angles clockwise {frame(payload['earth'])}"
     way = "inside TUNNEL" if payload["tunnelled"] else None
-    words = ", ".join(str(each) for each in (*about, frame, way) if each)
+    words = ", ".join(str(each) for each in (*about, counted, way) if each)
     _say(console, f"{words}. {payload['frames']} frames, {payload['lost']} lost" if words else "")
     for title, columns, rows in _parts(payload):
         _table(console, title, columns, iter(rows), len(rows))
@@ -64,7 +66,7 @@ def _parts(payload: Row) -> Iterator[tuple[str, tuple[str, ...], list[list[Any]]
     if payload["sources"] and not payload["explorations"]:
         yield "Sources", SOURCES, [_source(source) for source in payload["sources"]]
     yield "Alignments", ("plan", "isolates", "heading [deg]", "gain [dB]", "as one", "rule", "became"), [
-        [f"{each['plan']}.{each['candidate']}", each["source"], _number(each["heading"]), _number(each["gain"]),
+        [f"{each['plan']}.{each['candidate']}", each["source"], _bearing(each["heading"]), _number(each["gain"]),
          _listed(each["aliased"]), each["rule"], BECAME.get(each["state"], each["state"])]
         for each in payload["alignments"]
     ]  # fmt: skip
@@ -87,7 +89,7 @@ SOURCES = ("source", "azimuth [deg]", "sigma [deg]", "mirror [deg]", "confidence
 
 def _source(source: Row) -> list[Any]:
     name = f"{source['source']} target" if source["target"] else source["source"]
-    angles = (_number(source[key]) for key in ("azimuth", "sigma", "mirror"))
+    angles = _bearing(source["azimuth"]), _number(source["sigma"]), _bearing(source["mirror"])
     return [name, *angles, f"{source['confidence']:.2f}", _number(source["score"])]
 
 
@@ -126,6 +128,10 @@ def _kinds(kinds: list[Row]) -> str:
 
 def _number(number: float | None, digits: int = 1) -> str:
     return "" if number is None else f"{number:.{digits}f}"
+
+
+def _bearing(degrees: float | None) -> str:
+    return "" if degrees is None else _number(rounded(degrees))
 
 
 def _listed(indices: list[int]) -> str:

@@ -10,6 +10,7 @@ from rich.text import Text
 
 from ross_payload.ground.monitor.clean import clean
 from ross_payload.ground.monitor.rose import colour, letter
+from ross_protocols.angle_text import frame
 
 SILENT = 2.5  # [s] without a word, from which a payload is lost
 BARS = " ▁▂▃▄▅▆▇█"
@@ -63,8 +64,7 @@ def strip(picture: Picture) -> list[Text]:
         f"SI-SDR {number(mission.get('si_sdr'), '.1f', ' dB')}",
     ]
     goal = "" if pointing["goal"] is None else f" turns to {pointing['goal']:.1f} deg"
-    frame = "from north" if pointing["earth"] else "from the zero of the mount"
-    where = f"axis {number(pointing['heading'], '.1f', ' deg')}{goal}, {frame}"
+    where = f"axis {number(pointing['heading'], '.1f', ' deg')}{goal}, {frame(pointing['earth'])}"
     joint, gain = number(pointing.get("joint"), "+.1f", " deg"), number(mission.get("gain"), "+.1f", " dB")
     return [Text("  ".join(parts)), Text(f"{where}  joint {joint}  gain {gain}")]
 

@@ -43,7 +43,7 @@ class Ear:
     [
         (StateChanged(0.0, State.LEAD_IN), (Severity.INFO, "mission started")),
         (StateChanged(0.0, State.RUN), None),
-        (NoiseMeasured(0.0, None, 2.0), (Severity.WARNING, "no quiet lead-in, the noise is not known")),
+        (NoiseMeasured(0.0, None, 2.0), (Severity.WARNING, "no quiet lead-in: the noise level is unknown")),
         (NoiseMeasured(0.0, -60.0, 2.0), None),
         (SourcesEstimated(0.0, Estimate((SOURCE,)), 12, final=True), (Severity.INFO, "1 source found after 12 turns")),
         (SourcesEstimated(0.0, Estimate((SOURCE,)), 3, final=False), None),
@@ -92,7 +92,7 @@ def test_what_is_wrong_with_the_microphones_is_named() -> None:
     well, ill = AudioHealth(), AudioHealth(AudioTrouble.CLIPPING | AudioTrouble.DEAD_2)
     assert texts.ears(well, ill) == (Severity.WARNING, "microphones: clipping, dead 2")
     assert texts.ears(ill, ill) is None
-    assert texts.ears(ill, well) == (Severity.NOTICE, "microphones are well again")
+    assert texts.ears(ill, well) == (Severity.NOTICE, "microphones recovered")
 
 
 def test_a_recording_that_stops_by_itself_is_a_warning() -> None:

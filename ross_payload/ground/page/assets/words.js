@@ -87,7 +87,7 @@ export const level = (name) => LEVELS[name] ?? LEVELS.unknown;
 export const severity = (code) => SEVERITIES[code] ?? "info";
 export const isTrouble = (code) => code <= TROUBLE;
 export const fate = (name) => FATES[name] ?? name;
-export const frame = (earth) => (earth ? "clockwise from north" : "clockwise from the mount’s zero");
+export const frame = (earth) => (earth ? "clockwise from north" : "clockwise from the nose");
 
 /** One of a few, or many: `plural(1, "source")` is "1 source". */
 export const plural = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;

@@ -9,7 +9,7 @@ const EVERY = 10; // degrees between two ticks
 const NAMED = 30; // degrees between two that are named
 const CARDINAL = { 0: "N", 90: "E", 180: "S", 270: "W" };
 
-/** The compass: north or the zero of the mount is up. @param {boolean} earth */
+/** The compass: north or the payload's nose is up. @param {boolean} earth */
 export function compass(earth) {
   const ticks = Array.from({ length: 360 / EVERY }, (_, index) => index * EVERY);
   const path = ticks

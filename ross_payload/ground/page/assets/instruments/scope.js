@@ -1,5 +1,5 @@
 /**
- * The live polar view: what the payload hears, around its axis. Up is north, or the zero of the mount.
+ * The live polar view: what the payload hears, around its axis. Up is north, or the payload's nose.
  * Two microphones have no front: the axis, the candidates and the limits are drawn both ways.
  */
 
@@ -53,7 +53,7 @@ export function scope(state) {
   </figure>`;
 }
 
-const frameWords = ({ earth }) => (earth ? "north up" : "mount zero up");
+const frameWords = ({ earth }) => (earth ? "north up" : "nose up");
 
 const dragKind = (drag, pointing) => (isBeyond(drag, pointing.limits) ? "drag far" : "drag");
 

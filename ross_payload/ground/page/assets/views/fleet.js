@@ -36,7 +36,7 @@ function card(page, each) {
     ["Target", known(each.target) ? `source ${each.target}` : DASH],
     [
       "Heading",
-      html`${degrees(each.heading)}<span class="soft"> ${each.earth ? "from north" : "from the mount’s zero"}</span>`,
+      html`${degrees(each.heading)}<span class="soft"> ${each.earth ? "from north" : "from the nose"}</span>`,
     ],
     ["Heard", ago(age)],
   ];

@@ -36,7 +36,7 @@ export function helpPanel(page) {
     </p>
     <h3>Words</h3>
     <p>
-      Degrees count clockwise: from north when the payload knows its attitude, else from the zero of its mount. K is the
+      Degrees count clockwise: from north when the payload knows its attitude, else from its nose. K is the
       number of sources. SI-SDR tells how clean a voice is, in dB. Red means that something must be done.
     </p>
     <button type="button" @click=${() => page.change({ help: false })}>Close</button>
