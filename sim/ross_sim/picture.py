@@ -27,15 +27,21 @@ def draw(path: Path, story: Story, truth: Truth, *, rate: int, unit: float, titl
     ``unit`` is d / v_p [s]: the largest TDOA there is.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(13, 8.2), layout="constrained")
-        FigureCanvasAgg(figure)
-        figure.suptitle(title, fontsize=12, fontweight="bold")
-        grid = figure.add_gridspec(2, 6)
-        _polar(figure.add_subplot(grid[0, :2], projection="polar"), story, truth)
-        _densities(figure.add_subplot(grid[0, 2:4]), story, unit)
-        _isolation(figure.add_subplot(grid[0, 4:]), story)
-        _spectrograms([figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])], story, truth, rate)
+        figure = figure_of(story, truth, rate=rate, unit=unit, title=title)
         figure.savefig(path, format="png", dpi=110, metadata={"Software": None})
+
+
+def figure_of(story: Story, truth: Truth, *, rate: int, unit: float, title: str) -> Figure:
+    """Return the picture of a mission, not written yet; the arguments are those of `draw`."""
+    figure = Figure(figsize=(13, 8.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(title, fontsize=12, fontweight="bold")
+    grid = figure.add_gridspec(2, 6)
+    _polar(figure.add_subplot(grid[0, :2], projection="polar"), story, truth)
+    _densities(figure.add_subplot(grid[0, 2:4]), story, unit)
+    _isolation(figure.add_subplot(grid[0, 4:]), story)
+    _spectrograms([figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])], story, truth, rate)
+    return figure
 
 
 def _polar(axes: Any, story: Story, truth: Truth) -> None:

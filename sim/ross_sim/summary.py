@@ -15,12 +15,12 @@ from ross_protocols.angle_text import frame, rounded
 from ross_sim.session import Finished
 
 
-def show(finished: Finished, out: Path | None, as_json: bool) -> None:
-    """Print what was found and what it gained."""
+def show(finished: Finished, out: Path | None, as_json: bool, console: Console | None = None) -> None:
+    """Print what was found and what it gained, on standard output when no console is given."""
     if as_json:
         click.echo(json.dumps(finished.report | {"timing": finished.timing}, indent=2))
         return
-    console = Console()
+    console = console or Console()
     values = finished.report
     console.print()
     console.print(_sources(values))

@@ -47,17 +47,22 @@ def draw(told: Told, path: Path) -> None:
     """
     if not told.payloads:
         raise GroundError(f"{told.flight.name}: no payload found, one wanted for a picture")
-    shown = told.payloads[:MOST_ROWS]
     with mpl.rc_context(STYLE), whole(path) as aside:
-        figure = Figure(figsize=(13, 0.6 + 4.4 * len(shown)), layout="constrained")
-        FigureCanvasAgg(figure)
-        figure.suptitle(_title(told, len(shown)), fontsize=12, fontweight="bold")
-        rows = figure.subfigures(len(shown), 1, squeeze=False)[:, 0]
-        for row, who in zip(rows, shown, strict=True):
-            _row(row, told, who)
         form = path.suffix.lower().removeprefix(".")
         software = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}
-        figure.savefig(aside, format=form, dpi=110, metadata=software[form])
+        figure_of(told).savefig(aside, format=form, dpi=110, metadata=software[form])
+
+
+def figure_of(told: Told) -> Figure:
+    """Return the picture of a flight, not written yet."""
+    shown = told.payloads[:MOST_ROWS]
+    figure = Figure(figsize=(13, 0.6 + 4.4 * len(shown)), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(_title(told, len(shown)), fontsize=12, fontweight="bold")
+    rows = figure.subfigures(len(shown), 1, squeeze=False)[:, 0]
+    for row, who in zip(rows, shown, strict=True):
+        _row(row, told, who)
+    return figure
 
 
 def _title(told: Told, shown: int) -> str:
