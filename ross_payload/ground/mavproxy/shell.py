@@ -18,14 +18,15 @@ ross status                           what the payload does, and its health
 ross sources                          who talks, and where to turn
 ross explore                          find out who talks, and where
 ross listen voice|SOURCE|azimuth DEG  listen to the enrolled voice, a source, or whoever is there
-ross turn DEG                         point the axis, degrees clockwise
+ross turn DEG                         point the axis to a heading
 ross stop                             stop now; nothing moves before ross rearm
 ross cancel                           end what it does
 ross park|home|rearm                  parking position; zero of the joint; move again after a stop
 ross record on|off                    a recording on the payload's disk
 ross noise [SECONDS]                  measure the noise while nobody talks
 ross payload [ID]                     list payloads, or choose one, such as 2-191
-ross help                             this"""
+ross help                             this
+DEG: compass degrees, clockwise, from north or from the nose, as in ross status"""
 COMPLETIONS = [
     "<status|sources|explore|stop|cancel|park|home|rearm|noise|turn|payload|help>",
     "listen <voice|azimuth>",
