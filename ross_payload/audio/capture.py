@@ -59,7 +59,7 @@ class SoundCard:
 
     def _settings(self, module: Any, device: Device) -> dict[str, Any]:
         if device.channels < self._wiring.needed:
-            raise AudioError(f"{device} has no channel {self._wiring.needed - 1}: audio.channels count from 0")
+            raise AudioError(f"audio.channels: {device} has no channel {self._wiring.needed - 1} (they count from 0)")
         wanted = {"device": device.number, "channels": self._wiring.needed, "dtype": "float32"}
         rate = self._audio.rate_hz
         try:
@@ -87,7 +87,7 @@ class Recording:
         actual, asked = self._stream.samplerate, settings["samplerate"]
         try:
             if abs(actual / asked - 1) > TOLERANCE:
-                raise AudioError(f"the sound card opened at {actual:g} Hz, not at {asked} Hz")
+                raise AudioError(f"sound card: expected it to open at {asked} Hz, got {actual:g} Hz")
             self._stream.start()
         except BaseException:
             self._stream.close(ignore_errors=True)

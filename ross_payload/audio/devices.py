@@ -79,9 +79,11 @@ def device_named(module: Any, name: str) -> Device:
         chosen = [device for device in there if device.name.lower() == wanted]
         chosen = chosen or [device for device in there if wanted in device.name.lower()]
     if not chosen:
-        raise AudioError(f"no microphones named '{name}'; there are: {_listed(there)}")
+        raise AudioError(f"audio.source: no microphones named '{name}'; there are: {_listed(there)}")
     if len(chosen) > 1:
-        raise AudioError(f"'{name}' fits more than one device: {_listed(chosen)}; say more of the name")
+        raise AudioError(
+            f"audio.source: '{name}' matches more than one device: {_listed(chosen)}; give more of the name"
+        )
     return chosen[0]
 
 

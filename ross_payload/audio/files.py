@@ -27,11 +27,11 @@ def read_mono(path: Path) -> tuple[Real, int]:
     try:
         samples, rate = soundfile.read(path, dtype="float64", always_2d=True)
     except (soundfile.LibsndfileError, RuntimeError) as error:
-        raise AudioError(f"{path}: not audio that libsndfile can read") from error
+        raise AudioError(f"{path}: expected audio that libsndfile can read") from error
     if len(samples) == 0:
-        raise AudioError(f"{path}: a clip of 0 s; wanted some speech")
+        raise AudioError(f"{path}: expected speech, got a clip of 0 s")
     if not np.isfinite(samples).all():
-        raise AudioError(f"{path}: holds samples that are not finite numbers")
+        raise AudioError(f"{path}: expected finite samples, got NaN or infinity")
     return samples.mean(axis=1), int(rate)
 
 

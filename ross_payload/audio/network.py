@@ -25,7 +25,7 @@ def host_and_port(address: str) -> tuple[str, int]:
     """
     host, _, port = address.rpartition(":")
     if not host or not port.isdigit() or not 0 < int(port) < 65536:
-        raise ConfigError(f"audio.source = 'tcp:{address}'; wanted tcp:HOST:PORT")
+        raise ConfigError(f"audio.source: expected tcp:HOST:PORT, got 'tcp:{address}'")
     return host.strip("[]"), int(port)
 
 
@@ -62,13 +62,15 @@ class PcmClient:
         while decoder.header is None:
             data = sock.recv(1)  # the samples behind the header are for the thread
             if not data:
-                raise AudioError("closed before a PCM header came")
+                raise AudioError("closed before it sent a PCM header")
             decoder.feed(data)
         header = decoder.header
         if header.rate != self._rate:
-            raise AudioError(f"sends {header.rate} Hz; audio.rate_hz is {self._rate}")
+            raise AudioError(f"expected {self._rate} Hz (audio.rate_hz), got {header.rate} Hz")
         if header.channels < self._wiring.needed:
-            raise AudioError(f"sends {header.channels} channels; there is no channel {self._wiring.needed - 1}")
+            raise AudioError(
+                f"expected at least {self._wiring.needed} channels (audio.channels), got {header.channels}"
+            )
         return decoder
 
 

@@ -82,7 +82,7 @@ class FileSource:
         try:
             file = soundfile.SoundFile(self._path)
         except (soundfile.LibsndfileError, RuntimeError) as error:
-            raise AudioError(f"{self._path}: not audio that libsndfile can read") from error
+            raise AudioError(f"{self._path}: expected audio that libsndfile can read") from error
         try:
             self._check(file)
         except AudioError:
@@ -101,6 +101,8 @@ class FileSource:
 
     def _check(self, file: soundfile.SoundFile) -> None:
         if file.samplerate != self._rate:
-            raise AudioError(f"{self._path}: at {file.samplerate} Hz; audio.rate_hz is {self._rate}")
+            raise AudioError(f"{self._path}: expected {self._rate} Hz (audio.rate_hz), got {file.samplerate} Hz")
         if file.channels < self._wiring.needed:
-            raise AudioError(f"{self._path}: {file.channels} channels; there is no channel {self._wiring.needed - 1}")
+            raise AudioError(
+                f"{self._path}: expected at least {self._wiring.needed} channels (audio.channels), got {file.channels}"
+            )

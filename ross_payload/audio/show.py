@@ -40,7 +40,7 @@ def tap(config: Config) -> None:
     with open_source(config, SystemClock()) as source:
         heard = []
         for microphone in (1, 2):
-            click.echo(f"Tap microphone {microphone} with a finger nail, once.")
+            click.echo(f"Tap microphone {microphone} once with a fingernail.")
             heard.append(_wait(source, config.hop))
             click.echo(f"  heard at microphone {heard[-1].microphone}, {heard[-1].margin_db:.0f} dB louder there")
     click.echo(verdict(config, *heard))
@@ -73,8 +73,8 @@ def _wait(source: AudioSource, hop: int) -> Tap:
             continue
         if tap.clear:
             return tap
-        click.echo(f"  as loud at both ({tap.margin_db:.1f} dB apart): tap again, nearer to one of them")
-    raise AudioError(f"no clear tap within {PATIENCE:g} s; see the levels with `ross doctor`")
+        click.echo(f"  equally loud at both ({tap.margin_db:.1f} dB apart): tap again, nearer to one of them")
+    raise AudioError(f"no clear tap within {PATIENCE:g} s; check the levels with `ross doctor`")
 
 
 def verdict(config: Config, first: Tap, second: Tap) -> str:

@@ -111,7 +111,7 @@ class Stitcher:
     def take(self, n: int) -> Stretch:
         """Give the next ``n`` samples; there must be as many."""
         if self._clock is None or self.available < n:
-            raise ValueError(f"{n} samples asked for, {self.available} available")
+            raise ValueError(f"expected a request for at most {self.available} samples, got {n}")
         samples, missing = np.zeros((2, n), np.float32), 0
         done = 0
         while done < n:

@@ -61,10 +61,10 @@ class Wiring:
         channels = audio.channels or (preset.channels if preset else (0, 1))
         opened = audio.device_channels or (preset.device_channels if preset else None)
         if channels[0] == channels[1]:
-            raise ConfigError(f"audio.channels = {list(channels)}: two microphones need two channels")
+            raise ConfigError(f"audio.channels: expected two different channels, got {list(channels)}")
         if opened is not None and max(channels) >= opened:
             raise ConfigError(
-                f"audio.channels = {list(channels)} but only {opened} channels are opened (0 to {opened - 1})"
+                f"audio.channels: expected 0 to {opened - 1}, as {opened} channels are opened, got {list(channels)}"
             )
         signs = [-1.0 if inverted else 1.0 for inverted in audio.invert]
         first, second = (sign * 10 ** (gain / 20) for sign, gain in zip(signs, audio.gain_db, strict=True))

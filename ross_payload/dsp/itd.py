@@ -50,7 +50,7 @@ def check_array(spacing: float, speed_of_sound: float) -> None:
     """Raise a ConfigError unless d [m] and v_p [m/s] are positive and finite."""
     for what, value in (("spacing", spacing), ("speed of sound", speed_of_sound)):
         if not 0 < value < np.inf:
-            raise ConfigError(f"{what} = {value:g}: a positive number is wanted")
+            raise ConfigError(f"{what}: expected a positive number, got {value:g}")
 
 
 def band_limits(spacing: float, speed_of_sound: float, low: float = LOW) -> tuple[float, float]:

@@ -39,7 +39,7 @@ def si_sdr(estimate: Real, reference: Real) -> float:
     """
     e, s = (_centred(signal, name) for signal, name in ((estimate, "estimate"), (reference, "reference")))
     if e.shape != s.shape:
-        raise AudioError(f"SI-SDR: the estimate has {e.size} samples, the reference {s.size}")
+        raise AudioError(f"SI-SDR: expected an estimate of {s.size} samples, as the reference has, got {e.size}")
     target = (e @ s) / (s @ s) * s
     with np.errstate(divide="ignore"):
         return float(10 * np.log10((target @ target) / np.float64((target - e) @ (target - e))))
@@ -58,10 +58,10 @@ def si_sdri(estimate: Real, mixture: Real, reference: Real) -> float:
 def _centred(signal: Real, name: str) -> Real:
     values = np.asarray(signal, np.float64)
     if values.ndim != 1 or not values.size:
-        raise AudioError(f"SI-SDR: the {name} must be one channel with samples, found shape {values.shape}")
+        raise AudioError(f"SI-SDR {name}: expected one channel with samples, got shape {values.shape}")
     if not np.isfinite(values).all():
-        raise AudioError(f"SI-SDR: the {name} has samples that are not finite")
+        raise AudioError(f"SI-SDR {name}: expected finite samples, got NaN or infinity")
     centred = values - values.mean()
     if np.abs(centred).max() <= 1e-12 * np.abs(values).max():
-        raise AudioError(f"SI-SDR: the {name} is silent")
+        raise AudioError(f"SI-SDR {name}: expected sound, got silence")
     return np.asarray(centred)

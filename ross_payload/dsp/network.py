@@ -137,7 +137,7 @@ def read_network(content: bytes, name: str) -> Network:
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
             return network_of({key: np.asarray(arrays[key], np.float32) for key in arrays.files})
     except Exception as error:  # zipfile, zlib and numpy each have their own way to fail on damaged bytes
-        raise ConfigError(f"{name}: not the weights of a refiner") from error
+        raise ConfigError(f"{name}: expected the weights of a refiner, got something else") from error
 
 
 def encode_network(arrays: Mapping[str, Real]) -> bytes:

@@ -71,7 +71,7 @@ def directions_of(scene: Scene, who: str) -> tuple[tuple[tuple[int, ...], ...], 
         When the scene has no TDOAs; ``who`` needs them.
     """
     if scene.tau is None:
-        raise ConfigError(f"{who} needs the TDOA of every source, found none")
+        raise ConfigError(f"{who}: expected the TDOA of every source, got none")
     tau = np.asarray(scene.tau, float)
     members = groups_of(tau, ALIAS * scene.spacing / scene.speed_of_sound)
     return members, np.array([tau[list(group)].mean() for group in members])

@@ -46,9 +46,11 @@ class Stft:
     def __post_init__(self) -> None:
         """Check the sizes."""
         if self.rate <= 0 or self.frame < 2 or self.frame % 2:
-            raise ConfigError(f"STFT: rate {self.rate} must be positive and frame {self.frame} even")
+            raise ConfigError(
+                f"STFT: expected a positive rate and an even frame, got {self.rate} Hz and {self.frame} samples"
+            )
         if not 1 <= self.hop < self.frame:
-            raise ConfigError(f"STFT: hop {self.hop} must lie in 1 .. {self.frame - 1}")
+            raise ConfigError(f"STFT hop: expected 1 to {self.frame - 1} samples, got {self.hop}")
 
     @property
     def frequencies(self) -> Real:
@@ -98,7 +100,7 @@ class Stft:
         """
         count = spectrogram.shape[-1]
         if count != self.frames_of(n):
-            raise ConfigError(f"{n} samples have {self.frames_of(n)} frames, found {count}")
+            raise ConfigError(f"spectrogram: expected the {self.frames_of(n)} frames of {n} samples, got {count}")
         frames: Real = scipy.fft.irfft(np.swapaxes(spectrogram, -1, -2), self.frame, axis=-1)
         frames *= self._dual().astype(frames.dtype)
         before, length = self.frame - self.hop, (count - 1) * self.hop + self.frame

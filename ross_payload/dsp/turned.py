@@ -37,7 +37,7 @@ def common_turn(seen: Observation, estimate: Estimate, spacing: float, speed_of_
         When the estimate has no sources.
     """
     if not estimate.sources:
-        raise ValueError("found no sources, wanted one at least")
+        raise ValueError("sources: expected at least one, got none")
     turns = np.arange(-round(WIDEST / STEP), round(WIDEST / STEP) + 1) * STEP
     azimuths = np.array([source.azimuth for source in estimate.sources])
     heights = np.array([source.elevation or 0.0 for source in estimate.sources])

@@ -38,8 +38,8 @@ from ross_payload.interfaces import (
 from ross_payload.mission.follower import Follower
 from ross_payload.orders import Cancel, Order, Set, Shutdown, Stop, Task
 
-FOUND = "the attitude of the vehicle is known now"
-LOST = "the attitude of the vehicle is not known any more"
+FOUND = "the vehicle's attitude is now known"
+LOST = "the vehicle's attitude is no longer known"
 
 T = TypeVar("T")
 Step = Generator[Output, Input, T]
@@ -155,7 +155,7 @@ class Context:
     def here(self) -> Input:
         """The latest Input; the mission has always heard one when it asks."""
         if self.last is None:
-            raise RuntimeError("the mission has not heard anything yet")
+            raise RuntimeError("expected an Input before this, got none")
         return self.last
 
     def keep_frame(self) -> None:

@@ -73,7 +73,9 @@ def attend(context: Context, seconds: float) -> Step[Listening]:
         context.holding.note(context.time, heard)
         if left and context.holding.unreachable():
             period, left = _Period(), left - 1
-            yield from face(context, context.holding.heading, heard.joint, "the other end of the axis: a limit is near")
+            yield from face(
+                context, context.holding.heading, heard.joint, "near a limit: turning to the other end of the axis"
+            )
     return period.listening()
 
 

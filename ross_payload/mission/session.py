@@ -105,7 +105,7 @@ class Session:
                 case Shutdown():
                     return order
                 case Task() if any(isinstance(later, (Stop, Cancel, Shutdown)) for later in self._waiting):
-                    self._answer(order, Answer.REFUSED, "taken back at once")
+                    self._answer(order, Answer.REFUSED, "cancelled before it began")
                 case Point() if any(isinstance(later, Task) for later in self._waiting):
                     pass  # the later one takes its place
                 case Task():
@@ -123,7 +123,7 @@ class Session:
                     self._answer(order, Answer.ACCEPTED)
                     yield from self._hop(Output(stop=True))
                 case Cancel():
-                    self._answer(order, Answer.ACCEPTED, "nothing is going on")
+                    self._answer(order, Answer.ACCEPTED, "nothing to cancel")
 
     def _rearm(self, order: Order) -> Step[None]:
         """Forget the stop, as the guard does; a fault that remains is one that `Home` may clear."""

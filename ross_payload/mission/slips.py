@@ -48,7 +48,7 @@ def suspicion(context: Context, estimate: Estimate, heard: Listening) -> str:
     angle, gain = common_turn(observe(context, heard), estimate, settings.spacing, settings.speed_of_sound)
     if gain < SUSPICIOUS or abs(angle) < LEAST:
         return ""
-    return f"all sources seem to have turned by {abs(math.degrees(angle)):.0f} deg together"
+    return f"all sources appear to have shifted together by {abs(math.degrees(angle)):.0f} deg"
 
 
 def common_shift(before: Estimate, after: Estimate) -> float | None:

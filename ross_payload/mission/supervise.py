@@ -94,6 +94,6 @@ def _who(context: Context, estimate: Estimate, target: int | None) -> Step[tuple
         return None, "nobody is talking"
     candidates = align(context, estimate)
     if not candidates:
-        return None, f"no heading within the limits sets any of {estimate.k} voices apart"
+        return None, f"no heading within the limits isolates any of the {estimate.k} sources"
     source = yield from search(context, estimate, candidates, target)
-    return source, f"none of {estimate.k} voices is the target's"
+    return source, f"none of the {estimate.k} voices is the target's"

@@ -37,7 +37,7 @@ from ross_payload.orders import (
 TOLD_SIGMA = math.radians(2.0)  # of an azimuth that somebody tells [rad]
 LEAST_NOISE = 0.5  # [s] that tell anything about a noise
 HOMING = 120.0  # [s] that finding the zero may take
-OUTSIDE = "the limits of the joint exclude this heading"
+OUTSIDE = "this heading is outside the limits of the joint"
 STILL_FAULTY = (Home,)  # may be ordered while there is a fault
 
 
@@ -63,7 +63,7 @@ def refusal(context: Context, memory: Memory, task: Task, *, stopped: bool, faul
     impossible = {
         "stopped: re-arm first": stopped,
         f"fault: {fault}": bool(fault) and not isinstance(task, STILL_FAULTY),
-        "no voice is enrolled to be sought": isinstance(task, (Seek, Informed)) and context.tools.voiceprint is None,
+        "no target voice is enrolled": isinstance(task, (Seek, Informed)) and context.tools.voiceprint is None,
         "no source is known: explore first": isinstance(task, ListenTo) and known is None,
         "there is no such source": isinstance(task, ListenTo) and known is not None and not 0 <= task.source < known.k,
         OUTSIDE: isinstance(task, TurnTo) and _joint_for(context, task.heading) is None,
@@ -164,7 +164,7 @@ def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
     yield from _quiet(context)
     own = next((c for c in align(context, estimate) if c.source == source), None)
     if own is None:
-        raise Refused(f"no heading within the limits sets source {source} apart")
+        raise Refused(f"no heading within the limits isolates source {source}")
     context.enter(State.ALIGN_TURN, f"source {source}, {own.rule}")
     yield from face(context, own.heading, own.joint, f"alignment for source {source}")
     context.enter(State.RUN, f"source {source}")
@@ -183,7 +183,7 @@ def _point(context: Context, heading: float) -> Step[Result]:
     yield from hop(context)
     context.enter(State.TURN, "heading ordered")
     yield from face(context, heading, joint, "heading ordered")
-    return Result(Outcome.COMPLETED, "the heading is reached")
+    return Result(Outcome.COMPLETED, "heading reached")
 
 
 def _park(context: Context) -> Step[Result]:
@@ -213,7 +213,7 @@ def _home(context: Context) -> Step[Result]:
         obey(context, heard.orders)
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)
-    return Result(Outcome.COMPLETED, "the zero is known")
+    return Result(Outcome.COMPLETED, "zero found")
 
 
 def _measure(context: Context, seconds: float) -> Step[Result]:
@@ -222,4 +222,4 @@ def _measure(context: Context, seconds: float) -> Step[Result]:
     heard = yield from listen(context, max(seconds or context.settings.lead_in, LEAST_NOISE))
     context.lead_in = heard
     context.say_noise(quiet=True)
-    return Result(Outcome.COMPLETED, f"noise of {heard.shape[1] / context.settings.rate:g} s heard")
+    return Result(Outcome.COMPLETED, f"noise measured for {heard.shape[1] / context.settings.rate:g} s")

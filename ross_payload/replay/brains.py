@@ -28,7 +28,7 @@ def mission_of(session: Session, recorded: Config, config: Config, voiceprint: V
         return _single(session, config, voiceprint)
     if session.manifest.kind == "session":
         return _live(session, recorded, config, voiceprint)
-    raise ConfigError(f"session.json: kind '{session.manifest.kind}', wanted 'mission' or 'session'")
+    raise ConfigError(f"session.json: kind: expected 'mission' or 'session', got '{session.manifest.kind}'")
 
 
 def _single(session: Session, config: Config, voiceprint: VoicePrint | None) -> Mission:

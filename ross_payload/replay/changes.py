@@ -34,13 +34,13 @@ def changed(recorded: Config, file: Path | None, settings: Sequence[str]) -> Con
     for setting in settings:
         key, equals, text = setting.partition("=")
         if not equals:
-            raise ConfigError(f"--set {setting}: wanted key=value, such as exploit.separator=duet")
+            raise ConfigError(f"--set: expected key=value, such as exploit.separator=duet, got '{setting}'")
         _put(values, key.strip().split("."), _value(text.strip()), setting)
     config = validated(Config, values, "--set") if settings else base
     for path in FIXED:
         was, wanted = _at(recorded, path), _at(config, path)
         if was != wanted:
-            raise ConfigError(f"{'.'.join(path)} = {wanted} cannot be replayed: it was recorded with {was}")
+            raise ConfigError(f"{'.'.join(path)}: expected {was}, as recorded, got {wanted}")
     return config
 
 
@@ -75,7 +75,7 @@ def _put(values: Values, path: Sequence[str], value: Any, setting: str) -> None:
             values[name] = {}
         values = values[name]
         if not isinstance(values, dict):
-            raise ConfigError(f"--set {setting}: '{name}' is not a table")
+            raise ConfigError(f"--set {setting}: expected a table, got the key '{name}'")
     values[path[-1]] = value
 
 

@@ -71,7 +71,7 @@ def _played(
         inputs = session.inputs(config.audio, anew=anew)
         replay(mission_of(session, recorded, config, who.voiceprint), inputs, course, rate, told)
     if not told.inputs:
-        raise ConfigError(f"{session.path}: holds no whole Input: nothing to replay")
+        raise ConfigError(f"{session.path}: expected at least one complete Input to replay, got none")
     return told, {"voice": who.how, "parted": course.parted}
 
 

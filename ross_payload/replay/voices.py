@@ -41,7 +41,7 @@ class Answers:
         """
         number, score = next(self._scores, (-1, None))
         if score is None or number != self._inputs():
-            raise Unanswered("the voice print is not here, and its recorded answers end where the missions part")
+            raise Unanswered("the voice print is not here, and its recorded answers end where the replay diverges")
         return score
 
 

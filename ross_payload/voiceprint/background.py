@@ -130,7 +130,7 @@ def read_background(content: bytes, name: str) -> Background:
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
             return Background(**{key: arrays[key].astype(np.float64) for key in wanted})
     except Exception as error:  # zipfile, zlib and numpy each have their own way to fail on damaged bytes
-        raise ConfigError(f"{name}: not a background model of voices: {error}") from error
+        raise ConfigError(f"{name}: expected a background model of voices: {error}") from error
 
 
 def encode_background(background: Background) -> bytes:

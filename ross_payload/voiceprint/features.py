@@ -69,14 +69,14 @@ def checked(voice: Real, rate: int) -> Real:
     """Return the recording as float64, or say what is wrong with it."""
     samples = np.asarray(voice, dtype=np.float64)
     if samples.ndim != 1:
-        raise AudioError(f"a voice is one channel (n_samples,), not an array of shape {samples.shape}")
+        raise AudioError(f"voice: expected one channel (n_samples,), got shape {samples.shape}")
     if rate < RATE:
-        raise AudioError(f"a voice must be sampled at {RATE} Hz or more, not at {rate} Hz")
+        raise AudioError(f"voice: expected a rate of at least {RATE} Hz, got {rate} Hz")
     if not samples.size:
-        raise AudioError("the recording is empty (0 s)")
+        raise AudioError("voice: expected a recording, got 0 s")
     if not np.isfinite(samples).all():
         wrong = int(np.count_nonzero(~np.isfinite(samples)))
-        raise AudioError(f"the recording holds {wrong} samples that are not finite numbers")
+        raise AudioError(f"voice: expected finite samples, got {wrong} that are NaN or infinite")
     return samples
 
 

@@ -52,17 +52,17 @@ def enrol(voice: Real, rate: int, background: Background | None = None) -> Voice
     """
     samples = checked(voice, rate)
     if not samples.any():
-        raise AudioError(f"the recording to enrol from is silent ({len(samples) / rate:.1f} s of zeros)")
+        raise AudioError(f"enrolment: expected speech, got {len(samples) / rate:.1f} s of silence")
     if clipped_share(samples) > CLIPPED_SHARE:
         raise AudioError(
-            f"the recording to enrol from is clipped ({100 * clipped_share(samples):.1f} % of the samples): "
+            f"enrolment: the recording is clipped ({100 * clipped_share(samples):.1f} % of the samples): "
             "record again at a lower level"
         )
     features = analyse(samples, rate)
     if features.seconds < ENROL_SECONDS:
         raise AudioError(
-            f"too little speech to enrol from: {features.seconds:.1f} s voiced of {len(samples) / rate:.1f} s, "
-            f"wanted at least {ENROL_SECONDS} s"
+            f"enrolment: expected at least {ENROL_SECONDS} s of voiced speech, "
+            f"got {features.seconds:.1f} s in {len(samples) / rate:.1f} s"
         )
     model = background or shipped_background()
     return VoicePrintModel(model.adapt(features), features.seconds, model)

@@ -56,7 +56,7 @@ def told(scenario: Scenario) -> Informed:
         When there is nobody to tell of, or more than can be told.
     """
     if not scenario.talkers:
-        raise ConfigError("--informed: wanted talkers to tell of, but nobody talks in this scenario")
+        raise ConfigError("--informed: expected a scenario with talkers, got one without")
     values = {"azimuths_deg": [round(math.degrees(azimuth), 6) for azimuth in scenario.azimuths()]}
     if len(scenario.room.size_m) == 3:
         values["elevations_deg"] = [round(math.degrees(elevation), 6) for elevation in scenario.elevations()]

@@ -56,5 +56,5 @@ class Responses:
         path = self._folder / f"{step:07d}.npz"
         responses = cached(path, make).get("responses")
         if responses is None or responses.dtype != np.float32 or responses.shape[:2] != (2, len(self._spec.sources)):
-            raise ConfigError(f"{path}: holds something else than impulse responses; delete it")
+            raise ConfigError(f"{path}: expected impulse responses, got something else; delete it")
         return responses

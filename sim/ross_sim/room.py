@@ -182,14 +182,14 @@ def _single_thread(high_pass: bool) -> Iterator[None]:
 
 def _check_numbers(spec: RoomSpec) -> None:
     if len(spec.size) not in (2, 3) or not all(0 < side < math.inf for side in spec.size):
-        raise ConfigError(f"a room has two or three positive sides [m], not {_text(spec.size)}")
+        raise ConfigError(f"room: expected two or three positive sides [m], got {_text(spec.size)}")
     for name, value, lowest in (("t60", spec.t60, 0.0), ("speed_of_sound", spec.speed_of_sound, 1.0)):
         if not lowest <= value < math.inf:
-            raise ConfigError(f"{name} = {value:g}: at least {lowest:g} wanted")
+            raise ConfigError(f"{name}: expected at least {lowest:g}, got {value:g}")
     if spec.rate <= 0:
-        raise ConfigError(f"rate = {spec.rate} Hz: a positive rate is wanted")
+        raise ConfigError(f"rate: expected a positive rate, got {spec.rate} Hz")
     if not 0 < spec.spacing < 2 * CLEARANCE:
-        raise ConfigError(f"spacing = {spec.spacing:g} m: more than 0 and less than {2 * CLEARANCE:g} m wanted")
+        raise ConfigError(f"spacing: expected more than 0 and less than {2 * CLEARANCE:g} m, got {spec.spacing:g} m")
 
 
 def _check_places(spec: RoomSpec) -> None:
@@ -200,16 +200,16 @@ def _check_places(spec: RoomSpec) -> None:
         distance = math.dist(source, spec.array_centre)
         if distance < CLEARANCE:
             raise ConfigError(
-                f"source {index} is on top of the array: {distance:.2f} m from its centre, {CLEARANCE:g} m wanted"
+                f"source {index}: expected at least {CLEARANCE:g} m from the centre of the array, got {distance:.2f} m"
             )
 
 
 def _check_inside(spec: RoomSpec, who: str, place: tuple[float, ...], reach: Real) -> None:
     if len(place) != len(spec.size):
-        raise ConfigError(f"{who} is at {_text(place)} m, but the room has {len(spec.size)} sides")
+        raise ConfigError(f"{who}: expected {len(spec.size)} coordinates, as the room has sides, got {_text(place)} m")
     margin = reach + WALL
     if not bool(np.all((np.asarray(place) >= margin) & (np.asarray(place) <= np.asarray(spec.size) - margin))):
-        raise ConfigError(f"{who} at {_text(place)} m is outside the room of {_text(spec.size)} m")
+        raise ConfigError(f"{who}: expected a place inside the room of {_text(spec.size)} m, got {_text(place)} m")
 
 
 def _numbers(values: ArrayLike) -> tuple[float, ...]:

@@ -51,10 +51,10 @@ class Talker(Table):
     def _in_order(self) -> Self:
         start = self.start_s or 0.0
         if self.end_s is not None and self.end_s <= start:
-            raise ValueError(f"end_s = {self.end_s:g} must come after start_s = {start:g}")
+            raise ValueError(f"end_s: expected a time after start_s = {start:g}, got {self.end_s:g}")
         for begin, end in self.pauses:
             if end <= begin:
-                raise ValueError(f"the pause [{begin:g}, {end:g}] must end after it begins")
+                raise ValueError(f"pauses: expected a pause that ends after it begins, got [{begin:g}, {end:g}]")
         return self
 
 
@@ -169,7 +169,7 @@ class Scenario(Table):
         taken = [voice for voice in named if voice is not None]
         twice = next((voice.name for index, voice in enumerate(taken) if voice in taken[:index]), None)
         if twice is not None:
-            raise ConfigError(f"voice '{twice}' is wanted for two talkers")
+            raise ConfigError(f"talkers: expected each voice once, got '{twice}' twice")
         free = iter([voice for voice in voices if voice not in taken])
         talkers = tuple(next(free) if voice is None else voice for voice in named)
         target = _find(self.target, [*talkers, *free])
@@ -179,7 +179,7 @@ class Scenario(Table):
         azimuth = math.radians(talker.azimuth_deg)
         x, y, *height = self.centre()
         if talker.height_m is not None and not height:
-            raise ConfigError("height_m needs a room with three sides")
+            raise ConfigError("height_m: expected a room with three sides")
         above = [] if not height else [1.6 if talker.height_m is None else talker.height_m]
         return (x + talker.distance_m * math.cos(azimuth), y + talker.distance_m * math.sin(azimuth), *above)
 
@@ -223,7 +223,7 @@ def _find(wanted: str | int, voices: Sequence[Voice]) -> Voice:
     if isinstance(wanted, int):
         if wanted < len(voices):
             return voices[wanted]
-        raise ConfigError(f"voice number {wanted} is wanted, counted from 0, but there are {len(voices)}")
+        raise ConfigError(f"voice number: expected 0 to {len(voices) - 1}, got {wanted}")
     for voice in voices:
         if voice.name == wanted:
             return voice

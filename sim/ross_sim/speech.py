@@ -58,7 +58,7 @@ def load_folder(folder: Path, rate: int) -> tuple[Voice, ...]:
         talkers[entry.stem] = [entry]
     voices = tuple(_voice(name, talkers[name], rate) for name in sorted(talkers) if talkers[name])
     if not voices:
-        raise ConfigError(f"{folder}: no recordings; wanted one sub-folder or one file ({_suffixes()}) per talker")
+        raise ConfigError(f"{folder}: expected one sub-folder or one file ({_suffixes()}) per talker, got none")
     return voices
 
 
@@ -78,7 +78,7 @@ def read(path: Path, rate: int) -> Samples:
     if not mono.size:
         raise ConfigError(f"{path}: is empty (0 s)")
     if not np.isfinite(mono).all():
-        raise ConfigError(f"{path}: holds samples that are not numbers (NaN or infinite)")
+        raise ConfigError(f"{path}: expected finite samples, got NaN or infinity")
     if math.sqrt(float(np.mean(mono**2))) < SILENCE:
         raise ConfigError(f"{path}: is silent")
     clipped = float(np.mean(np.abs(channels) >= 1 - 2**-15))
@@ -105,11 +105,10 @@ def _voice(name: str, paths: Sequence[Path], rate: int) -> Voice:
     joined = np.concatenate(speech) if speech else np.zeros(0, dtype=np.float32)
     cut = 0 if clips else round(ENROLMENT * rate)
     if joined.size - cut < SHORTEST * rate:
-        without = "" if clips else f" without an enrolment clip, {ENROLMENT + SHORTEST:g} s with one cut off its end"
-        raise ConfigError(
-            f"talker '{name}': {joined.size / rate:.1f} s of speech; at least "
-            f"{SHORTEST + (0 if clips else ENROLMENT):g} s wanted{without}"
+        least = (
+            f"{SHORTEST:g} s of speech" if clips else f"{SHORTEST + ENROLMENT:g} s of speech without an enrolment clip"
         )
+        raise ConfigError(f"talker '{name}': expected at least {least}, got {joined.size / rate:.1f} s")
     if clips:
         return Voice(name, joined, np.concatenate(clips), rate)
     return Voice(name, joined[:-cut], joined[-cut:], rate)

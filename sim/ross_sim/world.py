@@ -243,10 +243,10 @@ class Microphones:
 def _stems(scenario: Scenario, voices: Sequence[Voice], cache: Path | None) -> Stems:
     rate = scenario.payload.audio.rate_hz
     if len(voices) != len(scenario.talkers):
-        raise ConfigError(f"{len(scenario.talkers)} talkers but {len(voices)} voices")
+        raise ConfigError(f"expected one voice for each of {len(scenario.talkers)} talkers, got {len(voices)}")
     wrong = next((voice for voice in voices if voice.rate != rate), None)
     if wrong is not None:
-        raise ConfigError(f"voice '{wrong.name}' is at {wrong.rate} Hz, not at the payload's {rate} Hz")
+        raise ConfigError(f"voice '{wrong.name}': expected {rate} Hz, as the payload has, got {wrong.rate} Hz")
     responses = Responses(scenario.spec(), cache)
     levels = [talker.level_db for talker in scenario.talkers]
     loudness = gains([voice.speech for voice in voices], levels, responses.at(scenario.payload.offset), LEVEL)
@@ -264,7 +264,7 @@ def _troubles(scenario: Scenario, far_end: FarEnd) -> deque[tuple[float, Fault, 
     for trouble in scenario.troubles:
         if trouble.fault not in far_end.faults:
             there = ", ".join(sorted(far_end.faults)) or "none"
-            raise ConfigError(f"trouble '{trouble.fault}' makes no sense for {kind}; there are: {there}")
+            raise ConfigError(f"troubles: expected a fault of {kind} ({there}), got '{trouble.fault}'")
         moments.append((trouble.at_s, trouble.fault, True))
         moments += [] if trouble.end_s is None else [(trouble.end_s, trouble.fault, False)]
     return deque(sorted(moments))

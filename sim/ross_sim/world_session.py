@@ -86,7 +86,7 @@ def run(scenario: Scenario, sockets: Sockets, wishes: Wishes, out: OutDir | None
 
 def _cast(scenario: Scenario, wishes: Wishes) -> Cast:
     if scenario.vehicle is not None:
-        raise ConfigError("a vehicle needs its autopilot, which ross world does not have: wanted ross sitl --serve")
+        raise ConfigError("ross world simulates no autopilot: a scenario with a vehicle needs `ross sitl --serve`")
     with waiting(wishes.as_json, f"{scenario.title}: preparing the voices"):
         cast = scenario.cast(company_of(scenario, wishes.speech, None).voices)
     if wishes.enrolment is not None:

@@ -195,7 +195,10 @@ def test_a_file_ends_cleanly_with_every_whole_hop_read(tmp_path):
 
 @pytest.mark.parametrize(
     ("rate", "channels", "said"),
-    [(8000, 2, "at 8000 Hz; audio.rate_hz is 16000"), (16000, 1, "1 channels; there is no channel 1")],
+    [
+        (8000, 2, r"expected 16000 Hz \(audio.rate_hz\), got 8000 Hz"),
+        (16000, 1, r"expected at least 2 channels \(audio.channels\), got 1"),
+    ],
 )
 def test_a_file_that_does_not_fit_is_refused(tmp_path, rate, channels, said):
     soundfile.write(tmp_path / "take.wav", np.zeros((100, channels)), rate)
@@ -205,7 +208,7 @@ def test_a_file_that_does_not_fit_is_refused(tmp_path, rate, channels, said):
 
 def test_a_file_that_is_missing_or_no_audio_is_refused(tmp_path):
     (tmp_path / "text.wav").write_text("not audio")
-    for name, said in (("none.wav", "no such file"), ("text.wav", "not audio that libsndfile can read")):
+    for name, said in (("none.wav", "no such file"), ("text.wav", "expected audio that libsndfile can read")):
         source = FileSource(tmp_path / name, RATE, Wiring.of(Audio()), SimClock())
         with pytest.raises(AudioError, match=said), source:
             pass
@@ -230,8 +233,8 @@ def test_a_server_that_hangs_up_is_connected_to_again():
     ("header", "said"),
     [
         (b"GET / HTTP/1.1\n", "not a PCM header: b'GET / HTTP/1.1'; wanted a line like"),
-        (encode_header(Header(48000, 2)), "sends 48000 Hz; audio.rate_hz is 16000"),
-        (encode_header(Header(RATE, 1)), "sends 1 channels; there is no channel 1"),
+        (encode_header(Header(48000, 2)), r"expected 16000 Hz \(audio.rate_hz\), got 48000 Hz"),
+        (encode_header(Header(RATE, 1)), r"expected at least 2 channels \(audio.channels\), got 1"),
         (encode_header(Header(RATE, 2)).replace(b": 1,", b": 2,"), "PCM header of version 2; wanted 1"),
     ],
 )

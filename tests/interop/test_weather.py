@@ -50,7 +50,7 @@ def test_every_command_is_obeyed_once(flight):
     assert len(set(payload.answers("done"))) == len(TIMES)
     assert len(payload.answers("accepted")) == len(TIMES)
     heard = [line for line in payload.lines() if line.startswith("mission over: noise of")]
-    assert heard == [f"mission over: noise of {time} s heard" for time in TIMES]
+    assert heard == [f"mission over: noise measured for {time} s" for time in TIMES]
     assert path.fates["lost"] > 0
 
 

@@ -49,8 +49,8 @@ def test_a_file_that_is_not_audio_is_named(run, tmp_path):
 
 
 BAD_SCENARIOS = {
-    "on top of the array": "title = 'x'\n[[talkers]]\nazimuth_deg = 0\ndistance_m = 0.05\n",
-    "outside the room": "title = 'x'\n[[talkers]]\nazimuth_deg = 0\ndistance_m = 50\n",
+    "from the centre of the array": "title = 'x'\n[[talkers]]\nazimuth_deg = 0\ndistance_m = 0.05\n",
+    "inside the room": "title = 'x'\n[[talkers]]\nazimuth_deg = 0\ndistance_m = 50\n",
     "spacing_m": "title = 'x'\ntalkers = []\n[payload.array]\nspacing_m = 0\n",
     "snr_db": "title = 'x'\ntalkers = []\n[noise]\nsnr_db = -1e6\n",
     "unknown key": "title = 'x'\ncolour = 'red'\ntalkers = []\n",

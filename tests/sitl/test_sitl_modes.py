@@ -84,4 +84,4 @@ def test_what_cannot_be_told_is_one_line_and_exit_code_2(run, tmp_path, told, wo
 def test_nobody_to_tell_of_is_one_line_and_exit_code_2(run):
     code, out, err = run("sitl", "--scenario", "silence", "--informed")
     assert (code, out, err.count("\n")) == (2, "", 1)
-    assert "nobody talks" in err
+    assert "expected a scenario with talkers" in err

@@ -233,9 +233,9 @@ def test_reading_needs_an_open_source(make):
 
 
 def test_voices_must_fit_the_scenario(make):
-    with pytest.raises(ConfigError, match="2 talkers but 1 voices"):
+    with pytest.raises(ConfigError, match="expected one voice for each of 2 talkers, got 1"):
         make(scenario(40, -80), talkers=voices(1))
-    with pytest.raises(ConfigError, match="voice 'voice-0' is at 8000 Hz"):
+    with pytest.raises(ConfigError, match="voice 'voice-0': expected 16000 Hz, as the payload has, got 8000 Hz"):
         make(scenario(40), talkers=voices(1, rate=8000))
 
 

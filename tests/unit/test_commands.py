@@ -153,7 +153,7 @@ def test_an_answer_comes_within_150_ms_though_the_mission_computes(payload):
 
 def test_what_the_mission_refuses_is_denied_with_its_reason(payload):
     assert payload.command(LISTEN, 0) == [DENIED]
-    assert payload.texts == ["listen refused: no voice is enrolled to be sought"]
+    assert payload.texts == ["listen refused: no target voice is enrolled"]
 
 
 def test_what_fails_is_failed(payload):

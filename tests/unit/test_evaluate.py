@@ -208,9 +208,7 @@ def not_audio(folder):
 
 BAD = {
     "one per microphone, got 1": lambda folder: wav(folder, stereo(1)[:, 0]),
-    "one per microphone, got 3": lambda folder: wav(
-        folder, np.column_stack([stereo(1), stereo(2)[:, 0]])
-    ),
+    "one per microphone, got 3": lambda folder: wav(folder, np.column_stack([stereo(1), stereo(2)[:, 0]])),
     "silent": lambda folder: wav(folder, np.zeros((48000, 2))),
     "microphone 2 is silent": lambda folder: wav(folder, stereo(1) * [1, 0]),
     "expected finite samples": lambda folder: wav(folder, np.where(np.arange(48000)[:, None] == 5, np.nan, stereo(1))),

@@ -174,7 +174,7 @@ def test_an_attitude_that_is_lost_while_exploring_begins_the_exploration_again()
     one = vehicle(known=((0.0, 1.5),), explorer=base.ThreeTalkers(patience=1, certain=False))
     one.run()
     lost = one.said(Doubted)
-    assert [event.reason for event in lost] == ["the attitude of the vehicle is not known any more"]
+    assert [event.reason for event in lost] == ["the vehicle's attitude is no longer known"]
     before = [event for event in one.said(OrientationHeard) if event.time < lost[0].time]
     after = [event for event in one.said(OrientationHeard) if event.time > lost[0].time]
     assert before

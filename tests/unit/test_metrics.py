@@ -31,10 +31,10 @@ def test_nothing_gained_is_zero() -> None:
 @pytest.mark.parametrize(
     ("estimate", "reference", "reason"),
     [
-        (np.zeros(1000), SIGNAL, "estimate is silent"),
-        (SIGNAL, np.full(1000, 0.1), "reference is silent"),
-        (SIGNAL[:-1], SIGNAL, "999 samples"),
-        (np.where(SIGNAL > 2, np.nan, SIGNAL), SIGNAL, "not finite"),
+        (np.zeros(1000), SIGNAL, "estimate: expected sound, got silence"),
+        (SIGNAL, np.full(1000, 0.1), "reference: expected sound, got silence"),
+        (SIGNAL[:-1], SIGNAL, "expected an estimate of 1000 samples, .* got 999"),
+        (np.where(SIGNAL > 2, np.nan, SIGNAL), SIGNAL, "expected finite samples"),
         (SIGNAL[None], SIGNAL, "one channel"),
     ],
 )

@@ -14,7 +14,7 @@ from ross_sim.live import in_words
 TOLD = SourcesEstimated(
     2.0, Estimate((SourceEstimate(np.pi / 2, 0.01, 1.0, resolved=True),)), rotations=0, final=True, informed=True
 )
-DOUBTED = Doubted(9.0, "none of 1 voices is the target's")
+DOUBTED = Doubted(9.0, "none of the 1 voices is the target's")
 
 
 def test_what_was_told_is_not_said_to_be_found():

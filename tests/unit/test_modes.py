@@ -226,7 +226,7 @@ def test_without_restarts_what_is_told_is_the_last_word():
     one = base.rig(likes=7, informed=TOLD, settings=replace(base.SETTINGS, max_restarts=0))
     result = one.run()
     assert result.outcome is Outcome.NO_TARGET
-    assert "none of 3 voices" in result.reason
+    assert "none of the 3 voices" in result.reason
     assert not one.said(Doubted)
 
 

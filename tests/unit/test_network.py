@@ -101,5 +101,5 @@ def test_the_shipped_weights_are_few_and_finite() -> None:
 
 
 def test_damaged_weights_are_refused() -> None:
-    with pytest.raises(ConfigError, match="there: not the weights"):
+    with pytest.raises(ConfigError, match="there: expected the weights"):
         read_network(b"PK", "there")

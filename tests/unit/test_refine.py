@@ -118,7 +118,7 @@ def test_nobody_gives_no_group() -> None:
 
 
 def test_without_directions_it_refuses() -> None:
-    with pytest.raises(ConfigError, match="the refined model needs the TDOA"):
+    with pytest.raises(ConfigError, match="the refined model: expected the TDOA"):
         separator.batch(np.zeros((2, 5, 3), complex), Scene(np.arange(5.0), 0.05, 343.0, 2))
 
 

@@ -84,16 +84,19 @@ def test_no_source_gives_no_response():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"sources": ((11.0, 5.0),)}, "source 0 at 11 x 5 m is outside the room"),
-        ({"sources": ((7.0, 5.0), (5.1, 5.0))}, "source 1 is on top of the array: 0.10 m"),
-        ({"sources": ((7.0, 5.0, 1.0),)}, "the room has 2 sides"),
-        ({"array_centre": (0.01, 5.0)}, "the array at 0.01 x 5 m is outside"),
-        ({"spacing": 0.0}, "spacing = 0 m"),
-        ({"t60": -1.0}, "t60 = -1"),
-        ({"t60": math.nan}, "t60 = nan"),
-        ({"rate": 0}, "rate = 0"),
+        ({"sources": ((11.0, 5.0),)}, "source 0: expected a place inside the room of 10 x 10 m, got 11 x 5 m"),
+        (
+            {"sources": ((7.0, 5.0), (5.1, 5.0))},
+            "source 1: expected at least 0.2 m from the centre of the array, got 0.10 m",
+        ),
+        ({"sources": ((7.0, 5.0, 1.0),)}, "source 0: expected 2 coordinates"),
+        ({"array_centre": (0.01, 5.0)}, "the array: expected a place inside the room"),
+        ({"spacing": 0.0}, "spacing: expected more than 0 and less than 0.4 m, got 0 m"),
+        ({"t60": -1.0}, "t60: expected at least 0, got -1"),
+        ({"t60": math.nan}, "t60: expected at least 0, got nan"),
+        ({"rate": 0}, "rate: expected a positive rate, got 0"),
         ({"size": (10.0,)}, "two or three positive sides"),
-        ({"sources": ((math.nan, 5.0),)}, "outside the room"),
+        ({"sources": ((math.nan, 5.0),)}, "inside the room"),
     ],
 )
 def test_impossible_room_is_refused_in_words(changes, message):

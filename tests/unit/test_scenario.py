@@ -62,11 +62,20 @@ def test_azimuths_are_wrapped():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"talkers": [{"azimuth_deg": 0, "distance_m": 7}]}, "source 0 at 12 x 5 m is outside the room"),
-        ({"talkers": [{"azimuth_deg": 0, "distance_m": 0.1}]}, "source 0 is on top of the array"),
-        ({"talkers": [{"azimuth_deg": 0, "height_m": 1}]}, "height_m needs a room with three sides"),
-        ({"talkers": [{"azimuth_deg": 0, "start_s": 5, "end_s": 4}]}, "end_s = 4 must come after start_s = 5"),
-        ({"talkers": [{"azimuth_deg": 0, "pauses": [[5, 4]]}]}, "must end after it begins"),
+        (
+            {"talkers": [{"azimuth_deg": 0, "distance_m": 7}]},
+            "source 0: expected a place inside the room of 10 x 10 m, got 12 x 5 m",
+        ),
+        (
+            {"talkers": [{"azimuth_deg": 0, "distance_m": 0.1}]},
+            "source 0: expected at least 0.2 m from the centre of the array, got 0.10 m",
+        ),
+        ({"talkers": [{"azimuth_deg": 0, "height_m": 1}]}, "height_m: expected a room with three sides"),
+        (
+            {"talkers": [{"azimuth_deg": 0, "start_s": 5, "end_s": 4}]},
+            "end_s: expected a time after start_s = 5, got 4",
+        ),
+        ({"talkers": [{"azimuth_deg": 0, "pauses": [[5, 4]]}]}, "pauses: expected a pause that ends after it begins"),
         ({"talkers": [{"azimuth": 0}]}, "azimuth_deg"),
         ({"talkers": [], "payload": {"array": {"spacing_m": 0}}}, r"payload\.array\.spacing_m"),
         ({"talkers": [], "room": {"size_m": [10, 10], "t60_s": 0.01}}, "t60 = 0.01 s is too short"),
@@ -116,9 +125,9 @@ def test_target_may_be_a_name_or_somebody_who_is_not_there():
     [
         ([{}, {}, {}], 0, "3 talkers but only 2 voices: a, b"),
         ([{"name": "x"}], 0, "voice 'x' is unknown; there are: a, b"),
-        ([{"name": "a"}, {"name": 0}], 0, "voice 'a' is wanted for two talkers"),
+        ([{"name": "a"}, {"name": 0}], 0, "expected each voice once, got 'a' twice"),
         ([{}], "x", "voice 'x' is unknown"),
-        ([{}], 2, "voice number 2 is wanted, counted from 0, but there are 2"),
+        ([{}], 2, "voice number: expected 0 to 1, got 2"),
     ],
 )
 def test_impossible_cast_is_refused(talkers, target, message):

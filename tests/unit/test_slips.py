@@ -219,7 +219,7 @@ def test_a_run_in_which_everybody_seems_to_have_turned_is_followed_by_an_explora
     one = rig(explorer=Listener(), settings=replace(SETTINGS, runs=2))
     assert one.run().outcome is Outcome.TARGET_FOUND
     (doubt,) = one.said(Doubted)
-    assert "10 deg together" in doubt.reason
+    assert "together by 10 deg" in doubt.reason
     assert put_right(one) == [10.0]
     assert last_azimuths(one) == pytest.approx(AZIMUTHS)
 

@@ -108,12 +108,12 @@ def broken(voice, index, value):
 @pytest.mark.parametrize(
     ("samples", "says"),
     [
-        (np.zeros(0), "empty"),
-        (np.zeros(4 * RATE), "silent"),
-        (talk(ANN, 1, seed=0), "too little speech"),
-        (np.random.default_rng(0).standard_normal(4 * RATE), "too little speech"),
-        (broken(talk(ANN, 4, seed=0), 7, np.nan), "1 samples that are not finite"),
-        (broken(talk(ANN, 4, seed=0), 7, np.inf), "1 samples that are not finite"),
+        (np.zeros(0), "expected a recording, got 0 s"),
+        (np.zeros(4 * RATE), "expected speech, got 4.0 s of silence"),
+        (talk(ANN, 1, seed=0), "expected at least 1.5 s of voiced speech"),
+        (np.random.default_rng(0).standard_normal(4 * RATE), "expected at least 1.5 s of voiced speech"),
+        (broken(talk(ANN, 4, seed=0), 7, np.nan), "expected finite samples, got 1"),
+        (broken(talk(ANN, 4, seed=0), 7, np.inf), "expected finite samples, got 1"),
         (np.clip(talk(ANN, 4, seed=0), -0.1, 0.1), "clipped"),
         (np.zeros((2, 4 * RATE)), "one channel"),
     ],
@@ -125,12 +125,12 @@ def test_what_cannot_be_enrolled_is_refused_with_the_reason(samples, says):
 
 @pytest.mark.parametrize("use", [enrol, lambda voice, rate: enrol(talk(ANN, 4, seed=0), RATE).score(voice, rate)])
 def test_a_telephone_rate_is_refused_by_its_number(use):
-    with pytest.raises(AudioError, match="16000 Hz or more, not at 8000 Hz"):
+    with pytest.raises(AudioError, match="expected a rate of at least 16000 Hz, got 8000 Hz"):
         use(talk(ANN, 4, seed=0), 8000)
 
 
 def test_numbers_that_are_not_finite_are_refused_when_scoring(ann):
-    with pytest.raises(AudioError, match="not finite"):
+    with pytest.raises(AudioError, match="expected finite samples"):
         ann.score(broken(talk(ANN, 3, seed=0), 0, np.nan), RATE)
 
 
@@ -165,5 +165,5 @@ def test_the_shipped_background_is_small_and_survives_encoding():
 
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not a zip", encode_background(shipped_background())[:5000]])
 def test_a_damaged_background_model_is_refused(content):
-    with pytest.raises(ConfigError, match=r"other\.npz: not a background model"):
+    with pytest.raises(ConfigError, match=r"other\.npz: expected a background model"):
         read_background(content, "other.npz")

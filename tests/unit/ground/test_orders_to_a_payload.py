@@ -68,7 +68,7 @@ def test_a_refusal_is_told_in_the_payloads_words(rig):
 
 def test_a_long_reason_is_put_together_from_its_chunks(rig):
     rig.orders.order(WHO, Listen())
-    assert rig.station.wait(1, lambda: rig.orders.doing[-1].reason == "no voice is enrolled to be sought")
+    assert rig.station.wait(1, lambda: rig.orders.doing[-1].reason == "no target voice is enrolled")
 
 
 def test_the_second_of_two_turns_is_refused_and_the_first_goes_on(rig):
