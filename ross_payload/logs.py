@@ -192,7 +192,7 @@ class Changes:
             what = f"link {now.url} is {'up' if now.up else 'down'}"
             self._log.log(logging.INFO if now.up else logging.WARNING, what if now.up else _colon(what, now.error))
         if now.twins > twins:
-            self._log.warning("link %s: somebody else speaks with our system and component id", now.url)
+            self._log.warning("link %s: another sender uses our system and component id", now.url)
         self._links_before[now.url] = now.up, now.twins
 
     def _microphones(self, now: AudioHealth) -> None:
@@ -201,7 +201,7 @@ class Changes:
         if begun:
             self._log.warning("microphones: %s", _names(begun), extra={"fields": fields})
         if over:
-            self._log.info("microphones: no more %s", _names(over), extra={"fields": fields})
+            self._log.info("microphones: no longer %s", _names(over), extra={"fields": fields})
         self._trouble = now.trouble
 
     def _records(self, now: RecordingStatus) -> None:
@@ -271,7 +271,7 @@ def _plain(value: Any) -> Any:
 
 def _message(record: logging.LogRecord) -> str:
     held = getattr(record, "held", 0)
-    return record.getMessage() + (f" ({held} more like it were held back)" if held else "")
+    return record.getMessage() + (f" ({held} similar lines suppressed)" if held else "")
 
 
 def _printable(text: str) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 CODES = {"ok": 0, "warn": 1, "fail": 2}
-EPILOG = """Ctrl-C stops it at any moment. Exit codes: 0 all is well, 1 with warnings, 2 something must be mended or bad
+EPILOG = """Ctrl-C stops it at any moment. Exit codes: 0 all is well, 1 with warnings, 2 something must be fixed or bad
 input, 130 stopped by hand."""
 
 

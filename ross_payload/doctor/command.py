@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-EPILOG = "Exit codes: 0 it will run, perhaps with warnings; 2 something must be mended first, or bad input."
+EPILOG = "Exit codes: 0 it will run, perhaps with warnings; 2 something must be fixed first, or bad input."
 
 
 @click.command("doctor", short_help="Can this computer run a configuration? What to do if not.", epilog=EPILOG)

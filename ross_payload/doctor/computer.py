@@ -31,7 +31,7 @@ def clock(config: Config, machine: Machine) -> Iterator[Finding]:
         todo = "connect a network once, or fit an RTC; signed links refuse times that run backwards"
         yield warn("clock", "not synchronised: the date may be wrong", todo)
     else:
-        yield warn("clock", "nobody tells whether it is right (no timedatectl)", "compare `date` with a watch")
+        yield warn("clock", "cannot tell whether it is synchronised (no timedatectl)", "compare `date` with a watch")
 
 
 def heat(config: Config, machine: Machine) -> Iterator[Finding]:
@@ -39,11 +39,13 @@ def heat(config: Config, machine: Machine) -> Iterator[Finding]:
     zones = machine.names("/sys/class/thermal", "thermal_zone*/temp")
     readings = [int(text) / 1000 for zone in zones if (text := machine.text(zone)).lstrip("-").isdecimal()]
     if not readings:
-        yield ok("temperature", "not told by this computer")
+        yield ok("temperature", "not available on this computer")
     elif max(readings) < HOT:
         yield ok("temperature", f"{max(readings):.0f} deg C")
     else:
-        yield warn("temperature", f"{max(readings):.0f} deg C", "fit a heat sink or a fan: it slows down when hot")
+        yield warn(
+            "temperature", f"{max(readings):.0f} deg C", "fit a heat sink or a fan: the processor slows down when hot"
+        )
 
 
 def power(config: Config, machine: Machine) -> Iterator[Finding]:
@@ -53,7 +55,7 @@ def power(config: Config, machine: Machine) -> Iterator[Finding]:
     text = (machine.run(("vcgencmd", "get_throttled")) or "").partition("=")[2]
     if not text.startswith("0x"):
         todo = "sudo usermod -aG video USER, then log in again"
-        yield warn("power", "vcgencmd does not tell", todo)
+        yield warn("power", "vcgencmd gives no answer", todo)
         return
     bits = int(text, 16)
     now = [name for bit, name in NOW.items() if bits >> bit & 1]

@@ -32,4 +32,4 @@ def examine(config: Config, machine: Machine, clock: Clock, first: Sequence[Chec
         try:
             yield from check()
         except Exception as error:  # a computer that surprises one check is what the others are for
-            yield fail(name, f"the check itself broke: {error!r}", "please report this line")
+            yield fail(name, f"the check itself failed: {error!r}", "please report this line")

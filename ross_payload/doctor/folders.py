@@ -42,8 +42,8 @@ def recordings(config: Config, machine: Machine) -> Iterator[Finding]:
     system = os.statvfs(there)
     free = system.f_bavail * system.f_frsize / GB
     if free < wanted.min_free_gb + min(wanted.max_gb, 1.0):
-        found = f"{free:.1f} GB free, of which {wanted.min_free_gb:g} stay free"
-        yield warn("recording", found, "make room: recording stops when the disk is full, the mission goes on")
+        found = f"{free:.1f} GB free, of which {wanted.min_free_gb:g} GB are kept free (recording.min_free_gb)"
+        yield warn("recording", found, "free some space: recording stops when the disk is full, the mission continues")
     else:
         yield ok("recording", f"{folder}, {free:.1f} GB free")
 
@@ -53,9 +53,9 @@ def voice(config: Config, machine: Machine) -> Iterator[Finding]:
     name = config.service.target
     if not name:
         if config.service.autostart == "seek":
-            yield fail("voice", "service.autostart = 'seek' and no service.target", "name an enrolled voice")
+            yield fail("voice", "service.autostart = 'seek', but no service.target", "name an enrolled voice")
         else:
-            yield ok("voice", "nobody is sought")
+            yield ok("voice", "no target voice is configured")
         return
     store = VoiceStore.default(machine.environment)
     try:

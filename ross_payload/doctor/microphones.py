@@ -14,7 +14,7 @@ from ross_payload.health import AudioHealth, AudioTrouble
 from ross_payload.interfaces import Clock
 
 SECONDS = 4.0  # the slowest judgement of the microphones takes three
-WIRING = "look at the cable and at audio.channels: `ross devices --tap`"
+WIRING = "check the cable and audio.channels: `ross devices --tap`"
 SAYS: dict[AudioTrouble, tuple[Verdict, str, str]] = {
     AudioTrouble.ABSENT: (Verdict.FAIL, "no audio arrives", "plug them in; `ross devices` lists what there is"),
     AudioTrouble.DEAD_1: (Verdict.FAIL, "microphone 1 is dead", WIRING),
@@ -23,11 +23,11 @@ SAYS: dict[AudioTrouble, tuple[Verdict, str, str]] = {
     AudioTrouble.INVERTED: (Verdict.FAIL, "one microphone has the wrong polarity", "set audio.invert for one of them"),
     AudioTrouble.OFFSET: (
         Verdict.WARN,
-        "a constant part (DC) far above the noise",
-        "look at the supply and the preamp",
+        "a DC offset far above the noise",
+        "check the supply and the preamp",
     ),
     AudioTrouble.CLIPPING: (Verdict.WARN, "samples at full scale", "turn the gain of the card down: alsamixer"),
-    AudioTrouble.LOST: (Verdict.WARN, "samples were lost", "raise audio.latency_ms; use another USB port"),
+    AudioTrouble.LOST: (Verdict.WARN, "samples lost", "raise audio.latency_ms; use another USB port"),
 }
 
 

@@ -20,6 +20,7 @@ from ross_payload.doctor.probe_moves import Figures, Leg, figures, judge, make
 from ross_payload.doctor.turning import NOWHERE
 from ross_payload.errors import ActuatorError, RossError
 from ross_payload.interfaces import ActuatorState, Feedback, Services
+from ross_protocols.angle_text import rotation
 
 POLL = 0.010  # [s]
 FOUND = 5.0  # that an actuator may take to report for the first time [s]
@@ -76,7 +77,7 @@ def _examined(guard: Guard, config: Config, services: Services, wishes: Wishes, 
     if wishes.home:
         yield _homed(guard, config, services)
     elif not state.homed:
-        yield warn("zero", "it does not know where it is", "`--home`, when nothing is in the way; it may turn")
+        yield warn("zero", "its position is unknown", "`--home`, when nothing is in the way; it may turn")
     yield from _at_rest(guard, config, services, results)
     state = guard.state()
     if state.healthy and state.homed and wishes.move():
@@ -115,14 +116,15 @@ def _wait_for(true: Callable[[], bool], services: Services, seconds: float) -> N
 def _identified(guard: Guard, config: Config, results: Results) -> Iterator[Finding]:
     able = guard.capabilities
     results.identity, results.feedback = guard.identity, str(able.feedback)
-    yield ok("device", f"{results.kind}: {results.identity or 'it says nothing of itself'}")
+    yield ok("device", f"{results.kind}: {results.identity or 'it does not identify itself'}")
     if getattr(checked_options(config), "port", "") == NOWHERE:
         yield warn("wire", "pulses stay in memory: nothing will turn", "name a wire: options.port")
     lower, upper, speed, acceleration, step = (
         math.degrees(value)
         for value in (able.lower, able.upper, able.max_speed, able.max_acceleration, able.resolution)
     )
-    yield ok("limits", f"{lower:.1f} to {upper:.1f} deg, {speed:.4g} deg/s, {acceleration:.4g} deg/s^2")
+    travel = f"{lower:.1f} to {upper:.1f} deg counter-clockwise"  # as guard.lower_deg and upper_deg
+    yield ok("limits", f"{travel}, {speed:.4g} deg/s, {acceleration:.4g} deg/s^2")
     yield ok("feedback", f"{able.feedback}, in steps of {step:.3g} deg")
 
 
@@ -136,7 +138,7 @@ def _homed(guard: Guard, config: Config, services: Services) -> Finding:
         services.clock.sleep(POLL)
         state = guard.state()
         if state.homed and state.settled:
-            return ok("zero", f"found; it stands at {math.degrees(state.angle):.2f} deg")
+            return ok("zero", f"found; the joint is at {rotation(state.angle, 2)}")
     return fail("zero", guard.state().fault or "not found in time", "see the page of this actuator")
 
 
@@ -160,18 +162,18 @@ def _at_rest(guard: Guard, config: Config, services: Services, results: Results)
     results.noise_deg = max(angles) - min(angles)
     rate = f"{results.report_rate_hz:.0f} reports/s, none older than {results.oldest_report_s:.3f} s"
     if results.oldest_report_s > config.guard.watchdog_s / 2:
-        yield warn("report", rate, f"raise guard.watchdog_s = {config.guard.watchdog_s:g}, or mend the link")
+        yield warn("report", rate, f"raise guard.watchdog_s = {config.guard.watchdog_s:g}, or fix the link")
     else:
         yield ok("report", rate)
-    yield _noise(angles[-1], results, math.degrees(guard.capabilities.resolution))
+    yield _noise(state.angle, results, math.degrees(guard.capabilities.resolution))
 
 
 def _noise(angle: float, results: Results, step: float) -> Finding:
     if results.feedback == Feedback.MODEL:
-        return ok("at rest", f"believed at {angle:.2f} deg; nobody measures")
-    found = f"at {angle:.2f} deg, within {results.noise_deg:.3g} deg"
+        return ok("at rest", f"assumed at {rotation(angle, 2)}; not measured")
+    found = f"at {rotation(angle, 2)}, varying by {results.noise_deg:.3g} deg"
     if results.noise_deg > max(math.degrees(RESTLESS), 3 * step):
-        return warn("at rest", found, "it hunts, its sensor is noisy, or somebody turns it")
+        return warn("at rest", found, "it hunts, its sensor is noisy, or something turns it")
     return ok("at rest", found)
 
 

@@ -130,7 +130,7 @@ def _why(leg: Leg, able: Capabilities) -> Finding:
     state, gone = leg.end, leg.progress
     if -FAR < min(gone) < -max(LOOSE, 3 * able.resolution):
         found = f"it went {math.degrees(-min(gone)):.1f} deg the wrong way; {state.fault}".rstrip("; ")
-        return fail("direction", found, "exchange the ends of its travel, or invert its direction, in actuator.options")
+        return fail("direction", found, "swap the ends of its travel, or invert its direction, in actuator.options")
     if state.fault:
         return fail("move", state.fault, "see 'what happens when' on the page of this actuator")
     if max(gone) <= max(2 * able.resolution, LOOSE):
@@ -156,19 +156,21 @@ def judge(seen: Figures, able: Capabilities) -> Iterator[Finding]:
     """Say what the figures mean."""
     step = math.degrees(able.resolution)
     if able.feedback is Feedback.MODEL:
-        told = f"told {math.degrees(REACH):g} deg and back; nobody measures"
-        yield warn("direction", told, "look: counter-clockwise from above first (clockwise near the upper limit)?")
+        told = f"commanded {math.degrees(REACH):g} deg and back; not measured"
+        yield warn(
+            "direction", told, "check by eye, from above: first counter-clockwise (near the upper limit clockwise)?"
+        )
     else:
-        yield ok("direction", "it turns the way it is told")
+        yield ok("direction", "it turns the way it is commanded")
     yield _at_most("error", seen.error_deg, step * 1.5, "deg", "coarser than its resolution says")
-    yield _at_most("overshoot", seen.overshoot_deg, max(math.degrees(LOOSE), 2 * step), "deg", "soften its loop")
-    yield _at_most("settling", seen.settle_s, PROMPT, "s", "it creeps: tune its loop, or lower settle_ms")
-    yield _at_most("play", seen.play_deg, max(math.degrees(LOOSE), 2 * step), "deg", "take the backlash out")
+    yield _at_most("overshoot", seen.overshoot_deg, max(math.degrees(LOOSE), 2 * step), "deg", "tune its control loop")
+    yield _at_most("settling", seen.settle_s, PROMPT, "s", "it creeps: tune its control loop, or lower settle_ms")
+    yield _at_most("play", seen.play_deg, max(math.degrees(LOOSE), 2 * step), "deg", "reduce the backlash")
     if not 0.8 <= seen.speed <= 1.2:  # NaN is not either
-        found = f"{seen.speed:.2f} of the speed that was asked for"
+        found = f"{seen.speed:.2f} of the commanded speed"
         yield warn("speed", found, "the numbers of its gear and travel, or its own limits, may be wrong")
     else:
-        yield ok("speed", f"{seen.speed:.2f} of the speed that was asked for")
+        yield ok("speed", f"{seen.speed:.2f} of the commanded speed")
 
 
 def _at_most(check: str, value: float, most: float, unit: str, todo: str) -> Finding:

@@ -37,12 +37,12 @@ def headroom(config: Config, clock: Clock) -> Iterator[Finding]:
     try:
         cost = rehearsed(config, clock)
     except ConfigError as error:
-        yield fail("speed", str(error), "mend the configuration")
+        yield fail("speed", str(error), "fix the configuration")
         return
     run, waits = config.exploit.run_s, config.exploit.run_s * cost.separating
     yield _judged("exploring", cost.exploring, config.explore.unit_s)
     if waits > config.audio.buffer_s:
-        found = f"separating {run:g} s takes {waits:.1f} s, audio.buffer_s holds {config.audio.buffer_s:g}"
+        found = f"separating {run:g} s takes {waits:.1f} s, but audio.buffer_s = {config.audio.buffer_s:g}"
         yield fail("separating", found, "choose a cheaper exploit.separator, a shorter run_s or a lower rate_hz")
     else:
         yield _judged("separating", cost.separating, run)
@@ -88,5 +88,5 @@ def _judged(what: str, cost: float, seconds: float) -> Finding:
     found = f"{cost:.2g} s per second of audio, {cost * seconds:.2g} s for {seconds:g} s, on one core"
     if cost <= 1.0:
         return ok(what, found)
-    todo = "everything waits for it: a faster computer, a cheaper method, or a lower audio.rate_hz"
+    todo = "it blocks everything else: use a faster computer, a cheaper method or a lower audio.rate_hz"
     return warn(what, found, todo)

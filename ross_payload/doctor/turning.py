@@ -26,7 +26,7 @@ def actuator(config: Config, machine: Machine, clock: Clock) -> Iterator[Finding
         return
     origin = next((row.origin for row in describe() if row.name == kind), "")
     if getattr(checked_options(config), "port", "") == NOWHERE:
-        yield warn("actuator", f"{kind} keeps its pulses to itself: nothing will turn", "name a wire: options.port")
+        yield warn("actuator", f"{kind} keeps its pulses in memory: nothing will turn", "name a wire: options.port")
     elif origin.startswith("ross_sim."):
         yield warn("actuator", f"{kind} is simulated: nothing will turn", "choose another actuator.kind")
     else:
@@ -37,14 +37,14 @@ def actuator(config: Config, machine: Machine, clock: Clock) -> Iterator[Finding
 def start(config: Config, machine: Machine) -> Iterator[Finding]:
     """Whether something turns without being asked."""
     if config.service.autostart == "nothing":
-        yield ok("autostart", "nothing turns until somebody asks")
+        yield ok("autostart", "nothing turns until it is commanded")
     else:
-        found = f"'{config.service.autostart}' at every start, also after a crash, unless it was stopped by an order"
+        found = f"'{config.service.autostart}' at every start, also after a crash, unless it was stopped by a command"
         yield warn("autostart", found, "service.autostart = 'nothing', where people may stand near the array")
 
 
 def _closed(url: str) -> NoReturn:
-    raise ActuatorError(f"the doctor opens no wire, and was asked for '{url}'")
+    raise ActuatorError(f"the doctor opens no wire, got '{url}'")
 
 
 def _travel(config: Config, capabilities: Capabilities) -> Iterator[Finding]:
@@ -52,7 +52,7 @@ def _travel(config: Config, capabilities: Capabilities) -> Iterator[Finding]:
     travel = capabilities.upper - capabilities.lower
     found = f"{math.degrees(travel):.0f} deg of travel"
     if travel < math.pi - 1e-6:
-        todo = "widen guard.lower_deg and upper_deg to 180 deg in all; else some alignments are out of reach"
+        todo = "widen guard.lower_deg and upper_deg to 180 deg in all, or some alignments are out of reach"
         yield warn("limits", found, todo)
     else:
         yield ok("limits", f"{found}: every axis can be reached")

@@ -51,7 +51,7 @@ def serial(config: Config, machine: Machine) -> Iterator[Finding]:
         elif not machine.may_use(path):
             group = _group(path.stat().st_gid)
             todo = f"sudo usermod -aG {group} USER for the user that runs it, then log in again"
-            yield fail("serial", f"{device} may not be read and written by this user", todo)
+            yield fail("serial", f"{device} cannot be read and written by this user", todo)
         else:
             yield ok("serial", f"{device} is there")
         yield from _console(device, machine)
@@ -75,7 +75,7 @@ def can(config: Config, machine: Machine) -> Iterator[Finding]:
 def links(config: Config, machine: Machine) -> Iterator[Finding]:
     """Whether every link can be opened: address, free port, key; and who may talk to it."""
     if not config.links:
-        yield warn("links", "none: nobody hears the payload and nobody can ask it for anything", "add [[links]]")
+        yield warn("links", "none: nobody receives telemetry or can command the payload", "add [[links]]")
     for link in config.links:
         try:
             address = parse(link.url)
@@ -85,7 +85,7 @@ def links(config: Config, machine: Machine) -> Iterator[Finding]:
         if not isinstance(address, Serial) and address.listen:
             yield from _listener(link, address)
         elif not isinstance(address, Serial):
-            yield ok("links", f"{link.url} is an address")
+            yield ok("links", f"{link.url} is a valid address")
         yield from _key(link, machine)
 
 
@@ -94,12 +94,12 @@ def identity(config: Config, machine: Machine) -> Iterator[Finding]:
     telemetry, autopilots = config.telemetry, [link for link in config.links if link.role == "autopilot"]
     if telemetry.system_id == 0 and not autopilots:
         todo = "give a link the role 'autopilot', or name the vehicle's number"
-        yield fail("identity", "telemetry.system_id = 0 waits for an autopilot, and no link has that role", todo)
+        yield fail("identity", "telemetry.system_id = 0 waits for an autopilot, but no link has that role", todo)
     elif config.mount.source == "autopilot" and not autopilots:
         todo = "give a link the role 'autopilot', or use mount.source = 'fixed'"
-        yield fail("identity", "mount.source = 'autopilot', and no link has that role", todo)
+        yield fail("identity", "mount.source = 'autopilot', but no link has that role", todo)
     elif telemetry.system_id == 255:
-        yield warn("identity", "telemetry.system_id = 255 is a ground station's", "use the vehicle's, mostly 1")
+        yield warn("identity", "telemetry.system_id = 255 is a ground station's", "use the vehicle's, usually 1")
     elif not 191 <= telemetry.component_id <= 194:
         found = f"telemetry.component_id = {telemetry.component_id} is not an onboard computer's"
         yield warn("identity", found, "use 191 to 194")
@@ -162,14 +162,14 @@ def _listener(link: Link, address: Udp | Tcp) -> Iterator[Finding]:
                 port.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             port.bind(where)
     except OSError as error:
-        todo = "another program has it, perhaps ross.service itself: sudo ss -lptun"
+        todo = "another program uses it, perhaps ross.service itself: sudo ss -lptun"
         yield fail("links", f"{link.url} cannot be opened: {error.strerror}", todo)
         return
     if address.host in LOCAL or link.key_file:
         yield ok("links", f"{link.url} is free")
     else:
         todo = "sign it (key_file), or listen on 127.0.0.1 behind a router"
-        yield warn("links", f"{link.url} is free, and whoever reaches this network may give orders", todo)
+        yield warn("links", f"{link.url} is free, but anyone on this network can command the payload", todo)
 
 
 def _key(link: Link, machine: Machine) -> Iterator[Finding]:
@@ -183,7 +183,7 @@ def _key(link: Link, machine: Machine) -> Iterator[Finding]:
         )
         yield fail("keys", str(error), todo)
     else:
-        yield ok("keys", f"{link.key_file} is ours alone")
+        yield ok("keys", f"{link.key_file} is readable by this user only")
 
 
 def _group(number: int) -> str:

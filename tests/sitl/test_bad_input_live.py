@@ -181,7 +181,7 @@ def test_two_payloads_with_one_component_id_say_so_and_both_go_on(payload, groun
     second = payload(tables=f'[[links]]\nurl = "udpout:127.0.0.1:{port}"\n', folder=tmp_path / "second")
     with running(first) as one, running(second) as other:
         for living in (one, other):
-            living.says("somebody else speaks with our system and component id")
+            living.says("another sender uses our system and component id")
 
 
 def test_a_serial_line_that_is_pulled_out_and_put_back_is_used_again(payload):

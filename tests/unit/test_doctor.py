@@ -47,7 +47,7 @@ def test_a_hot_processor_is_warned_of(tmp_path, reading, verdict):
         ("throttled=0x0", Verdict.OK, "never"),
         ("throttled=0x50005", Verdict.WARN, "under-voltage, throttled now"),
         ("throttled=0x50000", Verdict.WARN, "under-voltage, throttled since boot"),
-        (None, Verdict.WARN, "does not tell"),
+        (None, Verdict.WARN, "gives no answer"),
     ],
 )
 def test_a_pi_tells_about_its_supply(tmp_path, answer, verdict, words):
@@ -178,7 +178,7 @@ def test_a_back_end_that_is_unknown_or_simulated_is_found(tmp_path):
     assert found(kind="hamster")[0] is Verdict.FAIL
     assert found(kind="tb6600", options={"microstep": 3})[0] is Verdict.FAIL
     assert found(kind="ideal")[0] is Verdict.WARN
-    assert "keeps its pulses to itself" in found(kind="tb6600")[1]
+    assert "keeps its pulses in memory" in found(kind="tb6600")[1]
     assert found(**WIRED)[0] is Verdict.OK
 
 

@@ -109,7 +109,7 @@ def test_a_listener_for_everybody_without_a_key_is_warned_of(tmp_path):
         link = {"url": f"udpin:0.0.0.0:{free.getsockname()[1]}"}
     verdict, text = said(wires.links(config(links=[link]), machine(tmp_path)))
     assert verdict is Verdict.WARN
-    assert "may give orders" in text
+    assert "anyone on this network can command the payload" in text
 
 
 def test_no_link_and_no_address_are_found(tmp_path):
