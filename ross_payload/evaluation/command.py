@@ -14,9 +14,20 @@ axis, as long as all do. Exit codes: 0 done, 2 bad input, 1 the results could no
 @click.command("evaluate", short_help="Score a separation of a recording against the target alone.", epilog=EPILOG)
 @click.argument("mixture", type=click.Path(path_type=Path))
 @click.argument("target", type=click.Path(path_type=Path))
-@click.option("--azimuth", "azimuths", multiple=True, type=float, help="Of a source [deg, clockwise]; once per source.")
-@click.option("--heading", type=float, help="Of the array's axis, microphone 1 to 2 [deg, clockwise]; default 0.")
-@click.option("--tdoa-us", "tdoas", multiple=True, type=float, help="Of a source [us], > 0: microphone 2 leads.")
+@click.option(
+    "--azimuth",
+    "azimuths",
+    metavar="DEG",
+    multiple=True,
+    type=float,
+    help="Of a source [deg, clockwise]; once per source.",
+)
+@click.option(
+    "--heading", metavar="DEG", type=float, help="Of the array's axis, microphone 1 to 2 [deg, clockwise]; default 0."
+)
+@click.option(
+    "--tdoa-us", "tdoas", metavar="US", multiple=True, type=float, help="Of a source [us], > 0: microphone 2 leads."
+)
 @click.option("--sources", type=click.IntRange(min=1, max=8), help="How many to look for when no direction is given.")
 @click.option("--separator", "-p", help="Separator, instead of the configuration's (auto).")
 @click.option("--config", "file", type=click.Path(path_type=Path), help="The payload's TOML file: array, rate, frames.")

@@ -228,7 +228,7 @@ def in_words(event: Event, *, earth: bool) -> str:  # noqa: PLR0911, PLR0912 - o
         case Separated(groups=groups, target=target, method=method, why=why):
             return f"separated by {method}, score {groups[target].value:+.1f}" + (f": {why}" if why else "")
         case ScoreDropped(value=value, criterion=criterion):
-            return f"the score dropped to {value:+.1f}, below {criterion:+.1f}: starting again"
+            return f"the score dropped to {value:+.1f}, below {criterion:.1f}: starting again"
         case Slipped(shift=shift):
             return f"all azimuths shifted by {rotation(shift)}: the array has slipped; corrected"
         case Doubted(reason=reason):

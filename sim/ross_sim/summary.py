@@ -35,7 +35,7 @@ def show(finished: Finished, out: Path | None, as_json: bool, console: Console |
         console.print(f"hardware: {complaint}", style="red", markup=False)
     timing = finished.timing
     console.print(
-        f"\n{values['outcome'].replace('_', ' ')}: {values['reason']}. {values['mission_s'] or 0:.1f} s of mission in "
+        f"\n{values['outcome'].replace('_', ' ')}: {values['reason']}. {values['mission_s'] or 0:.1f} s simulated in "
         f"{timing['mission_s']:.1f} s, {timing['times_real_time']:.0f} times real time.",
         highlight=False,
         soft_wrap=True,
