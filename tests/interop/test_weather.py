@@ -49,7 +49,7 @@ def test_every_command_is_obeyed_once(flight):
         ground.rest(0.5)  # an answer that comes late or twice could not be told from the next one
     assert len(set(payload.answers("done"))) == len(TIMES)
     assert len(payload.answers("accepted")) == len(TIMES)
-    heard = [line for line in payload.lines() if line.startswith("mission over: noise of")]
+    heard = [line for line in payload.lines() if line.startswith("mission over: noise measured")]
     assert heard == [f"mission over: noise measured for {time} s" for time in TIMES]
     assert path.fates["lost"] > 0
 

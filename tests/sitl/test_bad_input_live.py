@@ -107,7 +107,7 @@ def texts_until(ground, words, seconds=30):
 
 MISTAKES = {
     "a missing rate": ("rate_hz = 44100", "", ["16000 Hz", "44100"]),
-    "a missing channel": ("channels = [0, 5]", "", ["2 channels", "5"]),
+    "a missing channel": ("channels = [0, 5]", "", ["at least 6 channels", "got 2"]),
     "a server that is not there": ('source = "tcp:127.0.0.1:9"', "", ["127.0.0.1:9", "refused"]),
     "nobody to be sought at start": ("", 'autostart = "seek"', ["autostart", "target"]),
     "a mount that there is not": ("", '[guard]\n[mount]\nsource = "north"', ["north", "fixed"]),

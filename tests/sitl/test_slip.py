@@ -53,7 +53,7 @@ def test_a_trouble_that_makes_no_sense_for_an_actuator_is_one_clear_line(run, tm
     assert (
         err.strip()
         .splitlines()[-1]
-        .endswith("trouble 'saturated' makes no sense for ideal; there are: silent, slip, stuck")
+        .endswith("troubles: expected a fault of ideal (silent, slip, stuck), got 'saturated'")
     )
 
 
