@@ -275,6 +275,7 @@ def test_the_page_the_monitor_and_the_prompt_of_mavproxy_say_it(flown):
     assert answers[1:4] == [text.plain for text in blocks.sources(picture, chosen=None)[1:4]]
     told = next(text for text in Teller().words(picture) if text.startswith("sources"))
     same([float(azimuth) for azimuth in re.findall(rf"at ({NUMBERS})", told)], flown.azimuths)
+    assert told.endswith(flown.frame)
 
 
 def test_stations_without_our_dialect_read_it(flown):

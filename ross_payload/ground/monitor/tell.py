@@ -6,6 +6,7 @@ from typing import Any
 
 from ross_payload.ground.monitor.blocks import SILENT
 from ross_payload.ground.picture.learning import MOST_SOURCES
+from ross_protocols.angle_text import frame, rounded
 
 UNFINISHED = object()  # an estimate of which not all messages have come
 MOVED = 5.0  # [deg] from which a source has moved
@@ -150,13 +151,13 @@ def _sources_key(picture: Picture) -> Any:
 
 def _sources(picture: Picture) -> list[str]:
     told = [
-        f"{each['source']}{'*' if each['target'] else ''} at {each['azimuth']:.0f}"
+        f"{each['source']}{'*' if each['target'] else ''} at {rounded(each['azimuth'], 0):.0f}"
         + ("" if each["sigma"] is None else f" +- {each['sigma']:.0f}")
         + " deg"
-        + ("" if each["mirror"] is None else f" or {each['mirror']:.0f}")
+        + ("" if each["mirror"] is None else f" or {rounded(each['mirror'], 0):.0f}")
         for each in picture["sources"]
     ]
-    return [f"sources {', '.join(told)}"] if told else []
+    return [f"sources {', '.join(told)}, {frame(picture['sources'][0]['earth'])}"] if told else []
 
 
 def _plan_key(picture: Picture) -> Any:
