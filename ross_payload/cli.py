@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from ross_payload import __version__, plugins
+from ross_payload.bounded_files import printable
 from ross_payload.errors import ActuatorError, ConfigError, OutputError, PluginError, RossError
 
 COMMANDS = "ross_payload.commands"
@@ -116,20 +117,25 @@ def main() -> None:
     try:
         code = ross.main(standalone_mode=False)
     except click.ClickException as error:
-        click.echo(f"ross: {error.format_message()}", err=True)
+        _complain(error.format_message())
         code = error.exit_code
     except (click.Abort, KeyboardInterrupt):
         click.echo("ross: interrupted", err=True)
         code = 130
     except (ActuatorError, OutputError) as error:
-        click.echo(f"ross: {error}", err=True)
+        _complain(str(error))
         code = 1
     except RossError as error:
-        click.echo(f"ross: {error}", err=True)
+        _complain(str(error))
         code = 2
     except BrokenPipeError:
         code = 1
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _complain(text: str) -> None:
+    """Say what is wrong in one line, whatever stands in the file or argument that it quotes."""
+    click.echo(f"ross: {printable(text)}", err=True)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from ross_payload import __version__
 from ross_payload.actuators.mavlink_gimbal.port import opener
 from ross_payload.audio.live import LiveSource
 from ross_payload.audio.sources import open_source
+from ross_payload.bounded_files import set_aside
 from ross_payload.clock import SystemClock, synchronised_time
 from ross_payload.config import Config
 from ross_payload.dronecan.hub import Buses
@@ -41,6 +42,7 @@ from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.timebase import Timebase
 from ross_payload.voiceprint import VoiceStore
 from ross_payload.voiceprint.features import at_rate
+from ross_payload.voiceprint.store import Damaged
 
 PATIENCE = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
 AGAIN = 75  # exit code: start me again; EX_TEMPFAIL of sysexits.h
@@ -144,6 +146,8 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
         timebase.attach(links.component(config.telemetry.component_id))
         source = open_source(config, clock)
         shelf = Path(config.recording.folder).expanduser() if config.recording.folder else state / "recordings"
+        for note in Shelf(shelf).set_damaged_aside():
+            log.warning(note)
         yield Parts(
             clock=clock,
             source=source,
@@ -169,7 +173,13 @@ def _enrolled(config: Config) -> VoicePrint | None:
         raise ConfigError("service.autostart = 'seek': found no service.target, wanted the name of an enrolled voice")
     if not config.service.target:
         return None
-    voice = VoiceStore.default().load(config.service.target)
+    store = VoiceStore.default()
+    try:
+        voice = store.load(config.service.target)
+    except Damaged as error:  # whoever flies it can still turn, listen and stop
+        where = set_aside(store.path(config.service.target), "unreadable")
+        log.error("%s; %s; nobody is sought until the voice is enrolled again", error, where)
+        return None
     at_rate(np.zeros(1), config.audio.rate_hz)  # what resampling needs is loaded now, not while something turns
     return voice
 

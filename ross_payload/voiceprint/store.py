@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ross_payload.bounded_files import MB, parsed_json, read_bounded
 from ross_payload.errors import ConfigError
 from ross_payload.voiceprint.background import Adapted, Background, shipped_background
 from ross_payload.voiceprint.model import VoicePrintModel
@@ -20,6 +21,11 @@ from ross_payload.voiceprint.model import VoicePrintModel
 FORMAT = "ross-voice-print"
 VERSION = 1
 SUFFIX = ".json"
+LARGEST = 8 * MB
+
+
+class Damaged(ConfigError):
+    """A file that is no voice print at all, whoever's it was."""
 
 
 def save(model: VoicePrintModel, path: Path) -> None:
@@ -58,11 +64,12 @@ def load(path: Path, background: Background | None = None) -> VoicePrintModel:
     """
     model = background or shipped_background()
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = parsed_json(read_bounded(path, LARGEST))
     except OSError as error:
-        raise ConfigError(f"{path}: no voice print can be read: {error.strerror}") from error
+        kind = ConfigError if isinstance(error, PermissionError) else Damaged
+        raise kind(f"{path}: no voice print can be read: {error.strerror}") from error
     except ValueError as error:
-        raise ConfigError(f"{path}: damaged voice print: not JSON") from error
+        raise Damaged(f"{path}: damaged voice print: expected JSON: {error}") from error
     return _decoded(content, model, path)
 
 
@@ -111,7 +118,7 @@ class VoiceStore:
             When nobody of that name is enrolled, or the file is damaged.
         """
         path = self.path(name)
-        if not path.exists():
+        if not os.path.lexists(path):
             known = ", ".join(self.names()) or "nobody is"
             raise ConfigError(f"no voice '{name}' is enrolled; enrolled: {known}")
         return load(path, background)
@@ -147,19 +154,19 @@ def _replace(path: Path, text: str) -> None:
 
 def _decoded(content: Any, background: Background, path: Path) -> VoicePrintModel:
     if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise ConfigError(f"{path}: not a voice print")
+        raise Damaged(f"{path}: expected a voice print, got something else")
     if content.get("version") != VERSION:
-        raise ConfigError(f"{path}: voice print of version {content.get('version')!r}, wanted {VERSION}")
+        raise ConfigError(f"{path}: expected a voice print of version {VERSION}, got {content.get('version')!r}")
     if content.get("background") != background.fingerprint:
         raise ConfigError(f"{path}: made with another background model: enrol this voice again")
     try:
         offsets = np.array(content["offsets"], dtype=np.float64)
         pitch = np.array(content["pitch_weights"], dtype=np.float64)
         seconds, criterion = float(content["seconds"]), float(content["criterion"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise ConfigError(f"{path}: damaged voice print: {error!r}") from error
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise Damaged(f"{path}: damaged voice print: {error!r}") from error
     if offsets.shape != background.means.shape or pitch.shape != background.pitch_weights.shape:
-        raise ConfigError(f"{path}: damaged voice print: {offsets.size} + {pitch.size} numbers")
+        raise Damaged(f"{path}: damaged voice print: {offsets.size} + {pitch.size} numbers")
     if not all(np.isfinite(values).all() for values in (offsets, pitch, seconds, criterion)) or (pitch < 0).any():
-        raise ConfigError(f"{path}: damaged voice print: not finite, or negative weights")
+        raise Damaged(f"{path}: damaged voice print: not finite, or negative weights")
     return VoicePrintModel(Adapted(offsets, pitch), seconds, background, criterion)

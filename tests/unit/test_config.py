@@ -50,7 +50,7 @@ def test_a_missing_file_and_a_binary_one_are_config_errors(tmp_path):
     with pytest.raises(ConfigError, match="cannot be read"):
         load(tmp_path / "nothing.toml")
     (tmp_path / "b.toml").write_bytes(bytes(range(128, 256)))
-    with pytest.raises(ConfigError, match="not UTF-8"):
+    with pytest.raises(ConfigError, match="expected UTF-8 text"):
         load(tmp_path / "b.toml")
 
 

@@ -9,6 +9,7 @@ from ross_payload.config import Link
 from ross_payload.errors import ConfigError
 from ross_payload.links import Links
 from ross_payload.links.signing import SigningTime, read_key
+from ross_protocols.signing import timestamp_of
 
 KEY = bytes(range(32))
 TODAY = 1_795_000_000.0  # UNIX [s]
@@ -82,11 +83,11 @@ def test_a_disk_that_is_behind_stops_signing_and_nothing_else(tmp_path: Path) ->
     time.close()
 
 
-@pytest.mark.parametrize("content", ["", "yesterday", "12.5"])
-def test_a_broken_time_file_is_one_clear_line(tmp_path: Path, content: str) -> None:
+@pytest.mark.parametrize("content", ["", "yesterday", "12.5", "-1", str(2**48)])
+def test_a_broken_time_file_is_set_aside_and_nothing_from_before_is_believed(tmp_path: Path, content: str) -> None:
     (tmp_path / "signing-time").write_text(content)
-    with pytest.raises(ConfigError, match="the signing time cannot be read"):
-        SigningTime(tmp_path, lambda: TODAY, 0.0)
+    assert SigningTime(tmp_path, lambda: TODAY, 0.0).floor >= timestamp_of(TODAY)
+    assert (tmp_path / "signing-time.unreadable").read_text() == content
 
 
 def test_a_state_folder_that_takes_nothing_is_one_clear_line(tmp_path: Path) -> None:

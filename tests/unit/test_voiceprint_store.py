@@ -105,10 +105,10 @@ def damaged(**changes):
 @pytest.mark.parametrize(
     ("damage", "says"),
     [
-        (lambda text: text[:1000], "not JSON"),
-        (lambda _: "[]", "not a voice print"),
-        (damaged(format="wav"), "not a voice print"),
-        (damaged(version=7), "version 7, wanted 1"),
+        (lambda text: text[:1000], "expected JSON"),
+        (lambda _: "[]", "expected a voice print"),
+        (damaged(format="wav"), "expected a voice print"),
+        (damaged(version=7), "version 1, got 7"),
         (damaged(background="0" * 16), "another background model"),
         (damaged(offsets=[1.0]), "damaged"),
         (damaged(offsets=[["a"]]), "damaged"),
