@@ -11,9 +11,10 @@ import click
 
 from ross_payload import __version__, plugins
 from ross_payload.bounded_files import printable
-from ross_payload.errors import ActuatorError, ConfigError, OutputError, PluginError, RossError
+from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError
 
 COMMANDS = "ross_payload.commands"
+LONGEST = 1500  # line about a mistake [characters]: a file may hold a name of a megabyte
 EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand."
 
 
@@ -57,20 +58,10 @@ def config() -> None:
 @config.command("check")
 @click.argument("file", type=click.Path(path_type=Path))
 def check(file: Path) -> None:
-    """Check a payload's TOML FILE: keys, values, and the options of the actuator it names."""
-    from ross_payload.actuators.registry import check_options
-    from ross_payload.config import load, read_toml
-    from ross_payload.service.assemble import explorer_of
-    from ross_payload.service.dronecan import check_one_id
+    """Check a payload's TOML FILE: what `ross run` refuses before it opens a device is refused in the same words."""
+    from ross_payload.service.check import loaded
 
-    if "talkers" in read_toml(file):
-        raise ConfigError(f"{file}: this is a scenario of the simulator: ross sitl --scenario {file}")
-    loaded = load(file)
-    check_options(loaded)
-    check_one_id(loaded)
-    explorer_of(loaded)
-    if loaded.exploit.separator not in plugins.available("ross_payload.separators"):
-        plugins.load("ross_payload.separators", loaded.exploit.separator)
+    loaded(file)
     click.echo(f"{file}: good")
 
 
@@ -80,7 +71,7 @@ def show(file: Path) -> None:
     """Show every key of a payload's TOML FILE as it is in force, and why: file, default, or set in flight."""
     from ross_payload.config import load
     from ross_payload.parameters import listing
-    from ross_payload.service.live import state_path
+    from ross_payload.service.folders import state_path
 
     loaded = load(file)
     for line in listing(loaded, state_path(loaded) / "params.toml"):
@@ -135,7 +126,8 @@ def main() -> None:
 
 def _complain(text: str) -> None:
     """Say what is wrong in one line, whatever stands in the file or argument that it quotes."""
-    click.echo(f"ross: {printable(text)}", err=True)
+    shown = printable(text)
+    click.echo(f"ross: {shown if len(shown) <= LONGEST else shown[: LONGEST - 3] + '...'}", err=True)
 
 
 if __name__ == "__main__":

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import logging
-import os
 import signal
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
@@ -24,7 +23,7 @@ from ross_payload.bounded_files import set_aside
 from ross_payload.clock import SystemClock, synchronised_time
 from ross_payload.config import Config
 from ross_payload.dronecan.hub import Buses
-from ross_payload.errors import AudioEnded, ConfigError
+from ross_payload.errors import AudioEnded
 from ross_payload.events import Event
 from ross_payload.interfaces import Input, VoicePrint
 from ross_payload.links import Links
@@ -35,6 +34,7 @@ from ross_payload.orders import Shutdown, Stop
 from ross_payload.parameters import Parameters
 from ross_payload.recording.recorder import in_background
 from ross_payload.recording.shelf import Shelf
+from ross_payload.service.folders import state_folder
 from ross_payload.service.latch import StopLatch
 from ross_payload.service.payload import POLL, Parts, assembled
 from ross_payload.service.runner import Runner
@@ -88,28 +88,6 @@ def live(config: Config) -> int:
         manager.ready("idle")
         _run(runner, manager)
     return AGAIN if again.asked else 0
-
-
-def state_path(config: Config, environment: Mapping[str, str] = os.environ) -> Path:
-    """Return the folder of what outlives a restart; it need not be there."""
-    named = config.service.state_dir or environment.get("STATE_DIRECTORY", "").partition(":")[0]
-    return Path(named).expanduser() if named else Path.home() / ".local" / "state" / "ross"
-
-
-def state_folder(config: Config) -> Path:
-    """Return the folder of what outlives a restart, made when it is missing, for its owner alone.
-
-    Raises
-    ------
-    ConfigError
-        When it cannot be made.
-    """
-    folder = state_path(config)
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    except OSError as error:
-        raise ConfigError(f"service.state_dir: {folder} cannot be made: {error.strerror}") from error
-    return folder
 
 
 class Pumping:
@@ -169,8 +147,6 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
 
 
 def _enrolled(config: Config) -> VoicePrint | None:
-    if config.service.autostart == "seek" and not config.service.target:
-        raise ConfigError("service.autostart = 'seek': found no service.target, wanted the name of an enrolled voice")
     if not config.service.target:
         return None
     store = VoiceStore.default()

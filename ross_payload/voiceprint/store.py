@@ -117,11 +117,20 @@ class VoiceStore:
         ConfigError
             When nobody of that name is enrolled, or the file is damaged.
         """
-        path = self.path(name)
-        if not os.path.lexists(path):
+        self.check(name)
+        return load(self.path(name), background)
+
+    def check(self, name: str) -> None:
+        """Refuse a name that is none, or of nobody here.
+
+        Raises
+        ------
+        ConfigError
+            When nobody of that name is enrolled; says who is.
+        """
+        if not os.path.lexists(self.path(name)):
             known = ", ".join(self.names()) or "nobody is"
             raise ConfigError(f"no voice '{name}' is enrolled; enrolled: {known}")
-        return load(path, background)
 
     def forget(self, name: str) -> None:
         """Delete the voice print of a name.

@@ -83,7 +83,7 @@ def test_a_source_of_no_known_kind_is_refused(source):
 @pytest.mark.parametrize("address", ["localhost", "localhost:x", "localhost:0", ":5000", "localhost:70000"])
 def test_an_address_without_host_or_port_is_refused(address):
     config = validated(Config, {"audio": {"source": f"tcp:{address}"}}, "test")
-    with pytest.raises(ConfigError, match="wanted tcp:HOST:PORT"):
+    with pytest.raises(ConfigError, match="expected tcp:HOST:PORT"):
         open_source(config, SimClock())
 
 
