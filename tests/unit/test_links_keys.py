@@ -45,7 +45,8 @@ def test_a_key_is_32_bytes_or_64_digits(tmp_path: Path, key_file: Path) -> None:
 @pytest.mark.parametrize("content", [b"", b"short", KEY + b"\n", b"g" * 64, KEY.hex().encode()[:-1]])
 def test_what_is_no_key_says_what_was_found(key_file: Path, content: bytes) -> None:
     key_file.write_bytes(content)
-    with pytest.raises(ConfigError, match=rf"^key_file .*: expected 32 bytes or 64 hexadecimal digits, got {len(content)} bytes"):
+    says = f"expected 32 bytes or 64 hexadecimal digits, got {len(content)} bytes"
+    with pytest.raises(ConfigError, match=rf"^key_file .*: {says}"):
         read_key(key_file)
 
 
