@@ -11,7 +11,7 @@ import click
 
 from ross_payload import __version__, plugins
 from ross_payload.bounded_files import printable
-from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError
+from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError, near
 
 COMMANDS = "ross_payload.commands"
 LONGEST = 1500  # line about a mistake [characters]: a file may hold a name of a megabyte
@@ -20,6 +20,14 @@ EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130
 
 class _WithPlugins(click.Group):
     """Own commands, and those that other packages bring by entry point; a broken one does not hurt another."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        try:
+            return super().resolve_command(ctx, args)
+        except click.UsageError as error:
+            raise click.UsageError(f"No such command '{args[0]}'{near(args[0], self.list_commands(ctx))}") from error
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return sorted({*super().list_commands(ctx), *plugins.available(COMMANDS)})
@@ -80,10 +88,10 @@ def show(file: Path) -> None:
 
 @ross.command(short_help="Make or delete the voice print of NAME.")
 @click.argument("name")
-@click.argument("file", type=click.Path(path_type=Path), required=False)
+@click.argument("file", metavar="[AUDIO]", type=click.Path(path_type=Path), required=False)
 @click.option("--forget", is_flag=True, help="Delete the voice print of NAME instead.")
 def enroll(name: str, file: Path | None, forget: bool) -> None:
-    """Make the voice print of NAME from an audio FILE with a few seconds of clean speech.
+    """Make the voice print of NAME from a file of AUDIO with a few seconds of clean speech.
 
     A voice print is personal data: it is kept on this computer only, readable by you alone, until you --forget it.
     """
@@ -96,7 +104,7 @@ def enroll(name: str, file: Path | None, forget: bool) -> None:
         click.echo(f"forgot {name}")
         return
     if file is None:
-        raise click.UsageError("missing FILE: wanted an audio file with a few seconds of speech")
+        raise click.UsageError("AUDIO: expected an audio file with a few seconds of speech, got none")
     voice, rate = read_mono(file)
     store.save(name, enrol(voice, rate))
     click.echo(f"enrolled {name}; 'ross enroll {name} --forget' deletes the voice print")

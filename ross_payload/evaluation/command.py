@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
-EPILOG = """A and B are recorded with the array at one heading, each a file of two channels, microphone 1 first. Exit
-codes: 0 done, 2 bad input, 1 the results could not be written."""
+EPILOG = """MIXTURE and TARGET are recorded with the array at one heading, each a file of two channels, microphone
+1 first. Exit codes: 0 done, 2 bad input, 1 the results could not be written."""
 
 
-@click.command("evaluate", short_help="Score a separation of A against the target alone, B.", epilog=EPILOG)
-@click.argument("mixture", metavar="A", type=click.Path(path_type=Path))
-@click.argument("target", metavar="B", type=click.Path(path_type=Path))
+@click.command("evaluate", short_help="Score a separation of MIXTURE against TARGET alone.", epilog=EPILOG)
+@click.argument("mixture", metavar="MIXTURE", type=click.Path(path_type=Path))
+@click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
 @click.option("--azimuth", "azimuths", multiple=True, type=float, help="Of a source [deg]; once per source.")
 @click.option("--heading", type=float, help="Of the array's axis, microphone 1 to 2 [deg]; default 0.")
 @click.option("--tdoa-us", "tdoas", multiple=True, type=float, help="Of a source [us], > 0: microphone 2 leads.")
@@ -34,11 +34,11 @@ def command(
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """Separate the recording A (target and interferers) and score every group against B (the target alone).
+    """Separate the recording MIXTURE (target and interferers) and score every group against TARGET (it alone).
 
     Both are recorded at the same place and heading; the target plays the same recording through a loudspeaker in both.
-    They need not begin together: B is shifted to where it fits A best. Without --azimuth or --tdoa-us the directions
-    are those that stand out in A.
+    They need not begin together: TARGET is shifted to where it fits MIXTURE best. Without --azimuth or --tdoa-us the
+    directions are those that stand out in MIXTURE.
     """
     import json
 

@@ -54,10 +54,10 @@ def delete(shelf: Any, names: tuple[str, ...]) -> None:
 
 
 @command.command("check")
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.argument("folder", metavar="SESSION", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="For machines.")
 def check(folder: Path, as_json: bool) -> None:
-    """Tell what is in the session folder DIR, and whether it is whole."""
+    """Tell what is in the folder SESSION, and whether it is whole."""
     import json
     from dataclasses import asdict
 

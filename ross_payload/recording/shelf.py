@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ross_payload import config
 from ross_payload.bounded_files import open_regular, set_aside
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, near, shown
 from ross_payload.recording import manifest
 from ross_payload.recording.manifest import MANIFEST, is_session
 
@@ -61,7 +61,8 @@ class Shelf:
         for kept in self.all():
             if kept.path.name == name:
                 return kept
-        raise ConfigError(f"{self.folder}: no session '{name}'; see: ross sessions")
+        names = [kept.path.name for kept in self.all()]
+        raise ConfigError(f"{self.folder}: no session {shown(name)}; see: ross sessions{near(name, names)}")
 
     def set_damaged_aside(self) -> tuple[str, ...]:
         """Rename every session.json that cannot be read, and return one line about each; nothing is deleted.

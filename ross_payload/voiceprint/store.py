@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, near, shown
 from ross_payload.voiceprint.background import Adapted, Background, shipped_background
 from ross_payload.voiceprint.model import VoicePrintModel
 
@@ -95,7 +95,9 @@ class VoiceStore:
             When the name is not made of letters, digits, ``_``, ``-`` and ``.`` (no leading dot), 64 at most.
         """
         if not re.fullmatch(r"\w[\w.-]{0,63}", name):
-            raise ConfigError(f"'{name}' cannot name a voice: use letters, digits, '_', '-' and '.', 64 at most")
+            raise ConfigError(
+                f"expected at most 64 letters, digits, '_', '-' and '.' as the name of a voice, got {shown(name)}"
+            )
         return self.folder / (name + SUFFIX)
 
     def names(self) -> tuple[str, ...]:
@@ -130,7 +132,7 @@ class VoiceStore:
         """
         if not os.path.lexists(self.path(name)):
             known = ", ".join(self.names()) or "nobody is"
-            raise ConfigError(f"no voice '{name}' is enrolled; enrolled: {known}")
+            raise ConfigError(f"no voice '{name}' is enrolled; enrolled: {known}{near(name, self.names())}")
 
     def forget(self, name: str) -> None:
         """Delete the voice print of a name.
@@ -143,7 +145,7 @@ class VoiceStore:
         try:
             self.path(name).unlink()
         except FileNotFoundError as error:
-            raise ConfigError(f"no voice '{name}' is enrolled") from error
+            raise ConfigError(f"no voice '{name}' is enrolled{near(name, self.names())}") from error
         except OSError as error:
             raise ConfigError(f"{self.path(name)}: cannot be deleted: {error.strerror}") from error
 

@@ -158,7 +158,7 @@ def test_a_value_out_of_range_or_not_a_number_changes_nothing(payload, ground):
         ground.recv_match(type="HEARTBEAT", blocking=True, timeout=30)
         for value in (1e9, float("nan"), float("inf"), -1.0):
             ground.mav.param_set_send(1, 191, b"EXP_UNIT", value, 9)
-        texts_until(ground, "found -1, wanted a number from 0.5 to 60 s")
+        texts_until(ground, "expected a number from 0.5 to 60 s, got -1")
     assert not (folder / "state" / "params.toml").exists()
 
 

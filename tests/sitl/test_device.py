@@ -116,7 +116,7 @@ BAD = {
     'wanted "FAULT at SECONDS"': ["device", "gimbal", "--fault", "stall soon"],
     "there are: ": ["device", "gimbal", "--fault", "rust at 3"],
     "wanted KEY=VALUE": ["device", "gimbal", "--option", "role"],
-    "Input should be": ["device", "gimbal", "--option", "role=boss"],
+    "expected 'discover', 'client' or 'manager', got 'boss'": ["device", "gimbal", "--option", "role=boss"],
     "wanted one of them": ["device", "gimbal", "--option", "role=client", "--config", "x.toml"],
     "--listen": ["hub", "--listen", "29536"],
     "cannot listen:": ["hub", "--listen", "tcp:192.0.2.1:0"],

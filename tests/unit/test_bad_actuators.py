@@ -39,7 +39,7 @@ CONFIGURATIONS = {
     "max_move_s": "[guard]\nmax_move_s = -1\n",
     "park_deg = 300 must lie within": "[guard]\npark_deg = 300\n",
     "wire|nowhere": CAN.format(kind="tb6600", port="nowhere:", more=""),
-    "wanted can:INTERFACE:CHANNEL": CAN.format(kind="dronecan_servo", port="can:", more=""),
+    "expected can:INTERFACE:CHANNEL": CAN.format(kind="dronecan_servo", port="can:", more=""),
     "interface 'telepathy' cannot be used": CAN.format(kind="dronecan_servo", port="can:telepathy:0", more=""),
     "cannot join the bus": CAN.format(kind="dronecan_servo", port="can:socketcan:can99", more=""),
     "can:socketcan:can99": CAN.format(kind="canopen_drive", port="can:socketcan:can99", more=""),

@@ -3,11 +3,13 @@ import subprocess
 import sys
 from functools import partial
 
+import click
 import numpy as np
 import pytest
 import soundfile
 
 from command_line import called
+from ross_payload import cli
 
 
 @pytest.fixture
@@ -124,3 +126,38 @@ def test_forgetting_somebody_unknown_says_so(run):
     code, _, err = run("enroll", "nobody", "--forget")
     assert code == 2
     assert "nobody" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (["sitll"], "sitl"),
+        (["config", "chek", "a.toml"], "check"),
+        (["sitl", "--scenario", "drone-yaww"], "drone-yaw"),
+        (["world", "dmo"], "demo"),
+        (["study", "papr", "--out", "out"], "paper"),
+        (["study", "--separators", "auxva", "--out", "out"], "auxiva"),
+        (["enroll", "--forget", "annn"], "ann"),
+    ],
+)
+def test_a_slip_of_the_pen_is_told_what_may_be_meant(run, tmp_path, monkeypatch, words, meant):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "data" / "ross" / "voices").mkdir(parents=True)
+    (tmp_path / "data" / "ross" / "voices" / "ann.json").write_text("{}")
+    code, out, err = run(*words)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert f"id you mean '{meant}'?" in err
+
+
+def usages(command, path=("ross",)):
+    """Every usage line."""
+    context = click.Context(command, info_name=path[-1])
+    yield command.collect_usage_pieces(context)
+    for name in command.list_commands(context) if isinstance(command, click.Group) else ():
+        yield from usages(command.get_command(context, name), (*path, name))
+
+
+def test_every_argument_is_named_after_what_it_is():
+    pieces = [piece for usage in usages(cli.ross) for piece in usage if piece.isupper()]
+    assert "MIXTURE" in pieces
+    assert not [piece for piece in pieces if len(piece.strip("[]. ")) < 3]

@@ -68,3 +68,25 @@ def test_as_many_sources_can_be_told_as_can_be_found():
 
 def test_one_azimuth_at_two_heights_is_two_sources():
     assert Config.model_validate({"informed": {"azimuths_deg": [10, 10], "elevations_deg": [0, -60]}}).informed
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("[array]\nspacng_m = 0.05", "unknown key 'array.spacng_m'; did you mean 'spacing_m'?"),
+        ("[aray]\n", "unknown key 'aray'; did you mean 'array'?"),
+        ("[[links]]\nurl = 'udpin:1'\nrole_ = 'ground'", "unknown key 'links.0.role_'; did you mean 'role'?"),
+        ("[informed]\nazimuths_deg = [1.0]\ntaget = 0", "unknown key 'informed.taget'; did you mean 'target'?"),
+        ("[array]\nqqq = 0.05", "unknown key 'array.qqq'"),
+        ("[exploit]\nrules = 'bset'", "exploit.rules: expected 'best' or 'paper', got 'bset'; did you mean 'best'?"),
+        ("[audio]\nrate_hz = 3", "audio.rate_hz: expected a number greater than or equal to 16000, got 3"),
+        ("[audio]\nsource = 'tape'", "audio.source: expected device:NAME, file:PATH or tcp:HOST:PORT, got 'tape'"),
+        ("[informed]\nazimuths_deg = []", "informed.azimuths_deg: expected at least 1 item, got []"),
+        ("[[links]]\nrole = 'ground'", "links.0.url: expected a value, got none"),
+        (f"[audio]\nsource = '{'x' * 5000}'", f"got '{'x' * 77}...'"),
+    ],
+)
+def test_a_mistake_is_told_with_what_was_expected_and_what_may_be_meant(tmp_path, text, line):
+    with pytest.raises(ConfigError) as caught:
+        load(write(tmp_path / "a.toml", text))
+    assert str(caught.value).endswith(line)

@@ -116,9 +116,9 @@ def test_target_may_be_a_name_or_somebody_who_is_not_there():
     [
         ([{}, {}, {}], 0, "3 talkers but only 2 voices: a, b"),
         ([{"name": "x"}], 0, "voice 'x' is unknown; there are: a, b"),
-        ([{"name": "a"}, {"name": 0}], 0, "voice 'a' is wanted for two talkers"),
+        ([{"name": "a"}, {"name": 0}], 0, "expected another voice for every talker, got 'a' twice"),
         ([{}], "x", "voice 'x' is unknown"),
-        ([{}], 2, "voice number 2 is wanted, counted from 0, but there are 2"),
+        ([{}], 2, "expected a voice number below 2, counted from 0, got 2"),
     ],
 )
 def test_impossible_cast_is_refused(talkers, target, message):

@@ -75,7 +75,7 @@ def test_nobody_of_that_name(model, store):
 
 @pytest.mark.parametrize("name", ["", "../ann", "a/b", ".hidden", "a b", "x" * 65])
 def test_a_name_cannot_leave_the_store(name, model, store):
-    with pytest.raises(ConfigError, match="cannot name a voice"):
+    with pytest.raises(ConfigError, match="as the name of a voice"):
         store.save(name, model)
 
 

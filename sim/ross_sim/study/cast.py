@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, unknown
 from ross_payload.interfaces import Real, Samples
 from ross_sim.speech import Voice, load_folder
 from ross_sim.study.design import Study, Task
@@ -56,7 +56,7 @@ def voices_of(source: Source) -> tuple[Voice, ...]:
     for name in source.talkers:
         if name not in by_name:
             where = source.folder or "the synthetic voices"
-            raise ConfigError(f"{where}: talker '{name}' is unknown; there are: {', '.join(by_name)}")
+            raise ConfigError(f"{where}: {unknown('talker', name, by_name)}")
     return tuple(by_name[name] for name in source.talkers or by_name)
 
 

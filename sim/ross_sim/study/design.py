@@ -14,7 +14,7 @@ from pydantic import ConfigDict, Field, field_validator
 from ross_payload import plugins
 from ross_payload.config import Positive, Table, read_toml, validated
 from ross_payload.dsp.stft import Stft
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, unknown
 from ross_sim.cache import fingerprint
 from ross_sim.study.oracles import ORACLES
 from ross_sim.study.rooms import PLANES, SETTINGS
@@ -181,7 +181,7 @@ def chosen(name: str, changes: dict[str, Any], quick: bool) -> Study:
     """
     base = PRESETS.get(name) or (read_toml(Path(name)) if name.endswith(".toml") else None)
     if base is None:
-        raise ConfigError(f"preset '{name}' is unknown; there are: {', '.join(PRESETS)}; or name a FILE.toml")
+        raise ConfigError(f"{unknown('preset', name, PRESETS)} (a .toml file will do, too)")
     study = validated(Study, base | changes, name)
     if quick:
         rotations = tuple(dict.fromkeys(min(count, 4) if count != STOP else 4 for count in study.rotations))
@@ -207,11 +207,11 @@ def check_names(study: Study) -> None:
     """
     for name in study.settings:
         if name not in SETTINGS:
-            raise ConfigError(f"setting '{name}' is unknown; there are: {', '.join(SETTINGS)}")
+            raise ConfigError(unknown("setting", name, SETTINGS))
     separators = plugins.available("ross_payload.separators")
     for name in study.separators:
         if name not in separators and name not in ORACLES:
-            raise ConfigError(f"separator '{name}' is unknown; there are: {', '.join([*separators, *ORACLES])}")
+            raise ConfigError(unknown("separator", name, [*separators, *ORACLES]))
         if name not in ORACLES:
             plugins.load("ross_payload.separators", name)
     for name in study.explorers:
