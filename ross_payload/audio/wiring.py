@@ -61,7 +61,7 @@ class Wiring:
         channels = audio.channels or (preset.channels if preset else (0, 1))
         opened = audio.device_channels or (preset.device_channels if preset else None)
         if channels[0] == channels[1]:
-            raise ConfigError(f"audio.channels = {list(channels)}: two microphones need two channels")
+            raise ConfigError(f"audio.channels: expected two different ones, got {list(channels)}")
         if opened is not None and max(channels) >= opened:
             raise ConfigError(
                 f"audio.channels = {list(channels)} but only {opened} channels are opened (0 to {opened - 1})"

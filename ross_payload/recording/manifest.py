@@ -151,5 +151,5 @@ def _values(folder: Path) -> dict[str, Any]:
     except ValueError as error:
         raise ConfigError(f"{path}: damaged: expected JSON: {error}") from error
     if not isinstance(values, dict) or values.get("format") != FORMAT:
-        raise ConfigError(f"{folder}: not a session folder: session.json is not ours")
+        raise ConfigError(f"{folder}: not a session folder: its session.json is of another program")
     return values

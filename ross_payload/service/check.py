@@ -86,9 +86,9 @@ def _check_links(config: Config) -> None:
         ("gimbal.mode", config.gimbal.mode, "device"),
     ):
         if value == needs and "autopilot" not in roles:
-            raise ConfigError(f'{key} = "{value}": expected a link of role "autopilot", got none')
+            raise ConfigError(f"{key} = '{value}': expected a link of role 'autopilot', got none")
     if config.actuator.kind == "mavlink_gimbal" and not config.links:
-        raise ConfigError('actuator.kind = "mavlink_gimbal": expected [[links]] as the way to it, got none')
+        raise ConfigError("actuator.kind = 'mavlink_gimbal': expected [[links]] as the way to it, got none")
 
 
 def _check_audio(config: Config) -> None:

@@ -51,10 +51,10 @@ class Talker(Table):
     def _in_order(self) -> Self:
         start = self.start_s or 0.0
         if self.end_s is not None and self.end_s <= start:
-            raise ValueError(f"end_s = {self.end_s:g} must come after start_s = {start:g}")
+            raise ValueError(f"end_s: expected a time after start_s = {start:g}, got {self.end_s:g}")
         for begin, end in self.pauses:
             if end <= begin:
-                raise ValueError(f"the pause [{begin:g}, {end:g}] must end after it begins")
+                raise ValueError(f"pauses: expected an end after the beginning, got [{begin:g}, {end:g}]")
         return self
 
 

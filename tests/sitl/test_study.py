@@ -184,7 +184,7 @@ BAD = {
     "plain": ["study", "--explorers", "plain"],
     "missing.toml": ["study", "missing.toml"],
     "half": ["study", "--rotations", "half"],
-    "talkers found": ["study", "--k", "4"],
+    "talkers for K": ["study", "--k", "4"],
     "of speech": ["study", "--k", "3", "paper"],
 }
 

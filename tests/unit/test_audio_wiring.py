@@ -27,7 +27,7 @@ def test_a_preset_gives_what_the_configuration_does_not_say():
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
-        ({"channels": (1, 1)}, "two microphones need two channels"),
+        ({"channels": (1, 1)}, "audio.channels: expected two different ones"),
         ({"channels": (0, 4), "preset": "respeaker-4mic"}, r"channels = \[0, 4\] but only 4 channels are opened"),
         ({"channels": (0, 2), "device_channels": 2}, "only 2 channels are opened"),
     ],

@@ -33,11 +33,11 @@ def ross(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *a
 CONFIGURATIONS = {
     "actuator 'crane' is unknown; there are: .*ideal": '[actuator]\nkind = "crane"\n',
     "unknown key 'portt'": '[actuator]\nkind = "tb6600"\noptions = { portt = "x" }\n',
-    "lower_deg = 20 must be below upper_deg": "[guard]\nlower_deg = 20\nupper_deg = 10\npark_deg = 15\n",
+    "expected lower_deg below upper_deg, got 20": "[guard]\nlower_deg = 20\nupper_deg = 10\npark_deg = 15\n",
     "max_speed_deg_s": "[guard]\nmax_speed_deg_s = nan\n",
     "max_acceleration_deg_s2": "[guard]\nmax_acceleration_deg_s2 = inf\n",
     "max_move_s": "[guard]\nmax_move_s = -1\n",
-    "park_deg = 300 must lie within": "[guard]\npark_deg = 300\n",
+    "park_deg: expected .*, the limits, got 300": "[guard]\npark_deg = 300\n",
     "wire|nowhere": CAN.format(kind="tb6600", port="nowhere:", more=""),
     "expected can:INTERFACE:CHANNEL": CAN.format(kind="dronecan_servo", port="can:", more=""),
     "interface 'telepathy' cannot be used": CAN.format(kind="dronecan_servo", port="can:telepathy:0", more=""),

@@ -66,15 +66,15 @@ def check_voices(voices: Sequence[Voice], study: Study) -> None:
     Raises
     ------
     ConfigError
-        Says how many or how long, and what was wanted.
+        Says how many or how long it must be, and is.
     """
     if len(voices) < max(study.k):
-        raise ConfigError(f"{len(voices)} talkers found, K = {max(study.k)} wanted")
-    wanted = study.run_s + EXPLORED
+        raise ConfigError(f"expected {max(study.k)} talkers for K = {max(study.k)}, got {len(voices)}")
+    needed = study.run_s + EXPLORED
     for voice in voices:
-        if voice.speech.size < wanted * study.rate_hz:
+        if voice.speech.size < needed * study.rate_hz:
             seconds = voice.speech.size / study.rate_hz
-            raise ConfigError(f"talker '{voice.name}': {seconds:.1f} s of speech; at least {wanted:g} s wanted")
+            raise ConfigError(f"talker '{voice.name}': expected at least {needed:g} s of speech, got {seconds:.1f} s")
 
 
 def heard_as(voices: Sequence[Voice]) -> dict[str, str]:

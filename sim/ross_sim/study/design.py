@@ -217,10 +217,14 @@ def check_names(study: Study) -> None:
     for name in study.explorers:
         plugins.load("ross_payload.explorers", name)
     if study.tell_k and set(study.explorers) - {"joint"}:
-        raise ConfigError(f"joint alone can be told K, found the explorers {', '.join(study.explorers)}")
+        raise ConfigError(
+            f"tell_k: expected the explorer joint alone, which can be told K, got {', '.join(study.explorers)}"
+        )
     if not study.separators and not study.explorers:
-        raise ConfigError("a study needs at least one separator or explorer, found neither")
+        raise ConfigError("expected at least one separator or explorer, got neither")
     if not study.paper_layout and not study.layouts:
-        raise ConfigError("a study needs at least one layout, found 0")
+        raise ConfigError("layouts: expected at least one, got 0")
     if study.paper_layout and max(study.k) > 5:
-        raise ConfigError(f"the paper's layout has five talkers, not {max(study.k)}: wanted paper_layout = false")
+        raise ConfigError(
+            f"k: expected at most 5, the talkers of the paper's layout, or paper_layout = false, got {max(study.k)}"
+        )
