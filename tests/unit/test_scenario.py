@@ -65,7 +65,7 @@ def test_azimuths_are_wrapped():
         ({"talkers": [{"azimuth_deg": 0, "distance_m": 7}]}, "source 0 at 12 x 5 m is outside the room"),
         ({"talkers": [{"azimuth_deg": 0, "distance_m": 0.1}]}, "source 0 is on top of the array"),
         ({"talkers": [{"azimuth_deg": 0, "height_m": 1}]}, "height_m needs a room with three sides"),
-        ({"talkers": [{"azimuth_deg": 0, "start_s": 5, "end_s": 4}]}, "end_s: expected a time after start_s = 5, got 4"),
+        ({"talkers": [{"azimuth_deg": 0, "start_s": 5, "end_s": 4}]}, "expected a time after start_s = 5, got 4"),
         ({"talkers": [{"azimuth_deg": 0, "pauses": [[5, 4]]}]}, "expected an end after the beginning"),
         ({"talkers": [{"azimuth": 0}]}, "azimuth_deg"),
         ({"talkers": [], "payload": {"array": {"spacing_m": 0}}}, r"payload\.array\.spacing_m"),
