@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from ross_payload.bounded_files import printable
+
 FOLDER = click.option(
     "--folder",
     type=click.Path(path_type=Path),
@@ -69,7 +71,9 @@ def check(folder: Path, as_json: bool) -> None:
         click.echo(json.dumps({"manifest": asdict(known), "contents": asdict(found)}))
         return
     click.echo(
-        f"{known.kind}, {'looks for ' + known.voice if known.voice else 'looks for nobody'}, {_state(known.end)}"
+        printable(
+            f"{known.kind}, {f'looks for {known.voice}' if known.voice else 'looks for nobody'}, {_state(known.end)}"
+        )
     )
     click.echo(f"{found.inputs} Inputs, {found.seconds:.2f} s, {found.orders} orders, {found.events} events")
     click.echo(f"{found.audio:.2f} s of audio at {session.rate()} Hz, {found.lost} samples lost")
@@ -87,9 +91,9 @@ def _row(path: Path, size: int, running: bool) -> dict[str, Any]:
         session = Session.open(path)
         seconds, state = session.audio_length() / session.rate(), _state(session.manifest.end)
     except ConfigError as error:
-        seconds, state = 0.0, str(error)
+        seconds, state = 0.0, printable(str(error))
     return {"name": path.name, "seconds": seconds, "bytes": size, "state": "recording" if running else state}
 
 
 def _state(end: str | None) -> str:
-    return "cut off" if end is None else end
+    return "cut off" if end is None else printable(str(end))

@@ -104,7 +104,7 @@ def test_any_number_is_taken_as_it_is_or_refused_by_name(name, value):
         ("EXP_UNIT", math.nan, "EXP_UNIT: expected a number from 0.5 to 60 s, got nan"),
         ("EXP_UNIT", 0.1, "EXP_UNIT: expected a number from 0.5 to 60 s, got 0.1"),
         ("EXP_MAX_ROT", 3.5, "EXP_MAX_ROT: expected a whole number from 1 to 24, got 3.5"),
-        ("EXP_MIN_ROT", 13, "EXP_MIN_ROT: min_rotations = 13 is above max_rotations = 12"),
+        ("EXP_MIN_ROT", 13, "EXP_MIN_ROT: expected min_rotations <= max_rotations, got 13 and 12"),
         ("GUARD_SPEED", 1, "parameter 'GUARD_SPEED' is unknown; there are: EXP_LEAD_IN"),
     ],
 )

@@ -1,10 +1,12 @@
 """No file in the state folder stops or hangs a start: it is named, set aside and never deleted."""
 
+import json
 import os
 import shutil
 import subprocess
 import sys
 import time
+import tomllib
 
 import numpy as np
 import pytest
@@ -166,3 +168,25 @@ def test_a_spoilt_file_on_a_disk_that_cannot_be_written_is_named_where_it_is(tmp
     target.write_text("spoilt")
     assert "cannot be renamed" in set_aside(target, "unreadable")
     assert target.read_text() == "spoilt"
+
+
+ESCAPES = "\x1b[2J\x9b31m\u202e\x07"
+
+
+def test_what_a_session_says_of_itself_does_not_reach_the_terminal_raw(whole, tmp_path, monkeypatch, capsys):
+    path = shutil.copytree(whole, tmp_path / "flown") / SESSION / "session.json"
+    values = json.loads(path.read_text())
+    path.write_text(json.dumps(values | {"end": ESCAPES, "kind": ESCAPES, "voice": ESCAPES, "versions": {}}))
+    for words in (("sessions", "--folder", path.parents[1]), ("sessions", "check", path.parent)):
+        code, out, err = called(monkeypatch, capsys, *words)
+        assert (code, err) == (0, "")
+        assert all(line.isprintable() for line in out.splitlines())
+
+
+def test_a_configuration_is_shown_as_toml_that_a_terminal_does_not_obey(tmp_path, monkeypatch, capsys):
+    path = tmp_path / "a.toml"
+    path.write_text('[actuator.options]\n"\\u001b[2J" = "\\u009b31m\\u202e\\u0007"\n')
+    code, out, _ = called(monkeypatch, capsys, "config", "show", path)
+    assert code == 0
+    assert all(line.isprintable() for line in out.splitlines())
+    assert tomllib.loads(out)["actuator"]["options"] == {"\x1b[2J": "\x9b31m\u202e\x07"}
