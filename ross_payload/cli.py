@@ -10,14 +10,24 @@ from typing import Any
 import click
 
 from ross_payload import __version__, plugins
-from ross_payload.errors import ActuatorError, ConfigError, OutputError, PluginError, RossError
+from ross_payload.bounded_files import printable
+from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError, near
 
 COMMANDS = "ross_payload.commands"
+LONGEST = 1500  # line about a mistake [characters]: a file may hold a name of a megabyte
 EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand."
 
 
 class _WithPlugins(click.Group):
     """Own commands, and those that other packages bring by entry point; a broken one does not hurt another."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        try:
+            return super().resolve_command(ctx, args)
+        except click.UsageError as error:
+            raise click.UsageError(f"No such command '{args[0]}'{near(args[0], self.list_commands(ctx))}") from error
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return sorted({*super().list_commands(ctx), *plugins.available(COMMANDS)})
@@ -56,20 +66,10 @@ def config() -> None:
 @config.command("check")
 @click.argument("file", type=click.Path(path_type=Path))
 def check(file: Path) -> None:
-    """Check a payload's TOML FILE: keys, values, and the options of the actuator it names."""
-    from ross_payload.actuators.registry import check_options
-    from ross_payload.config import load, read_toml
-    from ross_payload.service.assemble import explorer_of
-    from ross_payload.service.dronecan import check_one_id
+    """Check a payload's TOML FILE: what `ross run` refuses before it opens a device is refused in the same words."""
+    from ross_payload.service.check import loaded
 
-    if "talkers" in read_toml(file):
-        raise ConfigError(f"{file}: this is a scenario of the simulator: ross sitl --scenario {file}")
-    loaded = load(file)
-    check_options(loaded)
-    check_one_id(loaded)
-    explorer_of(loaded)
-    if loaded.exploit.separator not in plugins.available("ross_payload.separators"):
-        plugins.load("ross_payload.separators", loaded.exploit.separator)
+    loaded(file)
     click.echo(f"{file}: good")
 
 
@@ -79,7 +79,7 @@ def show(file: Path) -> None:
     """Show every key of a payload's TOML FILE as it is in force, and why: file, default, or set in flight."""
     from ross_payload.config import load
     from ross_payload.parameters import listing
-    from ross_payload.service.live import state_path
+    from ross_payload.service.folders import state_path
 
     loaded = load(file)
     for line in listing(loaded, state_path(loaded) / "params.toml"):
@@ -88,10 +88,10 @@ def show(file: Path) -> None:
 
 @ross.command(short_help="Make or delete the voice print of NAME.")
 @click.argument("name")
-@click.argument("file", type=click.Path(path_type=Path), required=False)
+@click.argument("file", metavar="[AUDIO]", type=click.Path(path_type=Path), required=False)
 @click.option("--forget", is_flag=True, help="Delete the voice print of NAME instead.")
 def enroll(name: str, file: Path | None, forget: bool) -> None:
-    """Make the voice print of NAME from an audio FILE with a few seconds of clean speech.
+    """Make the voice print of NAME from a file of AUDIO with a few seconds of clean speech.
 
     A voice print is personal data: it is kept on this computer only, readable by you alone, until you --forget it.
     """
@@ -104,7 +104,7 @@ def enroll(name: str, file: Path | None, forget: bool) -> None:
         click.echo(f"forgot {name}")
         return
     if file is None:
-        raise click.UsageError("missing FILE: wanted an audio file with a few seconds of speech")
+        raise click.UsageError("AUDIO: expected an audio file with a few seconds of speech, got none")
     voice, rate = read_mono(file)
     store.save(name, enrol(voice, rate))
     click.echo(f"enrolled {name}; 'ross enroll {name} --forget' deletes the voice print")
@@ -116,20 +116,26 @@ def main() -> None:
     try:
         code = ross.main(standalone_mode=False)
     except click.ClickException as error:
-        click.echo(f"ross: {error.format_message()}", err=True)
+        _complain(error.format_message())
         code = error.exit_code
     except (click.Abort, KeyboardInterrupt):
         click.echo("ross: interrupted", err=True)
         code = 130
     except (ActuatorError, OutputError) as error:
-        click.echo(f"ross: {error}", err=True)
+        _complain(str(error))
         code = 1
     except RossError as error:
-        click.echo(f"ross: {error}", err=True)
+        _complain(str(error))
         code = 2
     except BrokenPipeError:
         code = 1
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _complain(text: str) -> None:
+    """Say what is wrong in one line, whatever stands in the file or argument that it quotes."""
+    shown = printable(text)
+    click.echo(f"ross: {shown if len(shown) <= LONGEST else shown[: LONGEST - 3] + '...'}", err=True)
 
 
 if __name__ == "__main__":

@@ -15,13 +15,50 @@
     └── OutputError          results cannot be written any more: exit code 1
 """
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+SHOWN = 80  # characters of a value in a message
+
+
+def shown(value: object) -> str:
+    """Return a value as it stands in a message, cut where it is long.
+
+    >>> shown("x" * 5000)[-6:]
+    "xx...'"
+    """
+    text = value if isinstance(value, str) else repr(value)
+    short = text if len(text) <= SHOWN else text[: SHOWN - 3] + "..."
+    return f"'{short}'" if isinstance(value, str) else short
+
+
+def near(name: str, names: Iterable[str]) -> str:
+    """Return the name that may have been meant, as the end of a message; nothing when none is near.
+
+    >>> near("spacng_m", ["spacing_m", "offset_deg"])
+    "; did you mean 'spacing_m'?"
+    """
+    lower = {each.lower(): each for each in names}
+    found = get_close_matches(name[:SHOWN].lower(), lower, n=1)
+    return f"; did you mean '{lower[found[0]]}'?" if found else ""
+
+
+def unknown(kind: str, name: str, names: Iterable[str]) -> str:
+    """Say that there is no such thing, what there is, and what may have been meant.
+
+    >>> unknown("scenario", "dmo", ["demo", "tour"])
+    "scenario 'dmo' is unknown; there are: demo, tour; did you mean 'demo'?"
+    """
+    known = list(names)
+    return f"{kind} {shown(name)} is unknown; there are: {', '.join(known) or 'none'}{near(name, known)}"
+
 
 class RossError(Exception):
     """The root: one clear line for the user."""
 
 
 class ConfigError(RossError):
-    """A file, an option or an argument is wrong; says what was found and what was wanted."""
+    """A file, an option or an argument is wrong; says what was expected and what was got."""
 
 
 class PluginError(ConfigError):

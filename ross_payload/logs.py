@@ -18,6 +18,7 @@ from datetime import UTC, datetime
 from enum import Enum
 from typing import Any, TextIO
 
+from ross_payload.bounded_files import printable
 from ross_payload.events import Answer, Answered, Event, Separated, StateChanged, TurnStarted
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.interfaces import Input
@@ -111,7 +112,7 @@ class Text(logging.Formatter):
 
     def format(self, record: logging.LogRecord) -> str:
         """Return the line, and those of a traceback behind it."""
-        text = f"{record.levelname.lower():<7} {_short(record.name)}: {_printable(_message(record))}"
+        text = f"{record.levelname.lower():<7} {_short(record.name)}: {printable(_message(record))}"
         lines = [text, *(self.formatException(record.exc_info).splitlines() if record.exc_info else ())]
         if self._journal:
             return "\n".join(f"<{priority(record.levelno)}>{each}" for each in lines)
@@ -272,11 +273,6 @@ def _plain(value: Any) -> Any:
 def _message(record: logging.LogRecord) -> str:
     held = getattr(record, "held", 0)
     return record.getMessage() + (f" ({held} similar lines suppressed)" if held else "")
-
-
-def _printable(text: str) -> str:
-    """Escape what a peer may have sent to forge a line or to colour a terminal."""
-    return "".join(char if char.isprintable() else char.encode("unicode_escape").decode() for char in text)
 
 
 def _short(name: str) -> str:

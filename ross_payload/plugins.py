@@ -8,7 +8,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-from ross_payload.errors import PluginError
+from ross_payload.errors import PluginError, unknown
 
 EXTRAS = {
     "pyroomacoustics": "sim",
@@ -42,9 +42,8 @@ def load(group: str, name: str) -> Any:
     """
     points = available(group)
     if name not in points:
-        wanted = ", ".join(points) or "none is installed"
         kind = group.rpartition(".")[2].removesuffix("s").replace("_", " ")
-        raise PluginError(f"{kind} '{name}' is unknown; there are: {wanted}")
+        raise PluginError(unknown(kind, name, points))
     try:
         return points[name].load()
     except ModuleNotFoundError as error:

@@ -16,6 +16,7 @@ from typing import Protocol
 from ross_protocols.codec import Packet
 
 KEY_SIZE = 32  # [bytes]
+LARGEST = 1024  # file that is read to see whether it is a key [bytes]
 SIGNATURE_SIZE = 13  # [bytes]
 SECOND = 100_000  # in units of a timestamp
 EPOCH = 1_420_070_400  # 1 January 2015, UNIX time [s]
@@ -28,7 +29,7 @@ _MARKER, _SIGNED, _DIGEST = 0xFD, 1, 6
 
 
 class BadKey(ValueError):
-    """A file that is no key; says what was found and what was wanted, in one line."""
+    """A file that is no key; says what was expected and what was got, in one line."""
 
 
 def read_key(path: Path) -> bytes:
@@ -40,13 +41,15 @@ def read_key(path: Path) -> bytes:
         When it cannot be read, is none, or others can read it too.
     """
     try:
-        with path.open("rb") as file:
-            mode = stat.S_IMODE(os.fstat(file.fileno()).st_mode)
-            data = file.read()
+        with os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
+            about = os.fstat(file.fileno()).st_mode
+            data = file.read(LARGEST) if stat.S_ISREG(about) else b""
     except OSError as error:
         raise BadKey(f"{path}: cannot be read: {error.strerror}") from error
-    if mode & 0o077:
-        raise BadKey(f"{path}: mode {mode:04o} found, 0600 wanted: chmod 600 {path}")
+    if not stat.S_ISREG(about):
+        raise BadKey(f"{path}: expected a regular file of 32 bytes, got something else")
+    if about & 0o077:
+        raise BadKey(f"{path}: expected mode 0600, got {stat.S_IMODE(about):04o}: chmod 600 {path}")
     if len(data) == KEY_SIZE:
         return data
     try:
@@ -54,7 +57,7 @@ def read_key(path: Path) -> bytes:
     except ValueError:
         key = b""
     if len(key) != KEY_SIZE:
-        raise BadKey(f"{path}: {len(data)} bytes found, 32 bytes or 64 hexadecimal digits wanted")
+        raise BadKey(f"{path}: expected 32 bytes or 64 hexadecimal digits, got {len(data)} bytes")
     return key
 
 

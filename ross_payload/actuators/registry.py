@@ -77,5 +77,5 @@ def _describe(name: str, origin: str) -> Description:
 def _backend(name: str) -> Backend:
     backend = plugins.load(GROUP, name)
     if not (hasattr(backend, "Config") and callable(getattr(backend, "open", None))):
-        raise PluginError(f"plug-in '{name}' is broken: wanted an object with Config and open(config, services)")
+        raise PluginError(f"plug-in '{name}' is broken: expected an object with Config and open(config, services)")
     return backend  # type: ignore[no-any-return]

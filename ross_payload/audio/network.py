@@ -24,9 +24,10 @@ def host_and_port(address: str) -> tuple[str, int]:
         When it is something else.
     """
     host, _, port = address.rpartition(":")
-    if not host or not port.isdigit() or not 0 < int(port) < 65536:
+    number = int(port) if port.isascii() and port.isdigit() and len(port) < 6 else 0
+    if not host or not 0 < number < 65536:
         raise ConfigError(f"audio.source: expected tcp:HOST:PORT, got 'tcp:{address}'")
-    return host.strip("[]"), int(port)
+    return host.strip("[]"), number
 
 
 class PcmClient:

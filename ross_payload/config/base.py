@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-import tomllib
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import ErrorDetails
 
-from ross_payload.errors import ConfigError
+from ross_payload.bounded_files import parsed_toml, read_bounded
+from ross_payload.errors import ConfigError, near, shown
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Degrees = Annotated[float, Field(allow_inf_nan=False)]
 Model = TypeVar("Model", bound=BaseModel)
+BEGINNINGS = {"be": "expected ", "have": "expected "}
+FORMS = {
+    "^(device|file|tcp):.+": "device:NAME, file:PATH or tcp:HOST:PORT",
+    "^(can:.+)?$": "can:INTERFACE:CHANNEL[:BITRATE]",
+    "^can:": "can:INTERFACE:CHANNEL[:BITRATE]",
+    "^serial:": "serial:DEVICE:BAUD",
+}  # of texts in a configuration, by their patterns
 
 
 class Table(BaseModel):
@@ -27,14 +37,13 @@ def read_toml(path: Path) -> dict[str, Any]:
     Raises
     ------
     ConfigError
-        When the file is missing, unreadable or not TOML.
+        When the file is missing, unreadable, larger than 1 MB or not TOML.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise ConfigError(f"{path}: cannot be read: {reason}") from error
-    except tomllib.TOMLDecodeError as error:
+        return parsed_toml(read_bounded(path))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+    except ValueError as error:
         raise ConfigError(f"{path}: not TOML: {error}") from error
 
 
@@ -44,21 +53,56 @@ def validated(model: type[Model], values: Any, where: str) -> Model:
     Raises
     ------
     ConfigError
-        With one line that names the first wrong key, what was found and what was wanted.
+        With one line that names the first wrong key, what was expected and what was got.
     """
     try:
         return model.model_validate(values)
     except ValidationError as error:
-        raise ConfigError(f"{where}: {_explain(error)}") from error
+        raise ConfigError(f"{where}: {_explain(error, model)}") from error
 
 
-def _explain(error: ValidationError) -> str:
+def _explain(error: ValidationError, model: type[BaseModel]) -> str:
     first, others = error.errors()[0], error.error_count() - 1
     key = ".".join(str(part) for part in first["loc"])
+    more = f"; and {others} more" if others else ""
     if first["type"] == "extra_forbidden":
-        text = f"unknown key '{key}'"
-    else:
-        text = f"{key}: " * bool(key) + first["msg"].removeprefix("Value error, ")
-        if not isinstance(first["input"], dict):
-            text += f" (found {first['input']!r})"
-    return text + (f"; and {others} more" if others else "")
+        return f"unknown key {shown(key)}{near(str(first['loc'][-1]), _keys(model, first['loc'][:-1]))}{more}"
+    return f"{key}: " * bool(key) + _wrong(first) + more
+
+
+def _wrong(error: ErrorDetails) -> str:
+    """Say what was expected and what was got; a check of ours has said so itself."""
+    text, value = error["msg"], error["input"]
+    if error["type"] == "value_error":
+        return text.removeprefix("Value error, ")
+    if error["type"] == "string_pattern_mismatch":
+        return f"expected {FORMS.get(error['ctx']['pattern'], error['ctx']['pattern'])}, got {shown(value)}"
+    if error["type"] == "missing":
+        return "expected a value, got none"
+    text = re.sub(r"^\w+ should (be|have) ", lambda found: BEGINNINGS[found[1]], text)
+    text = re.sub(r" after validation, not \d+", "", text)
+    text = text.replace("expected greater", "expected a number greater").replace(
+        "expected less", "expected a number less"
+    )
+    meant = (
+        near(value, re.findall(r"'([^']+)'", text))
+        if error["type"] == "literal_error" and isinstance(value, str)
+        else ""
+    )
+    return f"{text}, got {shown(value)}{meant}"
+
+
+def _keys(model: Any, path: Sequence[int | str]) -> Iterable[str]:
+    """Return the keys that the table at a path may have; none when it is not a table of ours."""
+    for part in path:
+        fields = getattr(model, "model_fields", {})
+        if isinstance(part, str) and part in fields:
+            model = next(_tables(fields[part].annotation), None)
+    return getattr(model, "model_fields", {})
+
+
+def _tables(annotation: Any) -> Iterator[Any]:
+    if hasattr(annotation, "model_fields"):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _tables(part)

@@ -67,9 +67,11 @@ class Guard(Table):
     @model_validator(mode="after")
     def _ordered(self) -> Guard:
         if self.lower_deg >= self.upper_deg:
-            raise ValueError(f"lower_deg = {self.lower_deg:g} must be below upper_deg = {self.upper_deg:g}")
+            raise ValueError(f"expected lower_deg below upper_deg, got {self.lower_deg:g} and {self.upper_deg:g}")
         if not self.lower_deg <= self.park_deg <= self.upper_deg:
-            raise ValueError(f"park_deg = {self.park_deg:g} must lie within the limits")
+            raise ValueError(
+                f"park_deg: expected {self.lower_deg:g} to {self.upper_deg:g}, the limits, got {self.park_deg:g}"
+            )
         return self
 
 

@@ -25,7 +25,9 @@ class Dronecan(Table):
     @model_validator(mode="after")
     def _possible(self) -> Dronecan:
         if 100 <= self.node_id <= 105:
-            raise ValueError(f"node_id = {self.node_id}: an autopilot takes 100 to 105 for cameras; take another one")
+            raise ValueError(
+                f"node_id: expected none of 100 to 105, which autopilots take for cameras, got {self.node_id}"
+            )
         if self.allocator and not self.node_id:
-            raise ValueError("allocator = true gives ids to others, so it needs a node_id of its own, found 0")
+            raise ValueError("node_id: expected an id of its own, for allocator = true gives ids to others, got 0")
         return self

@@ -34,7 +34,9 @@ class Explore(Table):
     @model_validator(mode="after")
     def _ordered(self) -> Explore:
         if self.min_rotations > self.max_rotations:
-            raise ValueError(f"min_rotations = {self.min_rotations} is above max_rotations = {self.max_rotations}")
+            raise ValueError(
+                f"expected min_rotations <= max_rotations, got {self.min_rotations} and {self.max_rotations}"
+            )
         return self
 
 
@@ -50,13 +52,15 @@ class Informed(Table):
     def _possible(self) -> Informed:
         count, heights = len(self.azimuths_deg), self.elevations_deg or (0.0,) * len(self.azimuths_deg)
         if len(heights) != count:
-            raise ValueError(f"{len(heights)} elevations_deg for {count} azimuths_deg")
+            raise ValueError(f"elevations_deg: expected {count}, one for each of azimuths_deg, got {len(heights)}")
         if self.target is not None and self.target >= count:
-            raise ValueError(f"target = {self.target}, counted from 0, but there are {count} azimuths_deg")
+            raise ValueError(f"target: expected a number below {count}, counted from 0, got {self.target}")
         for i, j in combinations(range(count), 2):
             apart = abs((self.azimuths_deg[i] - self.azimuths_deg[j] + 180) % 360 - 180)
             if apart < APART_DEG and abs(heights[i] - heights[j]) < APART_DEG:
-                raise ValueError(f"azimuths_deg {i} and {j} are {apart:g} deg apart, wanted {APART_DEG:g} at least")
+                raise ValueError(
+                    f"azimuths_deg {i} and {j}: expected at least {APART_DEG:g} deg between them, got {apart:g}"
+                )
         return self
 
 

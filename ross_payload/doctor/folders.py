@@ -10,7 +10,7 @@ from ross_payload.config import Config
 from ross_payload.doctor.finding import Finding, fail, ok, warn
 from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ConfigError
-from ross_payload.service.live import state_path
+from ross_payload.service.folders import state_path
 from ross_payload.voiceprint import VoiceStore
 
 GB = 1e9

@@ -11,7 +11,7 @@ from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.interfaces import Services
 from ross_payload.links import Links
-from ross_payload.service.live import state_folder
+from ross_payload.service.folders import state_folder
 
 POLL = 0.010  # [s]
 

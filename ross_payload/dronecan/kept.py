@@ -12,7 +12,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from ross_payload.parameters import put_aside, replace_file
+from ross_payload.bounded_files import parsed_json, read_bounded, set_aside
+from ross_payload.parameters import replace_file
 from ross_protocols.dronecan_services import UNIQUE
 
 VERSION = 1
@@ -87,22 +88,15 @@ def _write(path: Path, text: str) -> None:
 def _found(path: Path) -> tuple[bytes, int, dict[bytes, int]] | None:
     """Read the file; one that cannot be used is put aside."""
     try:
-        return _meant(json.loads(path.read_text(encoding="utf-8")))
+        return _meant(parsed_json(read_bounded(path)))
     except FileNotFoundError:
         return None
     except OSError as error:
-        log.warning("%s: cannot be read: %s", path, error.strerror)
-        return None
+        why = f"cannot be read: {error.strerror}"
     except (ValueError, KeyError, TypeError, AttributeError):
-        log.warning("%s: damaged; %s; other nodes take us for a new one", path, _aside(path))
-        return None
-
-
-def _aside(path: Path) -> str:
-    try:
-        return f"kept as {put_aside(path, 'unreadable').name}"
-    except OSError as error:
-        return f"cannot be renamed: {error.strerror}"
+        why = "damaged"
+    log.warning("%s: %s; %s; other nodes take us for a new one", path, why, set_aside(path, "unreadable"))
+    return None
 
 
 def _meant(content: Any) -> tuple[bytes, int, dict[bytes, int]]:

@@ -15,7 +15,7 @@ def parse(url: str) -> Address:
     Raises
     ------
     ConfigError
-        When it is none; says what was found and what was wanted.
+        When it is none; says what was expected and what was got.
     """
     try:
         return address.parse(url)

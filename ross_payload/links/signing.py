@@ -7,19 +7,24 @@ believe nothing below it, so that nothing that was recorded before can be played
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
 
+from ross_payload.bounded_files import read_bounded, set_aside
 from ross_payload.errors import ConfigError
 from ross_payload.links.background import begin
+from ross_payload.parameters import replace_file
 from ross_protocols import signing
-from ross_protocols.signing import SECOND, WINDOW, timestamp_of
+from ross_protocols.signing import LATEST, SECOND, WINDOW, timestamp_of
 
 FILE = "signing-time"  # in the state folder
 STEP = 60 * SECOND  # by which the bound is raised
 RETRY = 1.0  # after the disk has refused [s]
+LONGEST = 64  # file [bytes]
+log = logging.getLogger(__name__)
 
 
 def read_key(path: Path) -> bytes:
@@ -42,7 +47,7 @@ class SigningTime:
     Raises
     ------
     ConfigError
-        When the saved time cannot be read or saved.
+        When the time cannot be saved.
     """
 
     def __init__(self, state: Path, unix: Callable[[], float], now: float) -> None:
@@ -97,26 +102,23 @@ class SigningTime:
             return
 
     def _read(self) -> int:
+        """Return the saved bound; of a file that cannot be used, the latest that it can have held by the clock.
+
+        What was recorded before the file was last written, or before now, is then not believed.
+        """
         try:
-            return int(self._path.read_text(encoding="ascii"))
+            bound = int(read_bounded(self._path, LONGEST))
+            if not 0 <= bound <= LATEST:
+                raise ValueError(f"expected 0 to {LATEST}")
         except FileNotFoundError:
             return 0
-        except (OSError, ValueError) as error:
-            raise ConfigError(
-                f"{self._path}: the signing time cannot be read; with a new key on all sides the file can be deleted"
-            ) from error
+        except (OSError, ValueError):
+            written = os.lstat(self._path).st_mtime if os.path.lexists(self._path) else 0.0
+            bound = max(timestamp_of(self._unix()), timestamp_of(written) + STEP)
+            where = set_aside(self._path, "unreadable")
+            log.warning("%s: damaged; %s; what was signed before now is not believed", self._path, where)
+        return bound
 
     def _save(self, bound: int) -> int:
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        fresh = self._path.with_suffix(".new")
-        with fresh.open("w", encoding="ascii") as file:
-            file.write(f"{bound}\n")
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(self._path)
-        folder = os.open(self._path.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
+        replace_file(self._path, f"{bound}\n")
         return bound

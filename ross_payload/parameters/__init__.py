@@ -3,7 +3,7 @@
 Wiring and safety ([audio], [array], [actuator], [guard], [links]) are not in the table: they belong to the file.
 """
 
-from ross_payload.parameters.kept import Kept, put_aside, replace_file
+from ross_payload.parameters.kept import Kept, replace_file
 from ross_payload.parameters.listing import listing
 from ross_payload.parameters.store import Origin, Parameters
 from ross_payload.parameters.table import TABLE, Parameter, changed, value_of
@@ -16,7 +16,6 @@ __all__ = [
     "Parameters",
     "changed",
     "listing",
-    "put_aside",
     "replace_file",
     "value_of",
 ]

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import count
 from pathlib import Path
 from typing import Any
 
+from ross_payload.bounded_files import create_anew, parsed_toml, read_bounded
 from ross_payload.errors import ConfigError
 
 VERSION = 1
@@ -42,18 +41,18 @@ def read(path: Path) -> dict[str, Kept]:
         When it is half-written, damaged, or of a newer version.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = parsed_toml(read_bounded(path))
     except FileNotFoundError:
         return {}
     except OSError as error:
         raise Unusable("unreadable", f"{path}: cannot be read: {error.strerror}") from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except ValueError as error:
         raise Unusable("unreadable", f"{path}: damaged: {error}") from error
     version, parameters = content.get("version"), content.get("parameters", {})
     if not isinstance(version, int) or not isinstance(parameters, dict):
         raise Unusable("unreadable", f"{path}: damaged: no version")
     if version > VERSION:
-        raise Unusable("newer", f"{path}: of version {version}, wanted {VERSION} at most")
+        raise Unusable("newer", f"{path}: expected version {VERSION} at most, got {version}")
     return {name: _kept(path, name, entry) for name, entry in parameters.items()}
 
 
@@ -78,7 +77,7 @@ def write(path: Path, kept: Mapping[str, Kept]) -> None:
 
 
 def replace_file(path: Path, text: str) -> None:
-    """Write a file crash-safe, and its folder where it is missing.
+    """Write a file crash-safe, for its owner alone, and its folder where it is missing.
 
     Raises
     ------
@@ -87,7 +86,7 @@ def replace_file(path: Path, text: str) -> None:
     """
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     fresh = path.with_name(path.name + ".new")
-    with fresh.open("w", encoding="utf-8") as file:
+    with create_anew(fresh) as file:
         file.write(text)
         file.flush()
         os.fsync(file.fileno())
@@ -97,16 +96,3 @@ def replace_file(path: Path, text: str) -> None:
         os.fsync(folder)  # the new name, too, outlives a power cut
     finally:
         os.close(folder)
-
-
-def put_aside(path: Path, word: str) -> Path:
-    """Rename a file that cannot be used, without touching one put aside before; return its name.
-
-    Raises
-    ------
-    OSError
-        When it cannot be renamed.
-    """
-    names = (path.with_name(f"{path.name}.{word}{'' if n == 1 else f'-{n}'}") for n in count(1))
-    free = next(name for name in names if not name.exists())
-    return path.rename(free)

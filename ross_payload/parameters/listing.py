@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from ross_payload.bounded_files import printable
 from ross_payload.config import Config, Table
 from ross_payload.parameters.kept import Kept, Unusable, read
 from ross_payload.parameters.store import Origin, recall
@@ -19,7 +20,7 @@ def listing(config: Config, path: Path) -> Iterator[str]:
     """Give the lines: what the file of a configuration says, the defaults, and what ``path`` keeps; it is only read."""
     kept, notes = _looked_at(path)
     in_force, held, more = recall(config, kept)
-    yield from (f"# {note}" for note in [*notes, *more])
+    yield from (f"# {printable(note)}" for note in [*notes, *more])
     origins = {TABLE[name].place: f"{Origin.IN_FLIGHT}, instead of {entry.replaced:g}" for name, entry in held.items()}
     values = {name: getattr(in_force, name) for name in Config.model_fields}
     yield from _plain(config, {name: value for name, value in values.items() if _is_plain(value)})
@@ -58,8 +59,18 @@ def toml(value: Any) -> str:
     { port = "can0", ids = [1, 2], wrap = true }
     """
     if isinstance(value, Mapping):
-        pairs = ", ".join(f"{json.dumps(k) if not k.isidentifier() else k} = {toml(v)}" for k, v in value.items())
+        pairs = ", ".join(f"{k if _is_bare(k) else _quoted(k)} = {toml(v)}" for k, v in value.items())
         return f"{{ {pairs} }}" if pairs else "{}"
     if isinstance(value, (tuple, list)):
         return f"[{', '.join(map(toml, value))}]"
-    return json.dumps(value, ensure_ascii=False) if isinstance(value, (str, bool)) else repr(value)
+    return _quoted(value) if isinstance(value, (str, bool)) else repr(value)
+
+
+def _quoted(value: str | bool) -> str:
+    """Return a text as TOML, with nothing in it that a terminal obeys."""
+    text = json.dumps(value, ensure_ascii=False)
+    return "".join(each if each.isprintable() else f"\\U{ord(each):08x}" for each in text)
+
+
+def _is_bare(key: str) -> bool:
+    return key.isascii() and key.isidentifier()

@@ -10,9 +10,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from ross_payload.bounded_files import set_aside
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
-from ross_payload.parameters.kept import Kept, Unusable, put_aside, read, write
+from ross_payload.parameters.kept import Kept, Unusable, read, write
 from ross_payload.parameters.table import TABLE, changed, named, value_of
 
 log = logging.getLogger(__name__)
@@ -163,8 +164,4 @@ def _found(path: Path) -> tuple[dict[str, Kept], str]:
     try:
         return read(path), ""
     except Unusable as unusable:
-        try:
-            where = f"kept as {put_aside(path, unusable.word).name}"
-        except OSError as error:
-            where = f"and cannot be renamed: {error.strerror}"
-        return {}, f"{unusable}; {where}"
+        return {}, f"{unusable}; {set_aside(path, unusable.word)}"

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ross_payload.config import Config, validated
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, unknown
 
 NAME_SIZE = 16  # characters of a name on the wire
 
@@ -35,12 +35,12 @@ class Parameter:
         Raises
         ------
         ConfigError
-            When it is not a number, out of bounds, or broken where a whole number is wanted.
+            When it is not a number, out of bounds, or not whole where a whole number is expected.
         """
         whole = "a whole number from" if self.whole else "a number from"
-        wanted = f"{whole} {self.lower:g} to {self.upper:g} {self.unit}".rstrip()
+        expected = f"{whole} {self.lower:g} to {self.upper:g} {self.unit}".rstrip()
         if not math.isfinite(value) or not self.lower <= value <= self.upper or (self.whole and value % 1):
-            raise ConfigError(f"{self.name}: found {value:g}, wanted {wanted}")
+            raise ConfigError(f"{self.name}: expected {expected}, got {value:g}")
         return float(value)
 
 
@@ -75,7 +75,7 @@ def named(name: str) -> Parameter:
         When there is none.
     """
     if name not in TABLE:
-        raise ConfigError(f"{name}: no such parameter, wanted one of {', '.join(TABLE)}")
+        raise ConfigError(unknown("parameter", name, TABLE))
     return TABLE[name]
 
 

@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from ross_payload.bounded_files import printable
+
 FOLDER = click.option(
     "--folder",
     type=click.Path(path_type=Path),
@@ -54,10 +56,10 @@ def delete(shelf: Any, names: tuple[str, ...]) -> None:
 
 
 @command.command("check")
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.argument("folder", metavar="SESSION", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="For machines.")
 def check(folder: Path, as_json: bool) -> None:
-    """Tell what is in the session folder DIR, and whether it is whole."""
+    """Tell what is in the folder SESSION, and whether it is whole."""
     import json
     from dataclasses import asdict
 
@@ -69,7 +71,9 @@ def check(folder: Path, as_json: bool) -> None:
         click.echo(json.dumps({"manifest": asdict(known), "contents": asdict(found)}))
         return
     click.echo(
-        f"{known.kind}, {'looks for ' + known.voice if known.voice else 'looks for nobody'}, {_state(known.end)}"
+        printable(
+            f"{known.kind}, {f'looks for {known.voice}' if known.voice else 'looks for nobody'}, {_state(known.end)}"
+        )
     )
     click.echo(f"{found.inputs} Inputs, {found.seconds:.2f} s, {found.orders} orders, {found.events} events")
     click.echo(f"{found.audio:.2f} s of audio at {session.rate()} Hz, {found.lost} samples lost")
@@ -87,9 +91,9 @@ def _row(path: Path, size: int, running: bool) -> dict[str, Any]:
         session = Session.open(path)
         seconds, state = session.audio_length() / session.rate(), _state(session.manifest.end)
     except ConfigError as error:
-        seconds, state = 0.0, str(error)
+        seconds, state = 0.0, printable(str(error))
     return {"name": path.name, "seconds": seconds, "bytes": size, "state": "recording" if running else state}
 
 
 def _state(end: str | None) -> str:
-    return "cut off" if end is None else end
+    return "cut off" if end is None else printable(str(end))

@@ -13,6 +13,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from ross_payload import orders
+from ross_payload.bounded_files import parsed_json
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Samples
 from ross_payload.orders import Order
@@ -48,7 +49,7 @@ def line(heard: Input, *, exact: bool = True) -> str:
 def parsed(text: bytes) -> dict[str, Any] | None:
     """Read a line; None when it is torn or damaged."""
     try:
-        values = json.loads(text)
+        values = parsed_json(text)
         numbers = (values["time"], values["joint"], *values["heading"], *values["attitude"][:5])
         whole = all(isinstance(number, int | float) for number in numbers)
         whole = whole and len(values["heading"]) == 2 and len(values["attitude"]) == 6

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import platform
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Literal
 
+from ross_payload.bounded_files import parsed_json, read_bounded
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.recording import voice
@@ -17,6 +17,7 @@ from ross_payload.recording.files import put, put_json
 from ross_payload.recording.memory import packed
 from ross_payload.voiceprint import VoicePrintModel
 
+MANIFEST = "session.json"
 FORMAT = "ross-session"
 VERSION = 1
 PACKAGES = ("ross-payload", "numpy", "scipy", "scikit-learn", "pymavlink", "pydantic")
@@ -102,6 +103,19 @@ def is_session(folder: Path) -> bool:
         return False
 
 
+def damage(folder: Path) -> str:
+    """Tell why session.json is no JSON that anybody could read; '' when it is, or when there is none."""
+    try:
+        parsed_json(read_bounded(folder / MANIFEST))
+    except (FileNotFoundError, NotADirectoryError, PermissionError):
+        return ""
+    except OSError as error:
+        return error.strerror or "cannot be read"
+    except ValueError as error:
+        return f"damaged: {error}"
+    return ""
+
+
 def read(folder: Path) -> Manifest:
     """Read session.json, also of another version as far as it says the same.
 
@@ -124,18 +138,18 @@ def read(folder: Path) -> Manifest:
             versions=dict(values["versions"]),
             end=values.get("end"),
         )
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise ConfigError(f"{folder / 'session.json'}: damaged, or of another version: {error!r}") from error
 
 
 def _values(folder: Path) -> dict[str, Any]:
     path = folder / "session.json"
     try:
-        values = json.loads(path.read_text(encoding="utf-8"))
+        values = parsed_json(read_bounded(path))
     except OSError as error:
         raise ConfigError(f"{folder}: not a session folder: session.json: {error.strerror}") from error
     except ValueError as error:
-        raise ConfigError(f"{path}: damaged: not JSON") from error
+        raise ConfigError(f"{path}: damaged: expected JSON: {error}") from error
     if not isinstance(values, dict) or values.get("format") != FORMAT:
-        raise ConfigError(f"{folder}: not a session folder: session.json is not ours")
+        raise ConfigError(f"{folder}: not a session folder: its session.json is of another program")
     return values

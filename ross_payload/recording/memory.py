@@ -7,13 +7,16 @@ import json
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
+from zipfile import BadZipFile
 
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
+from ross_payload.bounded_files import MB, read_bounded
 from ross_payload.errors import ConfigError
 
 T = TypeVar("T")
+LARGEST = 64 * MB
 
 
 def packed(value: Any) -> bytes:
@@ -40,10 +43,10 @@ def unpacked(path: Path, kind: type[T]) -> T:
     """
     hints = get_type_hints(kind)
     try:
-        with np.load(path, allow_pickle=False) as arrays:
+        with np.load(io.BytesIO(read_bounded(path, LARGEST)), allow_pickle=False) as arrays:
             values = {name: _value(arrays[name], hints[name]) for name in arrays.files}
         return kind(**values)
-    except (OSError, ValueError, KeyError, TypeError, ValidationError, EOFError) as error:
+    except (OSError, ValueError, KeyError, TypeError, ValidationError, EOFError, BadZipFile) as error:
         raise ConfigError(f"{path.name}: damaged, or of another version: {error!r}") from error
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 from ross_payload.audio.wiring import Wiring
+from ross_payload.bounded_files import MB, open_regular, parsed_json, read_bounded
 from ross_payload.config import Audio, Config, validated
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Input, Score
@@ -18,6 +19,7 @@ from ross_payload.recording.memory import unpacked
 from ross_payload.recording.wav import WavReader
 
 T = TypeVar("T")
+LONGEST = 16 * MB  # line [bytes]: an event carries a density for every direction, never the samples
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +64,7 @@ class Session:
         """
         path = self.path / "config.json"
         try:
-            values = json.loads(path.read_text(encoding="utf-8"))
+            values = parsed_json(read_bounded(path))
         except (OSError, ValueError) as error:
             raise ConfigError(f"{path}: the configuration of this session cannot be read: {error}") from error
         return validated(Config, values, str(path))
@@ -113,7 +115,7 @@ class Session:
         found = []
         for text in _lines(self.path / "scores.jsonl"):
             try:
-                values = json.loads(text)
+                values = parsed_json(text)
                 found.append((int(values["input"]), Score(float(values["value"]), bool(values["accepted"]))))
             except (ValueError, KeyError, TypeError):
                 break
@@ -153,7 +155,7 @@ class Session:
     def _notes(self, found: Contents, samples: int, length: int) -> Iterator[str]:
         known, rate = self.manifest, self.rate()
         if known.version != manifest.VERSION:
-            yield f"session.json: version {known.version}, wanted {manifest.VERSION}: read as far as it goes"
+            yield f"session.json: expected version {manifest.VERSION}, got {known.version}: read as far as it goes"
         if known.end is None:
             yield "cut off: nothing says how it ended; at most the last second is missing"
         for name, read in (("inputs.jsonl", found.inputs), ("events.jsonl", found.events)):
@@ -175,15 +177,15 @@ def _lines(path: Path) -> Iterator[bytes]:
     if not path.is_file():
         return
     try:
-        with path.open("rb") as file:
-            yield from file
+        with os.fdopen(open_regular(path), "rb") as file:
+            yield from iter(lambda: file.readline(LONGEST), b"")
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
 
 
 def _is_event(text: bytes) -> bool:
     try:
-        values = json.loads(text)
+        values = parsed_json(text)
     except ValueError:
         return False
     return isinstance(values, dict) and {"event", "time"} <= values.keys()

@@ -12,8 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ross_payload import config
-from ross_payload.errors import ConfigError
-from ross_payload.recording.manifest import is_session
+from ross_payload.bounded_files import open_regular, set_aside
+from ross_payload.errors import ConfigError, near, shown
+from ross_payload.recording import manifest
+from ross_payload.recording.manifest import MANIFEST, is_session
 
 NAME = re.compile(r"(\d{4,})(-\d{8}T\d{6}Z)?")
 FILES = (
@@ -45,8 +47,7 @@ class Shelf:
 
     def all(self) -> tuple[Kept, ...]:
         """Return all sessions, the oldest first."""
-        names = sorted(self.folder.iterdir()) if self.folder.is_dir() else ()
-        found = [kept for path in names if (kept := _kept(path)) is not None]
+        found = [kept for path in self._paths() if (kept := _kept(path)) is not None]
         return tuple(sorted(found, key=lambda kept: kept.number))
 
     def find(self, name: str) -> Kept:
@@ -60,7 +61,24 @@ class Shelf:
         for kept in self.all():
             if kept.path.name == name:
                 return kept
-        raise ConfigError(f"{self.folder}: no session '{name}'; see: ross sessions")
+        names = [kept.path.name for kept in self.all()]
+        raise ConfigError(f"{self.folder}: no session {shown(name)}; see: ross sessions{near(name, names)}")
+
+    def set_damaged_aside(self) -> tuple[str, ...]:
+        """Rename every session.json that cannot be read, and return one line about each; nothing is deleted.
+
+        The rest of such a folder stays as it is: its audio can be heard, and `tidy` leaves it alone.
+        """
+        sessions = [path for path in self._paths() if NAME.fullmatch(path.name) and not path.is_symlink()]
+        found = [(path / MANIFEST, why) for path in sessions if (why := manifest.damage(path))]
+        return tuple(f"{path}: {why}; {set_aside(path, 'unreadable')}" for path, why in found)
+
+    def _paths(self) -> list[Path]:
+        """Return what lies in the folder; nothing of one that is none or cannot be read."""
+        try:
+            return sorted(self.folder.iterdir())
+        except OSError:
+            return []
 
     def add(self, stamp: str) -> Path:
         """Make the folder of a new session, mode 0700; ``stamp`` is the time in its name, empty when unknown."""
@@ -114,7 +132,7 @@ class Shelf:
             self.delete(oldest)
         free = self.free()
         if free < limits.min_free_gb * GB:
-            return f"{free / GB:.2f} GB are left on the disk, wanted min_free_gb = {limits.min_free_gb:g}"
+            return f"expected min_free_gb = {limits.min_free_gb:g} GB left on the disk, got {free / GB:.2f}"
         return ""
 
     def free(self) -> int:
@@ -132,14 +150,21 @@ def _kept(path: Path) -> Kept | None:
     match = NAME.fullmatch(path.name)
     if match is None or not is_session(path):
         return None
-    files = [(path / name).stat() for name in FILES if (path / name).exists()]
+    files = [status for name in FILES if (status := _status(path / name)) is not None]
     newest = max(file.st_mtime for file in files)
     return Kept(path, int(match[1]), sum(file.st_size for file in files), newest, _locked(path / LOCKED))
 
 
+def _status(path: Path) -> os.stat_result | None:
+    try:
+        return path.lstat()
+    except OSError:
+        return None
+
+
 def _locked(path: Path) -> bool:
     try:
-        handle = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+        handle = open_regular(path)
     except OSError:
         return False
     try:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ross_payload.bounded_files import open_regular
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Samples
 from ross_payload.recording.files import append, create
@@ -75,12 +77,16 @@ class WavReader:
 
     def __init__(self, path: Path) -> None:
         try:
-            with path.open("rb") as file:
+            with os.fdopen(open_regular(path), "rb") as file:
                 head = file.read(HEADER.size)
         except OSError as error:
             raise ConfigError(f"{path.name}: cannot be read: {error.strerror}") from error
         fields = HEADER.unpack(head) if len(head) == HEADER.size else ()
-        if not fields or (fields[0], fields[2], fields[6], fields[10]) != (b"RIFF", b"WAVE", 2, 8 * WIDTH):
+        if (
+            not fields
+            or not fields[7]
+            or (fields[0], fields[2], fields[6], fields[10]) != (b"RIFF", b"WAVE", 2, 8 * WIDTH)
+        ):
             raise ConfigError(f"{path.name}: not a 24-bit WAV file of two channels")
         self.rate: int = fields[7]
         self.length = (path.stat().st_size - HEADER.size) // (2 * WIDTH)  # [samples]

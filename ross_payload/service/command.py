@@ -14,9 +14,7 @@ def command(file: Path) -> int:
 
     Nothing turns before it is ordered, unless the file says so ([service] autostart).
     """
-    from ross_payload.config import load
-
-    config = load(file)  # a mistake is told before the long import
+    from ross_payload.service.check import loaded
     from ross_payload.service.live import live
 
-    return live(config)
+    return live(loaded(file))

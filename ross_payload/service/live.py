@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import logging
-import os
 import signal
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
@@ -20,10 +19,11 @@ from ross_payload import __version__
 from ross_payload.actuators.mavlink_gimbal.port import opener
 from ross_payload.audio.live import LiveSource
 from ross_payload.audio.sources import open_source
+from ross_payload.bounded_files import set_aside
 from ross_payload.clock import SystemClock, synchronised_time
 from ross_payload.config import Config
 from ross_payload.dronecan.hub import Buses
-from ross_payload.errors import AudioEnded, ConfigError
+from ross_payload.errors import AudioEnded
 from ross_payload.events import Event
 from ross_payload.interfaces import Input, VoicePrint
 from ross_payload.links import Links
@@ -34,6 +34,7 @@ from ross_payload.orders import Shutdown, Stop
 from ross_payload.parameters import Parameters
 from ross_payload.recording.recorder import in_background
 from ross_payload.recording.shelf import Shelf
+from ross_payload.service.folders import state_folder
 from ross_payload.service.latch import StopLatch
 from ross_payload.service.payload import POLL, Parts, assembled
 from ross_payload.service.runner import Runner
@@ -41,6 +42,7 @@ from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.timebase import Timebase
 from ross_payload.voiceprint import VoiceStore
 from ross_payload.voiceprint.features import at_rate
+from ross_payload.voiceprint.store import Damaged
 
 PATIENCE = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
 AGAIN = 75  # exit code: start me again; EX_TEMPFAIL of sysexits.h
@@ -88,28 +90,6 @@ def live(config: Config) -> int:
     return AGAIN if again.asked else 0
 
 
-def state_path(config: Config, environment: Mapping[str, str] = os.environ) -> Path:
-    """Return the folder of what outlives a restart; it need not be there."""
-    named = config.service.state_dir or environment.get("STATE_DIRECTORY", "").partition(":")[0]
-    return Path(named).expanduser() if named else Path.home() / ".local" / "state" / "ross"
-
-
-def state_folder(config: Config) -> Path:
-    """Return the folder of what outlives a restart, made when it is missing, for its owner alone.
-
-    Raises
-    ------
-    ConfigError
-        When it cannot be made.
-    """
-    folder = state_path(config)
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    except OSError as error:
-        raise ConfigError(f"service.state_dir: {folder} cannot be made: {error.strerror}") from error
-    return folder
-
-
 class Pumping:
     """An observer that ends the mission when a call of the pump has died; before that the motor decelerates."""
 
@@ -144,6 +124,8 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
         timebase.attach(links.component(config.telemetry.component_id))
         source = open_source(config, clock)
         shelf = Path(config.recording.folder).expanduser() if config.recording.folder else state / "recordings"
+        for note in Shelf(shelf).set_damaged_aside():
+            log.warning(note)
         yield Parts(
             clock=clock,
             source=source,
@@ -165,11 +147,15 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
 
 
 def _enrolled(config: Config) -> VoicePrint | None:
-    if config.service.autostart == "seek" and not config.service.target:
-        raise ConfigError("service.autostart = 'seek': found no service.target, wanted the name of an enrolled voice")
     if not config.service.target:
         return None
-    voice = VoiceStore.default().load(config.service.target)
+    store = VoiceStore.default()
+    try:
+        voice = store.load(config.service.target)
+    except Damaged as error:  # whoever flies it can still turn, listen and stop
+        where = set_aside(store.path(config.service.target), "unreadable")
+        log.error("%s; %s; nobody is sought until the voice is enrolled again", error, where)
+        return None
     at_rate(np.zeros(1), config.audio.rate_hz)  # what resampling needs is loaded now, not while something turns
     return voice
 

@@ -13,13 +13,19 @@ from typing import Any
 
 import numpy as np
 
-from ross_payload.errors import ConfigError
+from ross_payload.bounded_files import MB, parsed_json, read_bounded
+from ross_payload.errors import ConfigError, near, shown
 from ross_payload.voiceprint.background import Adapted, Background, shipped_background
 from ross_payload.voiceprint.model import VoicePrintModel
 
 FORMAT = "ross-voice-print"
 VERSION = 1
 SUFFIX = ".json"
+LARGEST = 8 * MB
+
+
+class Damaged(ConfigError):
+    """A file that is no voice print at all, whoever's it was."""
 
 
 def save(model: VoicePrintModel, path: Path) -> None:
@@ -58,11 +64,12 @@ def load(path: Path, background: Background | None = None) -> VoicePrintModel:
     """
     model = background or shipped_background()
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = parsed_json(read_bounded(path, LARGEST))
     except OSError as error:
-        raise ConfigError(f"{path}: no voice print can be read: {error.strerror}") from error
+        kind = ConfigError if isinstance(error, PermissionError) else Damaged
+        raise kind(f"{path}: no voice print can be read: {error.strerror}") from error
     except ValueError as error:
-        raise ConfigError(f"{path}: damaged voice print: not JSON") from error
+        raise Damaged(f"{path}: damaged voice print: expected JSON: {error}") from error
     return _decoded(content, model, path)
 
 
@@ -88,7 +95,9 @@ class VoiceStore:
             When the name is not made of letters, digits, ``_``, ``-`` and ``.`` (no leading dot), 64 at most.
         """
         if not re.fullmatch(r"\w[\w.-]{0,63}", name):
-            raise ConfigError(f"'{name}' cannot name a voice: use letters, digits, '_', '-' and '.', 64 at most")
+            raise ConfigError(
+                f"expected at most 64 letters, digits, '_', '-' and '.' as the name of a voice, got {shown(name)}"
+            )
         return self.folder / (name + SUFFIX)
 
     def names(self) -> tuple[str, ...]:
@@ -110,11 +119,20 @@ class VoiceStore:
         ConfigError
             When nobody of that name is enrolled, or the file is damaged.
         """
-        path = self.path(name)
-        if not path.exists():
+        self.check(name)
+        return load(self.path(name), background)
+
+    def check(self, name: str) -> None:
+        """Refuse a name that is none, or of nobody here.
+
+        Raises
+        ------
+        ConfigError
+            When nobody of that name is enrolled; says who is.
+        """
+        if not os.path.lexists(self.path(name)):
             known = ", ".join(self.names()) or "nobody is"
-            raise ConfigError(f"no voice '{name}' is enrolled; enrolled: {known}")
-        return load(path, background)
+            raise ConfigError(f"no voice '{name}' is enrolled; enrolled: {known}{near(name, self.names())}")
 
     def forget(self, name: str) -> None:
         """Delete the voice print of a name.
@@ -127,7 +145,7 @@ class VoiceStore:
         try:
             self.path(name).unlink()
         except FileNotFoundError as error:
-            raise ConfigError(f"no voice '{name}' is enrolled") from error
+            raise ConfigError(f"no voice '{name}' is enrolled{near(name, self.names())}") from error
         except OSError as error:
             raise ConfigError(f"{self.path(name)}: cannot be deleted: {error.strerror}") from error
 
@@ -147,19 +165,19 @@ def _replace(path: Path, text: str) -> None:
 
 def _decoded(content: Any, background: Background, path: Path) -> VoicePrintModel:
     if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise ConfigError(f"{path}: not a voice print")
+        raise Damaged(f"{path}: expected a voice print, got something else")
     if content.get("version") != VERSION:
-        raise ConfigError(f"{path}: voice print of version {content.get('version')!r}, wanted {VERSION}")
+        raise ConfigError(f"{path}: expected a voice print of version {VERSION}, got {content.get('version')!r}")
     if content.get("background") != background.fingerprint:
         raise ConfigError(f"{path}: made with another background model: enrol this voice again")
     try:
         offsets = np.array(content["offsets"], dtype=np.float64)
         pitch = np.array(content["pitch_weights"], dtype=np.float64)
         seconds, criterion = float(content["seconds"]), float(content["criterion"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise ConfigError(f"{path}: damaged voice print: {error!r}") from error
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise Damaged(f"{path}: damaged voice print: {error!r}") from error
     if offsets.shape != background.means.shape or pitch.shape != background.pitch_weights.shape:
-        raise ConfigError(f"{path}: damaged voice print: {offsets.size} + {pitch.size} numbers")
+        raise Damaged(f"{path}: damaged voice print: {offsets.size} + {pitch.size} numbers")
     if not all(np.isfinite(values).all() for values in (offsets, pitch, seconds, criterion)) or (pitch < 0).any():
-        raise ConfigError(f"{path}: damaged voice print: not finite, or negative weights")
+        raise Damaged(f"{path}: damaged voice print: not finite, or negative weights")
     return VoicePrintModel(Adapted(offsets, pitch), seconds, background, criterion)

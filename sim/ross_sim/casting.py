@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ross_payload.config import Informed, Link, as_in_paper, validated
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, unknown
 from ross_payload.interfaces import VoicePrint
 from ross_payload.voiceprint import VoicePrintModel, VoiceStore, enrol
 from ross_sim.scenario import Scenario, load
@@ -90,8 +90,8 @@ def company_of(scenario: Scenario, speech: Path | None, target: str | None) -> C
 def _enrolled(target: str, voices: tuple[Voice, ...]) -> VoicePrint:
     store = VoiceStore.default()
     if target not in store.names():
-        known = ", ".join(sorted({voice.name for voice in voices} | set(store.names())))
-        raise ConfigError(f"--target {target}: nobody of that name; there are: {known}")
+        known = sorted({voice.name for voice in voices} | set(store.names()))
+        raise ConfigError(f"--target: {unknown('voice', target, known)}")
     return store.load(target)
 
 

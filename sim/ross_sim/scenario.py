@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Degrees, Positive, Table, read_toml, validated
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, unknown
 from ross_sim.devices.far_end import Fault
 from ross_sim.room import RoomSpec
 from ross_sim.speech import Voice
@@ -210,7 +210,7 @@ def load(name: str | Path) -> Scenario:
     if path.suffix != ".toml":
         path = _folder() / f"{name}.toml"
         if str(name) not in names():
-            raise ConfigError(f"scenario '{name}' is unknown; there are: {', '.join(names())}; or give a .toml file")
+            raise ConfigError(f"{unknown('scenario', str(name), names())} (a .toml file will do, too)")
     return validated(Scenario, read_toml(path), str(name))
 
 
@@ -227,7 +227,7 @@ def _find(wanted: str | int, voices: Sequence[Voice]) -> Voice:
     for voice in voices:
         if voice.name == wanted:
             return voice
-    raise ConfigError(f"voice '{wanted}' is unknown; there are: {_names(voices)}")
+    raise ConfigError(unknown("voice", wanted, [voice.name for voice in voices]))
 
 
 def _names(voices: Sequence[Voice]) -> str:

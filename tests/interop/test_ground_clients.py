@@ -106,7 +106,7 @@ def test_what_our_clients_set_and_order_is_done_or_refused_in_the_payloads_words
     states, rows = with_clients(payload, work)
     assert states == ["done", "done", "refused", "done"]
     (step,) = [row for row in rows if row["name"] == "EXP_STEP"]
-    assert (step["state"], "found 999, wanted" in step["reason"]) == ("refused", True)
+    assert (step["state"], "got 999" in step["reason"]) == ("refused", True)
 
 
 def test_the_payload_tells_how_its_computer_is(payload):

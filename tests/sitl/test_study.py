@@ -124,6 +124,59 @@ def test_ctrl_c_ends_at_once_with_everything_done_kept(asked, tmp_path):
     assert alive(running.pid) == []
 
 
+CUT_SHORT = """
+import os, signal, sys, time
+from concurrent.futures import process
+from contextlib import closing
+from ross_sim.study.engine import processes
+
+WINDOW = float(sys.argv[1])  # [s] between the look whether the pipe is open and the writing, at the exit
+
+def wakeup(self):
+    if not self._closed:
+        time.sleep(WINDOW)
+        self._writer.send_bytes(b"")
+
+if __name__ == "__main__":
+    with closing(processes(2)(abs, range(200))) as results:
+        try:
+            next(results)
+            if WINDOW:
+                process._ThreadWakeup.wakeup = wakeup
+            os.kill(os.getpid(), signal.SIGINT)
+            for result in results:
+                time.sleep(0.01)
+        except KeyboardInterrupt:
+            print("interrupted", flush=True)
+"""
+
+
+def cut_short(folder, window):
+    """Stop a pool of processes by Ctrl-C; what is said on standard error."""
+    program = folder / "cut_short.py"
+    program.write_text(CUT_SHORT)
+    command = [sys.executable, program, str(window)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (0, "interrupted\n")
+    return done.stderr
+
+
+def test_the_end_of_a_pool_does_not_race_with_the_exit_of_the_interpreter(tmp_path):
+    assert cut_short(tmp_path, window=0.15) == ""
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("window", [0, 0.15])
+def test_100_pools_that_are_cut_short_end_without_a_word(tmp_path, window):
+    assert [cut_short(tmp_path, window) for _ in range(100)] == [""] * 100
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("count", range(100))
+def test_100_studies_that_are_stopped_end_without_a_traceback(asked, tmp_path, count):
+    test_ctrl_c_ends_at_once_with_everything_done_kept(asked, tmp_path)
+
+
 BAD = {
     "preset": ["study", "party"],
     "S9": ["study", "--settings", "S1,S9"],
@@ -131,7 +184,7 @@ BAD = {
     "plain": ["study", "--explorers", "plain"],
     "missing.toml": ["study", "missing.toml"],
     "half": ["study", "--rotations", "half"],
-    "talkers found": ["study", "--k", "4"],
+    "talkers for K": ["study", "--k", "4"],
     "of speech": ["study", "--k", "3", "paper"],
 }
 

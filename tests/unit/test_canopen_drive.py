@@ -118,7 +118,7 @@ def test_a_drive_that_is_switched_on_late_is_found_by_homing():
         (cia402.LOWEST, 9, "the drive's software limits are absurd: 9 to 5 counts"),
         (cia402.MAX_MOTOR_SPEED, 0, "max_speed_deg_s = 225 is beyond the drive's own 0 deg/s"),
         (cia402.MAX_MOTOR_SPEED, 600, "max_speed_deg_s = 225 is beyond the drive's own 180 deg/s"),
-        (cia402.SUPPORTED_MODES, 0x4, "the drive lacks a mode: it has 0x4, wanted 0x1"),
+        (cia402.SUPPORTED_MODES, 0x4, "the drive lacks a mode: expected 0x1, got 0x4"),
     ],
 )
 def test_a_drive_that_cannot_be_is_one_clear_line_and_no_motion(item, value, fault):

@@ -107,7 +107,7 @@ def test_after_a_restart_only_an_absolute_encoder_knows_where_it_is(homing, know
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"lower_deg": 10, "upper_deg": 10}, "must be below"),
+        ({"lower_deg": 10, "upper_deg": 10}, "expected lower_deg below upper_deg, got 10 and 10"),
         ({"node_id": 7, "own_node_id": 7}, "both 7"),
         ({"gear_ratio": 0.0}, "too near to 0"),
         ({"counts_per_turn": 1e9, "gear_ratio": 100}, "32 bits"),

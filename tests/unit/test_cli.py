@@ -3,11 +3,13 @@ import subprocess
 import sys
 from functools import partial
 
+import click
 import numpy as np
 import pytest
 import soundfile
 
 from command_line import called
+from ross_payload import cli
 
 
 @pytest.fixture
@@ -75,10 +77,16 @@ def test_a_good_configuration_is_good(run, tmp_path):
         ("[informed]\nazimuths_deg = []", "informed.azimuths_deg"),
         ("[informed]\nazimuths_deg = [nan]", "informed.azimuths_deg"),
         ("[informed]\nazimuths_deg = [0, 50, 100, 150, 200, 250, 300]", "at most 6"),
-        ("[informed]\nazimuths_deg = [0, 50]\ntarget = 2", "target = 2"),
+        ("[informed]\nazimuths_deg = [0, 50]\ntarget = 2", "target: expected a number below 2"),
         ("[informed]\nazimuths_deg = [0, 50]\ntarget = -1", "informed.target"),
-        ("[informed]\nazimuths_deg = [-180, 50, 180]", "azimuths_deg 0 and 2 are 0 deg apart"),
-        ("[informed]\nazimuths_deg = [0, 50]\nelevations_deg = [-30]", "1 elevations_deg for 2 azimuths_deg"),
+        (
+            "[informed]\nazimuths_deg = [-180, 50, 180]",
+            "azimuths_deg 0 and 2: expected at least 1 deg between them, got 0",
+        ),
+        (
+            "[informed]\nazimuths_deg = [0, 50]\nelevations_deg = [-30]",
+            "elevations_deg: expected 2, one for each of azimuths_deg, got 1",
+        ),
         ("[informed]\nsigma_deg = 1", "informed.azimuths_deg"),
         ("[array]\nspacing_m = -1", "array.spacing_m"),
     ],
@@ -124,3 +132,38 @@ def test_forgetting_somebody_unknown_says_so(run):
     code, _, err = run("enroll", "nobody", "--forget")
     assert code == 2
     assert "nobody" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (["sitll"], "sitl"),
+        (["config", "chek", "a.toml"], "check"),
+        (["sitl", "--scenario", "drone-yaww"], "drone-yaw"),
+        (["world", "dmo"], "demo"),
+        (["study", "papr", "--out", "out"], "paper"),
+        (["study", "--separators", "auxva", "--out", "out"], "auxiva"),
+        (["enroll", "--forget", "annn"], "ann"),
+    ],
+)
+def test_a_slip_of_the_pen_is_told_what_may_be_meant(run, tmp_path, monkeypatch, words, meant):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "data" / "ross" / "voices").mkdir(parents=True)
+    (tmp_path / "data" / "ross" / "voices" / "ann.json").write_text("{}")
+    code, out, err = run(*words)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert f"id you mean '{meant}'?" in err
+
+
+def usages(command, path=("ross",)):
+    """Every usage line."""
+    context = click.Context(command, info_name=path[-1])
+    yield command.collect_usage_pieces(context)
+    for name in command.list_commands(context) if isinstance(command, click.Group) else ():
+        yield from usages(command.get_command(context, name), (*path, name))
+
+
+def test_every_argument_is_named_after_what_it_is():
+    pieces = [piece for usage in usages(cli.ross) for piece in usage if piece.isupper()]
+    assert "MIXTURE" in pieces
+    assert not [piece for piece in pieces if len(piece.strip("[]. ")) < 3]

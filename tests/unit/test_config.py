@@ -25,7 +25,7 @@ def test_the_hop_is_counted_in_samples(tmp_path):
         ("[array]\nspacng_m = 0.05", "unknown key 'array.spacng_m'"),
         ("[array]\nspacing_m = 0", "array.spacing_m"),
         ("[array]\nspacing_m = nan", "array.spacing_m"),
-        ("[guard]\nlower_deg = 10\nupper_deg = -10", "must be below"),
+        ("[guard]\nlower_deg = 10\nupper_deg = -10", "expected lower_deg below upper_deg, got 10 and -10"),
         ("[guard]\npark_deg = 300", "park_deg"),
         ("[guard]\nmax_speed_deg_s = inf", "max_speed_deg_s"),
         ("[audio]\nhop_ms = 40", "hop_ms"),
@@ -33,7 +33,7 @@ def test_the_hop_is_counted_in_samples(tmp_path):
         ("[audio]\nframe = 129", "audio.frame"),
         ("[explore]\nframe = 1023", "explore.frame"),
         ("[audio]\nrate_hz = 8000", "audio.rate_hz"),
-        ("[explore]\nmin_rotations = 5\nmax_rotations = 4", "min_rotations = 5"),
+        ("[explore]\nmin_rotations = 5\nmax_rotations = 4", "expected min_rotations <= max_rotations, got 5 and 4"),
         ("not toml at all", "not TOML"),
         ("colour = 'red'", "unknown key 'colour'"),
     ],
@@ -50,7 +50,7 @@ def test_a_missing_file_and_a_binary_one_are_config_errors(tmp_path):
     with pytest.raises(ConfigError, match="cannot be read"):
         load(tmp_path / "nothing.toml")
     (tmp_path / "b.toml").write_bytes(bytes(range(128, 256)))
-    with pytest.raises(ConfigError, match="not UTF-8"):
+    with pytest.raises(ConfigError, match="expected UTF-8 text"):
         load(tmp_path / "b.toml")
 
 
@@ -68,3 +68,25 @@ def test_as_many_sources_can_be_told_as_can_be_found():
 
 def test_one_azimuth_at_two_heights_is_two_sources():
     assert Config.model_validate({"informed": {"azimuths_deg": [10, 10], "elevations_deg": [0, -60]}}).informed
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("[array]\nspacng_m = 0.05", "unknown key 'array.spacng_m'; did you mean 'spacing_m'?"),
+        ("[aray]\n", "unknown key 'aray'; did you mean 'array'?"),
+        ("[[links]]\nurl = 'udpin:1'\nrole_ = 'ground'", "unknown key 'links.0.role_'; did you mean 'role'?"),
+        ("[informed]\nazimuths_deg = [1.0]\ntaget = 0", "unknown key 'informed.taget'; did you mean 'target'?"),
+        ("[array]\nqqq = 0.05", "unknown key 'array.qqq'"),
+        ("[exploit]\nrules = 'bset'", "exploit.rules: expected 'best' or 'paper', got 'bset'; did you mean 'best'?"),
+        ("[audio]\nrate_hz = 3", "audio.rate_hz: expected a number greater than or equal to 16000, got 3"),
+        ("[audio]\nsource = 'tape'", "audio.source: expected device:NAME, file:PATH or tcp:HOST:PORT, got 'tape'"),
+        ("[informed]\nazimuths_deg = []", "informed.azimuths_deg: expected at least 1 item, got []"),
+        ("[[links]]\nrole = 'ground'", "links.0.url: expected a value, got none"),
+        (f"[audio]\nsource = '{'x' * 5000}'", f"got '{'x' * 77}...'"),
+    ],
+)
+def test_a_mistake_is_told_with_what_was_expected_and_what_may_be_meant(tmp_path, text, line):
+    with pytest.raises(ConfigError) as caught:
+        load(write(tmp_path / "a.toml", text))
+    assert str(caught.value).endswith(line)

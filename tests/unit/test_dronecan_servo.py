@@ -183,7 +183,7 @@ def test_lost_frames_on_the_bus_delay_nothing_and_harm_nothing(seed):
     [
         ({"node_id": 121}, "both 121"),
         ({"node_id": 128}, "less than or equal to 127"),
-        ({"lower_deg": 10, "upper_deg": 10}, "must be below"),
+        ({"lower_deg": 10, "upper_deg": 10}, "expected lower_deg below upper_deg, got 10 and 10"),
         ({"gear_ratio": 0.0}, "too near to 0"),
         ({"gear_ratio": math.nan}, "gear_ratio"),
         ({"command": "position", "at_lower": 0.5}, "follow from gear_ratio"),

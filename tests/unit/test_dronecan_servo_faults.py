@@ -104,7 +104,7 @@ def test_a_warning_of_the_servo_is_no_fault():
     [
         (OWN, NodeStatus(5), "has our node id 121"),
         (9, ArrayCommand((Command(1, 0, 0.3),)), "node 9 commands actuator 1 too"),
-        (9, Status(1, 0.0), "node 9 reports as actuator 1 too"),
+        (9, Status(1, 0.0), "alone, got node 9's too"),
     ],
 )
 def test_somebody_else_on_the_bus_is_a_fault(node, message, words):

@@ -86,8 +86,8 @@ def test_a_bus_that_is_gone_is_a_link_error(wire):
 @pytest.mark.parametrize(
     ("url", "words"),
     [
-        ("can:virtual", r"wanted can:INTERFACE:CHANNEL\[:BITRATE\] or can:tcp"),
-        ("can:virtual:x:fast", "wanted can:INTERFACE:CHANNEL"),
+        ("can:virtual", r"expected can:INTERFACE:CHANNEL\[:BITRATE\] or can:tcp"),
+        ("can:virtual:x:fast", "expected can:INTERFACE:CHANNEL"),
         ("can:carrier_pigeon:x", "'carrier_pigeon' cannot be used; there are: .*socketcan"),
         ("can:udp_multicast:239.0.0.1", "cannot be used"),
     ],

@@ -19,11 +19,11 @@ from ross_sim.clock import QUANTUM
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({120: 500.0}, r"\$120 is 500, above the acceleration of 112.5 deg/s\^2 that is allowed: wanted \$120=112.5"),
-        ({100: 250.0}, r"\$100 is 250 steps per degree: motor and gear want \$100=8.889"),
-        ({1: 25}, r"\$1 is 25: the motor would lose its torque at rest .* wanted \$1=255"),
-        ({10: 2}, r"\$10 is 2: .* wanted \$10=1"),
-        ({13: 1}, r"\$13 is 1: .* wanted \$13=0"),
+        ({120: 500.0}, r"\$120 is 500, above the acceleration of 112.5 deg/s\^2 that is allowed: set \$120=112.5"),
+        ({100: 250.0}, r"\$100 is 250 steps per degree: motor and gear need \$100=8.889"),
+        ({1: 25}, r"\$1 is 25: the motor would lose its torque at rest .* set \$1=255"),
+        ({10: 2}, r"\$10 is 2: .* set \$10=1"),
+        ({13: 1}, r"\$13 is 1: .* set \$13=0"),
     ],
 )
 def test_a_wrong_setting_is_one_clear_line_and_nothing_moves(settings, words):
@@ -42,7 +42,7 @@ def test_a_wrong_setting_is_one_clear_line_and_nothing_moves(settings, words):
 def test_an_absurd_setting_is_one_clear_line(number, value):
     good = {1: 255, 10: 1, 13: 0, 22: 0, 100: 8.889, 110: 13500, 120: 112.5}
     assert complaint(good, Options()) == ""
-    assert complaint(good | {number: value}, Options()) == f"grbl's ${number} is {value:g}: wanted a value above 0"
+    assert complaint(good | {number: value}, Options()) == f"grbl's ${number} is {value:g}: expected a value above 0"
 
 
 def test_settings_are_never_written():
@@ -59,7 +59,7 @@ def test_a_setting_that_was_mended_is_read_again_at_homing():
 
 def test_a_switch_needs_homing_to_be_enabled():
     bench = Bench({22: 0}, zero="switch").open()
-    assert "wanted $22=1" in bench.state.fault
+    assert "set $22=1" in bench.state.fault
 
 
 def test_an_axis_that_grbl_does_not_have_is_named():
@@ -78,7 +78,7 @@ def test_a_grbl_that_is_slower_than_the_options_is_told_in_the_log(caplog):
 
 def test_another_version_is_refused(monkeypatch):
     monkeypatch.setattr("ross_sim.devices.grbl_firmware.BUILD", ("[VER:0.9j.20160303:]",))
-    assert "found grbl 0.9j.20160303:: wanted 1.1" in Bench().open().state.fault
+    assert "expected grbl 1.1, got 0.9j.20160303:" in Bench().open().state.fault
 
 
 def test_where_nobody_answers_that_is_said_after_five_seconds():

@@ -234,5 +234,5 @@ def test_a_broken_plug_in_hurts_no_other(tmp_path: Path, monkeypatch: pytest.Mon
     assert not rows["aaa_broken"].usable
     assert "ZeroDivisionError" in rows["aaa_broken"].about
     assert "ross-payload[can]" in rows["aaa_lacking"].about
-    assert "wanted an object with Config and open" in rows["aaa_odd"].about
+    assert "expected an object with Config and open" in rows["aaa_odd"].about
     check_options(settings_of("ideal"))

@@ -9,6 +9,7 @@ from ross_payload.config import Link
 from ross_payload.errors import ConfigError
 from ross_payload.links import Links
 from ross_payload.links.signing import SigningTime, read_key
+from ross_protocols.signing import timestamp_of
 
 KEY = bytes(range(32))
 TODAY = 1_795_000_000.0  # UNIX [s]
@@ -44,14 +45,15 @@ def test_a_key_is_32_bytes_or_64_digits(tmp_path: Path, key_file: Path) -> None:
 @pytest.mark.parametrize("content", [b"", b"short", KEY + b"\n", b"g" * 64, KEY.hex().encode()[:-1]])
 def test_what_is_no_key_says_what_was_found(key_file: Path, content: bytes) -> None:
     key_file.write_bytes(content)
-    with pytest.raises(ConfigError, match=rf"^key_file .*: {len(content)} bytes found, 32 bytes or 64 hexadecimal"):
+    says = f"expected 32 bytes or 64 hexadecimal digits, got {len(content)} bytes"
+    with pytest.raises(ConfigError, match=rf"^key_file .*: {says}"):
         read_key(key_file)
 
 
 @pytest.mark.parametrize("mode", [0o644, 0o640, 0o604, 0o660])
 def test_a_key_that_others_can_read_is_refused_with_what_to_do(key_file: Path, mode: int) -> None:
     key_file.chmod(mode)
-    with pytest.raises(ConfigError, match=f"mode {mode:04o} found, 0600 wanted: chmod 600 {key_file}"):
+    with pytest.raises(ConfigError, match=f"expected mode 0600, got {mode:04o}: chmod 600 {key_file}"):
         read_key(key_file)
 
 
@@ -82,11 +84,11 @@ def test_a_disk_that_is_behind_stops_signing_and_nothing_else(tmp_path: Path) ->
     time.close()
 
 
-@pytest.mark.parametrize("content", ["", "yesterday", "12.5"])
-def test_a_broken_time_file_is_one_clear_line(tmp_path: Path, content: str) -> None:
+@pytest.mark.parametrize("content", ["", "yesterday", "12.5", "-1", str(2**48)])
+def test_a_broken_time_file_is_set_aside_and_nothing_from_before_is_believed(tmp_path: Path, content: str) -> None:
     (tmp_path / "signing-time").write_text(content)
-    with pytest.raises(ConfigError, match="the signing time cannot be read"):
-        SigningTime(tmp_path, lambda: TODAY, 0.0)
+    assert SigningTime(tmp_path, lambda: TODAY, 0.0).floor >= timestamp_of(TODAY)
+    assert (tmp_path / "signing-time.unreadable").read_text() == content
 
 
 def test_a_state_folder_that_takes_nothing_is_one_clear_line(tmp_path: Path) -> None:

@@ -101,14 +101,14 @@ def test_any_number_is_taken_as_it_is_or_refused_by_name(name, value):
 @pytest.mark.parametrize(
     ("name", "value", "says"),
     [
-        ("EXP_UNIT", math.nan, "EXP_UNIT: found nan, wanted a number from 0.5 to 60 s"),
-        ("EXP_UNIT", 0.1, "EXP_UNIT: found 0.1, wanted a number from 0.5 to 60 s"),
-        ("EXP_MAX_ROT", 3.5, "EXP_MAX_ROT: found 3.5, wanted a whole number from 1 to 24"),
-        ("EXP_MIN_ROT", 13, "EXP_MIN_ROT: min_rotations = 13 is above max_rotations = 12"),
-        ("GUARD_SPEED", 1, "GUARD_SPEED: no such parameter"),
+        ("EXP_UNIT", math.nan, "EXP_UNIT: expected a number from 0.5 to 60 s, got nan"),
+        ("EXP_UNIT", 0.1, "EXP_UNIT: expected a number from 0.5 to 60 s, got 0.1"),
+        ("EXP_MAX_ROT", 3.5, "EXP_MAX_ROT: expected a whole number from 1 to 24, got 3.5"),
+        ("EXP_MIN_ROT", 13, "EXP_MIN_ROT: expected min_rotations <= max_rotations, got 13 and 12"),
+        ("GUARD_SPEED", 1, "parameter 'GUARD_SPEED' is unknown; there are: EXP_LEAD_IN"),
     ],
 )
-def test_a_refusal_says_what_was_found_and_what_was_wanted(name, value, says):
+def test_a_refusal_says_what_was_expected_and_what_was_got(name, value, says):
     with pytest.raises(ConfigError) as refused:
         changed(Config(), name, value)
     assert str(refused.value).startswith(says)
@@ -215,7 +215,7 @@ def test_a_file_kept_aside_is_not_overwritten_by_the_next(file):
 @pytest.mark.parametrize(
     ("entry", "says"),
     [
-        ("EXP_UNIT = { value = 900.0, replaced = 3.0 }", "EXP_UNIT: found 900"),
+        ("EXP_UNIT = { value = 900.0, replaced = 3.0 }", "EXP_UNIT: expected a number from 0.5 to 60 s, got 900"),
         ("EXP_GONE = { value = 1.0, replaced = 3.0 }", "EXP_GONE: this version has no such parameter"),
     ],
 )

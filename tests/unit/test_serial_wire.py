@@ -151,7 +151,7 @@ def test_without_permission_the_group_is_named(tmp_path):
     "url", ["serial:", "serial:/dev/ttyUSB0", "serial:/dev/ttyUSB0:auto", "serial:/dev/ttyUSB0:fast", "serial:tcp:here"]
 )
 def test_a_wrong_url_says_what_is_wanted(url, clock):
-    with pytest.raises(ConfigError, match="wanted"):
+    with pytest.raises(ConfigError, match="expected"):
         SerialWire().open(url, clock)
 
 

@@ -79,7 +79,7 @@ def test_two_runs_do_not_write_into_one_folder(tmp_path):
 
 def test_a_journal_of_somebody_else_is_refused(tmp_path):
     (tmp_path / "journal.jsonl").write_text('{"mine": 1}\n')
-    with pytest.raises(ConfigError, match="not ours"), Store(tmp_path, WANTED):
+    with pytest.raises(ConfigError, match="expected lines of a study"), Store(tmp_path, WANTED):
         pass
     assert (tmp_path / "journal.jsonl").read_text() == '{"mine": 1}\n'
 

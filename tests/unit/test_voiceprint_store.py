@@ -75,7 +75,7 @@ def test_nobody_of_that_name(model, store):
 
 @pytest.mark.parametrize("name", ["", "../ann", "a/b", ".hidden", "a b", "x" * 65])
 def test_a_name_cannot_leave_the_store(name, model, store):
-    with pytest.raises(ConfigError, match="cannot name a voice"):
+    with pytest.raises(ConfigError, match="as the name of a voice"):
         store.save(name, model)
 
 
@@ -105,10 +105,10 @@ def damaged(**changes):
 @pytest.mark.parametrize(
     ("damage", "says"),
     [
-        (lambda text: text[:1000], "not JSON"),
-        (lambda _: "[]", "not a voice print"),
-        (damaged(format="wav"), "not a voice print"),
-        (damaged(version=7), "version 7, wanted 1"),
+        (lambda text: text[:1000], "expected JSON"),
+        (lambda _: "[]", "expected a voice print"),
+        (damaged(format="wav"), "expected a voice print"),
+        (damaged(version=7), "version 1, got 7"),
         (damaged(background="0" * 16), "another background model"),
         (damaged(offsets=[1.0]), "damaged"),
         (damaged(offsets=[["a"]]), "damaged"),

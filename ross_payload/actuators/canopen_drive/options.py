@@ -45,7 +45,7 @@ class Options(Table):
     @model_validator(mode="after")
     def _sensible(self) -> Options:
         if self.lower_deg >= self.upper_deg:
-            raise ValueError(f"lower_deg = {self.lower_deg:g} must be below upper_deg = {self.upper_deg:g}")
+            raise ValueError(f"expected lower_deg below upper_deg, got {self.lower_deg:g} and {self.upper_deg:g}")
         if self.node_id == self.own_node_id:
             raise ValueError(f"node_id and own_node_id are both {self.node_id}")
         if abs(self.gear_ratio) < 0.001:

@@ -170,9 +170,9 @@ def _identify(options: Options) -> Steps:
 def _check(options: Options) -> Steps:
     """Compare what the drive can do with what is wanted of it."""
     modes = yield Wish(cia402.SUPPORTED_MODES)
-    wanted = cia402.Mode.PROFILE_POSITION.bit | (cia402.Mode.HOMING.bit if not options.absolute else 0)
-    if (modes or 0) & wanted != wanted:
-        raise ActuatorFault(f"the drive lacks a mode: it has 0x{modes or 0:X}, wanted 0x{wanted:X}")
+    asked = cia402.Mode.PROFILE_POSITION.bit | (cia402.Mode.HOMING.bit if not options.absolute else 0)
+    if (modes or 0) & asked != asked:
+        raise ActuatorFault(f"the drive lacks a mode: expected 0x{asked:X}, got 0x{modes or 0:X}")
     lowest = yield Wish(cia402.LOWEST, needed=False)
     highest = yield Wish(cia402.HIGHEST, needed=False)
     if lowest is not None and highest is not None:

@@ -193,7 +193,9 @@ class ServoClient:
                 self.event = f"another node has the servo's id {node}"
             self._take_of_servo(message, received.transfer, now)
         elif self._is_report(message):
-            self.event = f"node {node} reports as actuator {number} too; wanted node {self._options.node_id}"
+            self.event = (
+                f"actuator {number}: expected reports of node {self._options.node_id} alone, got node {node}'s too"
+            )
 
     def _commands_ours(self, message: ArrayCommand | AngularCommand) -> bool:
         gimbal, number = self._options.command == "gimbal", self._options.number

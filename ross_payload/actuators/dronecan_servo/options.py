@@ -42,7 +42,7 @@ class Options(Table):
     @model_validator(mode="after")
     def _sensible(self) -> Options:
         if self.lower_deg >= self.upper_deg:
-            raise ValueError(f"lower_deg = {self.lower_deg:g} must be below upper_deg = {self.upper_deg:g}")
+            raise ValueError(f"expected lower_deg below upper_deg, got {self.lower_deg:g} and {self.upper_deg:g}")
         if self.node_id == self.own_node_id:
             raise ValueError(f"node_id and own_node_id are both {self.node_id}")
         if abs(self.gear_ratio) < 0.001:
@@ -51,7 +51,9 @@ class Options(Table):
             if self.at_lower is not None or self.at_upper is not None:
                 raise ValueError("position commands follow from gear_ratio; at_lower and at_upper are for the others")
             if self.command == "gimbal" and abs(self.gear_ratio) != 1:
-                raise ValueError(f"gear_ratio = {self.gear_ratio:g}: a gimbal does not count turns; wanted 1 or -1")
+                raise ValueError(
+                    f"gear_ratio: expected 1 or -1, for a gimbal does not count turns, got {self.gear_ratio:g}"
+                )
         else:
             self._check_ends(*RANGES[self.command])
         return self
@@ -59,8 +61,8 @@ class Options(Table):
     def _check_ends(self, least: float, most: float) -> None:
         lower, upper = self.ends
         if not (least <= lower <= most and least <= upper <= most) or spacing(most) > abs(upper - lower) / 10:
-            found = f"at_lower = {lower:g}, at_upper = {upper:g}"
-            raise ValueError(f"{found}: wanted two different values from {least:g} to {most:g}")
+            expected = f"expected two different values from {least:g} to {most:g}"
+            raise ValueError(f"at_lower, at_upper: {expected}, got {lower:g} and {upper:g}")
 
     @property
     def angular(self) -> bool:

@@ -45,7 +45,7 @@ def complaint(settings: dict[int, float], options: Options) -> str:
 
     >>> good = {1: 255, 10: 1, 13: 0, 22: 0, 100: 8.889, 110: 13500, 120: 112.5}
     >>> complaint(good, Options()), complaint(good | {120: 500}, Options())
-    ('', "grbl's $120 is 500, above the acceleration of 112.5 deg/s^2 that is allowed: wanted $120=112.5")
+    ('', "grbl's $120 is 500, above the acceleration of 112.5 deg/s^2 that is allowed: set $120=112.5")
     """
     steps, speed, acceleration = (first + options.index for first in (STEPS, MAX_RATE, ACCELERATION))
     needed = (IDLE_DELAY, REPORT_MASK, INCHES, HOMING, steps, speed, acceleration)
@@ -54,26 +54,26 @@ def complaint(settings: dict[int, float], options: Options) -> str:
             return f"grbl does not tell ${number}: has it an axis {options.axis}, and version 1.1?"
     for number in (steps, speed, acceleration):
         if settings[number] < PLAUSIBLE:
-            return f"grbl's ${number} is {settings[number]:g}: wanted a value above 0"
-    wanted, cap = per_degree(options.resolution), options.max_acceleration_deg_s2
-    if abs(settings[steps] - wanted) > ROUNDING:
-        return f"grbl's ${steps} is {settings[steps]:g} steps per degree: motor and gear want ${steps}={wanted:.3f}"
+            return f"grbl's ${number} is {settings[number]:g}: expected a value above 0"
+    scale, cap = per_degree(options.resolution), options.max_acceleration_deg_s2
+    if abs(settings[steps] - scale) > ROUNDING:
+        return f"grbl's ${steps} is {settings[steps]:g} steps per degree: motor and gear need ${steps}={scale:.3f}"
     if settings[acceleration] > cap + ROUNDING:
         found = f"grbl's ${acceleration} is {settings[acceleration]:g}"
-        return f"{found}, above the acceleration of {cap:g} deg/s^2 that is allowed: wanted ${acceleration}={cap:g}"
+        return f"{found}, above the acceleration of {cap:g} deg/s^2 that is allowed: set ${acceleration}={cap:g}"
     if options.zero == "switch" and not settings[HOMING]:
-        return "zero is 'switch', but grbl's $22 is 0: wanted $22=1"
+        return "zero is 'switch', but grbl's $22 is 0: set $22=1"
     return _complaint_of_modes(settings)
 
 
 def _complaint_of_modes(settings: dict[int, float]) -> str:
     if settings[IDLE_DELAY] != 255:
         found = f"grbl's $1 is {settings[IDLE_DELAY]:g}"
-        return f"{found}: the motor would lose its torque at rest and the position with it: wanted $1=255"
+        return f"{found}: the motor would lose its torque at rest and the position with it: set $1=255"
     if not int(settings[REPORT_MASK]) & 1:
-        return f"grbl's $10 is {settings[REPORT_MASK]:g}: it would not tell machine positions: wanted $10=1"
+        return f"grbl's $10 is {settings[REPORT_MASK]:g}: it would not tell machine positions: set $10=1"
     if settings[INCHES]:
-        return "grbl's $13 is 1: it would report in inches: wanted $13=0"
+        return "grbl's $13 is 1: it would report in inches: set $13=0"
     return ""
 
 

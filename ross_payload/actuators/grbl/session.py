@@ -137,7 +137,7 @@ class Session:
             for line in (b"\n", b"$I\n", b"$$\n"):  # the first ends what somebody left half said
                 yield from self._told(line, refused=line == b"\n")
         if not self._version.startswith("1.1"):
-            raise ActuatorFault(f"found grbl {self._version or 'of an unknown version'}: wanted 1.1")
+            raise ActuatorFault(f"expected grbl 1.1, got {self._version or 'an unknown version'}")
         wrong = complaint(self._settings, self._options)
         if wrong:
             raise ActuatorFault(wrong)

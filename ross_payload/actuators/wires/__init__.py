@@ -65,6 +65,34 @@ def open_wire(url: str, clock: Clock) -> Port:
     return wire.open(url, clock)
 
 
+def check_wire(url: str) -> None:
+    """Refuse a URL that `open_wire` refuses, and open nothing; a plug-in without ``check`` is asked when it opens.
+
+    Raises
+    ------
+    ConfigError
+        When its scheme or what follows is unknown; lists what there is.
+    """
+    check = getattr(plugins.load(GROUP, url.partition(":")[0]), "check", None)
+    if check is not None:
+        check(url)
+
+
+def served_at(url: str) -> Tcp:
+    """Read SCHEME:tcp:HOST:PORT.
+
+    Raises
+    ------
+    ConfigError
+        When it is something else.
+    """
+    scheme, _, rest = url.partition(":")
+    address = parse(rest)
+    if not isinstance(address, Tcp):
+        raise ConfigError(f"wire '{url}': expected {scheme}:tcp:HOST:PORT")
+    return address
+
+
 class TcpWire:
     """A wire over a connected socket. What was sent to a device that has gone is lost; `receive` says so.
 
@@ -166,9 +194,7 @@ def connect(url: str, codec: Codec, clock: Clock) -> TcpWire:
     LinkError
         When nobody answers, or somebody else than the device wanted.
     """
-    address = parse(url.partition(":")[2])
-    if not isinstance(address, Tcp):
-        raise ConfigError(f"wire '{url}': wanted {url.partition(':')[0]}:tcp:HOST:PORT")
+    address = served_at(url)
     try:
         connection = socket.create_connection((address.host, address.port), timeout=PATIENCE)
     except OSError as error:

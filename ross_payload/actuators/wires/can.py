@@ -10,7 +10,7 @@ from typing import Any
 
 import can
 
-from ross_payload.actuators.wires import connect
+from ross_payload.actuators.wires import connect, served_at
 from ross_payload.actuators.wires.can_codec import CanCodec
 from ross_payload.errors import ConfigError, LinkError
 from ross_payload.interfaces import Clock, Port
@@ -95,18 +95,46 @@ class CanWire:
             return connect(url, CanCodec(), clock)
         if url.startswith("can:socketcand:"):
             return _at_hub(url)
-        parts = _URL.fullmatch(url)
-        if parts is None:
-            ways = "can:INTERFACE:CHANNEL[:BITRATE] or can:tcp:HOST:PORT, or can:socketcand:HOST:PORT[:CHANNEL]"
-            raise ConfigError(f"wire '{url}': wanted {ways}")
-        return _joined(url, parts)
+        return _joined(url, _bus_of(url))
+
+    def check(self, url: str) -> None:
+        """Refuse a URL that is malformed, or whose interface is unknown.
+
+        Raises
+        ------
+        ConfigError
+            When it is one.
+        """
+        if url.startswith("can:tcp:"):
+            served_at(url)
+        elif url.startswith("can:socketcand:"):
+            _hub_of(url)
+        else:
+            _bus_of(url)
+
+
+def _hub_of(url: str) -> re.Match[str]:
+    found = _HUB.fullmatch(url)
+    if found is None or not 0 < int(found["port"]) < 65536:
+        raise ConfigError(f"wire '{url}': expected can:socketcand:HOST:PORT[:CHANNEL]")
+    return found
+
+
+def _bus_of(url: str) -> re.Match[str]:
+    parts = _URL.fullmatch(url)
+    if parts is None:
+        ways = "can:INTERFACE:CHANNEL[:BITRATE] or can:tcp:HOST:PORT, or can:socketcand:HOST:PORT[:CHANNEL]"
+        raise ConfigError(f"wire '{url}': expected {ways}")
+    interface = parts["interface"]
+    if interface not in can.VALID_INTERFACES or interface == "udp_multicast":  # which hears itself
+        there = ", ".join(sorted(set(can.VALID_INTERFACES) - {"udp_multicast"}))
+        raise ConfigError(f"wire '{url}': interface '{interface}' cannot be used; there are: {there}")
+    return parts
 
 
 def _at_hub(url: str) -> CanPort:
     """Join a bus that a socketcand server has."""
-    found = _HUB.fullmatch(url)
-    if found is None or not 0 < int(found["port"]) < 65536:
-        raise ConfigError(f"wire '{url}': wanted can:socketcand:HOST:PORT[:CHANNEL]")
+    found = _hub_of(url)
     host, port = found["host"], int(found["port"])
     try:
         with socket.create_connection((host, port), GREETING) as probe:  # python-can itself tries for 10 s
@@ -121,9 +149,6 @@ def _at_hub(url: str) -> CanPort:
 
 def _joined(url: str, parts: re.Match[str]) -> CanPort:
     interface = parts["interface"]
-    if interface not in can.VALID_INTERFACES or interface == "udp_multicast":  # which hears itself
-        there = ", ".join(sorted(set(can.VALID_INTERFACES) - {"udp_multicast"}))
-        raise ConfigError(f"wire '{url}': interface '{interface}' cannot be used; there are: {there}")
     rate: dict[str, Any] = {"bitrate": int(parts["bitrate"])} if parts["bitrate"] else {}
     try:
         return CanPort(can.Bus(parts["channel"], interface, ignore_config=True, **rate), url)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ross_payload.actuators.tb6600.pulses import PulseCodec, RecordingPulses
-from ross_payload.actuators.wires import connect
-from ross_payload.actuators.wires.gpio import SCHEME, open_pins
+from ross_payload.actuators.wires import connect, served_at
+from ross_payload.actuators.wires.gpio import SCHEME, open_pins, pins_of
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clock, Port
 
@@ -24,13 +24,27 @@ class PulseWire:
         LinkError
             When it cannot be opened.
         """
+        self.check(url)
         if url == "pulses:recording":
             return RecordingPulses(clock.now)
         if url.startswith("pulses:tcp:"):
             return connect(url, PulseCodec(), clock)
-        if url.startswith(SCHEME):
-            return open_pins(url, clock)
-        raise ConfigError(f"pulse port '{url}' is unknown; there are: {KNOWN}")
+        return open_pins(url, clock)
+
+    def check(self, url: str) -> None:
+        """Refuse a URL that names no port.
+
+        Raises
+        ------
+        ConfigError
+            When it names none that exists.
+        """
+        if url.startswith("pulses:tcp:"):
+            served_at(url)
+        elif url.startswith(SCHEME):
+            pins_of(url)
+        elif url != "pulses:recording":
+            raise ConfigError(f"pulse port '{url}' is unknown; there are: {KNOWN}")
 
 
 wire = PulseWire()

@@ -16,10 +16,10 @@ import termios
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ross_payload.actuators.wires import connect
+from ross_payload.actuators.wires import connect, served_at
 from ross_payload.errors import ConfigError, LinkError
 from ross_payload.interfaces import Clock, Port
-from ross_payload.links.address import Serial, parse
+from ross_payload.links.address import Serial, Tcp, parse
 
 if TYPE_CHECKING:
     import serial
@@ -192,12 +192,23 @@ class SerialWire:
         LinkError
             When the line cannot be opened.
         """
+        address = self.check(url)
+        return connect(url, RawCodec(), clock) if isinstance(address, Tcp) else SerialPort(address, url, clock)
+
+    def check(self, url: str) -> Serial | Tcp:
+        """Read a URL.
+
+        Raises
+        ------
+        ConfigError
+            When it is malformed.
+        """
         if url.startswith("serial:tcp:"):
-            return connect(url, RawCodec(), clock)
+            return served_at(url)
         address = parse(url)
         if not isinstance(address, Serial) or address.baud is None:
-            raise ConfigError(f"wire '{url}': wanted serial:DEVICE:BAUD or serial:tcp:HOST:PORT")
-        return SerialPort(address, url, clock)
+            raise ConfigError(f"wire '{url}': expected serial:DEVICE:BAUD or serial:tcp:HOST:PORT")
+        return address
 
 
 wire = SerialWire()

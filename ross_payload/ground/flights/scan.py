@@ -6,7 +6,6 @@ the next place is sought where two good ones do.
 
 from __future__ import annotations
 
-import re
 import struct
 from collections import Counter
 from dataclasses import dataclass, field, fields
@@ -15,20 +14,16 @@ import numpy as np
 from fastcrc.crc16 import mcrf4xx
 from numpy.typing import NDArray
 
+from ross_payload.ground.flights.resync import CHAIN, HEAD, LONGEST, STAMP, V1, V2, chained
 from ross_payload.ground.flights.tape import Tape
 from ross_protocols.dialect import MESSAGES, common, ross
 from ross_protocols.tunnel import TYPE
 
-V1, V2 = 0xFE, 0xFD
-STAMP = 8  # [bytes] of the time before every frame
-HEAD = 10  # [bytes] of a frame
-LONGEST = STAMP + HEAD + 2 + 255 + 13  # record [bytes]
-MARKER = re.compile(b"[\xfd\xfe]")
 EXTRAS = {number: bytes([message.crc_extra]) for number, message in MESSAGES.items()}
 TUNNEL = common.MAVLINK_MSG_ID_TUNNEL
 INSIDE = 5  # [bytes] of TUNNEL's payload before what it carries
 STATUS = ross.MAVLINK_MSG_ID_ROSS_STATUS
-CHAIN = 8  # records of unknown messages in a row that are no accident
+STRETCH = 1 << 18  # that is judged at once where records are sought [bytes]
 FUTILE = 1 << 24  # so many bytes without a frame are no log [bytes]
 NO_STATE = 255
 _STATUS = ross.MAVLink_ross_status_message
@@ -86,6 +81,7 @@ class _Walk:
         self.damage = Damage()
         self._lost = True  # until records follow each other
         self._hole = False  # what is skipped belongs to the hole before
+        self._judged: tuple[bytes, int, int, NDArray[np.int64]] = b"", 0, 0, np.empty(0, np.int64)
 
     def over(self, data: bytes, first: bool, last: bool) -> tuple[list[int], list[int], int]:
         """Return places and sizes of the frames in ``data``, and how far it was looked at; all of the ``last``."""
@@ -110,14 +106,26 @@ class _Walk:
 
     def _search(self, data: bytes, here: int, limit: int) -> int:
         """Return where records begin again, or ``limit``."""
-        places = (match.start() - STAMP for match in MARKER.finditer(data, here + STAMP + 1))
-        found = min(next((place for place in places if place >= limit or _chained(data, place)), limit), limit)
+        found = self._next(data, here + 1, limit)
         self.damage.cut &= found == len(data)  # else only its length was damaged
         if not self.damage.cut:
             self.damage.skipped += found - here
             self.damage.holes += not self._hole
             self._hole = True
         return found
+
+    def _next(self, data: bytes, here: int, limit: int) -> int:
+        """Return the first place from ``here`` on where records follow each other, or ``limit``."""
+        while here < limit:
+            if data is not self._judged[0] or not self._judged[1] <= here < self._judged[2]:
+                end = min(here + STRETCH, limit)
+                self._judged = data, here, end, chained(data, here, end)
+            places = self._judged[3]
+            index = int(np.searchsorted(places, here))
+            if index < len(places):
+                return int(places[index])
+            here = self._judged[2]
+        return limit
 
 
 def _head(data: bytes, at: int) -> tuple[int, int]:

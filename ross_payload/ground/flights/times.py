@@ -10,6 +10,7 @@ BACK = 1_000_000  # [us] by which a clock falls that was set; less is the order 
 AHEAD = 86_400_000_000  # [us] by which a clock leaps that was set; less is a pause
 ALONE = 1_000_000  # [us] by which one stamp is off both its neighbours when it is wrong
 SET = 946_684_800_000_000  # UNIX time of 2000 [us]: a clock that says less counts from a start
+LAST = 253_402_300_800_000_000  # UNIX time of 10000 [us]: no calendar goes further
 
 
 def seconds_of(usec: Micros) -> tuple[NDArray[np.float64], float | None, int]:
@@ -25,7 +26,7 @@ def seconds_of(usec: Micros) -> tuple[NDArray[np.float64], float | None, int]:
     smooth = stamps - np.cumsum(np.where(jumps, steps, 0))
     at = np.maximum.accumulate(smooth) - smooth[0]
     start = int(stamps[-1] - (smooth[-1] - smooth[0]))
-    return at / 1e6, start / 1e6 if start > SET else None, int(jumps.sum()) + lonely
+    return at / 1e6, start / 1e6 if SET < start < LAST else None, int(jumps.sum()) + lonely
 
 
 def _without_lonely(stamps: Micros) -> tuple[Micros, int]:

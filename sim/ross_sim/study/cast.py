@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, unknown
 from ross_payload.interfaces import Real, Samples
 from ross_sim.speech import Voice, load_folder
 from ross_sim.study.design import Study, Task
@@ -56,7 +56,7 @@ def voices_of(source: Source) -> tuple[Voice, ...]:
     for name in source.talkers:
         if name not in by_name:
             where = source.folder or "the synthetic voices"
-            raise ConfigError(f"{where}: talker '{name}' is unknown; there are: {', '.join(by_name)}")
+            raise ConfigError(f"{where}: {unknown('talker', name, by_name)}")
     return tuple(by_name[name] for name in source.talkers or by_name)
 
 
@@ -66,15 +66,15 @@ def check_voices(voices: Sequence[Voice], study: Study) -> None:
     Raises
     ------
     ConfigError
-        Says how many or how long, and what was wanted.
+        Says how many or how long it must be, and is.
     """
     if len(voices) < max(study.k):
-        raise ConfigError(f"{len(voices)} talkers found, K = {max(study.k)} wanted")
-    wanted = study.run_s + EXPLORED
+        raise ConfigError(f"expected {max(study.k)} talkers for K = {max(study.k)}, got {len(voices)}")
+    needed = study.run_s + EXPLORED
     for voice in voices:
-        if voice.speech.size < wanted * study.rate_hz:
+        if voice.speech.size < needed * study.rate_hz:
             seconds = voice.speech.size / study.rate_hz
-            raise ConfigError(f"talker '{voice.name}': {seconds:.1f} s of speech; at least {wanted:g} s wanted")
+            raise ConfigError(f"talker '{voice.name}': expected at least {needed:g} s of speech, got {seconds:.1f} s")
 
 
 def heard_as(voices: Sequence[Voice]) -> dict[str, str]:

@@ -161,7 +161,7 @@ def main(speech: Path, repeats: int, seed: int) -> None:
             raise click.ClickException(str(error)) from error
         need = max(case.n_sources for cases in GROWTH.values() for case in cases)
         if len(voices) < need:
-            raise click.ClickException(f"{speech}: {len(voices)} talkers, wanted {need}")
+            raise click.ClickException(f"{speech}: expected {need} talkers, got {len(voices)}")
         lines = comparison(compared(voices, repeats, seed))
         click.echo("\n".join(lines))
         for title, cases in GROWTH.items():

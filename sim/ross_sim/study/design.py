@@ -14,7 +14,7 @@ from pydantic import ConfigDict, Field, field_validator
 from ross_payload import plugins
 from ross_payload.config import Positive, Table, read_toml, validated
 from ross_payload.dsp.stft import Stft
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, unknown
 from ross_sim.cache import fingerprint
 from ross_sim.study.oracles import ORACLES
 from ross_sim.study.rooms import PLANES, SETTINGS
@@ -181,7 +181,7 @@ def chosen(name: str, changes: dict[str, Any], quick: bool) -> Study:
     """
     base = PRESETS.get(name) or (read_toml(Path(name)) if name.endswith(".toml") else None)
     if base is None:
-        raise ConfigError(f"preset '{name}' is unknown; there are: {', '.join(PRESETS)}; or name a FILE.toml")
+        raise ConfigError(f"{unknown('preset', name, PRESETS)} (a .toml file will do, too)")
     study = validated(Study, base | changes, name)
     if quick:
         rotations = tuple(dict.fromkeys(min(count, 4) if count != STOP else 4 for count in study.rotations))
@@ -207,20 +207,24 @@ def check_names(study: Study) -> None:
     """
     for name in study.settings:
         if name not in SETTINGS:
-            raise ConfigError(f"setting '{name}' is unknown; there are: {', '.join(SETTINGS)}")
+            raise ConfigError(unknown("setting", name, SETTINGS))
     separators = plugins.available("ross_payload.separators")
     for name in study.separators:
         if name not in separators and name not in ORACLES:
-            raise ConfigError(f"separator '{name}' is unknown; there are: {', '.join([*separators, *ORACLES])}")
+            raise ConfigError(unknown("separator", name, [*separators, *ORACLES]))
         if name not in ORACLES:
             plugins.load("ross_payload.separators", name)
     for name in study.explorers:
         plugins.load("ross_payload.explorers", name)
     if study.tell_k and set(study.explorers) - {"joint"}:
-        raise ConfigError(f"joint alone can be told K, found the explorers {', '.join(study.explorers)}")
+        raise ConfigError(
+            f"tell_k: expected the explorer joint alone, which can be told K, got {', '.join(study.explorers)}"
+        )
     if not study.separators and not study.explorers:
-        raise ConfigError("a study needs at least one separator or explorer, found neither")
+        raise ConfigError("expected at least one separator or explorer, got neither")
     if not study.paper_layout and not study.layouts:
-        raise ConfigError("a study needs at least one layout, found 0")
+        raise ConfigError("layouts: expected at least one, got 0")
     if study.paper_layout and max(study.k) > 5:
-        raise ConfigError(f"the paper's layout has five talkers, not {max(study.k)}: wanted paper_layout = false")
+        raise ConfigError(
+            f"k: expected at most 5, the talkers of the paper's layout, or paper_layout = false, got {max(study.k)}"
+        )

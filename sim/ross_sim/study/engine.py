@@ -14,6 +14,7 @@ import threading
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from multiprocessing.process import BaseProcess
 from typing import Any
 
@@ -66,7 +67,26 @@ def _end_with(parent: BaseProcess) -> None:
 
 
 def _end(pool: ProcessPoolExecutor) -> None:
-    """End the processes of a pool at once, whatever they do."""
+    """End the processes of a pool at once, whatever they do, and wait until its thread has seen it.
+
+    That thread closes a pipe as its last act. Until it has, the exit hook of `concurrent.futures` may write to that
+    pipe after looking whether it is open, and fail with a traceback after all was said and kept. A second Ctrl-C must
+    not cut the wait short: it would leave the same race.
+    """
     for process in list((pool._processes or {}).values()):
         process.kill()
-    pool.shutdown(wait=False, cancel_futures=True)
+    with _deaf():
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _deaf() -> Generator[None]:
+    """Do not hear Ctrl-C for a moment; other threads than the main one never do."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

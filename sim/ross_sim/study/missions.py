@@ -112,7 +112,7 @@ def changed(scenario: Scenario, settings: Sequence[str], talkers: int | None) ->
         key, _, value = setting.partition("=")
         table, _, name = key.partition(".")
         if table not in values["payload"] or not name:
-            raise ConfigError(f"--set {setting}: wanted TABLE.KEY=VALUE of the payload")
+            raise ConfigError(f"--set: expected TABLE.KEY=VALUE of the payload, got '{setting}'")
         try:
             asked = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError as error:

@@ -25,6 +25,7 @@ from typing import Any, Self
 import ross_payload
 import ross_sim
 import ross_sim.study
+from ross_payload.bounded_files import parsed_json, read_bounded
 from ross_payload.errors import ConfigError, OutputError
 from ross_sim.study.design import Study
 from ross_sim.study.rows import Result, columns, decode, encode
@@ -108,9 +109,11 @@ class Store:
 
     def _remember(self, line: bytes) -> None:
         try:
-            result = decode(json.loads(line))
+            result = decode(parsed_json(line))
         except (ValueError, KeyError, TypeError) as error:
-            raise ConfigError(f"{self.folder / 'journal.jsonl'}: holds a line that is not ours: {error}") from error
+            raise ConfigError(
+                f"{self.folder / 'journal.jsonl'}: expected lines of a study, got something else: {error}"
+            ) from error
         self.results[result.task] = result
 
     def _claim(self, wanted: dict[str, Any]) -> None:
@@ -120,7 +123,7 @@ class Store:
             self.write("study.json", (json.dumps(wanted, indent=2) + "\n").encode())
             return
         try:
-            found = json.loads(path.read_text(encoding="utf-8"))
+            found = parsed_json(read_bounded(path))
         except (OSError, ValueError) as error:
             raise ConfigError(f"{path}: cannot be read, so the journal beside it may be another study's") from error
         other = difference(found, wanted)

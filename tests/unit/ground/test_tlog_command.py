@@ -227,8 +227,8 @@ def test_one_of_many_can_be_asked_for(tlog, fleet_log):
     [
         (["--payload", "9-191"], "payload 9-191: not in this flight; found 1-191, 2-191"),
         (["--payload", "x"], "'x' found, system-component wanted, as in 1-191"),
-        (["--picture", "a.tlog"], "a.tlog found, a name that ends with .png or .svg wanted"),
-        (["--mcap", "a.png"], "a.png found, a name that ends with .mcap wanted"),
+        (["--picture", "a.tlog"], "expected a name that ends with .png or .svg, got a.tlog"),
+        (["--mcap", "a.png"], "expected a name that ends with .mcap, got a.png"),
         (["--picture", "/nowhere/a.png"], "/nowhere/a.png: cannot be written: No such file or directory"),
     ],
 )

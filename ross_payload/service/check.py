@@ -1,0 +1,129 @@
+"""What `ross run` asks of a configuration before it opens anything; `ross config check` asks the same and no more.
+
+Nothing here touches a device, a bus or a network: these may come later. Files that the configuration names must be
+there: a recording to play, the keys of links, the voice print of the target.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ross_payload import config as settings
+from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.actuators.wires import check_wire
+from ross_payload.audio.network import host_and_port
+from ross_payload.audio.sources import open_source
+from ross_payload.audio.wiring import Wiring
+from ross_payload.clock import SystemClock
+from ross_payload.config import Config
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Services
+from ross_payload.links.address import parse
+from ross_payload.links.signing import read_key
+from ross_payload.service.assemble import tools_of
+from ross_payload.service.dronecan import check_one_id
+from ross_payload.service.folders import check_state_folder
+from ross_payload.voiceprint import VoiceStore
+
+LINKS = "mavlink:"  # the port of a driver that shares the links
+SCENARIO = "talkers"  # a key that only scenarios of the simulator have
+
+
+def loaded(path: Path) -> Config:
+    """Load the TOML file of a payload that can be run.
+
+    Raises
+    ------
+    RossError
+        With one line that names the file, the table and the key.
+    """
+    values = settings.read_toml(path)
+    if SCENARIO in values:
+        raise ConfigError(f"{path}: expected a payload, got a scenario of the simulator: ross sitl --scenario {path}")
+    config = settings.validated(Config, values, str(path))
+    try:
+        check(config)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from error
+    return config
+
+
+def check(config: Config) -> None:
+    """Refuse what cannot be run.
+
+    Raises
+    ------
+    RossError
+        With one line that names the table and the key, what was expected and what was got.
+    """
+    _check_links(config)
+    _check_audio(config)
+    _check_voice(config)
+    check_state_folder(config)
+    checked_options(config)
+    check_one_id(config)
+    for key, port in _ports(config):
+        _at(key, partial(check_wire, port))
+    open_actuator(config, Services(SystemClock(), _refused))  # it is not entered, so its wire stays closed
+    tools_of(config, None)
+
+
+def _check_links(config: Config) -> None:
+    for number, link in enumerate(config.links):
+        _at(f"links.{number}.url", partial(parse, link.url))
+        if link.key_file:
+            _at(f"links.{number}", partial(read_key, Path(link.key_file).expanduser()))
+    urls = [link.url for link in config.links]
+    for number, url in enumerate(urls):
+        if url in urls[:number]:
+            raise ConfigError(f"links.{number}.url: expected each URL once, got '{url}' twice")
+    roles = {link.role for link in config.links}
+    for key, value, needs in (
+        ("mount.source", config.mount.source, "autopilot"),
+        ("gimbal.mode", config.gimbal.mode, "device"),
+    ):
+        if value == needs and "autopilot" not in roles:
+            raise ConfigError(f"{key} = '{value}': expected a link of role 'autopilot', got none")
+    if config.actuator.kind == "mavlink_gimbal" and not config.links:
+        raise ConfigError("actuator.kind = 'mavlink_gimbal': expected [[links]] as the way to it, got none")
+
+
+def _check_audio(config: Config) -> None:
+    kind, _, rest = config.audio.source.partition(":")
+    Wiring.of(config.audio)
+    if kind == "tcp":
+        host_and_port(rest)
+    elif kind == "file":
+        with open_source(config, SystemClock()):
+            return
+
+
+def _check_voice(config: Config) -> None:
+    name, store = config.service.target, VoiceStore.default()
+    if config.service.autostart == "seek" and not name:
+        raise ConfigError("service.target: expected the name of an enrolled voice for autostart = 'seek', got none")
+    if name:
+        _at("service.target", partial(store.check, name))
+
+
+def _ports(config: Config) -> Iterator[tuple[str, str]]:
+    port = getattr(checked_options(config), "port", "")
+    if port and not port.startswith(LINKS):
+        yield "actuator.options.port", port
+    if config.dronecan.port:
+        yield "dronecan.port", config.dronecan.port
+
+
+def _at(key: str, call: Callable[[], Any]) -> None:
+    """Name the key whose value is refused."""
+    try:
+        call()
+    except ConfigError as error:
+        raise ConfigError(f"{key}: {error}") from error
+
+
+def _refused(url: str) -> NoReturn:
+    raise ConfigError(f"{url}: a driver that opens its wire before it is entered cannot be checked")

@@ -1,0 +1,97 @@
+"""`ross config check` refuses whatever `ross run` refuses before it opens a device, in the same words."""
+
+import os
+import re
+from functools import partial
+
+import numpy as np
+import pytest
+import soundfile
+
+from command_line import called
+
+LINK = "[[links]]\nurl = {!r}\n"
+BAD = {
+    "a URL of something else": LINK.format("file:///etc/passwd"),
+    "a port that is none": LINK.format("udpin:127.0.0.1:99999"),
+    "port 0": LINK.format("tcpin:127.0.0.1:0"),
+    "no host": LINK.format("udpout::14550"),
+    "a baud rate that is none": LINK.format("serial:/dev/ttyAMA0:fast"),
+    "one URL twice": LINK.format("udpin:127.0.0.1:14550") * 2,
+    "a key that is missing": LINK.format("udpin:127.0.0.1:14550") + "key_file = 'no-key'\n",
+    "a key that is a named pipe": LINK.format("udpin:127.0.0.1:14550") + "key_file = 'pipe'\n",
+    "a key for everybody": LINK.format("udpin:127.0.0.1:14550") + "key_file = 'open-key'\n",
+    "a key that is too short": LINK.format("udpin:127.0.0.1:14550") + "key_file = 'short-key'\n",
+    "a target that is a path": "[service]\ntarget = '../../../etc/shadow'\n",
+    "a target that nobody knows": "[service]\ntarget = 'nobody'\n",
+    "nobody to seek": "[service]\nautostart = 'seek'\n",
+    "a state folder in a file": "[service]\nstate_dir = 'a.wav/state'\n",
+    "one channel twice": "[audio]\nchannels = [0, 0]\n",
+    "a channel that is not opened": "[audio]\nchannels = [0, 5]\ndevice_channels = 2\n",
+    "a recording that is missing": "[audio]\nsource = 'file:missing.wav'\n",
+    "a recording that is text": "[audio]\nsource = 'file:text.wav'\n",
+    "a recording of another rate": "[audio]\nsource = 'file:a.wav'\nrate_hz = 48000\n",
+    "audio from no port": "[audio]\nsource = 'tcp:127.0.0.1:99999'\n",
+    "audio from a port of many digits": f"[audio]\nsource = 'tcp:127.0.0.1:{'9' * 5000}'\n",
+    "audio from nothing": "[audio]\nsource = 'tape:1'\n",
+    "no autopilot for the mount": "[mount]\nsource = 'autopilot'\n",
+    "no autopilot for the gimbal": "[gimbal]\nmode = 'device'\n",
+    "no way to the gimbal": "[actuator]\nkind = 'mavlink_gimbal'\n",
+    "two gimbals": LINK.format("udpin:127.0.0.1:14550")
+    + "[actuator]\nkind = 'mavlink_gimbal'\n[gimbal]\nmode='device'",
+    "no such actuator": "[actuator]\nkind = 'crane'\n",
+    "an option that is none": "[actuator.options]\nmicrostep = 16\n",
+    "a pin twice": "[actuator.options]\nport = 'pulses:lgpio:0:17,17,22'\n",
+    "pulses from nowhere": "[actuator.options]\nport = 'pulses:usb'\n",
+    "a wire that is none": "[actuator.options]\nport = 'string:7'\n",
+    "a CAN interface that is none": "[dronecan]\nport = 'can:none:can0'\n",
+    "a CAN hub without a port": "[dronecan]\nport = 'can:socketcand:127.0.0.1'\n",
+    "a serial wire without a rate": "[actuator]\nkind = 'grbl'\n[actuator.options]\nport = 'serial:/dev/ttyUSB0'\n",
+    "one CAN id for two": "[dronecan]\nport = 'can:virtual:a'\nnode_id = 42\n[actuator]\nkind = 'dronecan_servo'\n"
+    "[actuator.options]\nport = 'can:virtual:a'\nnode_id = 42\n",
+    "limits that leave no travel": "[guard]\nlower_deg = 400.0\nupper_deg = 401.0\npark_deg = 400.5\n"
+    "[actuator]\nkind = 'dronecan_servo'\n",
+    "no such explorer": "[explore]\nmethod = 'guess'\n",
+    "no such separator": "[exploit]\nseparator = 'magic'\n",
+    "a key that is none": "[audoi]\nrate_hz = 16000\n",
+    "a value out of bounds": "[audio]\nrate_hz = 5\n",
+    "a scenario": "title = 'x'\ntalkers = []\n",
+    "no TOML": "= = =",
+    "brackets": "a = " + "[" * 100_000,
+    "5,000 digits": "seed = " + "9" * 5000,
+    "an escape in a key": '"\\u001b[2J" = 1\n',
+    "an escape in a value": '[service]\ntarget = "\\u001b[2J\\u0007"\n',
+    "a line break in a value": '[[links]]\nurl = "a\\nross: good"\n',
+}
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.chdir(tmp_path)
+    soundfile.write("a.wav", np.zeros((1600, 2)), 16000)
+    for name, size, mode in (("text.wav", 99, 0o600), ("open-key", 32, 0o644), ("short-key", 7, 0o600)):
+        (tmp_path / name).write_bytes(b"x" * size)
+        (tmp_path / name).chmod(mode)
+    os.mkfifo("pipe", 0o600)
+    return partial(called, monkeypatch, capsys)
+
+
+@pytest.mark.parametrize("what", BAD)
+def test_what_cannot_be_run_is_refused_by_both_in_the_same_words(run, tmp_path, what):
+    (tmp_path / "bad.toml").write_text(BAD[what])
+    checked = run("config", "check", "bad.toml")
+    assert checked == run("run", "bad.toml")
+    code, out, err = checked
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.rstrip("\n").isprintable()
+    assert len(err) < 1600
+    assert re.match(r"ross: (bad\.toml: |\S+\.wav: )", err), err
+    assert not (tmp_path / "state").exists()
+
+
+def test_checking_makes_no_folder_and_opens_no_device(run, tmp_path):
+    text = "[service]\nstate_dir = 'new/state'\n[actuator]\nkind = 'grbl'\n" + LINK.format("serial:/dev/nothing:57600")
+    (tmp_path / "good.toml").write_text(text)
+    assert run("config", "check", "good.toml") == (0, "good.toml: good\n", "")
+    assert not (tmp_path / "new").exists()
