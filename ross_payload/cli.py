@@ -59,6 +59,7 @@ def check(file: Path) -> None:
     """Check a payload's TOML FILE: keys, values, and the options of the actuator it names."""
     from ross_payload.actuators.registry import check_options
     from ross_payload.config import load, read_toml
+    from ross_payload.dsp.checked import load_separator
     from ross_payload.service.assemble import explorer_of
     from ross_payload.service.dronecan import check_one_id
 
@@ -68,8 +69,7 @@ def check(file: Path) -> None:
     check_options(loaded)
     check_one_id(loaded)
     explorer_of(loaded)
-    if loaded.exploit.separator not in plugins.available("ross_payload.separators"):
-        plugins.load("ross_payload.separators", loaded.exploit.separator)
+    load_separator(loaded.exploit.separator)
     click.echo(f"{file}: good")
 
 
