@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ross_payload import plugins
-from ross_payload.errors import PluginError
+from ross_payload.errors import PluginError, RossError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Explorer, Groups, Observation, Real, Scene, Separator
 
@@ -162,8 +162,8 @@ def _called(who: str, method: str, call: Callable[[], T]) -> T:
     """Call a plug-in; whatever it raises becomes one line."""
     try:
         return call()
-    except PluginError:
-        raise
+    except RossError as error:  # one line already
+        raise PluginError(f"{who}: {error}") from error
     except (Exception, SystemExit) as error:  # of others: it may raise anything
         text = " ".join(str(error).split())[:MOST_TEXT]
         raise PluginError(f"{who}: {method} raised {type(error).__name__}: {text}") from error

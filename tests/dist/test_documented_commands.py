@@ -31,6 +31,7 @@ WHERE = [
     (r"tshark .*-i lo", NOT_RUN, "captures from an interface, which needs rights"),
     (r"pip install \.$", ELSEWHERE, "tests/dist/test_own_actuator.py"),
     (r"(~/ross/bin/)?pip install |python3 -m venv ~/ross", ELSEWHERE, "tests/dist/test_wheel.py"),
+    (r"ross (evaluate|sitl) .*delay-and-sum", ELSEWHERE, "tests/dist/test_own_separator.py"),
     (r"pytest -m hardware", NOT_RUN, "turns real hardware"),
     (r"pytest tests/contract|ross actuators probe bench|ross sitl --actuator my_turntable", ELSEWHERE,
      "tests/dist/test_own_actuator.py"),
