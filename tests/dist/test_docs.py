@@ -41,3 +41,19 @@ def test_formulas_are_drawn_without_a_script_and_without_a_network(manual):
         formulas += text.count("<math ")
         assert not re.search(r'<script[^>]+(mathjax|katex|src="https?:)|\\[\[(]|<merror', text), page
     assert formulas > 60
+
+
+def test_how_tos_stand_in_at_most_seven_groups_and_each_page_in_one():
+    trees = re.findall(r"```\{toctree\}\n(.*?)```", (ROOT / "docs" / "index.md").read_text(encoding="utf-8"), re.DOTALL)
+    groups = [pages for tree in trees if (pages := re.findall(r"(?m)^how-to/(\S+)$", tree))]
+    assert len(groups) <= 7
+    assert max(map(len, groups)) <= 8
+    named = [page for group in groups for page in group]
+    assert sorted(named) == sorted(path.stem for path in (ROOT / "docs" / "how-to").glob("*.md"))
+
+
+def test_decisions_are_on_a_page_of_their_own(manual):
+    folder, _ = manual
+    index, page = ((folder / name).read_text(encoding="utf-8") for name in ("index.html", "explanation/decisions.html"))
+    assert "0044-a-stop" not in re.search(r'<div class="toctree-wrapper.*', index, re.DOTALL)[0]
+    assert "0044-a-stop" in re.search(r'<div class="toctree-wrapper.*', page, re.DOTALL)[0]

@@ -77,6 +77,7 @@ def test_a_mistake_in_it_is_one_line_with_its_name(folder, tmp_path):
         target.mkdir(exist_ok=True) if path.is_dir() else target.write_bytes(path.read_bytes())
     module = site / "my_separator.py"
     module.write_text(module.read_text().replace("separator = DelayAndSum()", "separator = DelayAndSum"))
-    done = run(tmp_path, "ross sitl --separator delay-and-sum")
+    (tmp_path / "ross.toml").write_text('exploit.separator = "delay-and-sum"')
+    done = run(tmp_path, "ross config check ross.toml")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "ross: separator 'delay-and-sum': expected an object, got the class DelayAndSum: write DelayAndSum()\n"
