@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from ross_payload.terminal import with_whole_words
 from ross_sim.session import Finished
 
 
@@ -46,7 +47,7 @@ def show(finished: Finished, out: Path | None, as_json: bool) -> None:
 
 
 def _sources(values: dict[str, Any]) -> Table:
-    how = "told from outside" if values["informed"] else f"found after {values['rotations']} rotations"
+    how = "sources given" if values["informed"] else f"found after {values['rotations']} rotations"
     title = f"K = {values['k']} {how}, {values['k_true']} true"
     table = Table(title=title, title_justify="left")
     for column in ("source", "talker", "true [deg]", "found [deg]", "error [deg]", "sigma [deg]", "confidence"):
@@ -61,7 +62,7 @@ def _sources(values: dict[str, Any]) -> Table:
             _number(row["sigma_deg"], 2),
             _number(row["confidence"], 2),
         )
-    return table
+    return with_whole_words(table)
 
 
 def _elevated(console: Console, values: dict[str, Any]) -> None:
@@ -99,7 +100,7 @@ def _groups(values: dict[str, Any]) -> Table:
             str(index), names, _number(row["score"], 1), _number(before, 1), _number(after, 1), _number(gain, 1),
             style=style,
         )  # fmt: skip
-    return table
+    return with_whole_words(table)
 
 
 def _target(name: str | None, target: str) -> str:
