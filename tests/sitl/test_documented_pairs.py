@@ -106,6 +106,13 @@ def enrol(printed):
 
 
 @contextmanager
+def as_a_gimbal(printed):
+    (printed.folder / "gimbal.toml").write_text(block(GIMBAL, "toml", "talkers").text)
+    with served(printed, command(GIMBAL, "ross sitl")):
+        yield
+
+
+@contextmanager
 def behind_an_autopilot(printed):
     """`on a drone`: the autopilot as a process between a payload and the ground."""
     (printed.folder / "drone.toml").write_text(printed.free(DRONE_SCENARIO))
@@ -131,7 +138,7 @@ PAYLOADS = {
     "README": lambda printed: served(printed, command(README, "ross sitl --serve")),
     "simulate-live": lambda printed: served(printed, command(LIVE, "ross sitl --serve")),
     "read-telemetry": lambda printed: served(printed, command(TELEMETRY, "ross sitl")),
-    "gimbal": lambda printed: served(printed, command(GIMBAL, "ross sitl")),
+    "gimbal": as_a_gimbal,
     "room": in_a_room,
     "room-later": lambda printed: in_a_room(printed, step=-1),
     "drone": behind_an_autopilot,
