@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import logging
 import os
 import threading
 import time
@@ -10,12 +11,21 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
+from typing import Generic, ParamSpec, TypeVar
+
+from ross_payload.errors import RossError
+from ross_payload.interfaces import Clock
 
 TICK = 0.010  # [s]
 LAST_CALL = 1.0  # so long a cancelled call that hangs is waited for [s]
 URGENCY = 10  # real-time priority of the pump, above everything ordinary and below the kernel's own threads
 TIMEX = 512  # more than the size of Linux's struct timex [bytes]
 UNSYNCHRONISED = 5  # TIME_ERROR of adjtimex
+RETRY_S = 0.1  # between two attempts to connect
+
+P = ParamSpec("P")
+T = TypeVar("T")
+log = logging.getLogger(__name__)
 
 
 @cache
@@ -134,3 +144,47 @@ class SystemClock:
             with self._lock:
                 if periodic in self._calls:
                     self._calls.remove(periodic)
+
+
+class PatientOpener(Generic[P, T]):
+    """Opens what a server on this network offers, and waits for the server when it is started after us.
+
+    Only a refused connection is waited for, and only until ``patience`` [s] after this object was made. What has been
+    opened once is opened again without waiting.
+
+    >>> def refused(): raise RossError("nobody is there") from ConnectionRefusedError()
+    >>> PatientOpener(refused, SystemClock(), patience=0.0)()
+    Traceback (most recent call last):
+    ...
+    ross_payload.errors.RossError: nobody is there
+    """
+
+    def __init__(self, opener: Callable[P, T], clock: Clock, patience: float) -> None:
+        self._opener = opener
+        self._clock = clock
+        self._until = clock.now() + patience
+        self._opened: set[object] = set()
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> T:
+        """Open, with the arguments of the opener.
+
+        Raises
+        ------
+        RossError
+            What the opener raises, at the end of the patience when nobody listens.
+        """
+        told = False
+        while True:
+            try:
+                opened = self._opener(*args, **kwargs)
+            except RossError as error:
+                refused = isinstance(error.__cause__, ConnectionRefusedError)
+                if not refused or args in self._opened or self._clock.now() >= self._until:
+                    raise
+                if not told:
+                    log.info("%s; waiting for it", error)
+                told = True
+                self._clock.sleep(RETRY_S)
+            else:
+                self._opened.add(args)
+                return opened

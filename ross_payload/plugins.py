@@ -9,15 +9,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from ross_payload.errors import PluginError, unknown
-
-EXTRAS = {
-    "pyroomacoustics": "sim",
-    "matplotlib": "sim",
-    "espeakng_loader": "sim",
-    "sounddevice": "capture",
-    "can": "can",
-    "serial": "serial",
-}
+from ross_payload.extras import EXTRA_OF, install_line
 
 
 def available(group: str) -> Mapping[str, EntryPoint]:
@@ -54,6 +46,6 @@ def load(group: str, name: str) -> Any:
 
 def _missing(name: str, error: ModuleNotFoundError) -> str:
     module = (error.name or "").partition(".")[0]
-    if module in EXTRAS:
-        return f"'{name}' needs the package {module}: pip install 'ross-payload[{EXTRAS[module]}]'"
+    if module in EXTRA_OF:
+        return f"'{name}' needs the package {module}: {install_line(EXTRA_OF[module])}"
     return f"plug-in '{name}' cannot be imported: {error}"

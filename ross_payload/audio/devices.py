@@ -8,6 +8,7 @@ from typing import Any
 
 from ross_payload.audio.wiring import fitting
 from ross_payload.errors import AudioError, ConfigError
+from ross_payload.extras import install_line
 
 MODULE = "sounddevice"
 
@@ -40,7 +41,7 @@ def portaudio() -> Any:
     try:
         return importlib.import_module(MODULE)
     except ModuleNotFoundError as error:
-        raise ConfigError(f"sound cards need the package {MODULE}: pip install 'ross-payload[capture]'") from error
+        raise ConfigError(f"sound cards need the package {MODULE}: {install_line('capture')}") from error
     except OSError as error:
         raise AudioError("sound cards need the library PortAudio: apt install libportaudio2") from error
 

@@ -14,6 +14,7 @@ from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import AudioSource, Clock
+from ross_payload.terminal import with_whole_words
 
 PATIENCE = 20.0  # [s] for each tap
 BOOT = 60.0  # [s] that a sound card may take to appear
@@ -26,7 +27,7 @@ def table(found: list[Device]) -> Table:
     for device in found:
         rate = f"{device.default_rate:g} Hz"
         table.add_row(escape(device.name), str(device.channels), rate, device.host_api, device.preset)
-    return table
+    return with_whole_words(table)
 
 
 def tap(config: Config) -> None:

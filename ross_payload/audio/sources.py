@@ -9,12 +9,13 @@ from ross_payload.audio.live import LiveSource
 from ross_payload.audio.network import PcmClient
 from ross_payload.audio.playback import FileSource
 from ross_payload.audio.wiring import Wiring
+from ross_payload.clock import PatientOpener
 from ross_payload.config import Config
 from ross_payload.interfaces import Clock
 
 
-def open_source(config: Config, clock: Clock) -> LiveSource | FileSource:
-    """Make the source that [audio] names; enter it to open it.
+def open_source(config: Config, clock: Clock, patience: float = 0.0) -> LiveSource | FileSource:
+    """Make the source that [audio] names; enter it to open it. A server of PCM may come ``patience`` [s] later.
 
     Raises
     ------
@@ -27,6 +28,7 @@ def open_source(config: Config, clock: Clock) -> LiveSource | FileSource:
     if kind == "file":
         return FileSource(Path(rest).expanduser(), rate, wiring, clock)
     if kind == "tcp":
-        return LiveSource(PcmClient(rest, rate, wiring), rate, wiring, audio.buffer_s, clock)
+        client = PatientOpener(PcmClient(rest, rate, wiring), clock, patience)
+        return LiveSource(client, rate, wiring, audio.buffer_s, clock)
     card = SoundCard(rest, audio, wiring)
     return LiveSource(card, rate, wiring, audio.buffer_s, clock, settling=SETTLING)

@@ -21,13 +21,14 @@ def command(context: click.Context, as_json: bool) -> None:
     import json
 
     from ross_payload.actuators.registry import describe
+    from ross_payload.terminal import listed
 
     rows = describe()
     if as_json:
         click.echo(json.dumps([{"name": row.name, "usable": row.usable, "about": row.about} for row in rows]))
         return
     for row in rows:
-        click.echo(f"{row.name:<16} {'usable' if row.usable else 'not usable':<11} {row.about}")
+        click.echo(listed(f"{row.name:<16} {'usable' if row.usable else 'not usable':<11} ", row.about))
 
 
 @command.command("probe", short_help="Look at what turns the array: the first thing to do with it.", epilog=EPILOG)

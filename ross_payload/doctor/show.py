@@ -11,6 +11,7 @@ import click
 
 from ross_payload.doctor.finding import Finding, worst
 from ross_payload.doctor.probe import Results
+from ross_payload.terminal import listed
 
 COLOURS = {"ok": "green", "warn": "yellow", "fail": "red"}
 
@@ -18,9 +19,10 @@ COLOURS = {"ok": "green", "warn": "yellow", "fail": "red"}
 def shown(finding: Finding) -> None:
     """Print one finding, and what to do about it."""
     verdict = finding.verdict
-    click.echo(f"{click.style(f'{verdict:<5}', fg=COLOURS[verdict])} {finding.check:<12} {finding.found}")
+    line = listed(f"{verdict:<5} {finding.check:<12} ", finding.found)
+    click.echo(click.style(line[:5], fg=COLOURS[verdict]) + line[5:])
     if finding.todo:
-        click.echo(f"{'':<18} -> {finding.todo}")
+        click.echo(listed(f"{'':<18} -> ", finding.todo))
 
 
 def as_text(findings: list[Finding], results: Results) -> str:

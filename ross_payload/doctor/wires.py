@@ -14,6 +14,7 @@ from ross_payload.config import Config, Link
 from ross_payload.doctor.finding import Finding, fail, ok, warn
 from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ConfigError, RossError
+from ross_payload.extras import EXTRA_OF, install_line
 from ross_payload.links.address import LOOPBACK, Serial, Tcp, Udp, parse
 from ross_payload.links.signing import read_key
 
@@ -21,7 +22,6 @@ CAN = re.compile(r"(?<![A-Za-z0-9])((?:v|sl)?can[0-9]+)(?![A-Za-z0-9])")
 DEVICES = ("serial/by-id/*", "ttyUSB*", "ttyACM*", "ttyAMA*", "serial[0-9]", "ross-*")
 ADAPTER = re.compile(r"can:\w+:(/dev/.+?)(?::[0-9]+)?")  # a CAN adapter that is a serial port
 IFF_UP = 1
-EXTRAS = {"sounddevice": "capture", "serial": "serial", "can": "can", "lgpio": "gpio"}
 LOCAL = (LOOPBACK, "localhost", "::1")
 
 
@@ -35,7 +35,7 @@ def extras(config: Config, machine: Machine) -> Iterator[Finding]:
     }
     for package, asked in needed.items():
         if asked and find_spec(package) is None:
-            todo = f"pip install 'ross-payload[{EXTRAS[package]}]'"
+            todo = install_line(EXTRA_OF[package])
             yield fail("packages", f"{package} is missing", todo)
         elif asked:
             yield ok("packages", f"{package} is installed")

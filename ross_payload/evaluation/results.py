@@ -21,6 +21,7 @@ from ross_payload.config import Config
 from ross_payload.errors import ConfigError, OutputError
 from ross_payload.evaluation.scoring import Evaluation, level_of
 from ross_payload.evaluation.takes import Pair
+from ross_payload.terminal import with_whole_words
 from ross_protocols.angle_text import rounded
 
 VOICE = re.compile(r"group-\d+\.wav")
@@ -96,7 +97,7 @@ def _table(values: dict[str, Any]) -> Table:
     for index, row in enumerate(values["groups"]):
         cells = [_text(row["dbfs"]), _text(values["si_sdr_in_db"]), _text(row["si_sdr_db"]), _text(row["si_sdri_db"])]
         table.add_row(str(index), _who(row, values), _where(row, values), *cells, style="bold" if row["best"] else None)
-    return table
+    return with_whole_words(table)
 
 
 def _who(row: dict[str, Any], values: dict[str, Any]) -> str:

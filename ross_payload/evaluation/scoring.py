@@ -7,17 +7,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ross_payload import plugins
 from ross_payload.config import Config
 from ross_payload.dsp import markov
 from ross_payload.dsp.chain import refined
+from ross_payload.dsp.checked import load_separator
 from ross_payload.dsp.density import prominent_peaks
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import AudioError
 from ross_payload.evaluation.takes import Pair
-from ross_payload.interfaces import Real, Scene, Separator
+from ross_payload.interfaces import Real, Scene
 from ross_payload.service.assemble import EXPLORER_FRAME
 
 FRAME = 0.1  # of the separation, rounded to a power of two in samples [s]
@@ -84,7 +84,7 @@ def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None
     PluginError, ConfigError
         When the separator cannot be used.
     """
-    separator: Separator = plugins.load("ross_payload.separators", config.exploit.separator)
+    separator = load_separator(config.exploit.separator)
     given = tau is not None
     if tau is None:
         tau = heard_delays(pair, config, n_sources)

@@ -9,6 +9,7 @@ from contextlib import suppress
 from typing import Protocol
 
 from ross_payload.errors import ConfigError
+from ross_payload.extras import install_line
 from ross_payload.links.address import Serial
 from ross_payload.links.ports import MOST
 from ross_payload.links.stream import Handle
@@ -94,7 +95,7 @@ def open_line_of_system(device: str, baud: int) -> Line:
     try:
         import serial  # noqa: PLC0415  an extra: only those who use it need it
     except ModuleNotFoundError as error:
-        raise ConfigError("a serial link needs the package pyserial: pip install 'ross-payload[serial]'") from error
+        raise ConfigError(f"a serial link needs the package pyserial: {install_line('serial')}") from error
     try:
         line: Line = serial.Serial(device, baud, timeout=0, exclusive=True)
     except (ValueError, termios.error) as error:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from ross_payload.config import Config
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, PluginError
 from ross_payload.events import (
     Answer,
     Answered,
@@ -137,7 +137,11 @@ class Session:
 
     def _task(self, task: Task) -> Step[Order | None]:
         """Perform one task; return the order that ends the session, if any."""
-        old, kit = self._context, self._make(self.config)
+        try:
+            old, kit = self._context, self._make(self.config)
+        except PluginError as error:
+            self._answer(task, Answer.REFUSED, str(error))
+            return None
         self._context = Context(kit.settings, kit.tools, samples=old.samples, last=old.last, pending=old.pending)
         why = refusal(self._context, self._memory, task, stopped=self._stopped, fault=self._fault)
         if why:
@@ -149,6 +153,8 @@ class Session:
             result = yield from self._watched(task)
         except Refused as refused:
             self._close(task, Result(Outcome.FAULT, str(refused)), State.DONE)
+        except PluginError as error:  # a separator or explorer of others
+            return (yield from self._end(task, Ended(Outcome.FAULT, str(error))))
         except Ended as ended:
             return (yield from self._end(task, ended))
         else:

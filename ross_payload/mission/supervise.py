@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ross_payload.errors import PluginError
 from ross_payload.events import Doubted, Estimate, Finished, Outcome, SourcesEstimated, State
 from ross_payload.interfaces import Mission, Output, Result
 from ross_payload.mission.align import align
@@ -32,6 +33,9 @@ def mission(settings: Settings, tools: Tools, informed: Estimate | None = None, 
         yield from hop(context)
         yield from lead_in(context)
         result = yield from attempts(context, informed, target)
+    except PluginError as error:  # a separator or explorer of others
+        context.enter(State.FAULT, str(error))
+        result = Result(Outcome.FAULT, str(error))
     except Ended as ended:
         context.enter(State.FAULT if ended.outcome is Outcome.FAULT else State.STOPPED, ended.reason)
         result = Result(ended.outcome, ended.reason)

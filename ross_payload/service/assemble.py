@@ -8,10 +8,12 @@ from ross_payload import plugins
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Table, validated
 from ross_payload.dsp.alignment import plan
+from ross_payload.dsp.checked import checked_explorer, load_separator
 from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.dsp.stft import Stft
+from ross_payload.errors import PluginError
 from ross_payload.events import Estimate, SourceEstimate
-from ross_payload.interfaces import Attitude, Explorer, Separator, VoicePrint
+from ross_payload.interfaces import Attitude, Explorer, VoicePrint
 from ross_payload.mission.context import Planner, Settings, Tools
 
 EXPLORER_FRAME = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
@@ -78,21 +80,22 @@ def explorer_of(config: Config) -> Explorer:
     array, asked = config.array, config.explore
     factory = plugins.load("ross_payload.explorers", asked.method)
     model: type[Table] = getattr(factory, "Options", Table)
+    if not callable(getattr(factory, "make", None)) or not issubclass(model, Table):
+        expected = "an object with make(spacing, speed_of_sound[, options]), and Options a Table if it has any"
+        raise PluginError(f"explorer '{asked.method}': expected {expected}, got {factory!r}")
     options = validated(model, asked.options, f"explore.options of '{asked.method}'")
     given = (options,) if asked.options else ()
-    explorer: Explorer = factory.make(array.spacing_m, array.speed_of_sound_m_s, *given)
-    return explorer
+    return checked_explorer(asked.method, lambda: factory.make(array.spacing_m, array.speed_of_sound_m_s, *given))
 
 
 def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
     """Load the plug-ins that a configuration names."""
     audio = config.audio
-    separator: Separator = plugins.load("ross_payload.separators", config.exploit.separator)
     frame = config.explore.frame or 2 ** round(math.log2(EXPLORER_FRAME * audio.rate_hz))
     return Tools(
         explorer=explorer_of(config),
         explorer_stft=Stft(audio.rate_hz, frame, round(frame * (1 - config.explore.overlap))),
-        separator=separator,
+        separator=load_separator(config.exploit.separator),
         stft=Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap))),
         voiceprint=voiceprint,
         plan=PLANNERS[config.exploit.rules],

@@ -20,7 +20,7 @@ from ross_payload.actuators.mavlink_gimbal.port import opener
 from ross_payload.audio.live import LiveSource
 from ross_payload.audio.sources import open_source
 from ross_payload.bounded_files import set_aside
-from ross_payload.clock import SystemClock, synchronised_time
+from ross_payload.clock import PatientOpener, SystemClock, synchronised_time
 from ross_payload.config import Config
 from ross_payload.dronecan.hub import Buses
 from ross_payload.errors import AudioEnded
@@ -45,6 +45,7 @@ from ross_payload.voiceprint.features import at_rate
 from ross_payload.voiceprint.store import Damaged
 
 PATIENCE = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
+SERVER_PATIENCE_S = 10.0  # a simulated world or a CAN server may be started after the payload
 AGAIN = 75  # exit code: start me again; EX_TEMPFAIL of sysexits.h
 SWITCH = 0.001  # [s] after which a thread that computes lets the pump have its turn
 
@@ -122,7 +123,8 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
         stack.enter_context(links)
         timebase = Timebase(clock, synchronised_time, system_id=config.telemetry.system_id)
         timebase.attach(links.component(config.telemetry.component_id))
-        source = open_source(config, clock)
+        source = open_source(config, clock, SERVER_PATIENCE_S)
+        wires = PatientOpener(opener(links, config.telemetry.component_id, clock), clock, SERVER_PATIENCE_S)
         shelf = Path(config.recording.folder).expanduser() if config.recording.folder else state / "recordings"
         for note in Shelf(shelf).set_damaged_aside():
             log.warning(note)
@@ -130,7 +132,7 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
             clock=clock,
             source=source,
             watched=source if isinstance(source, LiveSource) else None,
-            open_port=Buses(opener(links, config.telemetry.component_id, clock), clock).open,
+            open_port=Buses(wires, clock).open,
             links=links,
             mount=mount_of(config, clock, links, timebase),
             timebase=timebase,

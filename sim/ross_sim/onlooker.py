@@ -20,6 +20,7 @@ from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
 from ross_payload.errors import ConfigError
 from ross_payload.events import Answer, Answered, Event
+from ross_payload.extras import install_line
 from ross_payload.ground.errors import GroundError
 from ross_payload.interfaces import Input
 from ross_payload.links import Links
@@ -150,7 +151,7 @@ def _served(urls: list[str], folder: Path | None) -> Iterator[Served]:
     except ModuleNotFoundError as error:
         if error.name != "aiohttp":
             raise
-        raise click.UsageError("--page needs aiohttp: pip install 'ross-payload[ground]'") from error
+        raise click.UsageError(f"--page needs aiohttp: {install_line('ground')}") from error
     with ExitStack() as stack:
         try:
             served = stack.enter_context(in_background(urls, port=PORT, flights=folder))

@@ -13,9 +13,8 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload.actuators.registry import checked_options
 from ross_payload.actuators.wires import open_wire
-from ross_payload.config import Config
+from ross_payload.config import Config, Link
 from ross_payload.dronecan.hub import Buses
-from ross_payload.errors import ConfigError
 from ross_payload.events import Event
 from ross_payload.interfaces import Clock, Input, Port
 from ross_payload.links import Links
@@ -38,6 +37,8 @@ from ross_sim.tape import drained
 from ross_sim.truth import TruthWriter, facts
 from ross_sim.world import World
 
+GROUND_STATION = "udpout:127.0.0.1:14550"  # where ground stations listen, `ross ground` and `ross monitor` among them
+
 
 def serve(
     scenario: Scenario, company: Company, view: View, *, out: OutDir | None, speed: float | None, tape: Path | None
@@ -52,14 +53,7 @@ def serve(
         Times real time; None: as fast as the computer can.
     tape
         Folder for recordings, which are made from start to end; None: on request, into a folder that goes with us.
-
-    Raises
-    ------
-    ConfigError
-        When there is no link, so that nobody could order anything.
     """
-    if not scenario.payload.links:
-        raise ConfigError("--serve: wanted --telemetry URL, where orders come in")
     scenario = _adapted(scenario, company, always=tape is not None)
     with ExitStack() as stack, threadpool_limits(limits=1):
         cast = scenario.cast(company.voices)
@@ -74,6 +68,14 @@ def serve(
             runner.run()
         truth.take(world.take())
         truth.finish(facts(scenario, cast) | {"complaints": far_end.complaints()})
+
+
+def linked(scenario: Scenario) -> Scenario:
+    """Return the scenario with a link: to `GROUND_STATION` unless it has one, since nobody could command it."""
+    if scenario.payload.links:
+        return scenario
+    payload = scenario.payload.model_copy(update={"links": (Link(url=GROUND_STATION),)})
+    return scenario.model_copy(update={"payload": payload})
 
 
 def _adapted(scenario: Scenario, company: Company, *, always: bool) -> Scenario:

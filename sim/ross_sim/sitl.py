@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from ross_sim.onlooker import Onlooker
 
 INTERRUPTED = 130
+SERVE = "Obey commands from --telemetry until Ctrl-C (default, without --page: udpout:127.0.0.1:14550)."
 EPILOG = """Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand.
 
 URLs are udpin:host:port, udpout:host:port, tcp:host:port or serial:device:baud."""
@@ -47,7 +48,7 @@ def _folder(context: click.Context, parameter: click.Parameter, value: str | Non
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
 @click.option("--target", help="Name of the talker to look for, or of an enrolled voice.")
 @click.option("--telemetry", "urls", multiple=True, help="URL to send MAVLink to; may be given more than once.")
-@click.option("--serve", "serving", is_flag=True, is_eager=True, help="Obey orders from --telemetry until Ctrl-C.")
+@click.option("--serve", "serving", is_flag=True, is_eager=True, help=SERVE)
 @click.option("--page", is_flag=True, is_eager=True, help="Serve the ground's page until Ctrl-C.")
 @click.option("--speed", callback=_speed, help="max, or times real time; default: max, with --page 4, with --serve 1.")
 @click.option("--out", callback=_folder, help="Folder for report, audio, picture and logs.")
@@ -92,13 +93,17 @@ def _run(
     from ross_sim.casting import company_of, directed
     from ross_sim.live import view_of, waiting
     from ross_sim.outdir import OutDir
-    from ross_sim.serve import serve
+    from ross_sim.serve import linked, serve
     from ross_sim.session import expected, perform
     from ross_sim.summary import show
 
     if serving and looking is not None:
         changes["urls"] = (*changes["urls"], looking.link)
     chosen = directed(scenario, changes)
+    if serving:
+        chosen = linked(chosen)
+        if not as_json:
+            click.echo(f"MAVLink at {', '.join(link.url for link in chosen.payload.links)}", err=True)
     with OutDir(out) if out is not None else nullcontext() as folder:
         with waiting(as_json, f"{chosen.title}: preparing the voices"):
             company = company_of(chosen, changes["speech"], changes["target"])

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from ross_payload.terminal import with_whole_words
 from ross_protocols.angle_text import frame, rounded
 from ross_sim.session import Finished
 
@@ -47,7 +48,7 @@ def show(finished: Finished, out: Path | None, as_json: bool, console: Console |
 
 
 def _sources(values: dict[str, Any]) -> Table:
-    how = "given, not explored" if values["informed"] else f"found after {values['rotations']} rotations"
+    how = "sources given" if values["informed"] else f"found after {values['rotations']} rotations"
     caption = f"azimuths in degrees, clockwise {_frame(values)}"
     table = Table(title=f"K = {values['k']} {how}, {values['k_true']} true", title_justify="left", caption=caption)
     for column in ("source", "talker", "true", "found", "error", "sigma", "confidence"):
@@ -62,7 +63,7 @@ def _sources(values: dict[str, Any]) -> Table:
             _number(row["sigma_deg"], 2),
             _number(row["confidence"], 2),
         )
-    return table
+    return with_whole_words(table)
 
 
 def _elevated(console: Console, values: dict[str, Any]) -> None:
@@ -103,7 +104,7 @@ def _groups(values: dict[str, Any]) -> Table:
             str(index), names, _number(row["score"], 1), _number(before, 1), _number(after, 1), _number(gain, 1),
             style=style,
         )  # fmt: skip
-    return table
+    return with_whole_words(table)
 
 
 def _target(name: str | None, target: str) -> str:

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.errors import ConfigError
+from ross_payload.extras import install_line
 from ross_payload.interfaces import Samples
 from ross_sim import texts
 from ross_sim.cache import Array, cache_folder, cached, fingerprint
@@ -143,6 +144,5 @@ def _engine_version() -> str:
         return version("espeakng-loader")
     except PackageNotFoundError as error:
         raise ConfigError(
-            "synthetic voices need the package espeakng-loader: pip install 'ross-payload[sim]'; "
-            "or give a folder of recordings"
+            f"synthetic voices need the package espeakng-loader: {install_line('sim')}; or give a folder of recordings"
         ) from error

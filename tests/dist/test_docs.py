@@ -1,6 +1,7 @@
 """The manual says what the code says, and builds without a warning."""
 
 import importlib.util
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -18,8 +19,41 @@ def test_a_generated_page_says_what_the_code_says(script, page):
     assert module.tables() in (ROOT / "docs" / "reference" / f"{page}.md").read_text(encoding="utf-8")
 
 
-def test_the_manual_builds_with_warnings_as_errors(tmp_path):
-    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", ROOT / "docs", tmp_path]
-    built = subprocess.run(command, capture_output=True, text=True, check=False)
+@pytest.fixture(scope="module")
+def manual(tmp_path_factory):
+    """The folder of the built manual, and what the build said."""
+    folder = tmp_path_factory.mktemp("html")
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", ROOT / "docs", folder]
+    return folder, subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_the_manual_builds_with_warnings_as_errors(manual):
+    folder, built = manual
     assert built.returncode == 0, built.stderr
-    assert (tmp_path / "index.html").exists()
+    assert (folder / "index.html").exists()
+
+
+def test_formulas_are_drawn_without_a_script_and_without_a_network(manual):
+    folder, _ = manual
+    formulas = 0
+    for page in folder.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        formulas += text.count("<math ")
+        assert not re.search(r'<script[^>]+(mathjax|katex|src="https?:)|\\[\[(]|<merror', text), page
+    assert formulas > 60
+
+
+def test_how_tos_stand_in_at_most_seven_groups_and_each_page_in_one():
+    trees = re.findall(r"```\{toctree\}\n(.*?)```", (ROOT / "docs" / "index.md").read_text(encoding="utf-8"), re.DOTALL)
+    groups = [pages for tree in trees if (pages := re.findall(r"(?m)^how-to/(\S+)$", tree))]
+    assert len(groups) <= 7
+    assert max(map(len, groups)) <= 8
+    named = [page for group in groups for page in group]
+    assert sorted(named) == sorted(path.stem for path in (ROOT / "docs" / "how-to").glob("*.md"))
+
+
+def test_decisions_are_on_a_page_of_their_own(manual):
+    folder, _ = manual
+    index, page = ((folder / name).read_text(encoding="utf-8") for name in ("index.html", "explanation/decisions.html"))
+    assert "0044-a-stop" not in re.search(r'<div class="toctree-wrapper.*', index, re.DOTALL)[0]
+    assert "0044-a-stop" in re.search(r'<div class="toctree-wrapper.*', page, re.DOTALL)[0]

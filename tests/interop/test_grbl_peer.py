@@ -15,7 +15,7 @@ import pytest
 
 from device_bench import device
 
-serial = pytest.importorskip("serial", reason="needs pyserial: pip install 'ross-payload[serial]'")
+serial = pytest.importorskip("serial", reason="needs pyserial: pip install pyserial")
 
 MPOS = re.compile(rb"<(\w+)[^|]*\|MPos:(-?[\d.]+),")
 SQUARE = ("G21", "G90", "G1 X30 F9000", "X30 Y10", "X0 Y10", "X0 Y0", "G0 X-15")

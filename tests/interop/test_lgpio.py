@@ -26,7 +26,7 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     if shutil.which("gcc") is None or not Path("/usr/include/linux/gpio.h").exists():
         pytest.skip("needs apt install gcc linux-libc-dev")
     if importlib.util.find_spec("lgpio") is None:
-        pytest.skip("needs pip install 'ross-payload[gpio]'")
+        pytest.skip("needs pip install lgpio")
     folder = tmp_path_factory.mktemp("pins")
     chip = folder / "chip.so"
     subprocess.run(["gcc", "-shared", "-fPIC", "-o", chip, HERE / "fake_gpiochip.c", "-ldl"], check=True)

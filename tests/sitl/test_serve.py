@@ -11,6 +11,9 @@ import pytest
 import soundfile
 from pymavlink import mavutil
 
+from ross_sim.scenario import load
+from ross_sim.serve import linked
+
 EXPLORE, RECORD = 54000, 54008
 ACCEPTED, IN_PROGRESS = 0, 5
 
@@ -72,11 +75,13 @@ def test_what_it_records_on_request_is_in_the_folder(short, tmp_path):
     assert soundfile.info(session / "audio.wav").channels == 2
 
 
-def test_without_a_link_nobody_could_order_anything(run, short):
-    code, out, err = run("sitl", "--scenario", short, "--serve")
-    assert (code, out) == (2, "")
-    assert "--telemetry" in err
-    assert err.count("\n") == 1
+def test_without_a_link_it_speaks_to_where_ground_stations_listen(short):
+    assert [link.url for link in linked(load(short)).payload.links] == ["udpout:127.0.0.1:14550"]
+
+
+def test_the_links_of_a_scenario_are_kept(short):
+    short.write_text(short.read_text() + '[[payload.links]]\nurl = "udpin:127.0.0.1:14600"\n')
+    assert [link.url for link in linked(load(short)).payload.links] == ["udpin:127.0.0.1:14600"]
 
 
 @pytest.mark.parametrize("speed", ["0", "fast"])

@@ -110,7 +110,7 @@ def test_json_is_a_list_of_devices_and_nothing_else(monkeypatch):
     ("text", "said"),
     [
         ("raise OSError('PortAudio library not found')", "apt install libportaudio2"),
-        ("raise ModuleNotFoundError(\"No module named 'sounddevice'\")", "pip install 'ross-payload[capture]'"),
+        ("raise ModuleNotFoundError(\"No module named 'sounddevice'\")", "pip install 'sounddevice>="),
     ],
 )
 def test_what_the_system_lacks_is_named_and_the_command_ends_with_2(tmp_path, monkeypatch, capsys, text, said):

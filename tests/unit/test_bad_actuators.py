@@ -98,7 +98,7 @@ def test_a_back_end_without_its_extra_names_it(
     monkeypatch.syspath_prepend(tmp_path)
     file = written(tmp_path, '[actuator]\nkind = "lacking"\n')
     code, line = ross(monkeypatch, capsys, "actuators", "probe", file)
-    assert (code, "pip install 'ross-payload[can]'" in line) == (2, True), line
+    assert (code, "pip install 'python-can>=" in line) == (2, True), line
 
 
 def test_the_gimbal_of_an_autopilot_is_not_shown_as_our_own(

@@ -110,5 +110,5 @@ def test_a_missing_extra_is_named(name: str, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.delitem(__import__("sys").modules, "ross_sim.library")
     monkeypatch.setitem(__import__("sys").modules, "pyroomacoustics.bss", None)
     monkeypatch.setitem(__import__("sys").modules, "pyroomacoustics", None)
-    with pytest.raises(PluginError, match=r"ross-payload\[sim\]"):
+    with pytest.raises(PluginError, match=r"install .*pyroomacoustics"):
         plugins.load("ross_payload.separators", name)

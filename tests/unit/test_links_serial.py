@@ -152,7 +152,7 @@ def test_a_device_that_comes_late_is_waited_for_by_the_patient(tmp_path: Path, t
 def test_serial_without_its_package_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "serial", None)
     for patient in (False, True):
-        with pytest.raises(ConfigError, match=r"pip install 'ross-payload\[serial\]'"):
+        with pytest.raises(ConfigError, match="pip install 'pyserial>="):
             Links.open([Link(url="serial:/dev/ttyUSB0:57600")], SystemClock(), patient=patient)
 
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from ross_payload.actuators.tb6600.pulses import Level, Line, Played, RanOut, Report, Segment, without_steps
 from ross_payload.errors import ConfigError, LinkError, PluginError
+from ross_payload.extras import install_line
 from ross_payload.interfaces import Clock
 
 SCHEME = "pulses:lgpio:"
@@ -28,7 +29,6 @@ WAKING = 0.020  # between two looks of the library's idle thread for new waves [
 LATE = 0.001  # after its start, a segment that continues another comes too late [s]
 URGENCY = 20  # real-time priority of the library's thread, above the pump's
 PATIENCE = 0.5  # beyond what still has to be played, when closing [s]
-REMEDIES = "pip install 'ross-payload[gpio]' (CPython up to 3.12), or Debian's python3-lgpio"
 
 Pulse = tuple[int, int, int]  # levels, mask, delay until the next [us]
 
@@ -251,6 +251,8 @@ def _lgpio(url: str) -> Any:
         with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
             return importlib.import_module("lgpio")
     except ModuleNotFoundError as error:
-        raise PluginError(f"'{url}' needs the package lgpio: {REMEDIES}") from error
+        raise PluginError(
+            f"'{url}' needs the package lgpio: {install_line('gpio')} (CPython up to 3.12), or Debian's python3-lgpio"
+        ) from error
     except OSError as error:
         raise LinkError(f"'{url}': lgpio does not start: {error}") from error

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from ross_payload.actuators.wires import connect, served_at
 from ross_payload.errors import ConfigError, LinkError
+from ross_payload.extras import install_line
 from ross_payload.interfaces import Clock, Port
 from ross_payload.links.address import Serial, Tcp, parse
 
@@ -145,7 +146,7 @@ def opened(address: Serial, url: str) -> serial.Serial:
     try:
         import serial  # noqa: PLC0415  an extra: only those who use it need it
     except ModuleNotFoundError as error:
-        raise ConfigError("a serial wire needs the package pyserial: pip install 'ross-payload[serial]'") from error
+        raise ConfigError(f"a serial wire needs the package pyserial: {install_line('serial')}") from error
     try:
         line = serial.Serial(address.device, address.baud or 0, timeout=0, exclusive=True)
     except (ValueError, termios.error) as error:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ross_payload.extras import install_line
 from ross_payload.ground.errors import GroundError
 
 if TYPE_CHECKING:
@@ -81,4 +82,4 @@ def _needing(extra: str, option: str, name: str) -> Any:
     try:
         return import_module(f"ross_payload.ground.flights.{name}")
     except ImportError as error:
-        raise GroundError(f"{option} needs the extra '{extra}': pip install 'ross-payload[{extra}]'") from error
+        raise GroundError(f"{option} needs the extra '{extra}': {install_line(extra)}") from error

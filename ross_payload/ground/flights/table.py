@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from ross_payload.terminal import with_whole_words
 from ross_protocols.angle_text import frame, rounded
 
 MOST = 40  # rows of one table
@@ -112,7 +113,7 @@ def _table(console: Console, title: str, columns: tuple[str, ...], rows: Iterabl
     for row, _ in zip(rows, range(MOST), strict=False):
         table.add_row(*(escape(_plain(cell)) for cell in row))
     console.print()
-    console.print(table)
+    console.print(with_whole_words(table))
     if count > MOST:
         _say(console, f"and {count - MOST} more: --json tells all")
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from ross_payload.extras import install_line
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.links.meter import Meter, Reading
 from ross_payload.ground.links.ports import Listener, Peer, Port, words
@@ -105,7 +106,7 @@ class Link:
         try:
             await self._port.open()
         except ModuleNotFoundError as error:
-            raise GroundError(f"link '{self.url}' needs pyserial: pip install 'ross-payload[serial]'") from error
+            raise GroundError(f"link '{self.url}' needs pyserial: {install_line('serial')}") from error
         except (OSError, ValueError) as error:
             raise GroundError(f"link '{self.url}' cannot be opened: {words(error)}{_remedy(error)}") from error
 

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from ross_payload.extras import install_line
+
 DEFAULT_URL = "udpin:127.0.0.1:14550"
 PORT = 8765
 SYSTEM_ID = click.IntRange(1, 255)
@@ -44,6 +46,6 @@ def command(
     except ModuleNotFoundError as error:
         if error.name != "aiohttp":
             raise
-        raise click.UsageError("the page needs aiohttp: pip install 'ross-payload[ground]'") from error
+        raise click.UsageError(f"the page needs aiohttp: {install_line('ground')}") from error
     folder, listened = flights or log, urls or (DEFAULT_URL,)
     run(Wanted(listened, port, host, token_file, certificate, key, mavlink_key, system_id, log, folder, open_page))

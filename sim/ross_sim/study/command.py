@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from ross_payload.errors import ConfigError
+from ross_payload.extras import install_line
 
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
@@ -64,7 +65,7 @@ def command(preset: str, *, out: Path, speech: Path | None, workers: int | None,
     try:
         from ross_sim.study.session import conduct
     except ModuleNotFoundError as error:
-        raise ConfigError(f"a study needs the package {error.name}: pip install 'ross-payload[study]'") from error
+        raise ConfigError(f"a study needs the package {error.name}: {install_line('study')}") from error
 
     changes = {name: value for name, value in axes.items() if value is not None}
     return conduct(preset, changes, out=out, speech=speech, workers=workers, quick=quick)

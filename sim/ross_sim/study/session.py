@@ -13,6 +13,7 @@ from rich.console import Console
 
 from ross_payload.clock import SystemClock
 from ross_payload.errors import OutputError
+from ross_payload.extras import install_line
 from ross_sim.study import engine
 from ross_sim.study.case import Failure, attempt
 from ross_sim.study.cast import Source, check_voices, heard_as, voices_of
@@ -115,7 +116,7 @@ def _draw(store: Store, separations: Sequence[Separation], explorations: Sequenc
 
 def _farewell(console: Console, out: Path, n: int, seconds: float, failures: Sequence[Failure]) -> None:
     if not has_parquet():
-        console.print("No Parquet was written: pip install 'ross-payload[study]'", markup=False)
+        console.print(f"No Parquet was written: {install_line('study')}", markup=False)
     words = f"{n} tasks in {in_words(seconds)}. Results: {out}/ (rows: *.csv, *.parquet; tables.md; figures: *.pdf)"
     console.print(f"\n{words}", highlight=False, markup=False, soft_wrap=True)
     if failures:

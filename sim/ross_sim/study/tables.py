@@ -11,6 +11,7 @@ import numpy as np
 from rich.markup import escape
 from rich.table import Table as Screen
 
+from ross_payload.terminal import with_whole_words
 from ross_sim.study.case import stopped
 from ross_sim.study.design import STOP, Study
 from ross_sim.study.exploration import NEAR_DEG
@@ -42,7 +43,7 @@ class Table:
             table.add_column(escape(name), justify="left" if index == 0 else "right")
         for cells in self.rows:
             table.add_row(*map(escape, cells))
-        return table
+        return with_whole_words(table)
 
 
 def tables(study: Study, separations: Sequence[Separation], explorations: Sequence[Exploration]) -> list[Table]:

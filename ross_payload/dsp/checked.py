@@ -1,0 +1,230 @@
+"""Separators and explorers of others: checked when they are loaded and whenever they are used.
+
+What a plug-in does wrong becomes one `PluginError` that names it; the mission ends with it as a fault.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ross_payload import plugins
+from ross_payload.errors import PluginError, RossError
+from ross_payload.events import Estimate, SourceEstimate
+from ross_payload.interfaces import Complex, Explorer, Groups, Observation, Real, Scene, Separator
+
+MOST_SOURCES = 16  # of an estimate; planning costs more with each
+MOST_TEXT = 120  # characters of what a plug-in has raised
+
+T = TypeVar("T")
+
+
+def load_separator(name: str) -> Separator:
+    """Load a separator by the name of its entry point.
+
+    Raises
+    ------
+    PluginError
+        When there is none of that name, it cannot be imported, or it is no separator; says what was expected.
+    """
+    plugin = plugins.load("ross_payload.separators", name)
+    who = f"separator '{name}'"
+    _expect_methods(who, plugin, {"batch": ("spectrogram", "scene")})
+    return CheckedSeparator(who, plugin)
+
+
+def checked_explorer(name: str, make: Callable[[], Any]) -> Explorer:
+    """Make an explorer and check that it is one.
+
+    Raises
+    ------
+    PluginError
+        When it cannot be made or lacks a method; says what was expected.
+    """
+    who = f"explorer '{name}'"
+    plugin = _called(who, "make", make)
+    observed = ("spectrogram", "frequencies", "heading", "noise_psd")
+    _expect_methods(who, plugin, {"observe": observed, "estimate": ("observations",)})
+    return CheckedExplorer(who, plugin)
+
+
+class CheckedSeparator:
+    """A separator whose every result is checked.
+
+    Parameters
+    ----------
+    who
+        The plug-in in words, for messages.
+    separator
+        The plug-in.
+    """
+
+    def __init__(self, who: str, separator: Separator) -> None:
+        self.name = separator.name
+        self._who = who
+        self._separator = separator
+
+    def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
+        """Separate a whole recording; spectrogram (2, n_freqs, n_frames).
+
+        Raises
+        ------
+        PluginError
+            When the plug-in raises, or what it returns does not fit.
+        """
+        groups: Groups = _called(self._who, "batch", lambda: self._separator.batch(spectrogram, scene))
+        fault = _fault_of_groups(groups, spectrogram.shape[1:], scene)
+        if fault:
+            raise PluginError(f"{self._who}: batch: {fault}")
+        return groups
+
+
+class CheckedExplorer:
+    """An explorer whose every result is checked.
+
+    Parameters
+    ----------
+    who
+        The plug-in in words, for messages.
+    explorer
+        The plug-in.
+    """
+
+    def __init__(self, who: str, explorer: Explorer) -> None:
+        self.name = explorer.name
+        self._who = who
+        self._explorer = explorer
+
+    def observe(
+        self,
+        spectrogram: Complex,
+        frequencies: Real,
+        heading: float,
+        noise_psd: Real | None,
+        *,
+        frame_period: float | None = None,
+    ) -> Observation:
+        """Condense one orientation; spectrogram (2, n_freqs, n_frames), frequencies [Hz], heading [rad].
+
+        Raises
+        ------
+        PluginError
+            When the plug-in raises, or what it returns does not fit.
+        """
+
+        def call() -> Observation:
+            return self._explorer.observe(spectrogram, frequencies, heading, noise_psd, frame_period=frame_period)
+
+        seen = _called(self._who, "observe", call)
+        fault = _fault_of_observation(seen)
+        if fault:
+            raise PluginError(f"{self._who}: observe: {fault}")
+        return seen
+
+    def estimate(self, observations: Sequence[Observation]) -> Estimate:
+        """Estimate K and all azimuths from every orientation heard so far.
+
+        Raises
+        ------
+        PluginError
+            When the plug-in raises, or what it returns does not fit.
+        """
+        believed = _called(self._who, "estimate", lambda: self._explorer.estimate(observations))
+        fault = _fault_of_estimate(believed)
+        if fault:
+            raise PluginError(f"{self._who}: estimate: {fault}")
+        return believed
+
+
+def _expect_methods(who: str, plugin: Any, methods: dict[str, tuple[str, ...]]) -> None:
+    """Refuse what is no object with a name and these methods."""
+    if isinstance(plugin, type):
+        raise PluginError(f"{who}: expected an object, got the class {plugin.__name__}: write {plugin.__name__}()")
+    name = getattr(plugin, "name", None)
+    if not isinstance(name, str) or not name:
+        raise PluginError(f"{who}: expected a text `name`, got {name!r}")
+    for method, parameters in methods.items():
+        expected = f"{method}({', '.join(parameters)})"
+        call = getattr(plugin, method, None)
+        if not callable(call):
+            raise PluginError(f"{who}: expected a method {expected}, got {call!r}")
+        keywords = {"frame_period": None} if method == "observe" else {}
+        try:
+            inspect.signature(call).bind(*parameters, **keywords)
+        except TypeError as error:
+            raise PluginError(f"{who}: expected {expected}, got {method}{inspect.signature(call)}: {error}") from error
+
+
+def _called(who: str, method: str, call: Callable[[], T]) -> T:
+    """Call a plug-in; whatever it raises becomes one line."""
+    try:
+        return call()
+    except RossError as error:  # one line already
+        raise PluginError(f"{who}: {error}") from error
+    except (Exception, SystemExit) as error:  # of others: it may raise anything
+        text = " ".join(str(error).split())[:MOST_TEXT]
+        raise PluginError(f"{who}: {method} raised {type(error).__name__}: {text}") from error
+
+
+def _fault_of_groups(groups: Any, shape: tuple[int, ...], scene: Scene) -> str:
+    """What is wrong with the result of a separator, in words; empty when nothing is."""
+    if not isinstance(groups, Groups):
+        return f"expected Groups, got {type(groups).__name__}"
+    fault = _fault_of_array("signals", groups.signals, "c", (None, *shape))
+    if fault:
+        return fault
+    n, most = len(groups.signals), max(scene.n_sources, 2)
+    if n > most:
+        return f"expected at most {most} groups, got {n}"
+    if len(groups.members) != n:
+        return f"expected members of {n} groups, got {len(groups.members)}"
+    if any(not 0 <= source < scene.n_sources for group in groups.members for source in group):
+        return f"expected members from 0 to {scene.n_sources - 1}, got {groups.members}"
+    if groups.masks is not None:
+        fault = _fault_of_array("masks", groups.masks, "f", (n, *shape))
+    if len(groups.quality) not in (0, n):
+        fault = f"expected the quality of {n} groups or of none, got {len(groups.quality)}"
+    return fault
+
+
+def _fault_of_observation(seen: Any) -> str:
+    if not isinstance(seen, Observation):
+        return f"expected Observation, got {type(seen).__name__}"
+    if not (_finite(seen.heading) and _finite(seen.weight) and seen.weight >= 0):
+        return f"expected a finite heading and a weight of 0 or more, got {seen.heading!r} and {seen.weight!r}"
+    return _fault_of_array("grid", seen.grid, "f", (None,)) or _fault_of_array(
+        "density", seen.density, "f", seen.grid.shape
+    )
+
+
+def _fault_of_estimate(believed: Any) -> str:
+    if not isinstance(believed, Estimate):
+        return f"expected Estimate, got {type(believed).__name__}"
+    if believed.k > MOST_SOURCES:
+        return f"expected at most {MOST_SOURCES} sources, got {believed.k}"
+    for source in believed.sources:
+        if not isinstance(source, SourceEstimate):
+            return f"expected sources of type SourceEstimate, got {type(source).__name__}"
+        values = source.azimuth, source.sigma, source.confidence, source.weight
+        if not all(map(_finite, values)) or source.sigma < 0 or not 0 <= source.confidence <= 1:
+            return f"expected finite numbers, sigma >= 0 and confidence from 0 to 1, got {source}"
+    return ""
+
+
+def _fault_of_array(what: str, values: Any, kind: str, shape: tuple[int | None, ...]) -> str:
+    """What is wrong with an array; ``kind`` is that of its dtype, None in ``shape`` is any length."""
+    if not isinstance(values, np.ndarray) or values.dtype.kind != kind:
+        got = f"dtype {values.dtype}" if isinstance(values, np.ndarray) else type(values).__name__
+        return f"{what}: expected an array of {'complex' if kind == 'c' else 'real'} numbers, got {got}"
+    fits = values.ndim == len(shape) and all(m in (None, n) for m, n in zip(shape, values.shape, strict=True))
+    if not fits:
+        wanted = ", ".join("n" if length is None else str(length) for length in shape)
+        return f"{what}: expected shape ({wanted}), got {values.shape}"
+    return "" if np.isfinite(values).all() else f"{what}: expected finite numbers, got NaN or infinity"
+
+
+def _finite(value: Any) -> bool:
+    return isinstance(value, (int, float, np.floating)) and bool(np.isfinite(value))
