@@ -195,7 +195,7 @@ def test_sources_are_reached_and_selected_by_keyboard(board):
 @pytest.mark.parametrize("place", [96, RIM - 6])  # the circle on the axis, and its end
 @pytest.mark.parametrize(("end", "goal"), [(45, 100), (225, 280), (45, 5)])
 def test_dragging_either_end_of_the_axis_orders_the_heading_of_microphone_2(board, end, goal, place):
-    page = board(three())
+    page = board(scene([source(0, 120)], heading=45.0))
     page.mouse.move(*on_screen(page, end, place))
     page.mouse.down()
     page.mouse.move(*on_screen(page, goal, 130), steps=4)
