@@ -76,7 +76,7 @@ def open_flight(path: Path) -> Flight:
     tape = Tape(log)
     index, damage = scan(tape)
     if not len(index):
-        raise GroundError(f"{log}: {_kind(tape)} found, {WANTED}")
+        raise GroundError(f"{log}: {WANTED}, got {_kind(tape)}")
     at, start, steps = seconds_of(index.usec)
     payloads = _payloads(tape, index, at)
     manifest, odd = _manifest(log)
@@ -110,7 +110,7 @@ def _find(path: Path) -> Path:
     except OSError as error:
         raise GroundError(f"{path}: cannot be read: {error.strerror}") from error
     if log is None:
-        raise GroundError(f"{path}: a folder without {' or '.join(LOGS)} found, {WANTED}")
+        raise GroundError(f"{path}: {WANTED}, got a folder without {' or '.join(LOGS)}")
     return log
 
 

@@ -89,6 +89,9 @@ export const isTrouble = (code) => code <= TROUBLE;
 export const fate = (name) => FATES[name] ?? name;
 export const frame = (earth) => (earth ? "clockwise from north" : "clockwise from mount zero");
 
+/** Words as a sentence begins. */
+export const capital = (words) => `${words.charAt(0).toUpperCase()}${words.slice(1)}`;
+
 /** One of a few, or many: `plural(1, "source")` is "1 source". */
 export const plural = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 

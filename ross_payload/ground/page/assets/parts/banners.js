@@ -2,7 +2,7 @@
 
 import { groundSilentFor, silentFor } from "../heard.js";
 import { html, nothing } from "../lit.js";
-import { duration } from "../words.js";
+import { capital, duration } from "../words.js";
 
 const SHOWN = 10; // [s] that a refusal stays
 const BAD = { refused: "Refused", failed: "Failed", no_answer: "No answer" };
@@ -61,7 +61,7 @@ function failure(page) {
   </p>`;
 }
 
-const sentence = (words) => (words ? `${words.charAt(0).toUpperCase()}${words.slice(1)}.` : "");
+const sentence = (words) => (words ? `${capital(words)}.` : "");
 
 function refusal(page) {
   const latest = page.store.refusals[0];

@@ -78,7 +78,7 @@ function payload({ id, at, heading, earth, place, assumed }, to) {
   return svg`<g class="stand ${assumed ? "assumed" : ""}" transform="translate(${x} ${y})">
     ${axis === null ? nothing : svg`<line class="axis" y1="-22" y2="22" transform="rotate(${axis})"></line>`}
     <circle r="8"></circle><text y="26">${id}</text>
-    ${assumed ? svg`<text class="remark" y="44">position assumed</text>` : nothing}</g>`;
+    ${assumed ? svg`<text class="remark" y="44">assumed</text>` : nothing}</g>`;
 }
 
 function scale(step, look, height) {

@@ -2,7 +2,7 @@
 
 import { levels } from "../instruments/gauge.js";
 import { html, nothing } from "../lit.js";
-import { DASH, ago, duration, known, level, number, plural, share, size } from "../words.js";
+import { DASH, ago, capital, duration, known, level, number, plural, share, size } from "../words.js";
 import { fact } from "./facts.js";
 
 /** `silent`: no telemetry comes, so that nothing is known of how it is now. */
@@ -25,7 +25,7 @@ function card(name, part, facts, picture, silent) {
   const last = silent && part.level !== "unknown" ? `Last report: ${level(part.level)}. ` : "";
   return html`<section class="card part ${shown}">
     <h3>${name} <span class="tag ${shown}">${level(shown)}</span></h3>
-    <p>${last}${part.words}</p>
+    <p>${last}${capital(part.words)}</p>
     ${picture ?? nothing}
     <dl>
       ${facts.filter(Boolean).map(fact)}

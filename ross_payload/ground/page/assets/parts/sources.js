@@ -14,7 +14,7 @@ export function sources(page, told, mayOrder) {
             <th scope="col">Source</th>
             <th scope="col">Azimuth</th>
             <th scope="col">Confidence</th>
-            <th scope="col">Voice score</th>
+            <th scope="col">Score</th>
           </tr>
         </thead>
         <tbody>
@@ -41,7 +41,7 @@ function row(page, source) {
     </th>
     <td data-name="Azimuth">${degrees(source.azimuth)} ± ${number(source.sigma, 1, "°")}${mirror(source)}</td>
     <td data-name="Confidence">${known(source.confidence) ? number(source.confidence * 100, 0, " %") : DASH}</td>
-    <td data-name="Voice score">${number(source.score, 2)}</td>
+    <td data-name="Score">${number(source.score, 2)}</td>
   </tr>`;
 }
 

@@ -13,7 +13,7 @@ import { missionFacts } from "../parts/mission.js";
 import { orders } from "../parts/orders.js";
 import { parameters } from "../parts/parameters.js";
 import { candidates, sources } from "../parts/sources.js";
-import { ago, duration, frame, known, state } from "../words.js";
+import { ago, capital, duration, frame, known, state } from "../words.js";
 
 /** The watched payload, live. */
 export function payloadView(page) {
@@ -70,7 +70,7 @@ function waiting(page, id) {
     <p><a href="#/">All payloads</a></p>`;
 }
 
-const sentence = (words) => `${words.charAt(0).toUpperCase()}${words.slice(1)}.`;
+const sentence = (words) => `${capital(words)}.`;
 
 /** What is odd, in words. */
 function remarks({ standing = {}, sources: list = [] }) {
