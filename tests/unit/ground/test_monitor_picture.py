@@ -174,8 +174,8 @@ def test_silence_is_said_and_how_long_it_is():
 
 
 def test_what_is_missing_is_said_above_the_picture():
-    seen = text(advice="of 1-191 only the mirrored values arrive: behind an ArduPilot it needs a role").splitlines()
-    assert seen[3].startswith("of 1-191 only the mirrored values arrive")
+    seen = text(advice="only summary values arrive from 1-191: behind ArduPilot it needs a role").splitlines()
+    assert seen[3].startswith("only summary values arrive from 1-191")
     assert len(seen) == 24
 
 
@@ -234,7 +234,7 @@ def test_what_was_ordered_is_followed():
 
 
 def test_nothing_heard_shows_the_advice():
-    lines = compose(Shown(None, 9.0, advice="nothing heard at udpin:127.0.0.1:1: " + "do this " * 40), 40, 20)
+    lines = compose(Shown(None, 9.0, advice="nothing received on udpin:127.0.0.1:1: " + "do this " * 40), 40, 20)
     seen = "\n".join(line.plain for line in lines)
     assert "no telemetry yet" in seen
     assert seen.count("this") == 40
