@@ -43,6 +43,7 @@ class Page {
       compare: false,
       lastEscape: -Infinity,
     };
+    this.shut = new Set(); // slots that were closed, until a flight is opened there
     this.due = false;
     this.live = null;
   }
@@ -51,6 +52,7 @@ class Page {
     applyTheme(this.ui.theme);
     this.live = connect(() => liveAddress(location, this.store.you), {
       message: (message) => {
+        if (this.shut.has(message.slot)) return; // it was on its way when the slot was closed
         const before = this.store;
         this.store = take(before, message, performance.now());
         this.onMessage(message, before);
@@ -111,6 +113,7 @@ class Page {
 
   /** Send a message to the ground process; false: there is no link to it. */
   send(message) {
+    if (message.type === "flight" && message.open) this.shut.delete(message.slot);
     return this.live?.send(message) ?? false;
   }
 
@@ -127,6 +130,7 @@ class Page {
   closeSlot(slot) {
     this.send({ type: "flight", slot, close: true });
     this.store = closed(this.store, slot);
+    this.shut.add(slot);
     this.draw();
   }
 
