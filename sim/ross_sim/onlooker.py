@@ -32,20 +32,23 @@ from ross_sim.clock import SimClock
 from ross_sim.signals import on_signal
 
 if TYPE_CHECKING:
+    from ross_payload.ground.page.hub import Hub
     from ross_payload.ground.page.server import Served
 
 PORT = 8765  # if nobody has it
 SCRIPTED = "this mission runs by itself and obeys stop and cancel; one that obeys everything: ross sitl --serve --page"
 POLL = 0.010  # [s]
 WAITING = 0.2  # [s]
+ENDED = "The simulation has ended."
 
 
 class Onlooker:
-    """The page: ``url`` for browsers, ``link`` where the payload speaks."""
+    """The page: ``url`` for browsers, ``link`` where the payload speaks, ``hub`` of the page where there is one."""
 
-    def __init__(self, url: str, link: str) -> None:
+    def __init__(self, url: str, link: str, hub: Hub | None = None) -> None:
         self.url = url
         self.link = link
+        self._hub = hub
         self.stopped = False  # from the page
 
     @contextmanager
@@ -82,6 +85,8 @@ class Onlooker:
         aside
             Say it on the error output.
         """
+        if self._hub is not None:
+            self._hub.over = ENDED
         ended: list[bool] = []
         clock = SystemClock()
         with on_signal(lambda: ended.append(True)):
@@ -141,7 +146,7 @@ def onlooker(folder: Path | None) -> Iterator[Onlooker]:
     """
     port = _free_port()
     with _served([f"udpin:127.0.0.1:{port}"], folder) as served:
-        yield Onlooker(served.url, f"udpout:127.0.0.1:{port}")
+        yield Onlooker(served.url, f"udpout:127.0.0.1:{port}", served.hub)
 
 
 @contextmanager

@@ -45,8 +45,8 @@ def board(browser):
 def test_a_source_says_everything_to_a_screen_reader(board):
     page = board(scene([source(0, 70, resolved=False, mirror=350.0), source(2, 40, target=True)]))
     words = [each.get_attribute("aria-label") for each in page.query_selector_all(".source")]
-    assert words[0].startswith("source 0, 70 degrees, plus minus 3, or 350 degrees")
-    assert words[1] == "source 2, 40 degrees, plus minus 3, confidence 90 percent, sounds like the target"
+    assert words[0].startswith("source 0, 70 degrees, plus or minus 3, or 350 degrees")
+    assert words[1] == "source 2, 40 degrees, plus or minus 3, confidence 90 percent, target"
 
 
 def test_the_summary_changes_only_with_the_sources_and_the_target(board):
@@ -56,7 +56,7 @@ def test_the_summary_changes_only_with_the_sources_and_the_target(board):
           .observe(document.querySelector('.scope [aria-live]'),
                    {childList: true, characterData: true, subtree: true}); }"""
     )  # fmt: skip
-    assert page.locator(".scope [aria-live]").text_content() == "3 sources, source 1 sounds like the target"
+    assert page.locator(".scope [aria-live]").text_content() == "3 sources, target: source 1"
     for heading in range(5):
         page.evaluate("state => show(state)", {"sections": {**three(), "pointing": pointing(heading)}})
     assert page.evaluate("spoken") == 0

@@ -85,7 +85,7 @@ def test_a_source_of_unknown_front_shows_its_mirror(board):
     assert middle(page, "circle.mirrored") == pytest.approx(compass(350, RIM), abs=1)
     assert page.locator(".label").all_text_contents()[0].split() == ["0?", "70°"]
     assert page.locator(".label.mirror").text_content().split() == ["0?", "350°"]
-    assert "front/back not told" in page.locator(".corners").text_content()
+    assert "front or back unknown" in page.locator(".corners").text_content()
 
 
 def test_the_axis_goes_both_ways_and_microphone_2_is_where_it_points(board):
@@ -111,7 +111,7 @@ def test_interferers_that_pose_as_one_meet_at_the_same_foot_of_the_axis(board):
     feet = [numbers(each.get_attribute("d"))[2:] for each in page.query_selector_all(".plumb.alike")]
     expected = compass(45, RIM * math.cos(math.radians(35)))
     assert feet == [pytest.approx(expected, abs=0.1), pytest.approx(expected, abs=0.1)]
-    assert "0 and 2 pose as one at 45°" in page.locator(".corners").text_content()
+    assert "0 and 2 have the same delay at 45°" in page.locator(".corners").text_content()
 
 
 def test_a_plumb_line_meets_the_axis_at_a_right_angle(board):
@@ -156,15 +156,15 @@ def test_every_scene_is_drawn_without_a_broken_number(board):
 
 def test_what_is_not_known_is_a_dash_that_says_so(board):
     page = board({})
-    assert page.locator(".levels .value span[title='not known']").count() == 2
-    assert page.locator(".corners tspan title").text_content() == "not known"
+    assert page.locator(".levels .value span[title='unknown']").count() == 2
+    assert page.locator(".corners tspan title").text_content() == "unknown"
     assert page.locator(".instrument.empty").count() == 3
 
 
 def test_old_sources_fade_and_their_age_is_told(board):
     page = board(scenes()["stale"])
     assert page.locator(".scene.old").count() == 1
-    assert "not heard for 12 s" in page.locator(".corners").text_content()
+    assert "no telemetry for 12 s" in page.locator(".corners").text_content()
 
 
 # Hands
@@ -192,10 +192,11 @@ def test_sources_are_reached_and_selected_by_keyboard(board):
     assert page.locator(".source[tabindex='0']").count() == 1
 
 
+@pytest.mark.parametrize("place", [96, RIM - 6])  # the circle on the axis, and its end
 @pytest.mark.parametrize(("end", "goal"), [(45, 100), (225, 280), (45, 5)])
-def test_dragging_either_end_of_the_axis_orders_the_heading_of_microphone_2(board, end, goal):
-    page = board(three())
-    page.mouse.move(*on_screen(page, end, 96))
+def test_dragging_either_end_of_the_axis_orders_the_heading_of_microphone_2(board, end, goal, place):
+    page = board(scene([source(0, 120)], heading=45.0))
+    page.mouse.move(*on_screen(page, end, place))
     page.mouse.down()
     page.mouse.move(*on_screen(page, goal, 130), steps=4)
     page.mouse.up()
@@ -232,6 +233,13 @@ def test_escape_gives_a_drag_up(board):
     assert page.locator(".ghost.drag").count() == 0
 
 
+def test_a_source_at_the_end_of_the_axis_is_still_selected(board):
+    page = board(scene([source(0, 45)], heading=45.0))
+    page.mouse.click(*on_screen(page, 45, RIM))
+    assert page.evaluate("told.selected") == [0]
+    assert page.evaluate("told.turned") == []
+
+
 def test_arrows_turn_the_handle_and_only_enter_orders(board):
     page = board(three())
     page.focus("[role=slider]")
@@ -245,8 +253,8 @@ def test_arrows_turn_the_handle_and_only_enter_orders(board):
 
 def test_a_heading_beyond_the_limits_is_told_before_it_is_ordered(board):
     page = board(scenes()["limits"], drag=200)
-    assert "out of reach: 200°" in page.locator(".corners").text_content()
-    assert "out of reach" in page.get_attribute("[role=slider]", "aria-valuetext")
+    assert "out of range: 200°" in page.locator(".corners").text_content()
+    assert "out of range" in page.get_attribute("[role=slider]", "aria-valuetext")
 
 
 def test_who_may_not_order_cannot_drag(board):

@@ -53,7 +53,7 @@ def command(open_page, url, who="1-191"):
     """Open a payload's page and take control: it waits a while for the browser of the test before."""
     page = watch(open_page, url, who)
     page.get_by_role("button", name="Take control").click()
-    page.get_by_role("button", name="Leave control").wait_for()
+    page.get_by_role("button", name="Release control").wait_for()
     return page
 
 
@@ -73,7 +73,7 @@ def test_axe_finds_nothing_wrong(crew, open_page):
         else:
             page.evaluate("view => { location.hash = `#/${view}`; }", view)
         for theme in THEMES:
-            page.get_by_label("Look").select_option(theme)
+            page.get_by_label("Theme").select_option(theme)
             page.wait_for_timeout(300)
             found = axe.Axe().run(page).response["violations"]
             wrong = [(each["id"], [node["html"] for node in each["nodes"]]) for each in found]
@@ -108,11 +108,11 @@ def test_every_payload_is_listed_with_a_way_to_it(crew, open_page):
 
 def test_escape_twice_stops_also_from_a_field(crew, open_page):
     page = command(open_page, crew.url)
-    page.get_by_label("Heading, degrees").focus()
+    page.get_by_label("Axis heading").focus()
     page.keyboard.press("Escape")
     page.keyboard.press("Escape")
     eventually(page, lambda: texts(page, ".payload-title .state") == ["Stopped"])
-    eventually(page, lambda: texts(page, ".stop-fate") == ["stopped"])
+    eventually(page, lambda: texts(page, ".stop-fate") == ["Stopped"])
     rearm(page)
 
 
@@ -130,14 +130,14 @@ def test_stop_needs_no_control_and_no_second_click(crew, open_page):
     holder.get_by_role("button", name="Take control").click()
     explore = other.get_by_role("button", name="Explore", exact=True)
     expect(explore).to_be_disabled()
-    expect(other.locator(".tied")).to_contain_text("has control: take it")
+    expect(other.locator(".tied")).to_contain_text("has control. Take control")
     other.get_by_role("button", name="Stop 1-191").click()
     eventually(other, lambda: texts(other, ".payload-title .state") == ["Stopped"])
     other.get_by_role("button", name="Take control").click()
     eventually(other, explore.is_enabled)
     eventually(holder, holder.get_by_role("button", name="Explore", exact=True).is_disabled)
     rearm(other)
-    other.get_by_role("button", name="Leave control").click()
+    other.get_by_role("button", name="Release control").click()
 
 
 def test_away_from_a_payload_stop_is_for_all(crew, open_page):
@@ -145,9 +145,9 @@ def test_away_from_a_payload_stop_is_for_all(crew, open_page):
     page.get_by_role("button", name="Take control").click()
     page.get_by_role("button", name="Stop all 3 payloads").click()
     eventually(
-        page, lambda: [each.split("\n")[0] for each in texts(page, ".fleet .state")] == ["Stopped health: good"] * 3
+        page, lambda: [each.split("\n")[0] for each in texts(page, ".fleet .state")] == ["Stopped Health: Good"] * 3
     )
-    eventually(page, lambda: texts(page, ".stop-fate") == ["stopped"])
+    eventually(page, lambda: texts(page, ".stop-fate") == ["Stopped"])
     for who in ("1-191", "2-191", "3-191"):
         page.evaluate("who => { location.hash = `#/payload/${who}`; }", who)
         page.get_by_role("heading", name=f"Payload {who}").wait_for()
@@ -176,11 +176,11 @@ def test_a_refusal_says_why_in_the_payloads_words(crew, open_page):
 def test_a_heading_that_is_none_is_not_sent(crew, open_page):
     page = command(open_page, crew.url, "3-191")
     sent = page.locator(".order").count()
-    page.get_by_label("Heading, degrees").fill("4000")
-    page.get_by_role("button", name="Turn").click()
+    page.get_by_label("Axis heading").fill("4000")
+    page.get_by_role("button", name="Turn to").click()
     assert page.evaluate("document.querySelector('#turn').validity.rangeOverflow")
-    page.get_by_label("Heading, degrees").fill("30")
-    page.get_by_role("button", name="Turn").click()
+    page.get_by_label("Axis heading").fill("30")
+    page.get_by_role("button", name="Turn to").click()
     expect(page.locator(".order")).to_have_count(sent + 1)
     expect(page.locator(".order .what").first).to_contain_text("30")
 
@@ -199,13 +199,13 @@ def test_a_parameter_is_checked_here_and_set_there(crew, open_page):
     field = page.get_by_label("EXP_UNIT", exact=True)
     expect(row).to_contain_text("0.5 to 60")
     field.fill("900")
-    expect(row).to_contain_text("at most 60 is wanted")
+    expect(row).to_contain_text("expected at most 60, got 900")
     expect(row.get_by_role("button", name="Set")).to_be_disabled()
     field.fill("4.5")
     field.press("Enter")
     expect(row).to_have_attribute("data-state", "set")
     expect(field).to_have_value("4.5")
-    page.get_by_label("Show those with").fill("lead_in")
+    page.get_by_label("Filter").fill("lead_in")
     eventually(page, lambda: page.locator(".parameters tbody tr").count() == 1)
 
 
@@ -215,7 +215,7 @@ def test_a_mission_is_ordered_with_the_keyboard_alone(crew, open_page):
     tab_to(page, "Payload 1-191")
     page.keyboard.press("Enter")
     page.locator("table.sources").wait_for()
-    tab_to(page, "Take")
+    tab_to(page, "Take control")
     page.keyboard.press("Enter")
     tab_to(page, "Explore")
     page.keyboard.press("Enter")
@@ -252,7 +252,7 @@ def test_two_placed_payloads_cross_their_bearings(crew, open_page):
         page.get_by_label("Payload", exact=True).select_option(who)
         page.get_by_label("Latitude").fill(north)
         page.get_by_label("Longitude").fill("8.0")
-        page.get_by_role("button", name="Place it").click()
+        page.get_by_role("button", name="Set position").click()
         page.locator(".places li", has_text=who).wait_for()
     eventually(page, lambda: page.locator(".map .crossing").count() > 0 and page.locator(".map .ray").count() >= 8)
     assert page.locator(".map .scale text").text_content().endswith(" m")

@@ -50,11 +50,11 @@ def test_the_page_comes_back_when_the_ground_process_does(lone, open_page, windo
     page.locator("#no-ground").wait_for()
     expect(page.get_by_role("button", name="Explore", exact=True)).to_be_disabled()
     page.get_by_role("button", name="Stop 1-191").click()
-    expect(page.locator(".stop-fate")).to_have_text("not sent: waits for the link")
+    expect(page.locator(".stop-fate")).to_have_text("No connection: will be sent on reconnection")
     payloads.tell(silence=[1])
     ground.start()
     page.locator("#no-ground").wait_for(state="detached")
-    expect(page.locator(".stop-fate")).to_have_text("stop sent")  # to whoever may be heard a moment later
+    expect(page.locator(".stop-fate")).to_have_text("Stop sent")  # to whoever may be heard a moment later
     payloads.tell(speak=[1])
     eventually(page, lambda: texts(page, ".payload-title .state") == ["Stopped"])
     assert page.evaluate("sameDocument")
@@ -69,9 +69,9 @@ def test_a_stop_that_stops_nobody_says_so(alone, open_page):
       const states = [[], row("explore_turn"), row("fault"), row("stopped")];
       return [0, 60000].map((ago) => states.map((each) => fate(performance.now() - ago, each).words));
     }""")
-    assert fates[0] == ["stop sent"] * 3 + ["stopped"]
+    assert fates[0] == ["Stop sent"] * 3 + ["Stopped"]
     other = "stop it by other means"
-    assert fates[1] == [f"1-191 is not heard: {other}", f"1-191 has not stopped: {other}", "stop sent", "stopped"]
+    assert fates[1] == [f"No telemetry from 1-191: {other}", f"1-191 has not stopped: {other}", "Stop sent", "Stopped"]
 
 
 def test_what_is_odd_is_told_in_words(lone, open_page):
@@ -81,16 +81,16 @@ def test_what_is_odd_is_told_in_words(lone, open_page):
     payloads.tell(nan=[1])
     eventually(page, lambda: "NaN" in remarks.inner_text())
     payloads.tell(restart=[1])
-    eventually(page, lambda: "started again" in remarks.inner_text())
+    eventually(page, lambda: "restarted" in remarks.inner_text())
     payloads.tell(crowd=[1])
     eventually(page, lambda: "200 sources announced, 32 shown" in remarks.inner_text())
     payloads.tell(twin=[1])
-    eventually(page, lambda: "wo payloads speak as 1-191" in remarks.inner_text())
+    eventually(page, lambda: "wo payloads use the id 1-191" in remarks.inner_text())
 
 
 def test_nobody_heard_says_what_to_look_at(alone, open_page):
     page = open_page(alone.url)
-    page.get_by_text("No payload is heard.").wait_for()
+    page.get_by_text("No payload found.").wait_for()
     assert page.get_by_role("button", name="Stop", exact=True).is_enabled()
 
 

@@ -62,13 +62,16 @@ def test_the_whole_mission_is_watched_and_played_again(window, open_page, tmp_pa
         assert "Separating the voice" in passed
         assert "target" in page.locator("table.sources").text_content()
         assert "replays the mission" in heard(process, "Ctrl-C ends it")
-        page.get_by_role("link", name="play it again").click(timeout=60_000)
+        sees(page, "The simulation has ended", "#ended")
+        assert page.get_by_role("button", name="Stop: nothing is running").get_attribute("aria-disabled") == "true"
+        page.get_by_role("link", name="Replay the mission").click(timeout=60_000)
         replayed(page)
     assert process.returncode == 0, process.said
 
 
 def replayed(page):
     page.get_by_role("button", name="Open mission.tlog").click(timeout=60_000)
+    assert "1970" not in page.locator("main").inner_text()
     slider = page.get_by_label("Time of mission.tlog")
     slider.wait_for()
     slider.fill("20")

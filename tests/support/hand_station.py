@@ -10,7 +10,7 @@ from ross_payload.ground.picture.known import Who
 from ross_protocols.codec import Decoder, Encoder, Packet
 
 PAYLOAD = Who(1, 191)
-NOTHING_YET = "nothing heard yet"
+NOTHING_YET = "no telemetry yet"
 
 
 def link(url: str = "udpin:127.0.0.1:14550", *, up: bool = True, error: str = "") -> LinkState:

@@ -64,7 +64,7 @@ class Listen(Order):
         """To whom."""
         if self.source is not None:
             return f"listen to source {self.source}"
-        return "seek the enrolled voice" if self.azimuth is None else f"listen at {self.azimuth:g} deg"
+        return "find the enrolled voice" if self.azimuth is None else f"listen at {self.azimuth:g} deg"
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +160,7 @@ class Record(Order):
     @property
     def words(self) -> str:
         """Which of the two."""
-        return "start a recording" if self.on else "end the recording"
+        return "start recording" if self.on else "stop recording"
 
 
 PLAIN: dict[str, type[Order]] = {
@@ -177,7 +177,7 @@ def order_of(mapping: Mapping[str, Any]) -> Order:
     """Return the order that a JSON object asks for.
 
     >>> order_of({"kind": "turn", "heading": 40}), order_of({"kind": "listen"}).words
-    (Turn(heading=40.0), 'seek the enrolled voice')
+    (Turn(heading=40.0), 'find the enrolled voice')
 
     Raises
     ------
@@ -186,18 +186,18 @@ def order_of(mapping: Mapping[str, Any]) -> Order:
     """
     kind = mapping.get("kind")
     if not isinstance(kind, str) or kind not in READERS:
-        raise ValueError(f"kind: found {_short(kind)}, wanted one of {', '.join(READERS)}")
+        raise ValueError(f"kind: expected one of {', '.join(READERS)}, got {_short(kind)}")
     return READERS[kind](mapping)
 
 
 def _listen(mapping: Mapping[str, Any]) -> Order:
     source, azimuth = mapping.get("source"), mapping.get("azimuth")
     if source is not None and azimuth is not None:
-        raise ValueError("listen: found a source and an azimuth, wanted one of them")
+        raise ValueError("listen: expected a source or an azimuth, got both")
     if source is not None:
         index = _number(mapping, "source", 0, 255)
         if index % 1:
-            raise ValueError(f"source: found {index:g}, wanted a whole number")
+            raise ValueError(f"source: expected a whole number, got {index:g}")
         return Listen(source=int(index))
     return Listen() if azimuth is None else Listen(azimuth=_number(mapping, "azimuth", -360, 360))
 
@@ -205,14 +205,14 @@ def _listen(mapping: Mapping[str, Any]) -> Order:
 def _record(mapping: Mapping[str, Any]) -> Order:
     on = mapping.get("on")
     if not isinstance(on, bool):
-        raise ValueError(f"on: found {_short(on)}, wanted true or false")
+        raise ValueError(f"on: expected true or false, got {_short(on)}")
     return Record(on)
 
 
 def _number(mapping: Mapping[str, Any], name: str, lower: float, upper: float) -> float:
     value = mapping.get(name)
     if isinstance(value, bool) or not isinstance(value, int | float) or not lower <= value <= upper:
-        raise ValueError(f"{name}: found {_short(value)}, wanted {lower:g} to {upper:g}")
+        raise ValueError(f"{name}: expected {lower:g} to {upper:g}, got {_short(value)}")
     return float(value)
 
 

@@ -15,19 +15,19 @@ SENT, ACKNOWLEDGED, IN_PROGRESS, DONE, REFUSED, FAILED, CANCELLED, NO_ANSWER = (
 )  # fmt: skip
 ENDS = {
     Result.ACCEPTED: (DONE, ""),
-    Result.TEMPORARILY_REJECTED: (REFUSED, "not now"),
-    Result.DENIED: (REFUSED, "not with these numbers, or not by this station ([[links]] accept)"),
-    Result.UNSUPPORTED: (REFUSED, "this payload does not know the command"),
-    Result.FAILED: (FAILED, "it came to no good end"),
-    Result.CANCELLED: (CANCELLED, "ended by a cancel, a stop or another order"),
-    Result.COMMAND_LONG_ONLY: (REFUSED, "this payload wants COMMAND_LONG"),
+    Result.TEMPORARILY_REJECTED: (REFUSED, "not possible now"),
+    Result.DENIED: (REFUSED, "invalid parameters, or this station is not permitted ([[links]] accept)"),
+    Result.UNSUPPORTED: (REFUSED, "this payload does not support the command"),
+    Result.FAILED: (FAILED, "it did not complete"),
+    Result.CANCELLED: (CANCELLED, "ended by a cancel, a stop or another command"),
+    Result.COMMAND_LONG_ONLY: (REFUSED, "this payload accepts only COMMAND_LONG"),
 }
-UNHEARD = "no answer: is it in reach, may this station order there ([[links]] accept), has it the right key?"
-SILENCE = "how it ended was not heard: look at the payload's state"
-REPLACED = "another order took its place"
-STARTED_ANEW = "the payload started anew"
-AFTER_STOP = "a stop was ordered"
-OVERTAKEN = "another order followed before it was answered"
+UNHEARD = "check that it is in range, that it accepts this station ([[links]] accept), and the signing key"
+SILENCE = "the result was not received: check the payload's state"
+REPLACED = "replaced by another command"
+STARTED_ANEW = "the payload restarted"
+AFTER_STOP = "stop was sent"
+OVERTAKEN = "another command was sent before it was answered"
 
 
 @dataclass(frozen=True, slots=True)

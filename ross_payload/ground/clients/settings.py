@@ -36,7 +36,7 @@ EXPLAINED = 1.5  # [s] around a refusal, in which the payload says why
 PREFIX = "RoSS: "  # of the payload's texts
 KNOWN, SENDING, SET, REFUSED, NO_ANSWER = "known", "sending", "set", "refused", "no_answer"
 UNHEARD = "no answer: is it in reach, and may this station set it ([[links]] accept)?"
-UNSTEADY = "its parameters change all the time: do two payloads speak as one?"
+UNSTEADY = "its parameters keep changing: do two payloads use the same id?"
 ERRORS = {
     ParamError.DOES_NOT_EXIST: "there is no such parameter",
     ParamError.VALUE_OUT_OF_RANGE: "out of range",
@@ -110,9 +110,9 @@ class Settings:
             When there is none of that name, or no number that the wire can carry.
         """
         if name not in self._settings:
-            raise ValueError(f"'{name[:40]}' found, wanted the name of a parameter of {self.who}")
+            raise ValueError(f"expected the name of a parameter of {self.who}, got '{name[:40]}'")
         if not abs(value) <= FLOAT32_MAX:
-            raise ValueError(f"{name}: found {str(value)[:40]}, wanted a number that a float can hold")
+            raise ValueError(f"{name}: expected a number that a float can hold, got {str(value)[:40]}")
         before = self._settings[name].value
         self._settings[name] = _Setting(before, SENDING, wanted=value)
         self._send_value(name)

@@ -46,7 +46,7 @@ def draw(told: Told, path: Path) -> None:
         When there is no payload, or the file cannot be written.
     """
     if not told.payloads:
-        raise GroundError(f"{told.flight.name}: no payload found, one wanted for a picture")
+        raise GroundError(f"{told.flight.name}: expected a payload for a picture, got none")
     with mpl.rc_context(STYLE), whole(path) as aside:
         form = path.suffix.lower().removeprefix(".")
         software = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}
@@ -55,7 +55,6 @@ def draw(told: Told, path: Path) -> None:
 
 def figure_of(told: Told) -> Figure:
     """Return the picture of a flight, not written yet."""
-    shown = told.payloads[:MOST_ROWS]
     figure = Figure(figsize=(13, 0.6 + 4.4 * len(shown)), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(_title(told, len(shown)), fontsize=12, fontweight="bold")

@@ -17,7 +17,7 @@ from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.marks import Mark, marks_of
 from ross_payload.ground.flights.scan import Damage, Index, scan
 from ross_payload.ground.flights.tape import EXPECTED, Tape
-from ross_payload.ground.flights.times import seconds_of
+from ross_payload.ground.flights.times import is_simulated, seconds_of
 from ross_payload.ground.picture.known import Who
 from ross_protocols.codec import Decoder, Packet
 from ross_protocols.dialect import MESSAGES, common
@@ -53,6 +53,11 @@ class Flight:
     index: Index
     at: NDArray[np.float64]  # of every frame [s], never falling
     tape: Tape
+
+    @property
+    def simulated(self) -> bool:
+        """Whether its times are those of a simulation, and no time of day is known."""
+        return self.start is None and is_simulated(int(self.index.usec[0]))
 
     def packets(self, which: NDArray[np.int64]) -> Iterator[tuple[float, Packet]]:
         """Yield times and packets of the frames with these numbers, in their order."""

@@ -9,6 +9,7 @@ Micros = NDArray[np.int64]
 BACK = 1_000_000  # [us] by which a clock falls that was set; less is the order of two links
 AHEAD = 86_400_000_000  # [us] by which a clock leaps that was set; less is a pause
 ALONE = 1_000_000  # [us] by which one stamp is off both its neighbours when it is wrong
+BOOTED = 5_000_000  # [us] after its start no computer runs a program: a clock that says less is a simulation's
 SET = 946_684_800_000_000  # UNIX time of 2000 [us]: a clock that says less counts from a start
 LAST = 253_402_300_800_000_000  # UNIX time of 10000 [us]: no calendar goes further
 
@@ -27,6 +28,15 @@ def seconds_of(usec: Micros) -> tuple[NDArray[np.float64], float | None, int]:
     at = np.maximum.accumulate(smooth) - smooth[0]
     start = int(stamps[-1] - (smooth[-1] - smooth[0]))
     return at / 1e6, start / 1e6 if SET < start < LAST else None, int(jumps.sum()) + lonely
+
+
+def is_simulated(stamp: int) -> bool:
+    """Whether the first stamp of a log [us] is that of a simulation, which counts from its own start.
+
+    >>> is_simulated(100_000), is_simulated(60_000_000), is_simulated(1_700_000_000_000_000)
+    (True, False, False)
+    """
+    return stamp < BOOTED
 
 
 def _without_lonely(stamps: Micros) -> tuple[Micros, int]:

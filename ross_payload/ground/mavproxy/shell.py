@@ -182,4 +182,4 @@ def _number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise ValueError(f"found '{text}', wanted a number") from None
+        raise ValueError(f"expected a number, got '{text}'") from None

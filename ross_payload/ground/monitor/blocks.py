@@ -33,15 +33,15 @@ def heard(last: float, now: float) -> Text:
     """Say how long ago a payload was heard of."""
     age = max(now - last, 0.0)
     if age > SILENT:
-        return Text(f"NOT HEARD FOR {age:.0f} s", "bold red")
-    return Text(f"heard {age:.1f} s ago", "green")
+        return Text(f"NO TELEMETRY FOR {age:.0f} s", "bold red")
+    return Text(f"last telemetry {age:.1f} s ago", "green")
 
 
 def head(picture: Picture, now: float) -> list[Text]:
     """Say who it is and what it does."""
     standing = picture["standing"]
     ended = f" ({standing['outcome'].replace('_', ' ')})" if standing["outcome"] else ""
-    state = (standing["state"] or "state not known").replace("_", " ").upper() + ended
+    state = (standing["state"] or "state unknown").replace("_", " ").upper() + ended
     line = Text(f"RoSS {standing['who']}  ", "bold")
     line.append(state, "bold red" if standing["state"] == "fault" else "bold yellow")
     line.append("  ").append_text(heard(standing["last"], now))
@@ -57,13 +57,13 @@ def strip(picture: Picture) -> list[Text]:
     wanted = "" if score is None or criterion is None else f" {'>' if score > criterion else '<='} {criterion:.2f}"
     parts = [
         f"{number(mission.get('time'), '.1f', ' s')}{expected}",
-        f"step {number(mission.get('rotation'), 'd')} of {number(mission.get('rotation_max'), 'd')}",
-        f"K {number(mission['k'], 'd')}{' certain' if mission.get('certain') else ''}",
+        f"orientation {number(mission.get('rotation'), 'd')} of {number(mission.get('rotation_max'), 'd')}",
+        f"K {number(mission['k'], 'd')}{' final' if mission.get('certain') else ''}",
         f"target {number(mission['target'], 'd')}",
         f"score {number(score, '.2f')}{wanted}",
         f"SI-SDR {number(mission.get('si_sdr'), '.1f', ' dB')}",
     ]
-    goal = "" if pointing["goal"] is None else f" turns to {pointing['goal']:.1f} deg"
+    goal = "" if pointing["goal"] is None else f" turning to {pointing['goal']:.1f} deg"
     where = f"axis {number(pointing['heading'], '.1f', ' deg')}{goal}, {frame(pointing['earth'])}"
     joint, gain = number(pointing.get("joint"), "+.1f", " deg"), number(mission.get("gain"), "+.1f", " dB")
     return [Text("  ".join(parts)), Text(f"{where}  joint {joint}  gain {gain}")]
@@ -83,7 +83,7 @@ def sources(picture: Picture, *, chosen: int | None) -> list[Text]:
         rows.append(Text(" none yet", "dim"))
     announced = max((each["announced"] for each in picture["sources"]), default=0)
     if announced > len(picture["sources"]):
-        rows.insert(1, Text(f" {announced} are announced, {len(picture['sources'])} known", "yellow"))
+        rows.insert(1, Text(f" {announced} announced, {len(picture['sources'])} received", "yellow"))
     return rows
 
 
@@ -92,7 +92,7 @@ def plan(picture: Picture) -> list[Text]:
     candidates = picture["plan"]["candidates"]
     if not candidates:
         return []
-    rows = [Text("turn to  isolates  as one    us    gain  state", "underline")]
+    rows = [Text("heading  isolates  aliased   us    gain  state", "underline")]
     for each in candidates:
         aliased = "+".join(map(str, each["aliased"])) or "-"
         now = each["candidate"] == picture["plan"]["current"]
@@ -112,9 +112,9 @@ def groups(picture: Picture) -> list[Text]:
     first = picture["groups"][0]
     rows = [Text(f"separated ({first['phase']}, {first['method']})  score  SI-SDR", "underline")]
     for each in picture["groups"]:
-        members = "+".join(map(str, each["members"])) or "not known"
+        members = "+".join(map(str, each["members"])) or "unknown"
         line = Text(f" {members:<24} {number(each['score'], '.2f'):>6} {number(each['si_sdr'], '.1f', ' dB'):>8}")
-        line.append("  the target" if each["target"] else "  accepted" if each["accepted"] else "", "green")
+        line.append("  target" if each["target"] else "  accepted" if each["accepted"] else "", "green")
         rows.append(line)
     return rows
 
@@ -135,7 +135,7 @@ def _details(part: dict[str, Any]) -> str:
     if "level_db" in part:
         details.append("/".join(f"{level:.0f}" for level in part["level_db"]) + " dB")
     if part.get("error") is not None:
-        details.append(f"{part['error']:.1f} deg to go")
+        details.append(f"{part['error']:.1f} deg to goal")
     if part.get("temperature") is not None:
         details.append(f"{part['temperature']:.0f} degC")
     if part.get("loads"):
@@ -151,7 +151,7 @@ def links(states: Sequence[Any]) -> list[Text]:
     for each in states:
         mark, style = MARKS["good" if each.up else "act"]
         words = f"{each.bytes_s / 1e3:.1f} kB/s, {each.frames_s:.0f} frames/s, {each.lost} lost, {each.bad} bad"
-        rows.append(Text(mark, style).append(f"here {each.url} ").append(words if each.up else each.error or "", style))
+        rows.append(Text(mark, style).append(f"link {each.url} ").append(words if each.up else each.error or "", style))
     return rows
 
 
@@ -162,7 +162,7 @@ def curves(picture: Picture, width: int, *, braille: bool) -> list[Text]:
     if picture["densities"]:
         first = picture["densities"][0]
         span = f"{first['first_us']:.0f} to {first['last_us']:.0f} us"
-        rows.append(Text(f"heard at each orientation, {span}", "underline"))
+        rows.append(Text(f"ITD density of each orientation, {span}", "underline"))
         rows += [_curve(f"{each['heading']:5.1f} deg", each["density"], wide, braille) for each in picture["densities"]]
     if picture["isolation"]:
         first = picture["isolation"][0]

@@ -8,17 +8,29 @@ import click
 
 DEFAULT_URL = "udpin:127.0.0.1:14550"
 SYSTEM_ID = click.IntRange(1, 255)
-EPILOG = "Exit codes: 0 ended by hand, or one look was taken; 2 bad input, or nothing was heard."
+EPILOG = "Exit codes: 0 ended by hand, or --once printed the state; 2 bad input, or no telemetry."
 
 
 @click.command("monitor", short_help="Watch and command a payload in a terminal.", epilog=EPILOG)
 @click.argument("urls", metavar="[URL]...", nargs=-1)
-@click.option("--payload", metavar="ID", help="Such as 1-191; default: the first one that is heard.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object per change; with --once one picture.")
-@click.option("--once", is_flag=True, help="Print the picture once and end.")
-@click.option("--wait", type=click.FloatRange(0.1), default=10.0, show_default=True, help="Of --once, for a word [s].")
-@click.option("--mavlink-key", type=click.Path(path_type=Path), help="File with the key that signs, as of the payload.")
-@click.option("--system-id", type=SYSTEM_ID, default=253, show_default=True, help="Ours; another program has another.")
+@click.option("--payload", metavar="ID", help="Such as 1-191; default: the first one received.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object per change; with --once the whole state.")
+@click.option("--once", is_flag=True, help="Print the state once and exit.")
+@click.option(
+    "--wait",
+    type=click.FloatRange(0.1),
+    default=10.0,
+    show_default=True,
+    help="How long --once waits for telemetry [s].",
+)
+@click.option("--mavlink-key", type=click.Path(path_type=Path), help="File with the signing key of the payload.")
+@click.option(
+    "--system-id",
+    type=SYSTEM_ID,
+    default=253,
+    show_default=True,
+    help="MAVLink system id of this program; must be unique.",
+)
 def command(
     *,
     urls: tuple[str, ...],
@@ -29,9 +41,9 @@ def command(
     mavlink_key: Path | None,
     system_id: int,
 ) -> None:
-    """Watch what is heard at each URL (default: udpin:127.0.0.1:14550), until Ctrl-C.
+    """Watch payloads on each URL (default: udpin:127.0.0.1:14550), until Ctrl-C.
 
-    On a terminal it draws a picture and obeys keys; elsewhere it prints one line per change.
+    On a terminal it draws the state and obeys keys; elsewhere it prints one line per change.
     """
     from ross_payload.ground.monitor.running import Wanted, run
     from ross_payload.ground.picture.known import Who

@@ -53,7 +53,7 @@ def shown(station: Station, watch: Watch) -> Shown:
     """Return what goes on the screen now."""
     picture = watch.picture
     others = ", ".join(name for name, _, _ in watch.others)
-    look_there = f"{watch.wanted} is not heard; there are {others}" if picture is None and others else ""
+    look_there = f"no telemetry from {watch.wanted}; receiving {others}" if picture is None and others else ""
     return Shown(
         picture=picture,
         now=station.now(),

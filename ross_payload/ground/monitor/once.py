@@ -60,7 +60,9 @@ async def _gathered(station: Station, watch: Watch, ended: asyncio.Event, wait: 
 def _silence(station: Station, watch: Watch) -> str:
     found = ", ".join(map(str, station.fleet.payloads))
     return (
-        f"{watch.wanted} is not heard; found {found}" if found else station.advice(patience=0.0) or "nothing was heard"
+        f"expected telemetry from {watch.wanted}, got {found}"
+        if found
+        else station.advice(patience=0.0) or "no telemetry"
     )
 
 

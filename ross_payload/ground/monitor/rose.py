@@ -15,7 +15,7 @@ WIDEST = 90.0  # [deg]
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
 INNER, LABEL, OUTER = 0.62, 0.80, 0.93  # of a wedge, as shares of the radius
 PLANNED = 0.48  # where candidates are named
-LEGEND = "o-O axis (O: microphone 2)  0 source  0? or there, mirrored  * target  a candidate  x goal  V vehicle's nose"
+LEGEND = "o-O axis (O: microphone 2)  0 source  0? its mirror image  * target  a candidate  x goal  V vehicle's nose"
 
 
 def colour(source: int) -> str:

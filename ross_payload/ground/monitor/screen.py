@@ -54,13 +54,13 @@ def _fit(line: Text, width: int, *, dots: bool) -> Text:
 
 
 def _top(picture: dict[str, Any], now: float) -> list[Text]:
-    flaws = [Text(f"ODD: {flaw}", "bold red") for flaw in picture["standing"]["flaws"][-1:]]
+    flaws = [Text(f"WARNING: {flaw}", "bold red") for flaw in picture["standing"]["flaws"][-1:]]
     return blocks.head(picture, now) + flaws + blocks.strip(picture)
 
 
 def _advice(shown: Shown, width: int) -> list[Text]:
     words = [Text(line) for line in wrap(shown.advice, max(width, 10))]
-    return [Text("RoSS  nothing heard yet", "bold yellow"), *words, *blocks.links(shown.links)]
+    return [Text("RoSS  no telemetry yet", "bold yellow"), *words, *blocks.links(shown.links)]
 
 
 def _foot(shown: Shown, height: int, *, keys: bool) -> list[Text]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ross_payload.ground.monitor.blocks import SILENT
+from ross_payload.ground.picture.condition import LEVELS
 from ross_payload.ground.picture.learning import MOST_SOURCES
 from ross_protocols.angle_text import frame, rounded
 
@@ -27,7 +28,7 @@ class Teller:
         if (age <= SILENT) is self.present:
             return []
         self.present = not self.present
-        return ["heard again" if self.present else f"not heard for {age:.1f} s"]
+        return ["telemetry resumed" if self.present else f"no telemetry for {age:.1f} s"]
 
     def words(self, picture: Picture) -> list[str]:
         """Return what is new, in words."""
@@ -98,7 +99,7 @@ def _standing_key(picture: Picture) -> Any:
 def _standing(picture: Picture) -> list[str]:
     standing = picture["standing"]
     outcome = f", {standing['outcome'].replace('_', ' ')}" if standing["outcome"] else ""
-    return [f"state {(standing['state'] or 'not known').replace('_', ' ')}{outcome}: {standing['state_meaning']}"]
+    return [f"state {(standing['state'] or 'unknown').replace('_', ' ')}{outcome}: {standing['state_meaning']}"]
 
 
 def _oddity_key(picture: Picture) -> Any:
@@ -108,8 +109,8 @@ def _oddity_key(picture: Picture) -> Any:
 def _oddity(picture: Picture) -> list[str]:
     """Starts, and what is odd about the messages."""
     standing = picture["standing"]
-    starts = [f"started, {standing['boots']} times by now"] if standing["boots"] > 1 else []
-    return starts + [f"odd: {flaw}" for flaw in standing["flaws"][-1:]]
+    starts = [f"restarted, {standing['boots']} starts so far"] if standing["boots"] > 1 else []
+    return starts + [f"warning: {flaw}" for flaw in standing["flaws"][-1:]]
 
 
 def _goal_key(picture: Picture) -> Any:
@@ -123,7 +124,7 @@ def _goal(picture: Picture) -> list[str]:
         return []
     if pointing["goal"] is None:
         return [f"axis at {pointing['heading']:.1f} deg"]
-    return [f"axis at {pointing['heading']:.1f} deg, turns to {pointing['goal']:.1f} deg"]
+    return [f"axis at {pointing['heading']:.1f} deg, turning to {pointing['goal']:.1f} deg"]
 
 
 def _mission_key(picture: Picture) -> Any:
@@ -136,7 +137,7 @@ def _mission(picture: Picture) -> list[str]:
     if mission["k"] is None:
         return []
     target = "" if mission["target"] is None else f", target {mission['target']}"
-    return [f"K {mission['k']}{' certain' if mission.get('certain') else ''}{target}"]
+    return [f"K {mission['k']}{' final' if mission.get('certain') else ''}{target}"]
 
 
 def _sources_key(picture: Picture) -> Any:
@@ -170,7 +171,7 @@ def _plan(picture: Picture) -> list[str]:
         f"{each['heading']:.0f} deg ({each['state']}) isolates {each['source']}"
         for each in picture["plan"]["candidates"]
     ]
-    return [f"turn to {', '.join(told)}"] if told else []
+    return [f"alignment candidates {', '.join(told)}"] if told else []
 
 
 def _groups_key(picture: Picture) -> Any:
@@ -191,10 +192,10 @@ def _health_key(picture: Picture) -> Any:
 
 def _health(picture: Picture) -> list[str]:
     return [
-        f"health {name}: {each['level']}, {each['words']}"
+        f"health {name}: {LEVELS[each['level']].lower()}, {each['words']}"
         for name, each in _parts(picture)
         if each["level"] in ("act", "watch")
-    ] or ["health: all is well"]
+    ] or ["health: good"]
 
 
 def _parts(picture: Picture) -> list[tuple[str, dict[str, Any]]]:

@@ -91,9 +91,9 @@ class Watch:
 
     def _order(self, key: str) -> None:
         if self.payload is None and (key not in STOPS or self._who is None):  # who is not heard may hear a stop
-            self._say("nobody to order: no payload is heard")
+            self._say("no payload to command: no telemetry")
         elif key == "l" and self.chosen is None:
-            self._say("choose a source with the arrows first; v seeks the enrolled voice")
+            self._say("select a source with the arrow keys first; v finds the enrolled voice")
         elif self._who is not None:
             self.orders.order(self._who, Listen(source=self.chosen) if key == "l" else PLAIN[key]())
 
@@ -119,7 +119,7 @@ class Watch:
 
     def _state(self, known: Payload) -> str:
         if self._now - known.last > SILENT:
-            return "not heard"
+            return "no telemetry"
         return (word("ROSS_STATE", known.status.state) if known.status else None) or "?"
 
     def _say(self, note: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -25,6 +26,7 @@ EPILOG = "Exit codes: 0 ended by hand, 2 bad input."
 @click.option("--system-id", type=SYSTEM_ID, default=254, show_default=True, help="Ours; another program has another.")
 @click.option("--log", type=click.Path(path_type=Path), help="Folder for a tlog of all that is heard.")
 @click.option("--flights", type=click.Path(path_type=Path), help="Folder of past flights (default: that of --log).")
+@click.option("--map", "map_file", type=click.Path(path_type=Path), help="MBTiles file with PNG or JPEG tiles.")
 @click.option("--open", "open_page", is_flag=True, help="Open the page in a browser.")
 def command(
     *,
@@ -38,6 +40,7 @@ def command(
     system_id: int,
     log: Path | None,
     flights: Path | None,
+    map_file: Path | None,
     open_page: bool,
 ) -> None:
     """Serve the page, with what is heard at each URL (default: udpin:127.0.0.1:14550), until Ctrl-C."""
@@ -48,4 +51,5 @@ def command(
             raise
         raise click.UsageError(f"the page needs aiohttp: {install_line('ground')}") from error
     folder, listened = flights or log, urls or (DEFAULT_URL,)
-    run(Wanted(listened, port, host, token_file, certificate, key, mavlink_key, system_id, log, folder, open_page))
+    wanted = Wanted(listened, port, host, token_file, certificate, key, mavlink_key, system_id, log, folder, open_page)
+    run(replace(wanted, map=map_file))

@@ -17,6 +17,7 @@ from ross_payload.ground.picture.known import Who
 from ross_protocols.codec import Packet
 
 if TYPE_CHECKING:
+    from ross_payload.ground.page.tiles import Tiles
     from ross_payload.ground.station import Station
 
 FLEET_PERIOD = 0.5  # [s]
@@ -61,6 +62,8 @@ class Hub:
         self.hands = Hands(station)
         self.control = Control()
         self.places = Places()
+        self.tiles: Tiles | None = None  # of a map that the user gave
+        self.over = ""  # why no payload is heard any more, as a sentence: its simulation has ended
         self.wake: Callable[[Who | None], None] = lambda who: None
         self.fleet_text, self.fleet_version = "", 0
         self._pictures: dict[Who, Picture] = {}

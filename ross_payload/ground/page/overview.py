@@ -24,7 +24,7 @@ def at_once(hub: Hub) -> Any:
     payloads = hub.station.fleet.payloads.values()
     states = [(each.who, each.boots, each.twin, each.status and each.status.state) for each in payloads]
     links = [(each.url, each.up, each.error) for each in hub.station.links()]
-    return states, links, hub.control.version, hub.hands.orders.doing, dict(hub.places.typed)
+    return states, links, hub.control.version, hub.hands.orders.doing, dict(hub.places.typed), hub.over
 
 
 def overview(hub: Hub, now: float) -> dict[str, Any]:
@@ -39,7 +39,8 @@ def overview(hub: Hub, now: float) -> dict[str, Any]:
         "fixes": fixes(fleet.payloads, places, now),
         "bearings": [_ray(each) for each in bearings(fleet.payloads, places, now)],
         "places": {str(who): place.json() for who, place in places.items()},
-        "advice": hub.station.advice(),
+        "advice": "" if hub.over else hub.station.advice(),
+        "over": hub.over,
     }
 
 

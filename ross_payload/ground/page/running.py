@@ -6,6 +6,7 @@ import asyncio
 import signal
 import ssl
 import webbrowser
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from ross_payload.ground.links.keys import read_key
 from ross_payload.ground.page.security import is_loopback, new_token, read_token
 from ross_payload.ground.page.server import Served, serve
 from ross_payload.ground.page.shelf import Flights
+from ross_payload.ground.page.tiles import Tiles
 from ross_payload.ground.page.tls import out_of_date, tls_of
 from ross_payload.ground.station import Station
 
@@ -38,6 +40,7 @@ class Wanted:
     log: Path | None
     flights: Path | None
     open_page: bool
+    map: Path | None = None
 
 
 def run(wanted: Wanted) -> None:
@@ -53,7 +56,8 @@ def run(wanted: Wanted) -> None:
         _warn(f"the certificate {wanted.certificate} {why}: browsers will not trust it")
     if wanted.flights is not None and wanted.flights != wanted.log and not wanted.flights.is_dir():
         raise GroundError(f"--flights {wanted.flights}: no such folder")
-    asyncio.run(_run(wanted, _token(wanted), tls))
+    with nullcontext() if wanted.map is None else Tiles(wanted.map) as tiles:
+        asyncio.run(_run(wanted, _token(wanted), tls, tiles))
 
 
 def _token(wanted: Wanted) -> str | None:
@@ -62,7 +66,7 @@ def _token(wanted: Wanted) -> str | None:
     return None if is_loopback(wanted.host) else new_token()
 
 
-async def _run(wanted: Wanted, token: str | None, tls: ssl.SSLContext | None) -> None:
+async def _run(wanted: Wanted, token: str | None, tls: ssl.SSLContext | None, tiles: Tiles | None) -> None:
     ended = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(number, ended.set)
@@ -70,7 +74,7 @@ async def _run(wanted: Wanted, token: str | None, tls: ssl.SSLContext | None) ->
     flights = Flights(wanted.flights)
     async with (
         Station(wanted.urls, system_id=wanted.system_id, key=key, log=wanted.log) as station,
-        serve(station, flights, host=wanted.host, port=wanted.port, token=token, tls=tls) as served,
+        serve(station, flights, host=wanted.host, port=wanted.port, token=token, tls=tls, tiles=tiles) as served,
     ):
         _announce(served, wanted, token)
         advising = asyncio.create_task(_advise(station))

@@ -23,6 +23,7 @@ from ross_payload.ground.page.shelf import Flights
 from ross_payload.ground.page.site import application
 
 if TYPE_CHECKING:
+    from ross_payload.ground.page.tiles import Tiles
     from ross_payload.ground.station import Station
 
 TICK = 0.1  # [s]
@@ -48,6 +49,7 @@ async def serve(
     port: int = 0,
     token: str | None = None,
     tls: ssl.SSLContext | None = None,
+    tiles: Tiles | None = None,
 ) -> AsyncIterator[Served]:
     """Serve the page; without a station it plays past flights only. Port 0: a free one.
 
@@ -60,6 +62,7 @@ async def serve(
         raise GroundError(f"host {host}: others reach it, a token wanted")
     with bound(host, port) as listener, flights or Flights(None) as shelf:
         browsers = Browsers(Hub(station or Silence(), shelf))
+        browsers.hub.tiles = tiles
         async with _working(browsers), _site(browsers, Gate(token), is_loopback(host)) as runner:
             await web.SockSite(runner, listener, ssl_context=tls).start()
             yield Served(_url(host, listener.getsockname()[1], tls is not None), browsers.hub)

@@ -31,7 +31,9 @@ class Session:
         self.slots: dict[str, Slot] = {}
         self._closing: set[asyncio.Task[None]] = set()
         mode = "live" if hub.live else "flight"
-        self.tell({"type": "hello", "you": browser, "version": __version__, "mode": mode, "may_order": hub.live})
+        tiles = None if hub.tiles is None else hub.tiles.about
+        hello = {"you": browser, "version": __version__, "mode": mode, "may_order": hub.live, "map": tiles}
+        self.tell({"type": "hello", **hello})
 
     def watch(self, who: Who | None) -> None:
         """Watch a payload from now on; all of it is sent."""

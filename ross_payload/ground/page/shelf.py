@@ -16,6 +16,7 @@ from typing import Any
 
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.reading import LOGS, open_flight
+from ross_payload.ground.flights.times import SET, is_simulated
 
 SUFFIX, PART = ".tlog", ".part"  # of a flight; of one that has not wholly come
 LARGEST = 256 << 20  # [bytes] of a flight that is brought
@@ -131,7 +132,7 @@ class Flights:
             log = next((path / log for log in LOGS if (path / log).is_file()), path)
             about = log.stat()
         except OSError:
-            return {"name": name, "duration": None, "start": None, "notes": ["it is gone"]}
+            return _unread(name, "the file has been deleted")
         look = self._looks.get(path)
         if look is None or (look.size, look.changed) != (about.st_size, about.st_mtime_ns):
             small = about.st_size <= SMALL and time.time() - about.st_mtime > GROWING
@@ -145,18 +146,24 @@ def _opened(name: str, path: Path) -> dict[str, Any]:
     try:
         flight = open_flight(path)
     except GroundError as error:
-        return {"name": name, "duration": None, "start": None, "notes": [error.message]}
-    return {"name": name, "duration": flight.duration, "start": flight.start, "notes": list(flight.notes)}
+        return _unread(name, error.message)
+    about = {"start": flight.start, "simulated": flight.simulated, "notes": list(flight.notes)}
+    return {"name": name, "duration": flight.duration, **about}
+
+
+def _unread(name: str, why: str) -> dict[str, Any]:
+    return {"name": name, "duration": None, "start": None, "simulated": False, "notes": [why]}
 
 
 def _glimpse(name: str, log: Path) -> dict[str, Any]:
     """Read when a flight began, and no more."""
     try:
         with log.open("rb") as file:
-            start = struct.unpack(">Q", file.read(8))[0] / 1e6
+            stamp = int(struct.unpack(">Q", file.read(8))[0])
     except (OSError, struct.error):
-        start = None
-    return {"name": name, "duration": None, "start": start, "notes": []}
+        return {**_unread(name, ""), "notes": []}
+    start = stamp / 1e6 if SET < stamp < 2**62 else None
+    return {"name": name, "duration": None, "start": start, "simulated": is_simulated(stamp), "notes": []}
 
 
 async def _write(path: Path, chunks: AsyncIterator[bytes]) -> None:

@@ -159,6 +159,7 @@ def _fixed(slot: str, title: str, flight: Flight) -> str:
             "slot": slot,
             "name": title,
             "start": flight.start,
+            "simulated": flight.simulated,
             "duration": flight.duration,
             "payloads": [str(who) for who in flight.payloads],
             "marks": [{"at": mark.at, "words": mark.words, "id": str(mark.who)} for mark in flight.marks],

@@ -15,18 +15,19 @@ from ross_protocols.pairs import wrap
 from ross_protocols.values import LinkReport, RecordingState
 
 GOOD, WATCH, ACT, UNKNOWN = "good", "watch", "act", "unknown"
+LEVELS = {GOOD: "Good", WATCH: "Warning", ACT: "Critical", UNKNOWN: "No data"}  # in words
 WAITING = 2.0  # [s] of audio that waits: the computer is too slow
 LOSSY = 0.1  # share of frames that may be lost before somebody looks
 HOT, BUSY, FULL = 80.0, 0.95, 0.95  # [degC], share of a core, share of the memory
 REMEDIES = {
-    "CLIPPING": "too loud: lower the gain",
-    "DEAD_1": "microphone 1 is silent: look at its wire",
-    "DEAD_2": "microphone 2 is silent: look at its wire",
-    "OFFSET": "a constant voltage: look at the coupling",
-    "IDENTICAL": "both channels are one microphone: look at the channel map",
+    "CLIPPING": "clipping: lower the gain",
+    "DEAD_1": "microphone 1 is silent: check its wiring",
+    "DEAD_2": "microphone 2 is silent: check its wiring",
+    "OFFSET": "DC offset: check the coupling",
+    "IDENTICAL": "both channels carry the same microphone: check the channel map",
     "INVERTED": "one microphone is inverted: swap its wires or set the polarity",
-    "LOST": "samples were lost: the computer or the USB port is too busy",
-    "ABSENT": "no audio arrives: look at the device",
+    "LOST": "samples were lost: the computer or the USB port is overloaded",
+    "ABSENT": "no audio: check the device",
 }  # by entry of ROSS_AUDIO_TROUBLE
 
 
@@ -55,12 +56,12 @@ def worst(parts: dict[str, Any]) -> str:
 def _microphones(known: Payload) -> dict[str, Any]:
     audio = known.audio
     if audio is None:
-        return {"level": UNKNOWN, "words": "nothing is said of them"}
+        return {"level": UNKNOWN, "words": "no data"}
     troubles = [words for name, words in REMEDIES.items() if audio.trouble & _bit(name)]
     slow = audio.waiting > WAITING
     level = ACT if troubles else WATCH if slow else GOOD
     words = "; ".join(troubles) or (
-        f"{audio.waiting:.1f} s of audio wait: the computer is behind" if slow else "both hear"
+        f"audio backlog of {audio.waiting:.1f} s: the computer is too slow" if slow else "both receive sound"
     )
     return {
         "level": level,
@@ -82,11 +83,11 @@ def _actuator(known: Payload) -> dict[str, Any]:
     status = known.status
     if status is None or not status.actuator_present:
         at = None if status is None else known.status_at
-        return {"level": UNKNOWN, "words": "nothing is said of it", "at": at}
+        return {"level": UNKNOWN, "words": "no data", "at": at}
     if status.fault:
-        level, words = ACT, "a fault: read the events, then home or rearm"
+        level, words = ACT, "fault: see the events, then home or rearm"
     elif not status.homed:
-        level, words = ACT, "its zero is not known: home it"
+        level, words = ACT, "not homed: send home"
     else:
         level, words = GOOD, "settled" if status.settled else "turning"
     return {
@@ -107,7 +108,7 @@ def _link(link: LinkReport) -> dict[str, Any]:
     heard = link.received + link.lost
     share = link.lost / heard if heard else 0.0
     level = WATCH if not link.up or share > LOSSY else GOOD
-    words = f"{share:.0%} of what the payload should hear is lost" if link.up else "not connected"
+    words = f"{share:.0%} of the messages to the payload lost" if link.up else "not connected"
     return {
         "level": level,
         "words": words,
@@ -131,7 +132,7 @@ def _reception(known: Payload) -> dict[str, Any]:
     if known.twin:
         level, words = ACT, twins(known.who)
     else:
-        level, words = (WATCH if share > LOSSY else GOOD), f"{share:.0%} of its frames were lost"
+        level, words = (WATCH if share > LOSSY else GOOD), f"{share:.0%} of its messages lost"
     return {
         "level": level,
         "words": words,
@@ -145,22 +146,22 @@ def _reception(known: Payload) -> dict[str, Any]:
 def _processor(known: Payload) -> dict[str, Any]:
     computer = known.computer
     if computer is None:
-        return {"level": UNKNOWN, "words": "nothing is said of it"}
+        return {"level": UNKNOWN, "words": "no data"}
     load = max(computer.loads, default=None)
     used, total = computer.memory_used, computer.memory_total
     memory = used / total if used is not None and total else None
     worries = [
         words
         for wrong, words in (
-            (computer.temperature is not None and computer.temperature > HOT, "hot: it will slow down"),
-            (load is not None and load > BUSY, "a core is busy all the time"),
-            (memory is not None and memory > FULL, "memory is nearly full"),
+            (computer.temperature is not None and computer.temperature > HOT, "hot: it will throttle"),
+            (load is not None and load > BUSY, "one core is fully loaded"),
+            (memory is not None and memory > FULL, "memory is almost full"),
         )
         if wrong
     ]
     return {
         "level": WATCH if worries else GOOD,
-        "words": "; ".join(worries) or "at ease",
+        "words": "; ".join(worries) or "load and temperature normal",
         "loads": list(computer.loads),
         "memory": memory,
         "temperature": computer.temperature,
@@ -171,10 +172,10 @@ def _processor(known: Payload) -> dict[str, Any]:
 def _recording(known: Payload) -> dict[str, Any]:
     recording = known.recording
     if recording is None:
-        return {"level": UNKNOWN, "words": "nothing is said of it", "on": False}
+        return {"level": UNKNOWN, "words": "no data", "on": False}
     stopped = recording.state in (RecordingState.FULL, RecordingState.BROKEN)
     on = recording.state == RecordingState.ON
-    words = recording.reason or "stopped" if stopped else f"records {recording.name}" if on else "off"
+    words = recording.reason or "stopped" if stopped else f"recording {recording.name}" if on else "off"
     return {
         "level": ACT if stopped else GOOD,
         "words": words,

@@ -51,13 +51,14 @@ class Who:
         system, dash, component = text.partition("-")
         numbers = [int(part) if part.isascii() and part.isdigit() else 256 for part in (system, component)]
         if not dash or not all(0 < number < 256 for number in numbers):
-            raise ValueError(f"'{text}' found, system-component wanted, as in 1-191")
+            raise ValueError(f"expected system-component, as in 1-191, got '{text}'")
         return cls(*numbers)
 
 
 def twins(who: Who) -> str:
     """Return what to do when two payloads speak with one id."""
-    return f"two payloads speak as {who}: give one another system_id, or on one vehicle another component_id"
+    remedy = "give one of them a different system_id, or a different component_id on the same vehicle"
+    return f"two payloads use the id {who}: {remedy}"
 
 
 @dataclass(frozen=True, slots=True)

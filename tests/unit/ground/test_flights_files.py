@@ -88,5 +88,5 @@ def test_a_manifest_that_is_none_hurts_nobody(tmp_path, manifest):
 
 
 def test_a_folder_without_a_log_is_told(tmp_path):
-    with pytest.raises(GroundError, match=r"a folder without telemetry\.tlog or mission\.tlog"):
+    with pytest.raises(GroundError, match=r"got a folder without telemetry\.tlog or mission\.tlog"):
         open_flight(tmp_path)

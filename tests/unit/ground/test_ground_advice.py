@@ -30,17 +30,17 @@ def says(link: LinkState, *payloads: Payload, now: float = 30.0, key: bool = Fal
 @pytest.mark.parametrize(
     ("url", "remedy"),
     [
-        (URL, 'url = "udpout:HOST:14550" with this computer as HOST; payloads elsewhere reach only udpin:'),
-        ("udpin:0.0.0.0:14550", "as HOST; check with tcpdump -ni any udp port 14550"),
+        (URL, 'url = "udpout:HOST:14550" where HOST is this computer; for payloads on other computers listen on'),
+        ("udpin:0.0.0.0:14550", "where HOST is this computer; check with tcpdump -ni any udp port 14550"),
         ("udpout:10.0.0.7:14550", 'the [[links]] of the payload need url = "udpin:0.0.0.0:14550"'),
-        ("tcp:10.0.0.7:5760", "connected, and the other side says nothing: is it the right port?"),
-        ("tcpin:127.0.0.1:5760", 'url = "tcp:HOST:5760" with this computer as HOST; payloads elsewhere reach'),
-        ("serial:/dev/ttyUSB0:57600", "look at the wires (RX to TX) and the rate; serial:/dev/ttyUSB0:auto tries them"),
+        ("tcp:10.0.0.7:5760", "connected, but the other side sends nothing: is it the right port?"),
+        ("tcpin:127.0.0.1:5760", 'url = "tcp:HOST:5760" where HOST is this computer; for payloads on other'),
+        ("serial:/dev/ttyUSB0:57600", "check the wires (RX to TX) and the baud rate; serial:/dev/ttyUSB0:auto tries"),
     ],
 )  # fmt: skip
 def test_a_silent_port_names_what_the_payload_needs_for_it(url: str, remedy: str) -> None:
     words = says(replace(SILENT, url=url))
-    assert words.startswith(f"nothing heard at {url} for 30 s: ")
+    assert words.startswith(f"nothing received on {url} for 30 s: ")
     assert remedy in words
 
 
@@ -48,16 +48,16 @@ def test_a_silent_port_names_what_the_payload_needs_for_it(url: str, remedy: str
     ("link", "words"),
     [
         (replace(SILENT, url="tcp:10.0.0.7:5760", error="Connection refused", up=False),
-         "tcp:10.0.0.7:5760: Connection refused: is the other side on, and is it host and port 5760?"),
+         "tcp:10.0.0.7:5760: Connection refused: check that the other side is on, and the host and port 5760"),
         (replace(SILENT, url="serial:/dev/ttyUSB0:57600", error="Permission denied", up=False),
-         "joins the group dialout"),
-        (replace(SILENT, url="serial:/dev/ttyUSB0:57600", bytes_s=5000.0), "another baud rate? Try serial:"),
-        (replace(SILENT, bytes_s=800.0), "800 bytes/s come and no MAVLink is among them: something else talks there"),
-        (replace(SILENT, bytes_s=800.0, refused=40, signed=40), "both sides need the same key and about the same time"),
+         "join the group dialout"),
+        (replace(SILENT, url="serial:/dev/ttyUSB0:57600", bytes_s=5000.0), "the baud rate may differ, try serial:"),
+        (replace(SILENT, bytes_s=800.0), "receiving 800 bytes/s, but no MAVLink: another program is sending"),
+        (replace(SILENT, bytes_s=800.0, refused=40, signed=40), "both sides need the same key, and clocks that agree"),
         (replace(TALKING, senders=(Who(1, 1), Who(1, 154))),
-         'heard 1-1 (an autopilot), 1-154, and no payload: is it on? behind an ArduPilot it needs role = "autopilot"'),
-        (replace(TALKING, senders=(Who(1, 191),)), "heard 1-191, and no payload: is it on?"),
-        (replace(TALKING, senders=(Who(1, 191),), bad=7), "7 frames have a wrong checksum: has it another version"),
+         'receiving 1-1 (an autopilot), 1-154, but no payload: is it on? behind ArduPilot, set role = "autopilot"'),
+        (replace(TALKING, senders=(Who(1, 191),)), "receiving 1-191, but no payload: is it on?"),
+        (replace(TALKING, senders=(Who(1, 191),), bad=7), "7 frames have a wrong checksum: does it use another"),
     ],
 )  # fmt: skip
 def test_every_cause_has_its_words(link: LinkState, words: str) -> None:
@@ -66,7 +66,7 @@ def test_every_cause_has_its_words(link: LinkState, words: str) -> None:
 
 
 def test_at_first_it_only_says_where_it_listens() -> None:
-    assert says(SILENT, now=3.0) == f"waits for telemetry at {URL}"
+    assert says(SILENT, now=3.0) == f"waiting for telemetry on {URL}"
 
 
 def test_all_is_well_needs_no_words() -> None:
@@ -78,19 +78,18 @@ def test_all_is_well_needs_no_words() -> None:
 def test_what_was_heard_before_is_not_looked_for_in_its_configuration() -> None:
     gone = replace(TALKING, frames_s=0.0, bytes_s=0.0)
     words = says(gone, PAYLOAD, now=45.0)
-    assert words == f"nothing heard at {URL} for 15 s: is the payload still on, and the network there?"
+    assert words == f"nothing received on {URL} for 15 s: check that the payload is on and the network is up"
 
 
 def test_mirrors_alone_mean_that_an_autopilot_drops_the_rest() -> None:
     poor = replace(PAYLOAD, mirrors=(("ross_k", 3.0),))
-    assert says(TALKING, poor).startswith("of 1-191 only the mirrored values arrive: behind an ArduPilot")
+    assert says(TALKING, poor).startswith("only summary values arrive from 1-191: behind ArduPilot")
     assert says(TALKING, replace(poor, first=25.0)) == "", "the rest may still come"
 
 
 def test_who_signs_is_told_to_who_does_not() -> None:
-    assert (
-        says(replace(TALKING, signed=3), PAYLOAD) == f"{URL}: who speaks there signs, and obeys nobody without its key"
-    )
+    words = "the payload signs its messages, and obeys only stations with its key (--mavlink-key)"
+    assert says(replace(TALKING, signed=3), PAYLOAD) == f"{URL}: {words}"
 
 
 def run(claim: Callable[[], Awaitable[None]]) -> None:
@@ -103,7 +102,7 @@ def test_a_station_tells_from_silence_to_noise_to_an_autopilot_to_mirrors_to_a_p
         async with Station([f"udpin:127.0.0.1:{port}"], now=clock.now) as station:
             with Far(port) as payload, Far(port, component=1) as autopilot:
                 clock.ahead += 6.0
-                assert "nothing heard at" in station.advice()
+                assert "nothing received on" in station.advice()
                 payload.throw(b"hello" * 100)
                 await until(lambda: "no MAVLink" in station.advice())
                 autopilot.say(BEAT)
@@ -112,7 +111,7 @@ def test_a_station_tells_from_silence_to_noise_to_an_autopilot_to_mirrors_to_a_p
                 await until(lambda: station.fleet.payloads)
                 clock.ahead += 11.0
                 payload.say(Named(12.0, "ross_k", 2.0))
-                await until(lambda: "only the mirrored values" in station.advice())
+                await until(lambda: "only summary values" in station.advice())
                 payload.say(status(12.0))
                 await until(lambda: station.advice() == "")
 

@@ -92,7 +92,7 @@ def test_without_telemetry_the_terminal_says_once_what_to_look_at():
     port = free_port()
     with ground(link(port)) as (process, _):
         line = process.stderr.readline()
-        assert f"nothing heard at udpin:127.0.0.1:{port} for " in line
+        assert f"nothing received on udpin:127.0.0.1:{port} for " in line
         assert "url = " in line
         process.send_signal(signal.SIGINT)
         assert process.stderr.read() == ""
@@ -169,7 +169,7 @@ def test_the_log_is_written_and_among_the_flights(tmp_path):
 def test_the_terminal_says_that_the_log_has_ended_however_late(tmp_path):
     port = free_port()
     with ground(link(port), "--log", str(tmp_path)) as (process, _), Far(port) as payload:
-        assert "nothing heard" in process.stderr.readline()
+        assert "nothing received" in process.stderr.readline()
         resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
         payload.say(*full(7.0))
         assert "the log has ended: File too large" in process.stderr.readline()

@@ -19,12 +19,12 @@ def test_every_part_that_nobody_speaks_of_is_unknown(ground):
     ("told", "part", "level", "word"),
     [
         (v.Audio(1, trouble=2), "microphones", "act", "microphone 1"),
-        (v.Audio(1, waiting=3.0), "microphones", "watch", "behind"),
+        (v.Audio(1, waiting=3.0), "microphones", "watch", "backlog"),
         (status(1.0, actuator_present=True, homed=True, settled=True), "actuator", "good", "settled"),
         (status(1.0, actuator_present=True, homed=True, fault=True), "actuator", "act", "fault"),
         (status(1.0, actuator_present=True), "actuator", "act", "home"),
         (v.Recording(1, v.RecordingState.FULL, reason="the disk is full"), "recording", "act", "disk is full"),
-        (v.Recording(1, v.RecordingState.ON, name="x"), "recording", "good", "records x"),
+        (v.Recording(1, v.RecordingState.ON, name="x"), "recording", "good", "recording x"),
     ],
 )
 def test_a_part_says_how_it_is_and_what_to_do(ground, told, part, level, word):
@@ -36,11 +36,11 @@ def test_a_part_says_how_it_is_and_what_to_do(ground, told, part, level, word):
 @pytest.mark.parametrize(
     ("computer", "level", "word"),
     [
-        (Computer(5.0, (0.3, 0.2), 50.0, 1e9, 4e9), "good", "ease"),
+        (Computer(5.0, (0.3, 0.2), 50.0, 1e9, 4e9), "good", "normal"),
         (Computer(5.0, (0.3, 1.0), 50.0, 1e9, 4e9), "watch", "core"),
         (Computer(5.0, (0.3, 0.2), 91.0, 1e9, 4e9), "watch", "hot"),
         (Computer(5.0, (0.3, 0.2), 50.0, 3.95e9, 4e9), "watch", "memory"),
-        (Computer(5.0), "good", "ease"),
+        (Computer(5.0), "good", "normal"),
     ],
 )
 def test_a_processor_says_how_it_is(ground, computer, level, word):

@@ -88,7 +88,7 @@ def test_two_payloads_of_one_id_on_one_wire_are_noticed_and_named(ground):
     assert ground.known.twin
     reception = ground.view["health"]["reception"]
     assert reception["level"] == "act"
-    assert "another system_id, or on one vehicle another component_id" in reception["words"]
+    assert "a different system_id, or a different component_id on the same vehicle" in reception["words"]
     assert ground.known.boots <= 3
 
 

@@ -122,10 +122,10 @@ def test_a_cancel_that_was_not_heard_does_not_end_the_order_after_it(script):
     ("result", "state", "word"),
     [
         (Result.ACCEPTED, "done", ""),
-        (Result.TEMPORARILY_REJECTED, "refused", "not now"),
+        (Result.TEMPORARILY_REJECTED, "refused", "not possible now"),
         (Result.DENIED, "refused", "accept"),
-        (Result.UNSUPPORTED, "refused", "know"),
-        (Result.FAILED, "failed", "no good end"),
+        (Result.UNSUPPORTED, "refused", "does not support"),
+        (Result.FAILED, "failed", "did not complete"),
         (Result.CANCELLED, "cancelled", "ended by"),
     ],
 )
@@ -237,7 +237,7 @@ def test_a_payload_that_starts_anew_does_not_do_what_it_was_told_before(script):
     script.orders.order(Who(2, 191), Turn(40))
     script.orders.met(Known(WHO, 0.0, 1.0, boots=2))
     assert script.states() == ["failed", "sent"]
-    assert script.orders.doing[0].reason == "the payload started anew"
+    assert script.orders.doing[0].reason == "the payload restarted"
     script.wait(3)
     assert {message.target_system for at, message in script.heard if at > 0} == {2}
 

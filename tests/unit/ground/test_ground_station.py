@@ -256,7 +256,7 @@ def test_two_payloads_of_one_id_are_noticed_though_their_clocks_agree(ports: tup
                 known = going.station.fleet.payloads[WHO]
                 assert known.twin
                 assert len(known.flaws) == 1
-                assert known.flaws[0].startswith("two payloads speak as 1-191: give one ")
+                assert known.flaws[0].startswith("two payloads use the id 1-191: give one ")
                 for number in range(40):
                     await going.say((one, 104 + number / 2))
                 assert not going.station.fleet.payloads[WHO].twin, "the other one has got another id"

@@ -152,4 +152,4 @@ def test_every_direction_is_a_compass_direction_and_an_elevation_goes_up():
 def test_of_two_troubles_both_remedies_are_told():
     audio = v.Audio(0, trouble=1 | 4)  # clipping, and microphone 2 is dead
     words = view(payload(audio=audio))["health"]["microphones"]["words"]
-    assert words == "too loud: lower the gain; microphone 2 is silent: look at its wire"
+    assert words == "clipping: lower the gain; microphone 2 is silent: check its wiring"

@@ -69,16 +69,16 @@ def test_every_order_is_sent_and_said(line, number, numbers):
     ("line", "words"),
     [
         ("listen", "wanted: ross listen voice|SOURCE|azimuth DEG"),
-        ("listen somebody", "found 'somebody', wanted a number"),
-        ("listen 1.5", "wanted a whole number"),
+        ("listen somebody", "expected a number, got 'somebody'"),
+        ("listen 1.5", "expected a whole number"),
         ("turn", "wanted: ross turn DEG"),
-        ("turn nan", "heading: found NaN, wanted -360 to 360"),
-        ("turn 1000", "heading: found 1000.0, wanted -360 to 360"),
+        ("turn nan", "heading: expected -360 to 360, got NaN"),
+        ("turn 1000", "heading: expected -360 to 360, got 1000.0"),
         ("record maybe", "wanted: ross record on|off"),
-        ("noise 61", "seconds: found 61.0, wanted 0 to 60"),
+        ("noise 61", "seconds: expected 0 to 60, got 61.0"),
         ("rearm now", "wanted: ross park|home|rearm"),
         ("dance", "wanted: see ross help"),
-        ("payload x", "'x' found, system-component wanted"),
+        ("payload x", "expected system-component, as in 1-191, got 'x'"),
         ("payload 9-191", "9-191 was not heard"),
     ],
 )
@@ -109,7 +109,7 @@ def test_sources_are_a_table():
     lines = Prompt(1).type("sources").splitlines()
     assert lines[0].startswith("source azimuth")
     assert [line.split()[0].rstrip("*") for line in lines[1:4]] == ["0", "1", "2"]
-    assert any(line.startswith("turn to") for line in lines)
+    assert any(line.startswith("heading  isolates") for line in lines)
 
 
 def test_help_names_every_command():
@@ -132,7 +132,7 @@ def test_a_refusal_without_a_reason_is_said_too():
     prompt.type("explore")
     prompt.hear(1, acknowledgement(54000, Result.UNSUPPORTED, 255, 230))
     prompt.wait(1.0)
-    assert prompt.said[-1] == "RoSS 1-191 explore: refused: this payload does not know the command"
+    assert prompt.said[-1] == "RoSS 1-191 explore: refused: this payload does not support the command"
 
 
 def test_what_is_done_is_said_and_progress_only_begins():

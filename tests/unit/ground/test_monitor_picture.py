@@ -82,17 +82,25 @@ def test_it_fills_any_screen_and_no_more(size, sources, braille):
 
 def test_a_small_terminal_shows_all_that_matters():
     seen = text()
-    assert "RoSS 1-191  RUN  heard 0.5 s ago" in seen
-    assert "K 3 certain  target 1" in seen
+    assert "RoSS 1-191  RUN  last telemetry 0.5 s ago" in seen
+    assert "K 3 final  target 1" in seen
     assert "axis " in seen and "from north" in seen
     assert "s STOP" in seen.splitlines()[-1]
-    for part in ("microphones", "actuator", "reception", "processor", "recording", "source azimuth", "turn to"):
+    for part in (
+        "microphones",
+        "actuator",
+        "reception",
+        "processor",
+        "recording",
+        "source azimuth",
+        "heading  isolates",
+    ):
         assert part in seen
 
 
 def test_a_large_one_shows_densities_isolation_and_groups():
     seen = text(size=(200, 60))
-    assert "heard at each orientation, -146 to 146 us" in seen
+    assert "ITD density of each orientation, -146 to 146 us" in seen
     assert "isolation of each source" in seen
     assert "separated (run, gaussian)" in seen
     assert "o-O axis" in seen
@@ -161,25 +169,25 @@ def test_without_braille_everything_is_ascii(size):
 
 
 def test_silence_is_said_and_how_long_it_is():
-    assert "NOT HEARD FOR 4 s" in text(now=104.2)
-    assert "NOT HEARD" not in text(now=102.0)
+    assert "NO TELEMETRY FOR 4 s" in text(now=104.2)
+    assert "NO TELEMETRY" not in text(now=102.0)
 
 
 def test_what_is_missing_is_said_above_the_picture():
-    seen = text(advice="of 1-191 only the mirrored values arrive: behind an ArduPilot it needs a role").splitlines()
-    assert seen[3].startswith("of 1-191 only the mirrored values arrive")
+    seen = text(advice="only summary values arrive from 1-191: behind ArduPilot it needs a role").splitlines()
+    assert seen[3].startswith("only summary values arrive from 1-191")
     assert len(seen) == 24
 
 
 def test_too_many_sources_are_counted():
     seen = text(sources=200)
-    assert "200 are announced, 32 known" in seen
+    assert "200 announced, 32 received" in seen
     assert "microphones" in seen, "the table left no room for health"
 
 
 def test_a_message_with_a_number_that_is_none_is_odd():
     [*_, source] = [value for value in full(30.0, 3, 1) if isinstance(value, Source)]
-    assert "ODD: ROSS_SOURCE with a number that is none" in text(replace(source, azimuth=math.nan))
+    assert "WARNING: ROSS_SOURCE with a number that is none" in text(replace(source, azimuth=math.nan))
 
 
 def test_limits_are_read_from_what_the_payload_tells():
@@ -221,13 +229,13 @@ def test_what_was_ordered_is_followed():
     orders.order(Who(1, 191), Turn(40.0))
     orders.order(Who(1, 191), Stop())
     seen = text(doings=orders.doing)
-    assert "1-191 turn to 40 deg: cancelled: a stop was ordered" in seen
+    assert "1-191 turn to 40 deg: cancelled: stop was sent" in seen
     assert "1-191 stop: sent" in seen
 
 
 def test_nothing_heard_shows_the_advice():
-    lines = compose(Shown(None, 9.0, advice="nothing heard at udpin:127.0.0.1:1: " + "do this " * 40), 40, 20)
+    lines = compose(Shown(None, 9.0, advice="nothing received on udpin:127.0.0.1:1: " + "do this " * 40), 40, 20)
     seen = "\n".join(line.plain for line in lines)
-    assert "nothing heard yet" in seen
+    assert "no telemetry yet" in seen
     assert seen.count("this") == 40
     assert len(lines) == 20

@@ -74,7 +74,7 @@ def test_an_estimate_is_told_when_all_of_it_has_come():
 def test_a_new_start_is_told_once():
     told = Told()
     again = replace(told.one(Status), time_usec=1)
-    assert any("started, 2 times by now" in line for line in told.words(again))
+    assert any("restarted, 2 starts so far" in line for line in told.words(again))
     assert not any("started" in line for line in told.words(replace(again, time_usec=2, state=3)))
 
 
@@ -90,16 +90,16 @@ def test_only_a_level_that_changes_is_told_of_health():
     audio = told.one(Audio)
     assert told.words(replace(audio, level=(-10.0, -11.0))) == []
     [line] = told.words(replace(audio, trouble=2))
-    assert line.startswith("health microphones: act, microphone 1 is silent")
+    assert line.startswith("health microphones: critical, microphone 1 is silent")
     assert told.words(audio)[0].startswith("health")
 
 
 def test_silence_is_told_once_and_so_is_its_end():
     teller = Teller()
     assert teller.presence(10.0, 11.0) == []
-    assert teller.presence(10.0, 13.0) == ["not heard for 3.0 s"]
+    assert teller.presence(10.0, 13.0) == ["no telemetry for 3.0 s"]
     assert teller.presence(10.0, 14.0) == []
-    assert teller.presence(14.5, 14.6) == ["heard again"]
+    assert teller.presence(14.5, 14.6) == ["telemetry resumed"]
 
 
 def test_json_has_only_the_sections_that_changed():

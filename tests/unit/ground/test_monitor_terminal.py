@@ -198,7 +198,7 @@ def test_a_signal_ends_it_in_good_order(port, number):
 def test_keys_end_it(port, key):
     with terminal(f"udpin:127.0.0.1:{port}") as screen:
         before = screen.settings()
-        screen.shows("waits for telemetry")
+        screen.shows("waiting for telemetry")
         screen.type(b"\x1a")  # Ctrl-Z is only a key: a stopped program could not put the terminal right
         screen.type(key)
         assert screen.ended() == 0
@@ -208,12 +208,12 @@ def test_keys_end_it(port, key):
 def test_link_loss_is_shown_within_three_seconds_and_recovery_too(port):
     with terminal(f"udpin:127.0.0.1:{port}") as screen:
         with speaking(port):
-            screen.shows("heard 0.")
+            screen.shows("last telemetry 0.")
         lost = time.monotonic()
-        screen.shows("NOT HEARD FOR")
+        screen.shows("NO TELEMETRY FOR")
         assert time.monotonic() - lost < 3.5
         with speaking(port):
-            screen.shows("heard 0.")
+            screen.shows("last telemetry 0.")
 
 
 def test_it_follows_the_size_of_the_terminal(port):
@@ -269,7 +269,7 @@ def test_one_look_at_nothing_says_what_to_check(port):
     assert done.returncode == 2
     assert done.stdout == ""
     [line] = done.stderr.splitlines()
-    assert f"nothing heard at udpin:127.0.0.1:{port}" in line
+    assert f"nothing received on udpin:127.0.0.1:{port}" in line
     assert "Traceback" not in done.stderr
 
 
@@ -277,16 +277,16 @@ def test_one_look_at_another_payload_says_who_is_there(port):
     with speaking(port):
         done = run(f"udpin:127.0.0.1:{port}", "--once", "--wait", "4", "--payload", "7-191")
     assert done.returncode == 2
-    assert "7-191 is not heard; found 1-191" in done.stderr
+    assert "expected telemetry from 7-191, got 1-191" in done.stderr
 
 
 def test_on_a_pipe_every_change_is_a_line(port):
     with FleetBench(port) as bench, lines_of(f"udpin:127.0.0.1:{port}") as process:
         lines = lines_until(process, lambda line: "sources 0" in line)
         bench.tell(silence=[1])
-        lines += lines_until(process, lambda line: "not heard for" in line)
+        lines += lines_until(process, lambda line: "no telemetry for" in line)
         bench.tell(speak=[1])
-        lines += lines_until(process, lambda line: "heard again" in line)
+        lines += lines_until(process, lambda line: "telemetry resumed" in line)
     assert any(re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}\S* 1-191 state \w+", line) for line in lines)
     assert "\x1b" not in "".join(lines)
 
@@ -303,7 +303,7 @@ def test_json_lines_are_sections_that_changed(port):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--payload", "1"), "'1' found, system-component wanted"),
+        (("--payload", "1"), "expected system-component, as in 1-191, got '1'"),
         (("--once", "--wait", "0"), "--wait"),
         (("udp:nonsense",), "udp:nonsense"),
         (("--mavlink-key", "/nowhere"), "/nowhere"),

@@ -61,7 +61,7 @@ def test_arrows_go_round(pressed, chosen):
 def test_l_without_a_source_says_what_to_do_and_orders_nothing():
     bench = Bench(1).press("l")
     assert bench.orders == []
-    assert "arrows" in bench.watch.note
+    assert "arrow keys" in bench.watch.note
 
 
 def test_a_source_that_is_gone_is_not_listened_to():
@@ -92,7 +92,7 @@ def test_the_first_that_is_heard_is_looked_at_unless_another_is_wanted():
 def test_without_a_payload_nothing_is_ordered_and_that_is_said():
     bench = Bench().press("s")
     assert bench.orders == []
-    assert "nobody to order" in bench.watch.note
+    assert "no payload to command" in bench.watch.note
 
 
 def test_who_is_wanted_may_hear_a_stop_though_nobody_hears_it():
@@ -111,7 +111,7 @@ def test_who_is_silent_is_called_so():
     bench.watch.tick(2.0)
     assert bench.watch.others[0][2] == "run"
     bench.watch.tick(4.0)
-    assert bench.watch.others[0][2] == "not heard"
+    assert bench.watch.others[0][2] == "no telemetry"
 
 
 @pytest.mark.parametrize("key", ["q", "\x03", "\x04"])

@@ -66,5 +66,5 @@ def test_an_order_is_read_from_json(mapping, order, numbers):
     ids=repr,
 )
 def test_what_is_no_order_says_what_was_found_and_wanted(mapping):
-    with pytest.raises(ValueError, match=r"found .*, wanted "):
+    with pytest.raises(ValueError, match=r"expected .*, got "):
         order_of(mapping)

@@ -12,6 +12,7 @@ from pathlib import Path
 import aiohttp
 import pytest
 
+from emulated_log import log
 from flight_logs import UNIX, record, write_hour
 from ground_page import browser, page
 from ross_payload.ground.page import shelf
@@ -66,6 +67,19 @@ def test_a_flight_that_is_still_written_is_listed_and_not_read_again_and_again(f
     make_old(folder / "two.tlog")
     rows = {each["name"]: each for each in flights.known()}
     assert rows["two.tlog"]["duration"] == pytest.approx(59.9, abs=0.2)
+
+
+def test_a_simulated_flight_has_no_date_while_it_is_written_either(tmp_path):
+    log(tmp_path / "mission.tlog", start=0)  # a simulation's clock counts from its own start
+    log(tmp_path / "booted.tlog", start=60_000_000)  # a computer that knows no date counts from its boot
+    flights = Flights(tmp_path)
+    for _ in ("still written", "whole"):
+        rows = {each["name"]: each for each in flights.known()}
+        assert [rows["mission.tlog"][key] for key in ("start", "simulated")] == [None, True]
+        assert [rows["booted.tlog"][key] for key in ("start", "simulated")] == [None, False]
+        for path in tmp_path.iterdir():
+            make_old(path)
+    assert rows["mission.tlog"]["duration"] == pytest.approx(19.8, abs=0.2)
 
 
 def test_an_opened_flight_tells_what_is_in_it_and_shows_its_first_payload(folder):
@@ -176,7 +190,7 @@ def test_two_flights_play_apart(folder):
         ({"slot": "a", "seek": "1"}, "seek: 1 found, a number from 0"),
         ({"slot": "a", "speed": 0}, "speed: 0 found, a number from 1 to 64 wanted"),
         ({"slot": "a", "play": 1}, "nothing found, one of open, close"),
-        ({"slot": "a", "watch": "all"}, "'all' found, system-component wanted"),
+        ({"slot": "a", "watch": "all"}, "expected system-component, as in 1-191, got 'all'"),
     ],
 )
 def test_what_no_flight_can_do_is_refused(folder, message, reason):

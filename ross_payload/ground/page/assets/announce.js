@@ -37,11 +37,11 @@ function sayings(page) {
   const refusal = store.refusals[0];
   return {
     alarm: stopFate(page).words,
-    socket: socket.up ? "Connected to the ground process" : "No link to the ground process",
-    silent: silentFor(page) === null ? (store.payload ? "Telemetry is heard" : "") : "No telemetry",
+    socket: socket.up ? "Connected to the ground process" : "No connection to the ground process",
+    silent: page.over || (silentFor(page) === null ? (store.payload ? "Receiving telemetry" : "") : "No telemetry"),
     control: store.control.yours ? "You have control" : store.control.name ? `${store.control.name} has control` : "",
     state: store.payload ? state(store.payload.sections.standing?.state) : "",
     order: doing ? `${doing.words}: ${fate(doing.state)} ${doing.reason ?? ""}` : "",
-    refused: refusal ? `Refused: ${refusal.reason}` : "",
+    refused: refusal ? `Not sent: ${refusal.reason}` : "",
   };
 }

@@ -4,8 +4,9 @@ import { announce } from "./announce.js";
 import { pressed } from "./keys.js";
 import { html, render } from "./lit.js";
 import { blank, closed, connect, liveAddress, take, unwatched } from "./live.js";
-import { header } from "./parts/header.js";
 import { banners } from "./parts/banners.js";
+import { header } from "./parts/header.js";
+import { joined } from "./parts/comparison.js";
 import { routeOf, titleOf } from "./route.js";
 import { followed } from "./stop.js";
 import { applyTheme, readTheme } from "./theme.js";
@@ -42,6 +43,7 @@ class Page {
       compare: false,
       lastEscape: -Infinity,
     };
+    this.shut = new Set(); // slots that were closed, until a flight is opened there
     this.due = false;
     this.live = null;
   }
@@ -50,8 +52,10 @@ class Page {
     applyTheme(this.ui.theme);
     this.live = connect(() => liveAddress(location, this.store.you), {
       message: (message) => {
-        this.store = take(this.store, message, performance.now());
-        this.onMessage(message);
+        if (this.shut.has(message.slot)) return; // it was on its way when the slot was closed
+        const before = this.store;
+        this.store = take(before, message, performance.now());
+        this.onMessage(message, before);
       },
       up: () => this.changeSocket({ up: true, ever: true, since: performance.now() }),
       down: () =>
@@ -63,8 +67,9 @@ class Page {
     this.draw();
   }
 
-  onMessage(message) {
+  onMessage(message, before) {
     if (message.type === "hello") this.resume();
+    if (message.type === "flight") joined(this, message.slot, before);
     this.draw();
   }
 
@@ -108,6 +113,7 @@ class Page {
 
   /** Send a message to the ground process; false: there is no link to it. */
   send(message) {
+    if (message.type === "flight" && message.open) this.shut.delete(message.slot);
     return this.live?.send(message) ?? false;
   }
 
@@ -117,23 +123,30 @@ class Page {
 
   /** Stop these payloads. Without a link it is sent as soon as there is one: a late stop still stops. */
   stop(ids) {
-    const sent = ids.map((id) => this.order(id, { kind: "stop" })).every(Boolean);
+    const sent = this.over !== "" || ids.map((id) => this.order(id, { kind: "stop" })).every(Boolean);
     this.change({ stop: { ids, at: performance.now(), now: this.now(), waiting: !sent } });
   }
 
   closeSlot(slot) {
     this.send({ type: "flight", slot, close: true });
     this.store = closed(this.store, slot);
+    this.shut.add(slot);
     this.draw();
   }
 
-  /** Why nobody can give an order here, in words; null: orders leave, and the payload decides. */
+  /** Why no payload can be heard any more, as a sentence: its simulation has ended. Empty: it can. */
+  get over() {
+    return this.store.fleet?.over ?? "";
+  }
+
+  /** Why nobody can give a command here, in words; null: commands are sent, and the payload decides. */
   get handsTied() {
     const { mayOrder, control } = this.store;
-    if (!this.socket.up) return "No link to the ground process: orders cannot leave.";
-    if (!mayOrder) return "Recordings take no orders.";
+    if (!this.socket.up) return "No connection to the ground process: commands cannot be sent.";
+    if (!mayOrder) return "Recordings do not accept commands.";
+    if (this.over) return `${this.over} Commands are no longer accepted.`;
     if (control.holder && !control.yours)
-      return `${control.name ?? control.holder} has control: take it to give orders.`;
+      return `${control.name ?? control.holder} has control. Take control to send commands.`;
     return null;
   }
 
@@ -163,7 +176,7 @@ class Page {
     this.ui = { ...this.ui, stop: followed(this) };
     const view = VIEWS[this.route.view];
     render(
-      html`${header(this)}${banners(this)}
+      html`<div class="pinned">${header(this)}${banners(this)}</div>
         <main id="main" class="view view-${this.route.view}">${view(this)}</main>
         ${helpPanel(this)}`,
       document.getElementById("page"),

@@ -63,4 +63,58 @@ export function zoomed(look, [width, height], factor, [px, py] = [width / 2, hei
   return { x: look.x + dx / look.scale - dx / scale, y: look.y + dy / look.scale - dy / scale, scale };
 }
 
+/** The width of the globe's square in pixels of tiles at zoom 0, and how far one reaches at the equator [m]. */
+const TILE = 256; // [px]
+const AROUND = 2 * Math.PI * RADIUS; // [m]
+const MOST_TILES = 120; // on a screen: beyond, larger ones are taken
+
+/** The scale [px/m] at which tiles of a zoom level are as large as they were drawn. */
+export const scaleOf = (zoom, { lat }) => (TILE * 2 ** zoom) / (AROUND * Math.cos(lat * RADIAN));
+
+/** Column and row of a place among the tiles of a zoom level, with fractions; rows count from the north. */
+function tileAt({ lat, lon }, zoom) {
+  const north = Math.asinh(Math.tan(Math.min(Math.max(lat, -85), 85) * RADIAN));
+  return [((lon + 180) / 360) * 2 ** zoom, ((1 - north / Math.PI) / 2) * 2 ** zoom];
+}
+
+/** The north-western corner of a tile. @returns {Place} */
+const cornerOf = (column, row, zoom) => ({
+  lat: Math.atan(Math.sinh(Math.PI * (1 - (2 * row) / 2 ** zoom))) / RADIAN,
+  lon: (column / 2 ** zoom) * 360 - 180,
+});
+
+/** The place at so many metres east and north of an origin. @returns {Place} */
+export const placeAt = (origin, [east, north]) => ({
+  lat: origin.lat + north / RADIUS / RADIAN,
+  lon: origin.lon + east / (RADIUS * Math.cos(origin.lat * RADIAN)) / RADIAN,
+});
+
+/**
+ * The tiles that cover a screen, and where they are on it.
+ * @param {{minzoom: number, maxzoom: number}} levels  @param {Place} origin  @param {Look} look
+ * @returns {{name: string, x: number, y: number, width: number, height: number}[]} `name` as in `/tiles/NAME`
+ */
+export function tilesOn({ minzoom, maxzoom }, origin, look, size) {
+  const [half, tall] = [size[0] / 2 / look.scale, size[1] / 2 / look.scale];
+  const corners = [placeAt(origin, [look.x - half, look.y + tall]), placeAt(origin, [look.x + half, look.y - tall])];
+  const wanted = Math.round(Math.log2(look.scale / scaleOf(0, origin)));
+  let zoom = Math.min(Math.max(wanted, minzoom), maxzoom);
+  let span = spanOf(corners, zoom);
+  while (span.columns * span.rows > MOST_TILES && zoom > minzoom) span = spanOf(corners, (zoom -= 1));
+  if (span.columns * span.rows > MOST_TILES) return []; // too far away for the smallest map there is
+  return Array.from({ length: span.columns * span.rows }, (_, index) => {
+    const [column, row] = [span.left + (index % span.columns), span.top + Math.floor(index / span.columns)];
+    const [x, y] = onScreen(look, size, metres(origin, cornerOf(column, row, zoom)));
+    const [right, bottom] = onScreen(look, size, metres(origin, cornerOf(column + 1, row + 1, zoom)));
+    return { name: `${zoom}/${column}/${row}`, x, y, width: round(right - x), height: round(bottom - y) };
+  });
+}
+
+function spanOf([first, last], zoom) {
+  const most = 2 ** zoom - 1;
+  const [left, top] = tileAt(first, zoom).map((each) => Math.max(Math.floor(each), 0));
+  const [right, bottom] = tileAt(last, zoom).map((each) => Math.min(Math.floor(each), most));
+  return { left, top, columns: Math.max(right - left + 1, 0), rows: Math.max(bottom - top + 1, 0) };
+}
+
 const round = (value) => Math.round(value * 10) / 10;

@@ -18,6 +18,15 @@ export function silentFor(page) {
   return last === null || now === null || now - last <= SILENT ? null : now - last;
 }
 
+/** Whether telemetry comes now: of the payload on the screen, elsewhere of any. */
+export function isLive(page) {
+  if (page.over) return false;
+  const { view, id } = page.route;
+  const ids = view === "payload" ? [id] : (page.store.fleet?.payloads ?? []).map((each) => each.id);
+  const now = page.now();
+  return now !== null && ids.map((each) => lastHeard(page, each)).some((last) => last !== null && now - last <= SILENT);
+}
+
 /** Seconds without the ground process, once they are too many or the socket is closed; else null. */
 export function groundSilentFor(page) {
   const silence = page.silence();

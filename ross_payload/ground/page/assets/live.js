@@ -26,6 +26,7 @@ export function blank() {
     version: "",
     mode: "live",
     mayOrder: false,
+    tiles: null, // of the map that the ground process was given: {minzoom, maxzoom, attribution, center}
     fleet: null,
     fleetGot: 0,
     control: { holder: null, name: null, yours: false },
@@ -43,12 +44,13 @@ export function take(store, message, got) {
 }
 
 const TAKERS = {
-  hello: (store, { you, version, mode, may_order: mayOrder }) => ({
+  hello: (store, { you, version, mode, may_order: mayOrder, map }) => ({
     ...store,
     you,
     version,
     mode: mode ?? "live",
     mayOrder: mayOrder ?? true,
+    tiles: map ?? null,
     payload: null,
   }),
   fleet: (store, message, got) => ({ ...store, fleet: message, fleetGot: got }),

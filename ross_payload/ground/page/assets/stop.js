@@ -2,6 +2,7 @@
 
 import { isOver } from "./words.js";
 
+const OTHERWISE = "stop it by other means";
 const SHOWN = 8; // [s] that an answer stays beside the button
 const UNTOLD = ["", "fault"]; // states of a payload that may stand still, or not
 
@@ -15,13 +16,14 @@ export function stopTargets(page) {
 export function stopFate(page) {
   const { stop } = page.ui;
   if (!stop) return NONE;
-  if (stop.waiting) return { words: "not sent: waits for the link", level: "act" };
-  if (!stop.ids.length) return lately(stop.at) ? { words: "nobody to stop: no payload is heard", level: "act" } : NONE;
+  if (page.store.fleet?.over) return lately(stop.at) ? { words: OVER, level: "watch" } : NONE;
+  if (stop.waiting) return { words: "No connection: will be sent on reconnection", level: "act" };
+  if (!stop.ids.length) return lately(stop.at) ? { words: "No payload to stop: no telemetry received", level: "act" } : NONE;
   if (stop.confirmed) return rests(page, stop.ids) || lately(stop.confirmed) ? STOPPED : NONE;
   const fates = stop.ids.map((id) => fateOf(page, id, stop));
   if (fates.every((each) => each === "stopped")) return STOPPED;
   const bad = fates.find((each) => each !== "stopped" && each !== "sent");
-  return bad ? { words: bad, level: "act" } : { words: "stop sent", level: "watch" };
+  return bad ? { words: bad, level: "act" } : { words: "Stop sent", level: "watch" };
 }
 
 /** The latest stop, with the time at which all whom it was for were stopped, once they were. */
@@ -30,8 +32,9 @@ export function followed(page) {
   return stop && !stop.confirmed && stopFate(page) === STOPPED ? { ...stop, confirmed: performance.now() } : stop;
 }
 
+const OVER = "The simulation has ended: there is nothing to stop";
 const NONE = { words: "", level: "" };
-const STOPPED = { words: "stopped", level: "good" };
+const STOPPED = { words: "Stopped", level: "good" };
 const lately = (at) => performance.now() - at < SHOWN * 1000;
 const rowOf = (page, id) => (page.store.fleet?.payloads ?? []).find((each) => each.id === id);
 const rests = (page, ids) => ids.every((id) => rowOf(page, id)?.state === "stopped");
@@ -39,11 +42,11 @@ const rests = (page, ids) => ids.every((id) => rowOf(page, id)?.state === "stopp
 function fateOf(page, id, stop) {
   const doing = page.store.payload?.id === id ? latestStop(page.store.payload.sections.orders, stop.now) : null;
   if (doing?.state === "done" || doing?.state === "acknowledged") return "stopped";
-  if (doing && isOver(doing.state)) return doing.reason || "no answer: stop it by other means";
+  if (doing && isOver(doing.state)) return doing.reason || `No answer: ${OTHERWISE}`;
   const row = rowOf(page, id);
   if (row?.state === "stopped") return "stopped";
   if (lately(stop.at) || (row && UNTOLD.includes(row.state ?? ""))) return "sent";
-  return `${id} ${row ? "has not stopped" : "is not heard"}: stop it by other means`;
+  return row ? `${id} has not stopped: ${OTHERWISE}` : `No telemetry from ${id}: ${OTHERWISE}`;
 }
 
 function latestStop(orders, since) {

@@ -16,10 +16,10 @@ const STATES = {
   turn: "Turning",
   noise: "Measuring the noise",
 };
-const LEVELS = { good: "good", watch: "watch", act: "act now", unknown: "not known" };
+const LEVELS = { good: "Good", watch: "Warning", act: "Critical", unknown: "No data" };
 const SEVERITIES = ["emergency", "alert", "critical", "error", "warning", "notice", "info", "debug"];
 const FATES = {
-  sent: "sent, not acknowledged yet",
+  sent: "sent, not yet acknowledged",
   acknowledged: "acknowledged",
   in_progress: "in progress",
   done: "done",
@@ -82,12 +82,15 @@ export function size(bytes) {
 }
 
 export const share = (value) => number(known(value) ? value * 100 : null, 0, " %");
-export const state = (name) => (name == null ? "Not known" : (STATES[name] ?? `State ${name}`));
+export const state = (name) => (name == null ? "State unknown" : (STATES[name] ?? `State ${name}`));
 export const level = (name) => LEVELS[name] ?? LEVELS.unknown;
 export const severity = (code) => SEVERITIES[code] ?? "info";
 export const isTrouble = (code) => code <= TROUBLE;
 export const fate = (name) => FATES[name] ?? name;
 export const frame = (earth) => (earth ? "clockwise from north" : "clockwise from the nose");
+
+/** Words as a sentence begins. */
+export const capital = (words) => `${words.charAt(0).toUpperCase()}${words.slice(1)}`;
 
 /** One of a few, or many: `plural(1, "source")` is "1 source". */
 export const plural = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;

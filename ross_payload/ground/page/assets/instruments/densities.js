@@ -14,7 +14,7 @@ const MOST_MARKED = 12; // sources that are marked on every row
 export function densities({ sections }) {
   const rows = sections.densities ?? [];
   const sources = sections.sources ?? [];
-  if (!rows.length) return empty("No densities yet. The payload sends one for every orientation while it explores.");
+  if (!rows.length) return empty("No ITD densities yet. The payload sends one for each orientation during an exploration.");
   return html`<div class="instrument densities">${guard([rows, sources], () => ridges(rows, sources))}</div>`;
 }
 

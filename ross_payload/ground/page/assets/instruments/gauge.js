@@ -19,7 +19,7 @@ function bar(microphone, level, peak) {
   const words = `${number(level, 0, " dB")}, peak ${number(peak, 0, " dB")}`;
   return html`<div class="bar" role="meter" aria-label="microphone ${microphone}" aria-valuemin=${QUIET}
     aria-valuemax="0" aria-valuenow=${known(level) ? Math.round(level) : QUIET}
-    aria-valuetext=${known(level) ? words : "not known"}>
+    aria-valuetext=${known(level) ? words : "unknown"}>
     <span>microphone ${microphone}</span><span class="value">${known(level) ? words : told(number(null))}</span>
     <svg viewBox="0 0 100 1" preserveAspectRatio="none" aria-hidden="true">
       <rect class="trough" width="100" height="1"></rect>

@@ -14,7 +14,7 @@ const X = {
   to: HALF,
   ticks: [0, 60, 120, 180],
   format: (at) => `${at}°`,
-  title: "heading of the axis; the opposite heading is the same axis",
+  title: "axis heading (opposite headings are the same axis)",
 };
 const MOST_TOLD = 4; // sources in the readout
 
@@ -26,7 +26,7 @@ const MOST_TOLD = 4; // sources in the readout
  */
 export function isolation({ sections, cursor = null, onCursor = null }) {
   const curves = sections.isolation ?? [];
-  if (!curves.length) return empty("No isolation yet. The payload predicts it when it plans where to turn.");
+  if (!curves.length) return empty("No isolation curves yet. The payload sends them when it plans an alignment.");
   const heading = sections.pointing?.heading ?? null;
   const asked = cursor ?? heading;
   return html`<div class="instrument isolation">
@@ -129,7 +129,7 @@ function never(limits) {
 }
 
 function slider(asked, onCursor) {
-  return html`<label class="asking"><span>at heading</span><input type="range" min="0" max="179" step="1"
+  return html`<label class="asking"><span>At heading</span><input type="range" min="0" max="179" step="1"
     .value=${String(Math.round(wrapHalf(asked ?? 0)) % HALF)} aria-valuetext=${axisWords(asked)}
     @input=${(event) => onCursor(Number(event.target.value))} @blur=${() => onCursor(null)}></label>`;
 }

@@ -7,7 +7,8 @@ import { axisWords, dragWords } from "./phrases.js";
 import { RIM } from "./scope-ring.js";
 
 const MICROPHONE = 19; // distance of each microphone from the centre
-const GRIP = 0.64 * RIM; // where the hand takes the axis: the rim belongs to the sources
+const GRIP = 0.64 * RIM; // where the knobs are: on the rim they would lie on sources
+const END = 22; // radius of an end of the axis that the pointer can take
 const STEP = 1; // degrees per arrow key; with shift ten
 const STILL = 1; // degrees that a drag must make to be an order
 
@@ -27,6 +28,21 @@ function microphone(number, angle) {
   const [x, y] = point(angle, MICROPHONE);
   return svg`<g class="microphone" transform="translate(${x} ${y})"><circle r="11"></circle>
     <text>${number}</text></g>`;
+}
+
+/** Both ends of the axis, for the pointer alone: they lie under the sources, which are drawn later. */
+export function ends({ heading, drag, mayOrder, onDrag, onTurn }) {
+  if (!known(heading) || !mayOrder) return nothing;
+  const hand = listeners({ heading, drag, onDrag, onTurn });
+  const shown = known(drag) ? drag : heading;
+  return svg`<g class=${known(drag) ? "ends held" : "ends"} aria-hidden="true"
+    @pointerdown=${hand.down} @pointermove=${hand.move} @pointerup=${hand.up} @pointercancel=${hand.away}
+    @touchstart=${hand.touch}>${[0, 180].map((end) => endOf(shown, end))}</g>`;
+}
+
+function endOf(heading, end) {
+  const [x, y] = point(heading + end, RIM);
+  return svg`<circle class="reach" data-end=${end} r=${END} cx=${x} cy=${y}></circle>`;
 }
 
 /** An axis that is not there yet: where it turns to, or where it is dragged. */

@@ -18,7 +18,7 @@ export function leading(plan) {
 /** A candidate for a reader. */
 export function candidateWords(each) {
   const gain = known(each.gain) ? `, ${number(each.gain, 1)} dB predicted` : "";
-  const posing = each.aliased.length > 1 ? `; sources ${each.aliased.join(", ")} pose as one` : "";
+  const posing = each.aliased.length > 1 ? `; sources ${each.aliased.join(", ")} have the same delay` : "";
   const what = `${degrees(each.heading)} isolates source ${each.source}`;
   return `candidate ${each.candidate}: ${what}${gain}${posing} (${plain(each.state)})`;
 }
@@ -62,7 +62,7 @@ export function posingWords(plan, sources) {
   if (!alike.length) return nothing;
   const who =
     alike.length > 4 ? plural(alike.length, "source") : `${alike.slice(0, -1).join(", ")} and ${alike.at(-1)}`;
-  return `${who} pose as one at ${degrees(leading(plan).heading)}`;
+  return `${who} have the same delay at ${degrees(leading(plan).heading)}`;
 }
 
 /** Interferers that pose as one: at the leading heading their plumb lines meet the axis at one point, or nearly. */

@@ -6,7 +6,7 @@
 import { guard, html, nothing, svg } from "../lit.js";
 import { degrees, known, number, plural } from "../words.js";
 import { axisWords, drawn, sceneWords } from "./phrases.js";
-import { axis, ghost, handle, isBeyond, microphones } from "./scope-axis.js";
+import { axis, ends, ghost, handle, isBeyond, microphones } from "./scope-axis.js";
 import { candidates, difference, differenceWords, posing, posingWords } from "./scope-plan.js";
 import { compass, hatching, limits, vehicle } from "./scope-ring.js";
 import { sourcesOf } from "./scope-sources.js";
@@ -42,6 +42,7 @@ export function scope(state) {
       <g class=${ageOf(sections, state.now)}>
         ${posing(sections.plan, sources)}${candidates(sections.plan)}${axis(pointing.heading)}
         ${ghost(pointing.settled === false ? pointing.goal : null, "goal")}
+        ${ends({ ...state, heading: pointing.heading, drag })}
         ${sourcesOf({ ...state, sources, selected })}${difference(chosen, pointing.heading)}
         ${microphones(pointing.heading)}
       </g>
@@ -79,21 +80,21 @@ function corners({ sections, now, drag, pointing, sources, chosen }) {
 }
 
 function turning(drag, { heading, goal, settled, limits: ends }) {
-  if (known(drag)) return `${isBeyond(drag, ends) ? "out of reach:" : "turn to"} ${degrees(drag)}`;
-  if (known(goal) && settled === false) return `turns to ${degrees(goal)}`;
+  if (known(drag)) return `${isBeyond(drag, ends) ? "out of range:" : "turn to"} ${degrees(drag)}`;
+  if (known(goal) && settled === false) return `turning to ${degrees(goal)}`;
   return svg`axis ${drawn(axisWords(heading))}`;
 }
 
 /** What must be said of the sources before anything else. */
 function doubts(sections, now, sources) {
   const age = now - sections.standing?.last;
-  if (age > OLD) return `not heard for ${number(age)} s`;
+  if (age > OLD) return `no telemetry for ${number(age)} s`;
   if (!sources.length) return missing(sections.mission?.k);
-  return sources.every((each) => each.resolved) ? plural(sources.length, "source") : "? front/back not told";
+  return sources.every((each) => each.resolved) ? plural(sources.length, "source") : "? front or back unknown";
 }
 
 const missing = (k) =>
-  k ? `${plural(k, "source")}, not told where` : k === 0 ? "no source" : "no source is known yet";
+  k ? `${plural(k, "source")}, azimuths unknown` : k === 0 ? "no sources" : "no sources yet";
 
 function marked(sources) {
   const target = sources.find((each) => each.target);

@@ -59,7 +59,7 @@ function states(history, x) {
   const named = runs(history, x.to, groupOf);
   return chart({
     kind: "states",
-    label: `states: ${named
+    label: `States: ${named
       .slice(-6)
       .map(([name]) => name)
       .join(", then ")}`,

@@ -1,21 +1,22 @@
 /** The map itself, as SVG in pixels: letters keep their size however far it is zoomed. */
 
-import { ahead, ellipse, gridLines, onScreen, roundStep } from "../geography.js";
+import { ahead, ellipse, gridLines, onScreen, roundStep, tilesOn } from "../geography.js";
 import { lookOf } from "../instruments/colours.js";
-import { nothing, svg } from "../lit.js";
-import { known } from "../words.js";
+import { nothing, repeat, svg } from "../lit.js";
+import { known, plural } from "../words.js";
 
 const GRID = 90; // [px] between lines, at most
 const RAY = 3000; // [px] that a bearing reaches
 const FIRST_SIZE = 1.5; // [px] that an ellipse has at least
 
-/** @param {{stands: object[], fixes: object[]}} scene  @param {import("../geography.js").Look} look */
+/** @param {{stands: object[], fixes: object[], tiles: ?object}} scene  @param {import("../geography.js").Look} look */
 export function drawing(scene, look, size) {
   const [width, height] = size;
   const to = (point) => onScreen(look, size, point);
   const step = roundStep(GRID / look.scale);
   return svg`<svg viewBox="0 0 ${width} ${height}" role="img" aria-label=${words(scene)}>
-    <g class="grid">${grid(look, size, step, to)}</g>
+    ${scene.tiles && scene.origin ? backdrop(scene, look, size) : nothing}
+    <g class="grid ${scene.tiles ? "over" : ""}">${grid(look, size, step, to)}</g>
     ${scene.stands.map((stand) => rays(stand, look, to))}
     ${scene.fixes.map((fix, index) => crossing(fix, index, look, to))}
     ${scene.stands.map((stand) => payload(stand, to))}
@@ -23,8 +24,22 @@ export function drawing(scene, look, size) {
   </svg>`;
 }
 
-const words = ({ stands, fixes }) =>
-  `${stands.length} placed, bearings cross at ${fixes.filter((fix) => !fix.ghost).length} places`;
+function words({ stands, fixes }) {
+  const placed = stands.filter((stand) => !stand.assumed);
+  if (!placed.length) return "No payload position is known: payloads are drawn where they are assumed";
+  return `${plural(placed.length, "payload")}, bearings cross at ${fixes.filter((fix) => !fix.ghost).length} places`;
+}
+
+/** The map that the user gave: images under all else. */
+function backdrop({ tiles, origin }, look, size) {
+  const shown = tilesOn(tiles, origin, look, size);
+  return svg`<g class="tiles">${repeat(
+    shown,
+    ({ name }) => name,
+    ({ name, x, y, width, height }) =>
+      svg`<image href="/tiles/${name}" x=${x} y=${y} width=${width} height=${height} preserveAspectRatio="none"></image>`,
+  )}</g>`;
+}
 
 function grid({ x, y, scale: zoom }, [width, height], step, to) {
   const [half, tall] = [width / 2 / zoom, height / 2 / zoom];
@@ -56,13 +71,14 @@ function crossing({ at, covariance, ghost }, index, look, to) {
     ${ghost ? nothing : svg`<text x="10" y="-8">${index + 1}</text>`}</g>`;
 }
 
-function payload({ id, at, heading, earth, place }, to) {
+function payload({ id, at, heading, earth, place, assumed }, to) {
   const [x, y] = to(at);
-  const zero = earth ? 0 : place.heading;
+  const zero = earth ? 0 : place?.heading;
   const axis = known(heading) && known(zero) ? heading + zero : null;
-  return svg`<g class="stand" transform="translate(${x} ${y})">
+  return svg`<g class="stand ${assumed ? "assumed" : ""}" transform="translate(${x} ${y})">
     ${axis === null ? nothing : svg`<line class="axis" y1="-22" y2="22" transform="rotate(${axis})"></line>`}
-    <circle r="8"></circle><text y="26">${id}</text></g>`;
+    <circle r="8"></circle><text y="26">${id}</text>
+    ${assumed ? svg`<text class="remark" y="44">assumed</text>` : nothing}</g>`;
 }
 
 function scale(step, look, height) {

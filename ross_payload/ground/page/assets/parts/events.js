@@ -19,7 +19,7 @@ export function events(sections, now) {
         ? html`<ol>
             ${lines}
           </ol>`
-        : html`<p class="soft">Nothing was said yet.</p>`
+        : html`<p class="soft">No events yet.</p>`
     }
   </div>`;
 }

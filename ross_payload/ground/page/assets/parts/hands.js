@@ -1,4 +1,4 @@
-/** The hands: every order that a payload takes. Whether it obeys now is the payload's to say. */
+/** The controls: every command that a payload accepts. Whether it obeys now is the payload's to say. */
 
 import { html, nothing } from "../lit.js";
 import { frame } from "../words.js";
@@ -9,25 +9,25 @@ export function hands(page, told) {
   const button = (words, order, look = "") =>
     html`<button type="button" class=${look} ?disabled=${tied !== null} @click=${give(order)}>${words}</button>`;
   const recording = told.sections.health?.recording?.on ?? false;
-  return html`<section class="card hands" aria-label="Orders to give">
-    <h2>Hands</h2>
+  return html`<section class="card hands" aria-label="Controls">
+    <h2>Controls</h2>
     ${rest(told.sections.standing)} ${tied === null ? nothing : html`<p class="tied">${tied}</p>`}
     <div class="buttons">
-      ${button("Explore", { kind: "explore" }, "main")} ${button("Listen to the voice", { kind: "listen" }, "main")}
+      ${button("Explore", { kind: "explore" }, "main")} ${button("Find the enrolled voice", { kind: "listen" }, "main")}
       ${selected(page, told, button)}
     </div>
     ${turnForm(page, told, tied)} ${azimuthForm(page, told, tied)}
     <div class="buttons">
       ${button("Cancel", { kind: "cancel" })}${button("Park", { kind: "park" })}${button("Home", { kind: "home" })}
-      ${button("Rearm", { kind: "rearm" })}${button("Measure noise, 3 s", { kind: "noise", seconds: 3 })}
-      ${button(recording ? "Stop recording" : "Record", { kind: "record", on: !recording })}
+      ${button("Rearm", { kind: "rearm" })}${button("Measure noise (3 s)", { kind: "noise", seconds: 3 })}
+      ${button(recording ? "Stop recording" : "Start recording", { kind: "record", on: !recording })}
     </div>
   </section>`;
 }
 
 /** What keeps it from moving. */
 const rest = (standing) =>
-  standing?.state === "stopped" ? html`<p class="soft">It stays where it is until it is rearmed.</p>` : nothing;
+  standing?.state === "stopped" ? html`<p class="soft">It will not move until it is rearmed.</p>` : nothing;
 
 function selected(page, told, button) {
   const there = (told.sections.sources ?? []).some((each) => each.source === page.ui.selected);
@@ -36,22 +36,22 @@ function selected(page, told, button) {
 }
 
 function turnForm(page, told, tied) {
-  const words = `Heading, degrees ${frame(told.sections.pointing?.earth)}`;
+  const words = `Axis heading (degrees ${frame(told.sections.pointing?.earth)})`;
   return angleForm({
     id: "turn",
     words,
-    verb: "Turn",
+    verb: "Turn to",
     tied,
     give: (heading) => page.order(told.id, { kind: "turn", heading }),
   });
 }
 
 function azimuthForm(page, told, tied) {
-  const words = "Azimuth, degrees likewise";
+  const words = `Source azimuth (degrees ${frame(told.sections.pointing?.earth)})`;
   return angleForm({
     id: "azimuth",
     words,
-    verb: "Listen there",
+    verb: "Listen at",
     tied,
     give: (azimuth) => page.order(told.id, { kind: "listen", azimuth }),
   });

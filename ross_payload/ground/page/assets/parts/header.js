@@ -1,6 +1,6 @@
-/** The bar on top: where one is, who holds control, the look, and the stop. */
+/** The bar on top: where one is, who holds control, the theme, and the stop. */
 
-import { groundSilentFor } from "../heard.js";
+import { groundSilentFor, isLive } from "../heard.js";
 import { html, nothing } from "../lit.js";
 import { stopFate, stopTargets } from "../stop.js";
 import { THEMES, keepTheme } from "../theme.js";
@@ -51,8 +51,16 @@ function pageLink(page, [view, address, words]) {
 }
 
 function standing(page) {
-  if (groundSilentFor(page) !== null) return html`<span class="tag watch">no link</span>`;
-  return html`<span class="tag good">${page.store.mode === "flight" ? "recordings" : "live"}</span>`;
+  const [level, words] = standingOf(page);
+  return html`<span class="tag ${level}">${words}</span>`;
+}
+
+/** Whether what is shown is of now, in a word. */
+function standingOf(page) {
+  if (groundSilentFor(page) !== null) return ["watch", "No connection"];
+  if (page.store.mode === "flight") return ["good", "Recordings"];
+  if (page.over) return ["unknown", "Ended"];
+  return isLive(page) ? ["good", "Live"] : ["watch", "No telemetry"];
 }
 
 function themeSwitch(page) {
@@ -65,8 +73,8 @@ function themeSwitch(page) {
       <circle r="8"></circle>
       <path d="M0 -8A8 8 0 0 1 0 8Z"></path>
     </svg>
-    <span class="unseen">Look</span>
-    <select title="Look" @change=${choose}>
+    <span class="unseen">Theme</span>
+    <select title="Theme" @change=${choose}>
       ${THEMES.map((each) => html`<option value=${each} ?selected=${page.ui.theme === each}>${each}</option>`)}
     </select></label
   >`;
@@ -74,17 +82,18 @@ function themeSwitch(page) {
 
 function control(page) {
   const { control: held, mayOrder } = page.store;
-  if (!mayOrder) return html`<p class="control">Recordings take no orders.</p>`;
+  if (!mayOrder) return html`<p class="control">Recordings do not accept commands.</p>`;
+  if (page.over) return html`<p class="control">${page.over}</p>`;
   const who = held.yours
     ? "You have control"
     : held.holder
       ? `${held.name ?? held.holder} has control`
-      : "Control is free";
+      : "Nobody has control";
   const take = () => page.send({ type: "control", take: !held.yours });
   return html`<p class="control">
     <span>${who}</span>
     <button type="button" class="quiet" ?disabled=${!page.socket.up} @click=${take}>
-      ${held.yours ? "Leave" : "Take"}<span class="unseen"> control</span>
+      ${held.yours ? "Release control" : "Take control"}
     </button>
   </p>`;
 }
@@ -98,16 +107,18 @@ function stop(page) {
       ? `Stop ${whom}`
       : `Stop all ${plural(targets.length, "payload")}`;
   const fate = stopFate(page);
+  const over = Boolean(page.over);
   return html`<div class="stop-place">
     <button
       type="button"
       class="stop-button"
-      aria-label=${targets.length ? label : "Stop"}
+      aria-label=${over ? "Stop: nothing is running" : targets.length ? label : "Stop"}
+      aria-disabled=${over}
       aria-keyshortcuts="Escape Escape"
-      title="Stop: Escape twice, or held"
+      title=${over ? "Nothing is running" : "Stop: press Escape twice, or hold it"}
       @click=${() => page.stop(stopTargets(page))}
     >
-      STOP <small>${targets.length ? whom : ""}</small>
+      STOP <small>${over ? "nothing running" : targets.length ? whom : ""}</small>
     </button>
     ${fate.words ? html`<p class="stop-fate ${fate.level}">${fate.words}</p>` : nothing}
   </div>`;

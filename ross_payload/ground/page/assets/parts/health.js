@@ -2,27 +2,31 @@
 
 import { levels } from "../instruments/gauge.js";
 import { html, nothing } from "../lit.js";
-import { DASH, ago, duration, known, level, number, share, size } from "../words.js";
+import { DASH, ago, capital, duration, known, level, number, plural, share, size } from "../words.js";
 import { fact } from "./facts.js";
 
-export function health(told, now) {
+/** `silent`: no telemetry comes, so that nothing is known of how it is now. */
+export function health(told, now, silent = false) {
   const parts = told.sections.health;
-  if (!parts) return html`<p class="soft">Nothing is said of it yet.</p>`;
+  if (!parts) return html`<p class="soft">No data yet.</p>`;
+  const show = (name, part, facts, picture) => card(name, part, facts, picture, silent);
   return html`<div class="health">
-    ${card("Microphones", parts.microphones, microphones(parts.microphones), heard(parts.microphones))}
-    ${card("Actuator", parts.actuator, actuator(parts.actuator, now))}
-    ${card("Link to here", parts.reception, reception(parts.reception, rates(told.counts)))}
-    ${parts.links.map((each) => card(`Payload’s link ${each.url}`, each, link(each)))}
-    ${card("Processor", parts.processor, processor(parts.processor))}
-    ${card("Recorder", parts.recording, recording(parts.recording))}
+    ${show("Microphones", parts.microphones, microphones(parts.microphones), heard(parts.microphones))}
+    ${show("Actuator", parts.actuator, actuator(parts.actuator, now))}
+    ${show("Telemetry received here", parts.reception, reception(parts.reception, rates(told.counts)))}
+    ${parts.links.map((each) => show(`Payload link ${each.url}`, each, link(each)))}
+    ${show("Computer", parts.processor, processor(parts.processor))}
+    ${show("Recorder", parts.recording, recording(parts.recording))}
   </div>`;
 }
 
-function card(name, part, facts, picture = nothing) {
-  return html`<section class="card part ${part.level}">
-    <h3>${name} <span class="tag ${part.level}">${level(part.level)}</span></h3>
-    <p>${part.words}</p>
-    ${picture}
+function card(name, part, facts, picture, silent) {
+  const shown = silent ? "unknown" : part.level;
+  const last = silent && part.level !== "unknown" ? `Last report: ${level(part.level)}. ` : "";
+  return html`<section class="card part ${shown}">
+    <h3>${name} <span class="tag ${shown}">${level(shown)}</span></h3>
+    <p>${last}${capital(part.words)}</p>
+    ${picture ?? nothing}
     <dl>
       ${facts.filter(Boolean).map(fact)}
     </dl>
@@ -34,10 +38,10 @@ const heard = (microphones) => (microphones.level_db ? levels(microphones) : not
 function microphones({ level_db: level, lost, reopened, waiting, rate }) {
   if (!level) return [];
   return [
-    ["Lost", known(lost) ? `${lost} samples` : DASH],
-    reopened ? ["Opened again", `${reopened} times`] : null,
-    waiting > 0.5 ? ["Waits", duration(waiting)] : null,
-    rate ? ["Rate", number(rate / 1000, 1, " kHz")] : null,
+    ["Lost", known(lost) ? plural(lost, "sample") : DASH],
+    reopened ? ["Reopened", plural(reopened, "time")] : null,
+    waiting > 0.5 ? ["Audio backlog", duration(waiting)] : null,
+    rate ? ["Sample rate", number(rate / 1000, 1, " kHz")] : null,
   ];
 }
 
@@ -45,8 +49,8 @@ function actuator({ at, error, open_loop: openLoop }, now) {
   if (error === undefined) return [];
   return [
     ["Reported", ago(known(at) && known(now) ? now - at : null)],
-    ["Off its goal", number(error, 1, "°")],
-    ["Angle", openLoop ? "computed, not measured" : "measured"],
+    ["Distance to goal", number(error, 1, "°")],
+    ["Angle", openLoop ? "computed from steps, not measured" : "measured"],
   ];
 }
 
@@ -54,9 +58,9 @@ function reception({ lost, malformed }, { frames, bytes, loss }) {
   return [
     ["Rate", number(frames, 0, " messages/s")],
     ["Bandwidth", known(bytes) ? `${size(bytes)}/s` : DASH],
-    ["Lost lately", share(loss)],
-    ["Lost in all", `${lost} messages`],
-    malformed ? ["Malformed", `${malformed} messages`] : null,
+    ["Lost recently", share(loss)],
+    ["Lost in total", plural(lost, "message")],
+    malformed ? ["Malformed", plural(malformed, "message")] : null,
   ];
 }
 
@@ -75,11 +79,11 @@ export function rates(counts) {
 
 function link({ sent, dropped, received, lost, bad, refused, reconnects, autopilot }) {
   return [
-    ["Sent, dropped", `${sent}, ${dropped}`],
-    ["Received, lost", `${received}, ${lost}`],
-    bad || refused ? ["Bad, refused", `${bad}, ${refused}`] : null,
-    reconnects ? ["Connected again", `${reconnects} times`] : null,
-    autopilot ? ["Leads to", "the autopilot"] : null,
+    ["Sent / dropped", `${sent} / ${dropped}`],
+    ["Received / lost", `${received} / ${lost}`],
+    bad || refused ? ["Bad / rejected", `${bad} / ${refused}`] : null,
+    reconnects ? ["Reconnected", plural(reconnects, "time")] : null,
+    autopilot ? ["Peer", "autopilot"] : null,
   ];
 }
 
@@ -88,10 +92,10 @@ function processor({ loads, memory, temperature, uptime }) {
     loads?.length ? ["Busiest core", share(Math.max(...loads))] : null,
     known(memory) ? ["Memory", share(memory)] : null,
     known(temperature) ? ["Temperature", number(temperature, 0, " °C")] : null,
-    known(uptime) ? ["Runs for", duration(uptime)] : null,
+    known(uptime) ? ["Computer up for", duration(uptime)] : null,
   ];
 }
 
 function recording({ on, duration: long, free }) {
-  return [on ? ["Recorded", duration(long)] : null, known(free) ? ["Free", size(free)] : null];
+  return [on ? ["Recorded", duration(long)] : null, known(free) ? ["Free space", size(free)] : null];
 }

@@ -1,4 +1,4 @@
-/** What became of every order, newest first. */
+/** What became of every command, newest first. */
 
 import { html, nothing, repeat } from "../lit.js";
 import { ago, fate, isOver, known } from "../words.js";
@@ -9,7 +9,7 @@ export function orders(page, told) {
   const list = (told.sections.orders ?? []).slice(-SHOWN).reverse();
   if (!list.length) return nothing;
   return html`<section class="card orders">
-    <h2>Orders</h2>
+    <h2>Commands</h2>
     <ol>
       ${repeat(
         list,

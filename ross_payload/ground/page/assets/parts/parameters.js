@@ -15,12 +15,12 @@ export function parameters(page, told) {
   >
     <summary>
       <h2>Parameters</h2>
-      <span class="soft">${rows.length ? `${rows.length} known` : "not heard yet"}</span>
+      <span class="soft">${rows.length ? `${rows.length} received` : "not received yet"}</span>
     </summary>
     ${
       page.ui.parametersOpen
         ? html` <div class="entry">
-              <label for="filter">Show those with</label>
+              <label for="filter">Filter</label>
               <input
                 id="filter"
                 type="search"
@@ -32,13 +32,13 @@ export function parameters(page, told) {
                 ?disabled=${!page.socket.up}
                 @click=${() => page.send({ type: "refresh", id: told.id })}
               >
-                Ask again
+                Refresh
               </button>
             </div>
             ${
               rows.length && !rows.some((each) => each.description)
                 ? html`<p class="soft">
-                    The payload gave no descriptions (component metadata): names and values only, without bounds.
+                    The payload sent no component metadata: only names and values are known, no descriptions or bounds.
                   </p>`
                 : nothing
             }
@@ -48,7 +48,7 @@ export function parameters(page, told) {
   </details>`;
 }
 
-const NONE = html`<p class="soft">The payload has told none yet; they are asked for.</p>`;
+const NONE = html`<p class="soft">None received yet. The page has requested them.</p>`;
 
 const fits = ({ name, description }, filter) =>
   `${name} ${description ?? ""}`.toLowerCase().includes(filter.trim().toLowerCase());
@@ -58,7 +58,7 @@ function table(page, told, shown, total) {
       ${shown.length === total ? nothing : `${shown.length} of ${total} shown`}
     </p>
     <div class="scroll" tabindex="0" role="region" aria-label="Table of parameters">
-      <table class="stack">
+      <table class="stack broad">
         <thead>
           <tr>
             <th scope="col">Parameter</th>
@@ -139,14 +139,14 @@ export const plain = (value) => (known(value) ? String(Number(value.toPrecision(
 /** What is wrong with a text as the value of a parameter; null: nothing. */
 export function wrong({ min, max, whole }, text) {
   const value = text.trim() === "" ? NaN : Number(text);
-  if (!Number.isFinite(value)) return "a number is wanted";
-  if (whole && !Number.isInteger(value)) return "a whole number is wanted";
-  if (known(min) && value < min) return `at least ${plain(min)} is wanted`;
-  if (known(max) && value > max) return `at most ${plain(max)} is wanted`;
+  if (!Number.isFinite(value)) return `expected a number, got ${text.trim() || "nothing"}`;
+  if (whole && !Number.isInteger(value)) return `expected a whole number, got ${plain(value)}`;
+  if (known(min) && value < min) return `expected at least ${plain(min)}, got ${plain(value)}`;
+  if (known(max) && value > max) return `expected at most ${plain(max)}, got ${plain(value)}`;
   return null;
 }
 
 function bounds({ min, max }) {
   if (known(min) && known(max)) return `${plain(min)} to ${plain(max)}`;
-  return known(min) ? `from ${plain(min)}` : known(max) ? `up to ${plain(max)}` : "none told";
+  return known(min) ? `from ${plain(min)}` : known(max) ? `up to ${plain(max)}` : "not given";
 }

@@ -6,14 +6,13 @@ import { DASH, degrees, known, number } from "../words.js";
 
 export function sources(page, told, mayOrder) {
   const list = told.sections.sources ?? [];
-  if (!list.length) return html`<p class="soft">None yet. Explore, and they appear here.</p>`;
+  if (!list.length) return html`<p class="soft">No sources yet. Start an exploration to find them.</p>`;
   return html`<div class="scroll" tabindex="0" role="region" aria-label="Table of sources">
-      <table class="sources">
+      <table class="sources stack">
         <thead>
           <tr>
             <th scope="col">Source</th>
             <th scope="col">Azimuth</th>
-
             <th scope="col">Confidence</th>
             <th scope="col">Score</th>
           </tr>
@@ -40,9 +39,9 @@ function row(page, source) {
         ${source.source}${source.target ? html` <span class="tag">target</span>` : nothing}
       </button>
     </th>
-    <td>${degrees(source.azimuth)} ± ${number(source.sigma, 1, "°")}${mirror(source)}</td>
-    <td>${known(source.confidence) ? number(source.confidence * 100, 0, " %") : DASH}</td>
-    <td>${number(source.score, 2)}</td>
+    <td data-name="Azimuth">${degrees(source.azimuth)} ± ${number(source.sigma, 1, "°")}${mirror(source)}</td>
+    <td data-name="Confidence">${known(source.confidence) ? number(source.confidence * 100, 0, " %") : DASH}</td>
+    <td data-name="Score">${number(source.score, 2)}</td>
   </tr>`;
 }
 
@@ -53,7 +52,7 @@ const mirror = ({ resolved, mirror: other }) =>
 function listen(page, told) {
   const { selected } = page.ui;
   const there = (told.sections.sources ?? []).some((each) => each.source === selected);
-  if (!there) return html`<p class="soft">Select a source here or in the picture to listen to it.</p>`;
+  if (!there) return html`<p class="soft">Select a source here or in the polar view to listen to it.</p>`;
   return html`<p>
     <button
       type="button"
@@ -66,7 +65,7 @@ function listen(page, told) {
   </p>`;
 }
 
-const RULES = { turning: "turns to it", accepted: "stays at it", rejected: "tried, and left", planned: "planned" };
+const RULES = { turning: "turning to it", accepted: "accepted", rejected: "tried and rejected", planned: "planned" };
 
 export function candidates({ plan = {} }) {
   const list = plan.candidates ?? [];
@@ -77,7 +76,7 @@ export function candidates({ plan = {} }) {
         html` <li class=${each.candidate === plan.current ? "current" : ""}>
           <strong>${degrees(each.heading)}</strong>
           for source ${each.source}: ${RULES[each.state] ?? each.state}.
-          ${each.aliased.length > 1 ? `Sources ${each.aliased.join(" and ")} pose as one.` : ""}
+          ${each.aliased.length > 1 ? `Sources ${each.aliased.join(" and ")} have the same delay here.` : ""}
           <span class="soft"
             >${each.candidate === plan.current ? each.rule_meaning : nothing}
             ${known(each.gain) ? `Predicted gain ${number(each.gain, 1, " dB")}.` : ""}</span

@@ -3,7 +3,7 @@
 import { html, nothing } from "../lit.js";
 import { fact } from "../parts/facts.js";
 import { payloadAddress } from "../route.js";
-import { DASH, ago, degrees, known, level, number, plural, share, size, state } from "../words.js";
+import { DASH, ago, degrees, duration, known, level, number, plural, share, size, state } from "../words.js";
 
 const OLD = 2; // [s]
 
@@ -13,7 +13,7 @@ export function fleetView(page) {
   return html`<h1 tabindex="-1">Payloads</h1>
     ${
       list.length
-        ? html`<p class="opening">${plural(list.length, "payload")} heard.</p>
+        ? html`<p class="opening">${plural(list.length, "payload")} found.</p>
             <ul class="fleet">
               ${list.map((each) => card(page, each))}
             </ul>`
@@ -24,44 +24,47 @@ export function fleetView(page) {
 
 function nobody(fleet, mode) {
   if (mode === "flight")
-    return html`<p class="opening">No link is listened to. <a href="#/flights">Look at recorded flights.</a></p>`;
-  return html`<p class="opening">No payload is heard.</p>
-    <p>${fleet?.advice || "The page waits for the ground process."}</p>`;
+    return html`<p class="opening">No link is open. <a href="#/flights">Open a recorded flight</a></p>`;
+  return html`<p class="opening">No payload found.</p>
+    <p>${fleet?.advice || "Waiting for telemetry."}</p>`;
 }
 
 function card(page, each) {
   const age = page.now() - each.last;
+  const old = age > OLD;
+  const health = old ? "unknown" : each.health_level;
   const facts = [
-    ["K", number(each.k)],
-    ["Target", known(each.target) ? `source ${each.target}` : DASH],
+    ["Sources (K)", number(each.k)],
+    ["Target", known(each.target) ? `Source ${each.target}` : DASH],
     [
       "Heading",
       html`${degrees(each.heading)}<span class="soft"> ${each.earth ? "from north" : "from the nose"}</span>`,
     ],
-    ["Heard", ago(age)],
+    ["Last telemetry", ago(age)],
   ];
-  return html`<li class="card part ${each.health_level} ${age > OLD ? "stale" : ""}">
+  return html`<li class="card part ${health} ${old ? "stale" : ""}">
     <h2><a href=${payloadAddress(each.id)}>Payload ${each.id}</a></h2>
     <p class="state">
-      ${state(each.state)} <span class="tag ${each.health_level}">health: ${level(each.health_level)}</span>
+      ${old ? html`<span class="soft">Last state:</span>` : nothing} ${state(each.state)}
+      <span class="tag ${health}">Health: ${level(health)}</span>
     </p>
     ${each.twin ? html`<p class="bad">${twins(each.id)}</p>` : nothing}
-    ${age > OLD ? html`<p><strong>No telemetry for ${number(age, 0, " s")}.</strong></p>` : nothing}
+    ${old ? html`<p><strong>${page.over || `No telemetry for ${duration(age)}.`}</strong></p>` : nothing}
     <dl class="facts">
       ${facts.map(fact)}
     </dl>
-    ${each.actuator ? html`<p class="soft">Turns by ${each.actuator}</p>` : nothing}
+    ${each.actuator ? html`<p class="soft">Actuator: ${each.actuator}</p>` : nothing}
   </li>`;
 }
 
 const twins = (id) =>
-  `Two payloads speak as ${id}: give one another system_id, or on one vehicle another component_id.`;
+  `Two payloads use the id ${id}: give one of them a different system_id, or a different component_id on the same vehicle.`;
 
 function links(page, list) {
   return html`<section>
-    <h2>Links of this computer</h2>
+    <h2>Links of this ground station</h2>
     <div class="scroll" tabindex="0" role="region" aria-label="Table of links">
-      <table>
+      <table class="stack broad">
         <thead>
           <tr>
             <th scope="col">Link</th>
@@ -69,7 +72,7 @@ function links(page, list) {
             <th scope="col">Messages</th>
             <th scope="col">Bandwidth</th>
             <th scope="col">Lost</th>
-            <th scope="col">Last heard</th>
+            <th scope="col">Last message</th>
           </tr>
         </thead>
         <tbody>
@@ -77,11 +80,11 @@ function links(page, list) {
             (each) =>
               html`<tr>
                 <th scope="row"><code>${each.url}</code></th>
-                <td>${each.up ? "open" : each.error || "not open"}</td>
-                <td>${number(each.frames_s, 0, " /s")}</td>
-                <td>${known(each.bytes_s) ? `${size(each.bytes_s)}/s` : DASH}</td>
-                <td>${share(each.loss)}</td>
-                <td>${known(each.last) ? ago(page.now() - each.last) : "never"}</td>
+                <td data-name="State">${each.up ? "open" : each.error || "not open"}</td>
+                <td data-name="Messages">${number(each.frames_s, 0, " /s")}</td>
+                <td data-name="Bandwidth">${known(each.bytes_s) ? `${size(each.bytes_s)}/s` : DASH}</td>
+                <td data-name="Lost">${share(each.loss)}</td>
+                <td data-name="Last message">${known(each.last) ? ago(page.now() - each.last) : "never"}</td>
               </tr>`,
           )}
         </tbody>

@@ -1,8 +1,9 @@
 /** Recorded flights: pick or drop one, move in its time, compare two. */
 
-import { payloadOf, playbackOf } from "../parts/playback.js";
 import { html, nothing } from "../lit.js";
-import { DASH, duration, size, utc } from "../words.js";
+import { comparison, seekBoth } from "../parts/comparison.js";
+import { date, payloadOf, playbackOf, seekTo } from "../parts/playback.js";
+import { DASH, duration, size } from "../words.js";
 import { recordedView } from "./payload.js";
 
 export function flightsView(page) {
@@ -10,23 +11,27 @@ export function flightsView(page) {
   const open = ["a", "b"].filter((slot) => slots[slot]?.flight);
   return html`<h1 tabindex="-1">Flights</h1>
     ${picker(page, open)}
+    ${open.length > 1 ? comparison(page) : nothing}
     ${
       open.length
-        ? html`<div class="slots ${open.length > 1 ? "two" : ""}">${open.map((slot) => slotView(page, slot))}</div>`
+        ? html`<div class="slots ${open.length > 1 ? "two" : ""}">
+            ${open.map((slot) => slotView(page, slot, open.length > 1))}
+          </div>`
         : nothing
     }`;
 }
 
-function slotView(page, slot) {
+function slotView(page, slot, shared) {
   const { flight } = page.store.slots[slot];
   const told = payloadOf(page, slot);
+  const seek = (at) => (shared ? seekBoth(page, at) : seekTo(page, slot, at));
   return html`<section class="slot" aria-label="Flight ${flight.name}">
-    ${playbackOf(page, slot)} ${told ? recordedView(page, told) : html`<p class="opening">${nothingIn(flight)}</p>`}
+    ${playbackOf(page, slot, shared, seek)} ${told ? recordedView(page, told) : html`<p class="opening">${nothingIn(flight)}</p>`}
   </section>`;
 }
 
 const nothingIn = ({ payloads }) =>
-  payloads.length ? "The payload says nothing yet at this moment." : "No payload of ours is in this flight.";
+  payloads.length ? "No telemetry from the payload at this time yet." : "This log contains no RoSS payload.";
 
 function picker(page, open) {
   const known = page.store.flights;
@@ -42,7 +47,7 @@ function picker(page, open) {
             ${known.map((each) => knownFlight(page, each, open))}
           </ul>`
         : html`<p class="soft">
-            No flight is known yet. <code>ross ground --log DIR</code> writes one of all that is heard.
+            No flights yet. <code>ross ground --log DIR</code> records all telemetry received.
           </p>`
     }
   </section>`;
@@ -54,7 +59,7 @@ function knownFlight(page, each, open) {
     <span class="name"
       ><strong>${each.name}</strong>
       <span class="soft"
-        >${[utc(each.start), duration(each.duration)].filter((words) => words !== DASH).join(" · ")}</span
+        >${[date(each), duration(each.duration)].filter((words) => words !== DASH).join(" · ")}</span
       >
       ${(each.notes ?? []).map((note) => html`<span class="note">${note}</span>`)}</span
     >
@@ -76,10 +81,10 @@ function knownFlight(page, each, open) {
 function upload(state) {
   if (!state) return nothing;
   if (state.error) return html`<p class="bad" role="alert">${state.name}: ${state.error}</p>`;
-  if (state.done) return html`<p role="status">${state.name} was taken.</p>`;
+  if (state.done) return html`<p role="status">${state.name} has been uploaded.</p>`;
   return html`<p>
-    Sends ${state.name}, ${size(state.size)}
-    <progress max="1" value=${state.share} aria-label="Sending ${state.name}"></progress>
+    Uploading ${state.name}, ${size(state.size)}
+    <progress max="1" value=${state.share} aria-label="Uploading ${state.name}"></progress>
   </p>`;
 }
 
@@ -96,7 +101,7 @@ async function dropped(page, event) {
   if (entry?.isDirectory) {
     const file = await logIn(entry);
     if (file) sendFile(page, file, `${entry.name}.tlog`);
-    else page.change({ upload: { name: entry.name, error: "no telemetry.tlog in this folder: it is no session" } });
+    else page.change({ upload: { name: entry.name, error: "expected a session folder with telemetry.tlog, got none" } });
     return;
   }
   const [file] = event.dataTransfer.files;
@@ -125,13 +130,13 @@ function sendFile(page, file, name) {
   request.addEventListener("load", () => {
     const answer = request.response ?? {};
     if (request.status >= 400 || !answer.name) {
-      told({ error: answer.error ?? `the ground process refused it (${request.status})` });
+      told({ error: answer.error ?? `the ground process rejected it (HTTP ${request.status})` });
       return;
     }
     told({ done: true });
     page.send({ type: "flight", slot: page.store.slots.a?.flight ? "b" : "a", open: answer.name });
   });
-  request.addEventListener("error", () => told({ error: "it did not get through: is the ground process running?" }));
+  request.addEventListener("error", () => told({ error: "the upload failed: check that ross ground is running" }));
   told({});
   request.send(file);
 }

@@ -4,21 +4,22 @@ import { html } from "../lit.js";
 import { fact } from "../parts/facts.js";
 
 const KEYS = [
-  ["Escape twice, or held", "Stop. On a payload’s page that payload, elsewhere all. It works in every field, too."],
-  ["Escape", "Give up a drag; close this help."],
+  ["Escape twice, or held", "Stop. On the page of one payload that payload, elsewhere all of them. Works while typing, too."],
+  ["Escape", "Cancel a drag; close this help."],
   ["?", "Open or close this help."],
-  ["Tab, Enter, Space", "Reach and press everything."],
-  ["Arrow keys", "Turn the goal in the picture, move the map, move in a flight’s time."],
+  ["Tab, Enter, Space", "Move to and press any control."],
+  ["Arrow keys", "Move the goal in the polar view, pan the map, move through a flight."],
   ["+ and −", "Zoom the map. 0 shows everything."],
-  ["Space on a flight’s time", "Play or pause."],
+  ["Space on a flight’s slider", "Play or pause."],
 ];
 
 export function helpPanel(page) {
   return html`<aside id="help" class="help" aria-label="Help" ?hidden=${!page.ui.help}>
     <h2>Help</h2>
     <p>
-      The payload turns two microphones so that unwanted voices pose as one, and separates the wanted one.
-      <strong>Explore</strong> finds out who talks, and where. <strong>Listen</strong> finds a voice and keeps to it.
+      The payload turns two microphones until the interfering voices arrive with the same delay, then separates the
+      target voice. <strong>Explore</strong> finds the number of sources and their azimuths.
+      <strong>Listen</strong> turns to one voice and separates it.
     </p>
     <h3>Keys</h3>
     <dl class="keys">
@@ -26,18 +27,19 @@ export function helpPanel(page) {
     </dl>
     <h3>Stop</h3>
     <p>
-      One press, no question, from every browser, whoever has control. The motor halts. Nothing moves again before
+      One press, no confirmation, from any browser, whoever has control. The motor stops. Nothing moves again until
       <strong>Rearm</strong>.
     </p>
     <h3>Control</h3>
     <p>
-      One browser gives orders. The first that orders takes control while it is free; another one can take it, and both
-      see it.
+      One browser at a time sends commands. The first to send one takes control while nobody has it. Another can take
+      control; both are told.
     </p>
-    <h3>Words</h3>
+    <h3>Terms</h3>
     <p>
-      Degrees count clockwise: from north when the payload knows its attitude, else from its nose. K is the
-      number of sources. SI-SDR tells how clean a voice is, in dB. Red means that something must be done.
+      Angles are degrees clockwise: from north when the payload knows its attitude, otherwise from the payload's nose. K is the
+      number of sources. SI-SDR is the quality of the separated voice, in dB. Health is Good, Warning (check when you
+      can), Critical (act now) or No data.
     </p>
     <button type="button" @click=${() => page.change({ help: false })}>Close</button>
   </aside>`;

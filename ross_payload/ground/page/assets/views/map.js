@@ -1,36 +1,52 @@
-/** Where payloads stand and where their bearings cross: a grid in metres, drawn here, asked from nobody. */
+/** Where payloads are and where their bearings cross: a grid in metres, over the map that the user gave, if any. */
 
-import { fitting, metres, zoomed } from "../geography.js";
+import { fitting, metres, scaleOf, zoomed } from "../geography.js";
 import { html, nothing } from "../lit.js";
 import { drawing } from "../parts/drawing.js";
 import { degrees, known, number } from "../words.js";
 
 const STEP = 60; // [px] that an arrow key moves
 const ZOOM = 1.4;
+const APART = 20; // [m] between payloads of which no position is known
 
 export function mapView(page) {
-  const scene = sceneOf(page.store.fleet);
-  const look = page.ui.map ?? fitting(scene.points, page.ui.mapSize);
+  const scene = sceneOf(page.store);
+  const look = page.ui.map ?? lookAt(scene, page.ui.mapSize);
   return html`<h1 tabindex="-1">Map</h1>
     ${
-      scene.origin
-        ? frame(page, scene, look)
-        : html`<p class="opening">It is not known where any payload stands.</p>
-            <p>An autopilot on the link tells its position; else type it below.</p>`
+      scene.placed
+        ? nothing
+        : html`<p class="opening">
+            No payload position is known yet. It comes from an autopilot on the link, or can be entered below.
+          </p>`
     }
-    ${scene.origin ? found(scene) : nothing} ${places(page, scene)}`;
+    ${frame(page, scene, look)}
+    ${scene.tiles?.attribution ? html`<p class="soft caption">Map: ${scene.tiles.attribution}</p>` : nothing}
+    ${scene.placed ? found(scene) : nothing} ${places(page, scene)}`;
 }
 
-/** Everything in metres about the first place; ghosts last. */
-function sceneOf(fleet) {
+/** All places, or the map that was given where there are none. */
+function lookAt({ points, placed, tiles }, size) {
+  const look = fitting(points, size);
+  return placed || !tiles ? look : { ...look, scale: scaleOf(tiles.maxzoom, tiles.center) };
+}
+
+/** Everything in metres about the first place, else about the middle of the map; ghosts last. */
+function sceneOf({ fleet, tiles }) {
   const places = Object.entries(fleet?.places ?? {}).filter(([, { lat, lon }]) => known(lat) && known(lon));
-  const origin = places.length ? places[0][1] : null;
-  const stands = places.map(([id, place]) => ({ id, place, at: metres(origin, place), ...payloadOf(fleet, id) }));
-  const crossed = origin ? (fleet.fixes ?? []).map((fix) => ({ ...fix, at: metres(origin, fix) })) : [];
+  const placed = places.length > 0;
+  const origin = placed ? places[0][1] : (tiles?.center ?? null);
+  const stands = placed
+    ? places.map(([id, place]) => ({ id, place, at: metres(origin, place), ...payloadOf(fleet, id) }))
+    : (fleet?.payloads ?? []).map(({ id }, index, all) => assumed(fleet, id, index - (all.length - 1) / 2));
+  const crossed = placed ? (fleet.fixes ?? []).map((fix) => ({ ...fix, at: metres(origin, fix) })) : [];
   const fixes = crossed.toSorted((one, other) => one.ghost - other.ghost);
   const points = [...stands, ...fixes.filter((fix) => !fix.ghost)].map(({ at }) => at);
-  return { origin, stands, fixes, points };
+  return { origin, placed, stands, fixes, points, tiles };
 }
+
+/** A payload of which no position is known: in the middle, side by side with others. */
+const assumed = (fleet, id, place) => ({ id, at: [place * APART, 0], ...payloadOf(fleet, id), assumed: true });
 
 function payloadOf(fleet, id) {
   const payload = fleet.payloads.find((each) => each.id === id) ?? {};
@@ -100,17 +116,17 @@ function dragged(event, look, move) {
 function found({ fixes }) {
   if (!fixes.length)
     return html`<p class="soft">
-      No bearings cross: it takes two payloads that hear the same voice, with places and headings that are known.
+      No crossing bearings. They need two payloads with known positions and headings that hear the same source.
     </p>`;
   return html`<section class="card">
-    <h2>Where bearings cross</h2>
+    <h2>Crossing bearings</h2>
     <div class="scroll" tabindex="0" role="region" aria-label="Table of crossings">
-      <table class="crossings">
+      <table class="crossings stack">
         <thead>
           <tr>
             <th scope="col">Crossing</th>
             <th scope="col">Position</th>
-            <th scope="col">Uncertain by</th>
+            <th scope="col">Uncertainty</th>
             <th scope="col">Heard by</th>
           </tr>
         </thead>
@@ -119,9 +135,9 @@ function found({ fixes }) {
             (fix, index) =>
               html`<tr>
                 <th scope="row">${nameOf(fix, index)}</th>
-                <td>${number(fix.lat, 6, "°")}, ${number(fix.lon, 6, "°")}</td>
-                <td>${number(spreadOf(fix), 1, " m")}</td>
-                <td>${fix.payloads.map((id, each) => `${id} source ${fix.sources[each]}`).join(", ")}</td>
+                <td data-name="Position">${number(fix.lat, 6, "°")}, ${number(fix.lon, 6, "°")}</td>
+                <td data-name="Uncertainty">${number(spreadOf(fix), 1, " m")}</td>
+                <td data-name="Heard by">${fix.payloads.map((id, each) => `${id} source ${fix.sources[each]}`).join(", ")}</td>
               </tr>`,
           )}
         </tbody>
@@ -130,27 +146,29 @@ function found({ fixes }) {
   </section>`;
 }
 
-const nameOf = (fix, index) => `${index + 1}${fix.ghost ? " (perhaps a ghost)" : ""}`;
+const nameOf = (fix, index) => `${index + 1}${fix.ghost ? " (probably a ghost)" : ""}`;
 const spreadOf = ({ covariance: [[a], [, c]] }) => Math.sqrt(a + c);
 
 function places(page, { stands }) {
   const payloads = page.store.fleet?.payloads ?? [];
-  if (!payloads.length) return html`<p class="soft">No payload is heard.</p>`;
+  if (!payloads.length) return html`<p class="soft">No payload found.</p>`;
   return html`<section class="card">
-    <h2>Where payloads stand</h2>
+    <h2>Payload positions</h2>
     <ul class="places">
-      ${stands.map(
-        ({ id, place }) =>
-          html`<li>
-            <strong>${id}</strong>
-            ${number(place.lat, 6, "°")},
-            ${number(place.lon, 6, "°")}${known(place.heading) ? html`, heading ${degrees(place.heading)}` : nothing}
-            <span class="soft">${place.from === "typed" ? "typed" : "from its autopilot"}</span>
-          </li>`,
-      )}
+      ${payloads.map(({ id }) => position(id, stands.find((stand) => stand.id === id)?.place))}
     </ul>
     ${placeForm(page, payloads)}
   </section>`;
+}
+
+function position(id, place) {
+  if (!place) return html`<li><strong>${id}</strong> <span class="soft">position unknown</span></li>`;
+  return html`<li>
+    <strong>${id}</strong>
+    ${number(place.lat, 6, "°")},
+    ${number(place.lon, 6, "°")}${known(place.heading) ? html`, heading ${degrees(place.heading)}` : nothing}
+    <span class="soft">${place.from === "typed" ? "entered by hand" : "from the autopilot"}</span>
+  </li>`;
 }
 
 function placeForm(page, payloads) {
@@ -167,8 +185,8 @@ function placeForm(page, payloads) {
       </select></label
     >
     ${field("lat", "Latitude, degrees north", -90, 90, true)}${field("lon", "Longitude, degrees east", -180, 180, true)}
-    ${field("heading", "Heading of its zero, degrees from north, if known", -360, 360, false)}
-    <button type="submit" ?disabled=${!page.socket.up}>Place it</button>
+    ${field("heading", "Heading of the payload's nose, degrees from north (optional)", -360, 360, false)}
+    <button type="submit" ?disabled=${!page.socket.up}>Set position</button>
   </form>`;
 }
 

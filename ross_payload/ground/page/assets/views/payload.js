@@ -1,6 +1,6 @@
-/** One payload: the scope is the main thing; all else explains it or acts. Also drawn for recordings, without hands. */
+/** One payload: the scope is the main thing; all else explains it or acts. Also drawn for recordings, without controls. */
 
-import { lastHeard, silentFor } from "../heard.js";
+import { isLive, lastHeard } from "../heard.js";
 import { html, nothing } from "../lit.js";
 import { densities } from "../instruments/densities.js";
 import { isolation } from "../instruments/isolation.js";
@@ -13,7 +13,7 @@ import { missionFacts } from "../parts/mission.js";
 import { orders } from "../parts/orders.js";
 import { parameters } from "../parts/parameters.js";
 import { candidates, sources } from "../parts/sources.js";
-import { ago, frame, state } from "../words.js";
+import { ago, capital, duration, frame, known, state } from "../words.js";
 
 /** The watched payload, live. */
 export function payloadView(page) {
@@ -26,17 +26,20 @@ export function payloadView(page) {
     ${told ? html`${remarks(told.sections)}${everything(page, told)}` : waiting(page, id)}`;
 }
 
-function glance(page, { id, sections: { standing = {} } }) {
+function glance(page, { id, sections: { standing = {}, mission = {} } }) {
   const last = lastHeard(page, id);
-  return html`<p class="state">${state(standing.state)}</p>
-    <p class="soft">
-      last heard
-      ${ago(last === null ? null : page.now() - last)}${standing.version ? ` · version ${standing.version}` : ""}
-    </p>`;
+  const words = [
+    `last telemetry ${ago(last === null ? null : page.now() - last)}`,
+    known(mission.time) && isLive(page) ? `running for ${duration(mission.time)}` : "",
+    standing.version ? `version ${standing.version}` : "",
+  ];
+  return html`${isLive(page) ? nothing : html`<p class="soft">Last state:</p>`}
+    <p class="state">${state(standing.state)}</p>
+    <p class="soft">${words.filter(Boolean).join(" · ")}</p>`;
 }
 
 function everything(page, told) {
-  const stale = silentFor(page) !== null || !page.socket.up;
+  const stale = !isLive(page) || !page.socket.up;
   const now = page.now();
   return html`<div class="payload-grid ${stale ? "stale" : ""}">
     ${picture(page, told, now, true)}
@@ -44,7 +47,7 @@ function everything(page, told) {
       <div class="column">${missionFacts(told.sections)}${hands(page, told)}${orders(page, told)}</div>
       ${said(page, told, now, true)}
     </div>
-    ${curves(page, told, now)}${condition(told, now)}${parameters(page, told)}
+    ${curves(page, told, now)}${condition(told, now, stale)}${parameters(page, told)}
   </div>`;
 }
 
@@ -62,21 +65,21 @@ export function recordedView(page, told) {
 
 function waiting(page, id) {
   const heard = (page.store.fleet?.payloads ?? []).map((each) => each.id);
-  if (heard.includes(id)) return html`<p class="opening">Its picture comes.</p>`;
-  return html`<p class="opening">Nothing was heard of ${id} yet. ${page.store.fleet?.advice ?? ""}</p>
-    <p><a href="#/">All payloads that are heard</a></p>`;
+  if (heard.includes(id)) return html`<p class="opening">Loading…</p>`;
+  return html`<p class="opening">No telemetry from ${id} yet. ${page.store.fleet?.advice ?? ""}</p>
+    <p><a href="#/">All payloads</a></p>`;
 }
 
-const sentence = (words) => `${words.charAt(0).toUpperCase()}${words.slice(1)}.`;
+const sentence = (words) => `${capital(words)}.`;
 
 /** What is odd, in words. */
 function remarks({ standing = {}, sources: list = [] }) {
   const announced = list[0]?.announced ?? 0;
   const words = [
     standing.mirrors_only &&
-      "Only mirrored values come through this link: no picture, and no sources. " +
-        "An autopilot in between drops our messages; set the payload’s link to TUNNEL.",
-    standing.boots > 1 && `It has started again (${standing.boots} starts were heard); what it knew before is gone.`,
+      "This link carries only the summary values, so the polar view and the sources are missing. " +
+        "An autopilot in between drops ROSS_ messages: set the payload’s link to TUNNEL.",
+    standing.boots > 1 && `The payload restarted (${standing.boots} starts seen); its earlier results are gone.`,
     announced > list.length && announced > 32 && `${announced} sources announced, ${list.length} shown.`,
     ...(standing.flaws ?? []).map(sentence),
   ].filter(Boolean);
@@ -105,8 +108,8 @@ function picture(page, told, now, mayOrder) {
       page.order(told.id, { kind: "turn", heading: Math.round(heading) % 360 });
     },
   };
-  return html`<section class="hero" aria-label="What it hears">
-    <h2 class="unseen">What it hears, and where it points</h2>
+  return html`<section class="hero" aria-label="Polar view">
+    <h2 class="unseen">Polar view: sources and axis</h2>
     ${scope(parts)}
     <p class="soft caption">Degrees ${frame(sections.pointing?.earth)}.</p>
   </section>`;
@@ -136,15 +139,15 @@ function curves(page, told, now) {
       sections.standing?.mirrors_only
         ? nothing
         : html`<div class="pair">
-            ${card("Densities", densities({ sections, now }))}
+            ${card("ITD densities", densities({ sections, now }))}
             ${card("Isolation", html`${isolation({ sections, now, ...moved })}${candidates(sections)}`)}
           </div>`
     }
   </div>`;
 }
 
-const condition = (told, now) =>
+const condition = (told, now, silent = false) =>
   html`<section class="wide">
     <h2>Health</h2>
-    ${health(told, now)}
+    ${health(told, now, silent)}
   </section>`;

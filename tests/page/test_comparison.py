@@ -1,0 +1,91 @@
+"""Two flights beside each other: moved together, and how they differ."""
+
+import re
+
+import pytest
+
+from browsing import eventually
+from emulated_log import log
+from served_ground import served
+
+pytest.importorskip("aiohttp", reason="the extra [ground]")
+
+MINUS, UNKNOWN = "\N{MINUS SIGN}", "\N{EN DASH}"
+
+
+@pytest.fixture(scope="module")
+def ground(browser, tmp_path_factory):
+    flights = tmp_path_factory.mktemp("flights")
+    log(flights / "long.tlog")
+    log(flights / "short.tlog", seconds=14)
+    log(flights / "mission.tlog", start=0)
+    with served("--flights", flights) as ground:
+        yield ground
+
+
+def compared(open_page, ground, **size):
+    page = open_page(f"{ground.url}#/flights", **size)
+    page.get_by_role("button", name="Open long.tlog").click()
+    page.get_by_role("slider", name="Time of long.tlog").fill("9")
+    page.get_by_role("button", name="Compare with short.tlog").click()
+    page.get_by_role("slider", name="Time of both flights").wait_for()
+    return page
+
+
+def value(page, quantity):
+    """What the table says of a quantity: of the first flight, of the second, and their difference."""
+    row = page.locator(".differences tbody tr", has=page.get_by_role("rowheader", name=quantity, exact=True))
+    return row.locator("td").all_inner_texts()
+
+
+def moments(page):
+    """The date and time of each flight."""
+    return page.locator(".slot .playback > .soft").all_inner_texts()
+
+
+def test_two_flights_have_one_slider_and_one_play(ground, open_page):
+    page = compared(open_page, ground)
+    assert page.locator(".playback .slider input").count() == 1
+    assert page.locator("button.play").count() == 1
+    eventually(page, lambda: moments(page) == [moments(page)[0]] * 2 and "13:29" in moments(page)[0])  # 9 s, as opened
+    page.get_by_role("slider", name="Time of both flights").fill("3")
+    eventually(page, lambda: moments(page) == [moments(page)[0]] * 2 and "13:23" in moments(page)[0])
+    page.get_by_role("button", name="Play").click()
+    eventually(page, lambda: "0:05" in page.locator(".moment").inner_text())
+    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("button", name="Play").wait_for()
+    page.get_by_role("slider", name="Time of both flights").press("ArrowRight")
+    eventually(page, lambda: moments(page) == [moments(page)[0]] * 2)
+
+
+def test_the_table_tells_how_they_differ(ground, open_page):
+    page = compared(open_page, ground)
+    page.get_by_role("slider", name="Time of both flights").fill("19")
+    eventually(page, lambda: "ended" in page.locator(".differences thead").inner_text())  # the short one
+    eventually(page, lambda: value(page, "Elapsed")[2] not in (UNKNOWN, "0.0 s"))
+    one, other, apart = (float(re.sub("[^0-9.-]", "", each.replace(MINUS, "-"))) for each in value(page, "Elapsed"))
+    assert apart == pytest.approx(other - one, abs=1.0)  # both are rounded to a second
+    assert value(page, "Target azimuth")[2].endswith("°")
+    page.set_viewport_size({"width": 320, "height": 640})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 320
+    table = page.locator(".comparison .scroll")
+    assert table.evaluate("each => each.scrollWidth <= each.clientWidth + 1")
+
+
+def test_a_flight_that_is_closed_leaves_the_other_its_own_time(ground, open_page):
+    page = compared(open_page, ground)
+    page.get_by_role("button", name="Close short.tlog").click()
+    page.get_by_role("slider", name="Time of long.tlog").wait_for()
+    assert not page.locator(".comparison").count()
+
+
+def test_a_simulated_flight_has_no_date(ground, open_page):
+    page = open_page(f"{ground.url}#/flights")
+    row = page.locator(".known li", has_text="mission.tlog")
+    row.wait_for()
+    assert "1970" not in page.locator(".known").inner_text()
+    assert "Simulated" in row.inner_text()
+    page.get_by_role("button", name="Open mission.tlog").click()
+    page.locator(".playback").wait_for()
+    assert "Simulated" in page.locator(".playback").inner_text()
+    assert "0:00 of 0:19" in page.locator(".playback").inner_text()
