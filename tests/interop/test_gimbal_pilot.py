@@ -14,13 +14,13 @@ SELF, FREE = (255, 190), (0, 0)
 
 
 @pytest.fixture(scope="module")
-def pilot(living, ground_stations, free_port, until, noise, tmp_path_factory):
+def pilot(living, ground_stations, free_port, until, noise, tmp_path_factory):  # noqa: PLR0917
     """A pilot whose payload is idle."""
     folder, ground, port = tmp_path_factory.mktemp("pilot"), ground_stations(), free_port()
     (folder / "ross.toml").write_text(PAYLOAD.format(source=f"file:{noise}", port=port))
     with ExitStack() as stack:
         autopilot = GimbalAutopilot(port, ground.port)
-        stack.callback(lambda: autopilot.kill())
+        stack.callback(autopilot.kill)
         payload = stack.enter_context(living(["run", "ross.toml"], folder))
         pilot = Pilot(ground, payload, until)
         pilot.autopilot = autopilot
@@ -47,7 +47,7 @@ def turned(pilot, times):
     assert missed == []
     pilot.until(lambda: abs(pilot.heading() - pilot.yaw()) < 0.5)
     assert pilot.faults() == []
-    assert pilot.ground.order(PARK) == ACCEPTED
+    assert pilot.ground.obeyed(PARK) == ACCEPTED
     assert pilot.reaches(0.0, seconds=5.0, within=0.2)
     assert pilot.primary() == FREE
 

@@ -27,7 +27,7 @@ role = "autopilot"
 
 
 class GimbalAutopilot:
-    """``ross autopilot --gimbal`` between a payload and a ground station; it can be frozen, killed and started again."""
+    """``ross autopilot --gimbal`` between a payload and a ground station; it may be frozen, killed, started again."""
 
     def __init__(self, port: int, ground: int) -> None:
         links = ["--link", f"udpin:127.0.0.1:{port}", "--link", f"udpout:127.0.0.1:{ground}"]

@@ -4,6 +4,9 @@ A goal becomes a trapezoid, and the trapezoid a stream of set-points of the yaw 
 rates, so that a gimbal whose driver has died goes to the last set-point and stands. Only the gimbal's own attitude
 status tells where it is; acknowledgements prove nothing.
 
+Behind an autopilot it is in control only while somebody holds it: from `take_control` or the first goal until
+`release_control`. In between it sends no set-points, and follows what others do with the gimbal.
+
 Only the pump (`poll`) plans and sends; the other methods leave a request in a queue.
 """
 
@@ -15,8 +18,9 @@ from types import TracebackType
 from typing import Any, Self
 
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
+from ross_payload.actuators.mavlink_gimbal.gimbal_client import Client
 from ross_payload.actuators.mavlink_gimbal.options import Options
-from ross_payload.actuators.mavlink_gimbal.peer import Client, Manager, Search
+from ross_payload.actuators.mavlink_gimbal.peer import Manager, Search
 from ross_payload.actuators.mavlink_gimbal.port import Arrived
 from ross_payload.actuators.mavlink_gimbal.watch import (
     STALE,
@@ -38,6 +42,7 @@ from ross_protocols.vehicle import AUTOPILOT, VehicleAttitude
 PERIOD = 0.02  # between set-points [s]
 HOLD = 0.1  # between those of a gimbal that rests at its goal [s]; a device gives up a manager silent for about 1 s
 EARLY = 1e-9  # [s], of rounding
+PARTING = 1.0  # [s] at most after the end of a motion, until control is released
 STILL = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
 
 
@@ -51,8 +56,11 @@ class MavlinkGimbal:
         self._requests = Requests()
         self._peer: Client | Manager | None = None
         self._search = Search(options.role, options.device_id)
-        self._motion: Motion | None = None  # None: nothing may be sent
-        self._sent = self._led = -math.inf  # when the last set-point went out, when our lead began [s]
+        self._held = False  # somebody holds it for a task: only then others are kept from turning it
+        self._motion: Motion | None = None  # None: not in control
+        self._pending: Move | None = None  # waits until we are in control
+        self._braking: Motion | None = None  # of a motion that was not ours
+        self._sent = self._led = -math.inf  # when the last set-point went out, when the gimbal was found [s]
         self._restless = math.inf  # when it was last seen away from its goal [s]
         self._fault = ""
         self.capabilities = Capabilities(
@@ -84,9 +92,24 @@ class MavlinkGimbal:
         """Return the state at the last poll; not settled while a request waits."""
         return self._state if self._requests.empty else replace(self._state, settled=False)
 
+    def brake(self) -> None:
+        """Bring to rest what others turn, from where it is, without taking control from them."""
+        self._requests.put(Ask.BRAKE)
+
     def stop(self) -> None:
         """Decelerate from the last set-point."""
         self._requests.put(Ask.HALT)
+
+    def take_control(self) -> None:
+        """Take control where an autopilot manages the gimbal, and hold the gimbal where it is."""
+        self._requests.put(Ask.TAKE_CONTROL)
+
+    def release_control(self) -> bool:
+        """Let others turn the gimbal once it is at rest; tell whether there can be others."""
+        if isinstance(self._peer, Manager):
+            return False
+        self._requests.put(Ask.RELEASE_CONTROL)
+        return True
 
     def home(self) -> None:
         """Decelerate, take control again and forget a fault; the gimbal's encoder knows its zero."""
@@ -107,10 +130,10 @@ class MavlinkGimbal:
         self._publish(now)
 
     def __enter__(self) -> Self:
-        """Open the wire; the gimbal is looked for and then held where it is."""
+        """Open the wire; the gimbal is looked for, and not turned."""
         self._port = self._services.open_port(self._options.port)
         self._feedback.forget()
-        self._fault = ""
+        self._fault, self._held, self._pending, self._braking = "", False, None, None
         return self
 
     def __exit__(
@@ -125,7 +148,7 @@ class MavlinkGimbal:
         for message in self._peer.leave() if self._peer is not None else ():
             self._port.send(message)
         self._port.close()
-        self._port = self._motion = None
+        self._port = self._motion = self._braking = None
 
     # ------------------------------------------------------------------------------------------ what is heard
 
@@ -135,7 +158,7 @@ class MavlinkGimbal:
         if packet.name == "HEARTBEAT":
             found = self._search.met(packet.message, sender, now)
             if found is not self._peer:
-                self._peer, self._motion = found, None
+                self._peer, self._motion, self._led = found, None, -math.inf
         if self._peer is None:
             return
         self._peer.heard(arrived, now)
@@ -160,28 +183,63 @@ class MavlinkGimbal:
             self._fault = ""
             self._feedback.pardon()
             if self._peer is not None:
-                self._peer.claim()
-        if self._motion is None or self._fault:
+                self._peer.claim(now)
+        if isinstance(request, Move) or request in (Ask.HOME, Ask.TAKE_CONTROL, Ask.RELEASE_CONTROL):
+            self._held = request is not Ask.RELEASE_CONTROL
+        if request is Ask.BRAKE:
+            self._brake(now)
+        if self._fault or request in (Ask.TAKE_CONTROL, Ask.RELEASE_CONTROL, Ask.BRAKE):
             return
-        if isinstance(request, Move):
-            position, velocity = self._motion.at(now)
-            acceleration = self.capabilities.max_acceleration
-            self._go(Trapezoid(position, request.goal, request.rate, acceleration, velocity), now)
-        else:
+        if not isinstance(request, Move):
+            self._pending = None
             self._halt(now)
+        elif self._motion is None:
+            self._pending = request
+        else:
+            self._turn(request, *self._motion.at(now), now)
+
+    def _turn(self, move: Move, position: float, velocity: float, now: float) -> None:
+        rate, acceleration = move.rate, self.capabilities.max_acceleration
+        self._go(Trapezoid(position, move.goal, rate, acceleration, velocity), now)
 
     def _halt(self, now: float) -> None:
-        if self._motion is not None:
-            position, velocity = self._motion.at(now)
-            if velocity:
-                self._go(Trapezoid.to_rest(position, velocity, self.capabilities.max_acceleration), now)
-            elif position != self._motion.plan.goal:  # a goal that was given in this very moment
-                self._go(Trapezoid(position, position, 1.0, 1.0), now)
+        if self._motion is None:
+            return
+        position, velocity = self._motion.at(now)
+        if velocity:
+            self._go(Trapezoid.to_rest(position, velocity, self.capabilities.max_acceleration), now)
+        elif position != self._motion.plan.goal:  # a goal that was given in this very moment
+            self._go(Trapezoid(position, position, 1.0, 1.0), now)
+
+    def _brake(self, now: float) -> None:
+        """Brake what somebody else turns, without taking control from them."""
+        seen, peer = self._feedback, self._peer
+        others = self._motion is None and isinstance(peer, Client) and peer.travel is not None
+        if others and now - seen.time <= STALE and abs(seen.rate) >= STILL:
+            position = self._within(seen.angle + seen.rate * (now - seen.time))
+            self._braking = Motion(Trapezoid.to_rest(position, seen.rate, self.capabilities.max_acceleration), now)
+
+    def _within(self, angle: float) -> float:
+        return min(max(angle, self.capabilities.lower), self.capabilities.upper)
 
     def _hold(self, now: float) -> None:
         """Plan to stay where the gimbal is."""
-        here = min(max(self._feedback.angle, self.capabilities.lower), self.capabilities.upper)
+        here = self._within(self._feedback.angle)
         self._go(Trapezoid(here, here, 1.0, 1.0), now)
+
+    def _begin(self, now: float) -> None:
+        """We are in control: go on from wherever and however fast somebody else has turned the gimbal."""
+        seen = self._feedback
+        seen.pardon()
+        rate = seen.rate if abs(seen.rate) >= STILL else 0.0
+        position = self._within(seen.angle + rate * (now - seen.time))
+        move, self._pending, self._braking = self._pending, None, None
+        if move is not None:
+            self._turn(move, position, rate, now)
+        elif rate:
+            self._go(Trapezoid.to_rest(position, rate, self.capabilities.max_acceleration), now)
+        else:
+            self._hold(now)
 
     def _go(self, plan: Trapezoid, now: float) -> None:
         self._motion, self._restless = Motion(plan, now), now
@@ -195,20 +253,47 @@ class MavlinkGimbal:
         peer = self._peer
         if peer is None or self._port is None:
             return
+        if self._held:
+            peer.take(now)
         for message in peer.due(now):
             self._port.send(message)
+        if self._led == -math.inf and peer.travel is not None:
+            self._led = now
         if not peer.ready or peer.trouble() or travel_trouble(peer.travel, self._options):
-            self._motion = None
+            self._stand_aside(peer, self._port, now)
             return
         if self._motion is None:
             if now - self._feedback.time > STALE:
                 return
-            self._led = now
-            self._hold(now)
+            self._begin(now)
         self._look_whether_it_follows(now)
         if self._motion is not None and now - self._sent >= (HOLD if self._state.settled else PERIOD) - EARLY:
             self._sent = now
             self._port.send(peer.point(self._motion.at(now + PERIOD)[0]))  # where it should be when the next one comes
+        if self._motion is not None and not self._held and isinstance(peer, Client):
+            self._let_go(peer, self._port, self._motion, now)
+
+    def _let_go(self, peer: Client, port: Port, motion: Motion, now: float) -> None:
+        """Release control when the gimbal rests; its manager keeps it at the last set-point."""
+        if now >= motion.end and (self._state.settled or now >= motion.end + PARTING):
+            port.send(peer.point(motion.plan.goal))
+            peer.release()
+            self._motion = None
+            for message in peer.due(now):
+                port.send(message)
+
+    def _stand_aside(self, peer: Client | Manager, port: Port, now: float) -> None:
+        """Send no set-points but those that brake, on a stop, what somebody else turns."""
+        self._motion = None
+        if peer.trouble():
+            self._pending = None
+        if not self._held and not peer.idle:
+            peer.release()
+        braking = self._braking
+        if braking is not None and now - self._sent >= PERIOD - EARLY:
+            self._sent = now
+            port.send(peer.point(braking.at(now + PERIOD)[0]))
+            self._braking = braking if now < braking.end else None
 
     def _look_whether_it_follows(self, now: float) -> None:
         """Decelerate when nobody knows where the gimbal is; hold it where it is when it does not follow."""
@@ -234,23 +319,25 @@ class MavlinkGimbal:
             self._restless = now
         trouble = self._trouble(now)
         rested = now >= self._restless + self._options.settle_ms * 1e-3 - EARLY
-        fresh = now - seen.time <= STALE
+        fresh, free = now - seen.time <= STALE, motion is None and not self._held
         self._state = ActuatorState(
-            angle=seen.angle, rate=rate, settled=rested and fresh and not trouble and motion is not None,
+            angle=seen.angle, rate=rate, settled=rested and fresh and not trouble and (motion is not None or free),
             homed=True, healthy=not trouble, time=seen.time, fault=trouble,
         )  # fmt: skip
 
     def _trouble(self, now: float) -> str:
         """Say what is wrong; empty when all is well."""
-        peer = self._peer
+        peer, seen = self._peer, self._feedback
         if peer is None:
             return self._search.missing()
-        if self._fault or peer.trouble():
-            return self._fault or peer.trouble()
-        if not peer.ready:
-            return peer.waits_for()
-        seen = self._feedback
-        return travel_trouble(peer.travel, self._options) or silence(seen, now) or failures(seen, now - self._led)
+        return (
+            self._fault
+            or peer.trouble()
+            or peer.missing(now)
+            or travel_trouble(peer.travel, self._options)
+            or silence(seen, now, peer.heard_at if isinstance(peer, Client) else None)
+            or failures(seen, now - self._led)
+        )
 
 
 class MavlinkGimbalBackend:

@@ -198,7 +198,7 @@ class ArduPilot:
                 return [common.MAVLink_heartbeat_message(kind, maker, 1, 0, common.MAV_STATE_STANDBY, 3)]
             case 30:
                 rate = (self._yaw(now) - self._yaw(now - 0.01)) / 0.01
-                return [vehicle.attitude(VehicleAttitude(now, self._yaw(now), 0.0, 0.0, rate))]
+                return [vehicle.attitude(VehicleAttitude(boot / 1e3, self._yaw(now), 0.0, 0.0, rate))]
             case gimbal.MANAGER_INFORMATION:
                 return [common.MAVLink_gimbal_manager_information_message(boot, 0, DEVICE_ID, *travel)]
             case gimbal.MANAGER_STATUS:
