@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 
-from pymavlink.dialects.v20 import ardupilotmega, common
+from pymavlink.dialects.v20 import ardupilotmega
 
 from ross_protocols.tunnel import unwrap
 from ross_protocols.vehicle import euler
@@ -110,8 +110,9 @@ class Pilot:
 
     def faults(self):
         """What the payload logged of faults."""
-        return [line for line in self.payload.log() if line["message"] == "fault"]
+        return [line for line in self.payload.log() if line["message"].startswith("fault")]
 
-    def critical(self):
-        """Whether the payload's last heartbeat says so."""
-        return self.ground.of("HEARTBEAT")[-1].system_status == common.MAV_STATE_CRITICAL
+    def hears_the_payload(self):
+        """Wait until the autopilot passes on what the payload says, and so what it is told."""
+        before = len(self.ground.of("HEARTBEAT"))
+        self.until(lambda: self.ground.of("HEARTBEAT")[before:])

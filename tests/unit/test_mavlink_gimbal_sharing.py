@@ -93,6 +93,19 @@ def test_an_order_in_the_middle_of_a_pilots_turn_takes_over_without_a_jump(relea
     assert max(rates) <= max(speed, *rates[:5]) + 0.1  # it brakes from there on
 
 
+@pytest.mark.parametrize(("held", "most"), [(True, 0.01), (False, 0.02)])
+def test_taking_control_delays_the_first_set_point_by_one_poll(rig, held, most):
+    """Where the autopilot answers at once."""
+    if held:
+        rig.actuator.take_control()
+    rig.clock.sleep(1.0)
+    begin = rig.clock.now()
+    rig.actuator.command(0.5)
+    while SET_POINT not in rig.sent(0.01) or abs(rig.far_end.autopilot._aim) < 1e-6:
+        pass
+    assert rig.clock.now() - begin <= most + 0.01 + 1e-9  # and one quantum until the autopilot has it
+
+
 def test_a_release_in_a_move_comes_into_force_at_its_end(rig):
     rig.actuator.command(1.0)
     rig.clock.sleep(0.5)
@@ -270,6 +283,28 @@ def test_an_autopilot_that_falls_silent_is_named(rig):
     rig.device.mute = True  # its reports come by way of the autopilot
     assert rig.detect(within=0.6) <= 0.6
     assert rig.state.fault.startswith("the autopilot is silent")
+
+
+@pytest.mark.parametrize("later", [0.0, 1.19, 1.2, 1.21, 1.22, 1.24, 1.4])
+def test_home_about_when_the_autopilot_is_thawed_goes_on_from_where_the_gimbal_stands(rig, later):
+    """The set-points of the time when it was frozen never arrived."""
+    rig.actuator.command(1.5)
+    rig.clock.sleep(0.5)
+    rig.far_end.autopilot._up = rig.clock.now() + 1.5
+    rig.device.mute = True
+    rig.detect(within=0.6)
+    begin = rig.clock.now()
+    rig.clock.sleep(min(later, 1.2))
+    if later >= 1.2:
+        rig.device.mute = False
+        rig.clock.sleep(later - 1.2)
+    rig.actuator.home()
+    rig.clock.sleep(max(begin + 1.2 - rig.clock.now(), 0.0))
+    rig.device.mute = False
+    rig.clock.sleep(3.0)
+    rig.actuator.rearm()
+    rig.actuator.command(0.3)
+    rig.settle()
 
 
 def test_as_a_manager_of_a_bare_gimbal_it_holds_it_all_the_time():

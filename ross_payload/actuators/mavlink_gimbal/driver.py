@@ -60,6 +60,7 @@ class MavlinkGimbal:
         self._motion: Motion | None = None  # None: not in control
         self._pending: Move | None = None  # waits until we are in control
         self._braking: Motion | None = None  # of a motion that was not ours
+        self._blind = False  # it has not reported for a while, so that nobody knows whether it got the set-points
         self._sent = self._led = -math.inf  # when the last set-point went out, when the gimbal was found [s]
         self._restless = math.inf  # when it was last seen away from its goal [s]
         self._fault = ""
@@ -228,8 +229,8 @@ class MavlinkGimbal:
         self._go(Trapezoid(here, here, 1.0, 1.0), now)
 
     def _begin(self, now: float) -> None:
-        """We are in control: go on from wherever and however fast somebody else has turned the gimbal."""
-        seen = self._feedback
+        """We are in control, or see the gimbal again: go on from wherever it is and however fast it turns."""
+        seen, self._blind = self._feedback, False
         seen.pardon()
         rate = seen.rate if abs(seen.rate) >= STILL else 0.0
         position = self._within(seen.angle + rate * (now - seen.time))
@@ -262,10 +263,12 @@ class MavlinkGimbal:
         if not peer.ready or peer.trouble() or travel_trouble(peer.travel, self._options):
             self._stand_aside(peer, self._port, now)
             return
-        if self._motion is None:
-            if now - self._feedback.time > STALE:
-                return
+        stale = now - self._feedback.time > STALE
+        self._blind = self._blind or stale
+        if not stale and (self._blind or self._motion is None):
             self._begin(now)
+        if self._motion is None:
+            return
         self._look_whether_it_follows(now)
         if self._motion is not None and now - self._sent >= (HOLD if self._state.settled else PERIOD) - EARLY:
             self._sent = now

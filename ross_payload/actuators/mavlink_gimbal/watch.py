@@ -10,7 +10,7 @@ from ross_payload.actuators.requests import Motion
 from ross_protocols import gimbal
 from ross_protocols.gimbal import GimbalTravel
 
-STALE = 0.5  # [s]: a report that is older proves nothing
+STALE = 0.45  # [s]: a report that is older proves nothing; less than guard.watchdog_s, which cannot say who is silent
 LATE = STALE / 2  # [s] of a report on its way, which no link in order takes
 LEASH, LATENESS = math.radians(10), 0.25  # how far a gimbal may be behind its set-point [rad], and this many [s] more
 OVERDUE, ASTRAY = 3.0, math.radians(1)  # [s] after its time a gimbal may not be farther from its goal [rad]
