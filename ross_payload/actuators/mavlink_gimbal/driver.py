@@ -22,6 +22,7 @@ from ross_payload.actuators.mavlink_gimbal.gimbal_client import Client
 from ross_payload.actuators.mavlink_gimbal.options import Options
 from ross_payload.actuators.mavlink_gimbal.peer import Manager, Search
 from ross_payload.actuators.mavlink_gimbal.port import Arrived
+from ross_payload.actuators.mavlink_gimbal.set_points import EARLY, PERIOD, STILL, SetPoints
 from ross_payload.actuators.mavlink_gimbal.watch import (
     STALE,
     contradiction,
@@ -30,7 +31,6 @@ from ross_payload.actuators.mavlink_gimbal.watch import (
     straying,
     travel_trouble,
 )
-from ross_payload.actuators.motion import Trapezoid
 from ross_payload.actuators.requests import Ask, Motion, Move, Requests
 from ross_payload.errors import ActuatorFault, LimitError
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Port, Services
@@ -39,11 +39,8 @@ from ross_protocols import gimbal, vehicle
 from ross_protocols.gimbal import Address, GimbalAttitude
 from ross_protocols.vehicle import AUTOPILOT, VehicleAttitude
 
-PERIOD = 0.02  # between set-points [s]
 HOLD = 0.1  # between those of a gimbal that rests at its goal [s]; a device gives up a manager silent for about 1 s
-EARLY = 1e-9  # [s], of rounding
 PARTING = 1.0  # [s] at most after the end of a motion, until control is released
-STILL = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
 
 
 class MavlinkGimbal:
@@ -57,12 +54,9 @@ class MavlinkGimbal:
         self._peer: Client | Manager | None = None
         self._search = Search(options.role, options.device_id)
         self._held = False  # somebody holds it for a task: only then others are kept from turning it
-        self._motion: Motion | None = None  # None: not in control
         self._pending: Move | None = None  # waits until we are in control
-        self._braking: Motion | None = None  # of a motion that was not ours
         self._blind = False  # it has not reported for a while, so that nobody knows whether it got the set-points
-        self._sent = self._led = -math.inf  # when the last set-point went out, when the gimbal was found [s]
-        self._restless = math.inf  # when it was last seen away from its goal [s]
+        self._led = -math.inf  # when the gimbal was found [s]
         self._fault = ""
         self.capabilities = Capabilities(
             lower=math.radians(options.lower_deg),
@@ -73,6 +67,7 @@ class MavlinkGimbal:
             continuous=False,
             feedback=FeedbackKind.MEASURED,
         )
+        self._plan = SetPoints(self.capabilities)
         self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, self.capabilities.max_speed)
         self._state = ActuatorState(0.0, 0.0, False, homed=True, healthy=False, time=-math.inf)
 
@@ -134,7 +129,7 @@ class MavlinkGimbal:
         """Open the wire; the gimbal is looked for, and not turned."""
         self._port = self._services.open_port(self._options.port)
         self._feedback.forget()
-        self._fault, self._held, self._pending, self._braking = "", False, None, None
+        self._fault, self._held, self._pending, self._plan.braking = "", False, None, None
         return self
 
     def __exit__(
@@ -143,13 +138,13 @@ class MavlinkGimbal:
         """Send the end of the deceleration as the last set-point, give control back and close."""
         if self._port is None:
             return
-        if self._motion is not None and self._peer is not None and self._peer.ready:
-            self._halt(self._services.clock.now())
-            self._port.send(self._peer.point(self._motion.plan.goal))
+        if self._plan.motion is not None and self._peer is not None and self._peer.ready:
+            self._plan.halt(self._services.clock.now())
+            self._port.send(self._peer.point(self._plan.motion.plan.goal))
         for message in self._peer.leave() if self._peer is not None else ():
             self._port.send(message)
         self._port.close()
-        self._port = self._motion = self._braking = None
+        self._port = self._plan.motion = self._plan.braking = None
 
     # ------------------------------------------------------------------------------------------ what is heard
 
@@ -159,7 +154,7 @@ class MavlinkGimbal:
         if packet.name == "HEARTBEAT":
             found = self._search.met(packet.message, sender, now)
             if found is not self._peer:
-                self._peer, self._motion, self._led = found, None, -math.inf
+                self._peer, self._plan.motion, self._led = found, None, -math.inf
         if self._peer is None:
             return
         self._peer.heard(arrived, now)
@@ -193,59 +188,18 @@ class MavlinkGimbal:
             return
         if not isinstance(request, Move):
             self._pending = None
-            self._halt(now)
-        elif self._motion is None:
+            self._plan.halt(now)
+        elif self._plan.motion is None:
             self._pending = request
         else:
-            self._turn(request, *self._motion.at(now), now)
-
-    def _turn(self, move: Move, position: float, velocity: float, now: float) -> None:
-        rate, acceleration = move.rate, self.capabilities.max_acceleration
-        self._go(Trapezoid(position, move.goal, rate, acceleration, velocity), now)
-
-    def _halt(self, now: float) -> None:
-        if self._motion is None:
-            return
-        position, velocity = self._motion.at(now)
-        if velocity:
-            self._go(Trapezoid.to_rest(position, velocity, self.capabilities.max_acceleration), now)
-        elif position != self._motion.plan.goal:  # a goal that was given in this very moment
-            self._go(Trapezoid(position, position, 1.0, 1.0), now)
+            self._plan.turn(request, *self._plan.motion.at(now), now)
 
     def _brake(self, now: float) -> None:
         """Brake what somebody else turns, without taking control from them."""
-        seen, peer = self._feedback, self._peer
-        others = self._motion is None and isinstance(peer, Client) and peer.travel is not None
-        if others and now - seen.time <= STALE and abs(seen.rate) >= STILL:
-            position = self._within(seen.angle + seen.rate * (now - seen.time))
-            self._braking = Motion(Trapezoid.to_rest(position, seen.rate, self.capabilities.max_acceleration), now)
-
-    def _within(self, angle: float) -> float:
-        return min(max(angle, self.capabilities.lower), self.capabilities.upper)
-
-    def _hold(self, now: float) -> None:
-        """Plan to stay where the gimbal is."""
-        here = self._within(self._feedback.angle)
-        self._go(Trapezoid(here, here, 1.0, 1.0), now)
-
-    def _begin(self, now: float) -> None:
-        """We are in control, or see the gimbal again: go on from wherever it is and however fast it turns."""
-        seen, self._blind = self._feedback, False
-        seen.pardon()
-        rate = seen.rate if abs(seen.rate) >= STILL else 0.0
-        position = self._within(seen.angle + rate * (now - seen.time))
-        move, self._pending, self._braking = self._pending, None, None
-        if move is not None:
-            self._turn(move, position, rate, now)
-        elif rate:
-            self._go(Trapezoid.to_rest(position, rate, self.capabilities.max_acceleration), now)
-        else:
-            self._hold(now)
-
-    def _go(self, plan: Trapezoid, now: float) -> None:
-        self._motion, self._restless = Motion(plan, now), now
-        if not plan.velocity:  # a gimbal that follows set-points would see a jump in their rhythm as one of speed
-            self._sent = -math.inf
+        peer = self._peer
+        others = self._plan.motion is None and isinstance(peer, Client) and peer.travel is not None
+        if others and now - self._feedback.time <= STALE:
+            self._plan.brake(self._feedback, now)
 
     # ------------------------------------------------------------------------------------------ leading
 
@@ -265,63 +219,70 @@ class MavlinkGimbal:
             return
         stale = now - self._feedback.time > STALE
         self._blind = self._blind or stale
-        if not stale and (self._blind or self._motion is None):
+        if not stale and (self._blind or self._plan.motion is None):
             self._begin(now)
-        if self._motion is None:
-            return
         self._look_whether_it_follows(now)
-        if self._motion is not None and now - self._sent >= (HOLD if self._state.settled else PERIOD) - EARLY:
-            self._sent = now
-            self._port.send(peer.point(self._motion.at(now + PERIOD)[0]))  # where it should be when the next one comes
-        if self._motion is not None and not self._held and isinstance(peer, Client):
-            self._let_go(peer, self._port, self._motion, now)
+        motion = self._plan.motion
+        if motion is None:
+            return
+        due = self._plan.due(motion, HOLD if self._state.settled else PERIOD, now)
+        if due is not None:
+            self._port.send(peer.point(due))
+        if not self._held and isinstance(peer, Client):
+            self._let_go(peer, self._port, motion, now)
+
+    def _begin(self, now: float) -> None:
+        """We are in control, or see the gimbal again."""
+        self._feedback.pardon()
+        self._plan.resume(self._feedback, self._pending, now)
+        self._pending, self._blind = None, False
 
     def _let_go(self, peer: Client, port: Port, motion: Motion, now: float) -> None:
         """Release control when the gimbal rests; its manager keeps it at the last set-point."""
         if now >= motion.end and (self._state.settled or now >= motion.end + PARTING):
             port.send(peer.point(motion.plan.goal))
             peer.release()
-            self._motion = None
+            self._plan.motion = None
             for message in peer.due(now):
                 port.send(message)
 
     def _stand_aside(self, peer: Client | Manager, port: Port, now: float) -> None:
         """Send no set-points but those that brake, on a stop, what somebody else turns."""
-        self._motion = None
+        self._plan.motion = None
         if peer.trouble():
             self._pending = None
         if not self._held and not peer.idle:
             peer.release()
-        braking = self._braking
-        if braking is not None and now - self._sent >= PERIOD - EARLY:
-            self._sent = now
-            port.send(peer.point(braking.at(now + PERIOD)[0]))
-            self._braking = braking if now < braking.end else None
+        braking = self._plan.braking
+        due = None if braking is None else self._plan.due(braking, PERIOD, now)
+        if braking is not None and due is not None:
+            port.send(peer.point(due))
+            self._plan.braking = braking if now < braking.end else None
 
     def _look_whether_it_follows(self, now: float) -> None:
         """Decelerate when nobody knows where the gimbal is; hold it where it is when it does not follow."""
-        if self._motion is None or self._fault:
+        if self._plan.motion is None or self._fault:
             return
         self._fault = contradiction(self._feedback)
         if self._fault:
-            self._halt(now)
+            self._plan.halt(now)
             return
-        self._fault = straying(self._feedback, self._motion, now)
+        self._fault = straying(self._feedback, self._plan.motion, now)
         self._feedback.restarted = False
         if self._fault:
-            self._hold(now)
+            self._plan.hold(self._feedback.angle, now)
 
     # ------------------------------------------------------------------------------------------ the state
 
     def _publish(self, now: float) -> None:
-        seen, motion = self._feedback, self._motion
+        seen, motion = self._feedback, self._plan.motion
         over = motion is None or now >= motion.end
         rate = 0.0 if over and abs(seen.rate) < STILL else seen.rate
         there = motion is None or abs(seen.angle - motion.plan.goal) <= self.capabilities.resolution
-        if not (over and there and rate == 0.0) or self._restless == math.inf:
-            self._restless = now
+        if not (over and there and rate == 0.0) or self._plan.restless == math.inf:
+            self._plan.restless = now
         trouble = self._trouble(now)
-        rested = now >= self._restless + self._options.settle_ms * 1e-3 - EARLY
+        rested = now >= self._plan.restless + self._options.settle_ms * 1e-3 - EARLY
         fresh, free = now - seen.time <= STALE, motion is None and not self._held
         self._state = ActuatorState(
             angle=seen.angle, rate=rate, settled=rested and fresh and not trouble and (motion is not None or free),
