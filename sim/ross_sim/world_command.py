@@ -14,7 +14,7 @@ input, 1 the results could not be written. Port 0 means: one that is free."""
 
 def _folder(context: click.Context, parameter: click.Parameter, value: str | None) -> Path | None:
     if value == "":
-        raise click.BadParameter("wanted the name of a folder, found nothing")
+        raise click.BadParameter("expected the name of a folder, got nothing")
     return None if value is None else Path(value)
 
 

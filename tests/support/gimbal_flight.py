@@ -46,7 +46,9 @@ class GimbalAutopilot:
 
     def kill(self) -> None:
         self._process.kill()
-        self._process.communicate()
+        self._process.wait()
+        if self._process.stdout:
+            self._process.stdout.close()
 
 
 class Pilot:
