@@ -22,7 +22,7 @@ from ross_payload.actuators.mavlink_gimbal.gimbal_client import Client
 from ross_payload.actuators.mavlink_gimbal.options import Options
 from ross_payload.actuators.mavlink_gimbal.peer import Manager, Search
 from ross_payload.actuators.mavlink_gimbal.port import Arrived
-from ross_payload.actuators.mavlink_gimbal.set_points import EARLY, PERIOD, STILL, SetPoints
+from ross_payload.actuators.mavlink_gimbal.set_points import EARLY, PERIOD, SetPoints
 from ross_payload.actuators.mavlink_gimbal.watch import (
     STALE,
     contradiction,
@@ -275,19 +275,13 @@ class MavlinkGimbal:
     # ------------------------------------------------------------------------------------------ the state
 
     def _publish(self, now: float) -> None:
-        seen, motion = self._feedback, self._plan.motion
-        over = motion is None or now >= motion.end
-        rate = 0.0 if over and abs(seen.rate) < STILL else seen.rate
-        there = motion is None or abs(seen.angle - motion.plan.goal) <= self.capabilities.resolution
-        if not (over and there and rate == 0.0) or self._plan.restless == math.inf:
-            self._plan.restless = now
-        trouble = self._trouble(now)
-        rested = now >= self._plan.restless + self._options.settle_ms * 1e-3 - EARLY
-        fresh, free = now - seen.time <= STALE, motion is None and not self._held
+        seen, motion, trouble = self._feedback, self._plan.motion, self._trouble(now)
+        rate, resting = self._plan.rest(seen, self.capabilities.resolution, now)
+        settled = resting >= self._options.settle_ms * 1e-3 - EARLY and now - seen.time <= STALE and not trouble
+        settled = settled and (motion is not None or not self._held)  # not before we are in control of what we hold
         self._state = ActuatorState(
-            angle=seen.angle, rate=rate, settled=rested and fresh and not trouble and (motion is not None or free),
-            homed=True, healthy=not trouble, time=seen.time, fault=trouble,
-        )  # fmt: skip
+            seen.angle, rate, settled, homed=True, healthy=not trouble, time=seen.time, fault=trouble
+        )
 
     def _trouble(self, now: float) -> str:
         """Say what is wrong; empty when all is well."""

@@ -67,6 +67,16 @@ class SetPoints:
         self.sent = now
         return motion.at(now + PERIOD)[0]
 
+    def rest(self, seen: GimbalFeedback, resolution: float, now: float) -> tuple[float, float]:
+        """Return the rate [rad/s], 0 while it only trembles, and for how long it has rested where it should be [s]."""
+        motion = self.motion
+        over = motion is None or now >= motion.end
+        rate = 0.0 if over and abs(seen.rate) < STILL else seen.rate
+        there = motion is None or abs(seen.angle - motion.plan.goal) <= resolution
+        if not (over and there and rate == 0.0) or self.restless == math.inf:
+            self.restless = now
+        return rate, now - self.restless
+
     def _there(self, seen: GimbalFeedback, now: float) -> tuple[float, float]:
         rate = seen.rate if abs(seen.rate) >= STILL else 0.0
         return self._within(seen.angle + rate * (now - seen.time)), rate
