@@ -12,7 +12,7 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field
 from enum import IntFlag, StrEnum
 from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -189,6 +189,20 @@ class Identified(Protocol):
         """Vendor, model, name, version, as the device tells them, in one line; empty while it has not."""
 
 
+@runtime_checkable
+class SharedControl(Protocol):
+    """An actuator that others may turn too, while nobody here holds it."""
+
+    def take_control(self) -> None:
+        """Take control and hold it where it is; a goal does so, too."""
+
+    def release_control(self) -> bool:
+        """Give control back once it is at rest; tell whether there can be others that take it."""
+
+    def brake(self) -> None:
+        """Bring to rest what others turn, without taking control from them."""
+
+
 class Port(Protocol):
     """A wire: serial, UDP, TCP, CAN, pulses, or an in-process one."""
 
@@ -267,6 +281,9 @@ class Output:
     rearm: bool = False
     home: bool = False
     slipped: float | None = None  # so much is the reported joint angle ahead of the true one [rad]: put it right
+    hold: bool | None = (
+        None  # True: a task begins, nobody else may turn the actuator; False: others may; None: as before
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from ross_payload import config
 from ross_payload.actuators.guard_checks import broke, checked_angle, checked_rate, doubt, guarded
 from ross_payload.actuators.guard_watch import PARKING, Watch
 from ross_payload.errors import ActuatorError, ActuatorFault, ConfigError, NotHomed, RossError
-from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock
+from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, SharedControl
 
 
 class Guard:
@@ -51,6 +51,8 @@ class Guard:
         self._fault = self._later = ""  # the first fault, and the last of what came on top of it
         self._failed = False  # the fault action is still to be done
         self._watch = Watch(rules)
+        self._shared = actuator if isinstance(actuator, SharedControl) else None
+        self._held = True  # for a task, as far as the driver knows; False: others may turn it
 
     @property
     def stopped(self) -> bool:
@@ -90,13 +92,34 @@ class Guard:
         return replace(state, settled=settled, healthy=not fault, fault=fault)
 
     def stop(self) -> None:
-        """Decelerate to rest, forget the goal and refuse new ones until `rearm`; from any thread; idempotent."""
+        """Decelerate to rest, forget the goal and refuse new ones until `rearm`; from any thread; idempotent.
+
+        What others turn is brought to rest, too; they may turn it again.
+        """
         self._stopped = True
         self._halt()
+        if self._shared is not None:
+            self._shared.brake()
 
     def halt(self) -> None:
         """Decelerate to rest and forget the goal; new ones are welcome; from any thread."""
         self._halt()
+
+    def take_control(self) -> None:
+        """Hold the actuator for a task where others may turn it otherwise; not while a stop or a fault is latched."""
+        if self._shared is None or self._stopped or self._fault:
+            return
+        self._held = True
+        self._watch.shared = False
+        self._shared.take_control()
+
+    def release_control(self) -> None:
+        """No task needs the actuator: others may turn it, where there are others; idempotent."""
+        if self._shared is None or not self._held or self._watch.doing:
+            return
+        if self._shared.release_control():
+            self._held = False
+            self._watch.shares()
 
     def rearm(self) -> None:
         """Accept commands again after a stop or a fault.
@@ -126,6 +149,7 @@ class Guard:
         """
         self._refuse_when_stopped()
         self._watch.homes()
+        self._held = True
         self._request(self._actuator.home)
         if self._stopped:
             self._halt()
@@ -173,6 +197,7 @@ class Guard:
             raise ActuatorFault("stopped: re-arm first")
 
     def _go(self, goal: float, rate: float, here: float) -> None:
+        self._held = True
         self._request(lambda: self._actuator.command(goal, rate))
         self._watch.goes(goal, here, self.capabilities)
 

@@ -25,12 +25,19 @@ class Watch:
         self._deadline = math.inf  # of the move [s]
         self._rest_by = math.inf  # of the deceleration [s]
         self._room = 0.0  # so far beyond a limit may it be on the way to the goal [rad]
+        self.shared = False  # others may turn it: what they do is not ours to watch
         self._well = True  # a report without a fault has come since homing began
 
     def forget(self) -> None:
         """Expect nothing."""
         self.goal, self.doing = None, ""
         self._deadline = self._rest_by = math.inf
+
+    def shares(self) -> None:
+        """Others may turn it from now on: expect nothing but the end of a deceleration."""
+        rest_by = self._rest_by
+        self.forget()
+        self.shared, self._rest_by = True, rest_by
 
     def asks(self) -> None:
         """Until `asked` or `refused`, no report can be the answer."""
@@ -49,12 +56,13 @@ class Watch:
     def goes(self, goal: float, here: float, able: Capabilities) -> None:
         """Expect it at ``goal``, and not much farther beyond a limit than ``here``, all [rad]."""
         self.goal, self._room = goal, beyond(here, able) + STRAY
+        self.shared = False
         self.doing, self._rest_by = "", math.inf
 
     def homes(self) -> None:
         """Expect it homed; a fault that was there before may last a while."""
         self.forget()
-        self.doing, self._well = HOMING, False
+        self.shared, self.doing, self._well = False, HOMING, False
 
     def brakes(self, now: float, able: Capabilities) -> None:
         """Expect rest within twice the time that braking takes and a second."""
@@ -64,7 +72,8 @@ class Watch:
 
     def busy(self, state: ActuatorState) -> bool:
         """Whether something moves, should move, or holds a goal."""
-        return self.goal is not None or bool(state.rate) or min(self._deadline, self._rest_by) < math.inf
+        moves = bool(state.rate) and not self.shared
+        return self.goal is not None or moves or min(self._deadline, self._rest_by) < math.inf
 
     def note(self, state: ActuatorState) -> None:
         """See which expectations a report fulfils."""

@@ -24,6 +24,9 @@ class Ask(Enum):
     HALT = "halt"
     HOME = "home"
     RELEASE = "release"
+    TAKE_CONTROL = "take control"
+    RELEASE_CONTROL = "release control"
+    BRAKE = "brake what others turn"
 
 
 class Requests:

@@ -26,6 +26,7 @@ from ross_payload.mission.tasks import Memory, Refused, perform, refusal
 from ross_payload.orders import Cancel, MeasureNoise, Order, Point, Rearm, Set, Shutdown, Stop, Task
 from ross_payload.parameters import changed
 
+FREE = Output(hold=False)  # no task needs the actuator
 ANSWERS = {Outcome.FAULT: Answer.FAILED, Outcome.NO_TARGET: Answer.FAILED, Outcome.STOPPED: Answer.CANCELLED}
 
 
@@ -98,7 +99,7 @@ class Session:
         """Wait for a task or the shutdown; obey everything else, in order."""
         while True:
             if not self._waiting:
-                yield from self._hop()
+                yield from self._hop(FREE)
                 continue
             order = self._waiting.pop(0)
             match order:
@@ -187,7 +188,7 @@ class Session:
     def _watched(self, task: Task) -> Step[Result]:
         """Perform a task; remember what it finds out and tell how far it is."""
         step = perform(self._context, self._memory, task)
-        output = next(step)
+        output = replace(next(step), hold=True)
         while True:
             self._remember(output.events)
             progress = tuple(

@@ -43,7 +43,7 @@ def mount_of(config: Config, clock: Clock, links: Links, timebase: Timebase) -> 
     if config.mount.source == "fixed":
         return fixed_mount(config)
     if not any(link.role == "autopilot" for link in links.status()):
-        raise ConfigError('mount.source = "autopilot": wanted a link of role "autopilot", found none')
+        raise ConfigError('mount.source = "autopilot": expected a [[links]] table with role = "autopilot", got none')
     component = links.component(config.telemetry.component_id)
     told = config.telemetry.system_id
     return AutopilotMount(component, clock, timebase, fresh=config.mount.fresh_s, system_id=told)

@@ -112,6 +112,8 @@ class Runner:
             self._actuator.stop()
         if output.halt:
             self._actuator.halt()
+        if output.hold is not None:
+            (self._actuator.take_control if output.hold else self._actuator.release_control)()
         try:
             if output.rearm:
                 self._fault = ""

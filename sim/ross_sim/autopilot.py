@@ -1,8 +1,8 @@
 """An autopilot that behaves like an ArduPilot as far as a payload notices: attitude, time, routing.
 
-It flies nothing. It says where the vehicle points, answers TIMESYNC and requests for message rates, and passes
-messages between its links as `routing` tells. Commands that it does not know it refuses; parameters and missions it
-has none.
+It flies nothing. It says where the vehicle points, answers TIMESYNC and requests for message rates, passes messages
+between its links as `routing` tells, and may manage a gimbal. Commands that it does not know it refuses; parameters and
+missions it has none.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from ross_payload.config import Link
 from ross_payload.interfaces import Clock
 from ross_payload.links import LinkPort, Links
-from ross_protocols import vehicle
+from ross_protocols import gimbal, vehicle
 from ross_protocols.codec import Decoder, Encoder, Packet
 from ross_protocols.vehicle import AUTOPILOT, SystemTime, TimeSync, VehicleAttitude
 from ross_sim.delay import wire
+from ross_sim.devices.gimbal_manager import HANDLED, SET_ATTITUDE, ArduPilot
 from ross_sim.routing import Router
 from ross_sim.vehicle import Yaw
 
@@ -30,8 +31,10 @@ if TYPE_CHECKING:  # whoever runs an autopilot alone needs no room
 HEARTBEAT, SYSTEM_TIME, ATTITUDE, TIMESYNC, GIMBAL_STATE = 0, 2, 30, 111, 286  # message ids
 PERIODS = {HEARTBEAT: 1.0, SYSTEM_TIME: 1.0, TIMESYNC: 10.0}  # [s], until somebody asks otherwise
 ADJUSTABLE = frozenset((SYSTEM_TIME, ATTITUDE, GIMBAL_STATE))
+MANAGED = (gimbal.MANAGER_INFORMATION, gimbal.MANAGER_STATUS, gimbal.DEVICE_INFORMATION, gimbal.DEVICE_ATTITUDE)
+OF_MANAGER = (*MANAGED, SET_ATTITUDE, mavlink.MAVLINK_MSG_ID_COMMAND_LONG)  # what its gimbal manager says by itself
 EARLY = 1e-9  # [s], of rounding
-
+BOOT = 100.0  # what its clock shows when its life begins here [s]
 
 URL = "udpin:autopilot:1"  # names the link of the simulated autopilot; nothing is opened
 POLL = 0.010  # [s]
@@ -74,6 +77,8 @@ class Autopilot:
         UNIX time at time 0 [s]; None: it has no GPS.
     silent
         From when to when it says nothing [s].
+    manager
+        Of a gimbal, which is on one of its links; None: it has none.
     """
 
     def __init__(
@@ -82,9 +87,10 @@ class Autopilot:
         *,
         system_id: int = 1,
         attitude: float = 0.25,
-        boot: float = 100.0,
+        boot: float = BOOT,
         unix: float | None = None,
         silent: Iterable[tuple[float, float]] = (),
+        manager: ArduPilot | None = None,
     ) -> None:
         self._yaw = yaw
         self._system_id = system_id
@@ -93,6 +99,7 @@ class Autopilot:
         self._unix = unix
         self._silent = tuple(silent)
         self._router = Router(system_id)
+        self._manager = manager
         self._plugs: dict[str, _Plug] = {}
 
     def plug(self, name: str, port: LinkPort) -> None:
@@ -110,6 +117,10 @@ class Autopilot:
         for plug in self._plugs.values():
             for number in plug.ready(now):
                 self._say(plug, self._message(number, now))
+        for message in self._manager.live(now) if self._manager is not None else ():
+            if message.get_msgId() in OF_MANAGER:
+                for name in self._router.toward(message):
+                    self._say(self._plugs[name], message)
 
     def _hear(self, name: str, packet: Packet, now: float) -> None:
         way = self._router.way(name, packet)
@@ -122,6 +133,9 @@ class Autopilot:
         message, said = packet.message, vehicle.read(packet.message)
         if isinstance(said, TimeSync) and said.answered is None:
             self._say(plug, vehicle.time_sync(TimeSync(said.asked, round(self._shown(now) * 1e9))))
+        elif self._manager is not None and _for_manager(packet):
+            for answer in self._manager.hear(packet, now):
+                self._say(plug, answer)
         elif packet.name in ("COMMAND_LONG", "COMMAND_INT") and message.target_system == self._system_id:
             result = self._command(plug, message, now)
             whom = {"target_system": packet.system_id, "target_component": packet.component_id}
@@ -133,6 +147,8 @@ class Autopilot:
             self._say(plug, self._message(number, now))
         elif message.command == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL and number in ADJUSTABLE:
             self._rate(plug, number, message.param2)
+        elif message.command == mavlink.MAV_CMD_REQUEST_MESSAGE:
+            return int(mavlink.MAV_RESULT_FAILED)
         else:
             return int(mavlink.MAV_RESULT_UNSUPPORTED)
         return int(mavlink.MAV_RESULT_ACCEPTED)
@@ -164,6 +180,14 @@ class Autopilot:
 
     def _say(self, plug: _Plug, message: Any) -> None:
         plug.port.send(plug.encoder.encode(message))
+
+
+def _for_manager(packet: Packet) -> bool:
+    """Tell whether something is for the gimbal manager of an autopilot: what gimbals say, and orders for them."""
+    if packet.name not in ("COMMAND_LONG", "COMMAND_INT"):
+        return packet.name.startswith("GIMBAL_")
+    asks = packet.message.command in (mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL)
+    return packet.message.param1 in MANAGED if asks else packet.message.command in HANDLED
 
 
 def board(carrier: Vehicle, clock: Clock, links: Links, seed: int) -> None:

@@ -25,30 +25,44 @@ PERIOD = 0.002  # [s] between two looks at the links
 @click.option("--rate", "rate_deg_s", type=click.FloatRange(0, 360, min_open=True), default=10.0, show_default=True,
               help="How fast it yaws [deg/s].")  # fmt: skip
 @click.option("--gps", is_flag=True, help="Know the UNIX time.")
+@click.option("--gimbal", "with_gimbal", is_flag=True, help="Carry a simulated gimbal, and be its manager.")
 def command(
-    *, urls: Sequence[str], system_id: int, yaw_deg: float, amplitude_deg: float, rate_deg_s: float, gps: bool
+    *,
+    urls: Sequence[str],
+    system_id: int,
+    yaw_deg: float,
+    amplitude_deg: float,
+    rate_deg_s: float,
+    gps: bool,
+    with_gimbal: bool,
 ) -> None:
-    """Simulate what a payload notices of an ArduPilot: attitude, time, and how it passes messages on.
+    """Simulate what a payload notices of an ArduPilot: attitude, time, a gimbal, and how it passes messages on.
 
     Messages that it does not know, among them all of ours, it drops; what has a target goes only where that component
     was heard; nothing goes back to where it came from.
     """
     from ross_payload.clock import SystemClock
     from ross_payload.links import open_port
-    from ross_sim.autopilot import Autopilot
+    from ross_sim.autopilot import BOOT, Autopilot
+    from ross_sim.devices.gimbal_carried import CarriedGimbal
     from ross_sim.vehicle import Yaw
 
     clock = SystemClock()
     begin = clock.now()
     motion = Yaw(-math.radians(yaw_deg), math.radians(amplitude_deg), math.radians(rate_deg_s))
     unix = datetime.now(tz=UTC).timestamp() if gps else None
-    autopilot = Autopilot(motion, system_id=system_id, unix=unix)
+    carried = CarriedGimbal(clock, system_id, motion.at, BOOT) if with_gimbal else None
+    autopilot = Autopilot(motion, system_id=system_id, unix=unix, manager=None if carried is None else carried.manager)
     with ExitStack() as stack:
+        if carried is not None:
+            autopilot.plug("gimbal", carried.port)
         for url in dict.fromkeys(urls):
             port = open_port(url, clock)
             stack.callback(port.close)
             autopilot.plug(url, port)
         click.echo("ready")
         while True:
+            if carried is not None:
+                carried.advance(clock.now() - begin)
             autopilot.advance(clock.now() - begin)
             clock.sleep(PERIOD)

@@ -8,6 +8,7 @@ goes back to where it came from, and messages that the autopilot does not know g
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from pymavlink.dialects.v20 import ardupilotmega
 
@@ -50,6 +51,15 @@ class Router:
         )
         here = system in (0, self._own[0])
         return Way(links, here and (component in (0, 1) or not links))
+
+    def toward(self, message: Any) -> tuple[str, ...]:
+        """Return the links for a message of the autopilot itself: where its target was heard, or all."""
+        system, component = getattr(message, "target_system", 0), getattr(message, "target_component", 0)
+        return tuple(
+            link
+            for link, heard in self._routes.items()
+            if not system or any(self._matches(system, component, route) for route in heard)
+        )
 
     def _matches(self, system: int, component: int, route: tuple[int, int]) -> bool:
         """Whether a target may be behind a route; of other systems every component is."""

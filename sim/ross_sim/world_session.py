@@ -86,7 +86,9 @@ def run(scenario: Scenario, sockets: Sockets, wishes: Wishes, out: OutDir | None
 
 def _cast(scenario: Scenario, wishes: Wishes) -> Cast:
     if scenario.vehicle is not None:
-        raise ConfigError("ross world simulates no autopilot: a scenario with a vehicle needs `ross sitl --serve`")
+        raise ConfigError(
+            "[vehicle]: expected a scenario without one, got one: ross world has no autopilot, ross sitl --serve has"
+        )
     with waiting(wishes.as_json, f"{scenario.title}: preparing the voices"):
         cast = scenario.cast(company_of(scenario, wishes.speech, None).voices)
     if wishes.enrolment is not None:
@@ -130,4 +132,4 @@ def _tell(sockets: Sockets, outlets: list[Outlet], wire: str, scenario: Scenario
         return
     click.echo(f"{scenario.title}: ready. The payload's configuration:\n\n[audio]")
     click.echo(f'source = "{source or "device:NAME"}"\nrate_hz = {config.audio.rate_hz}\n')
-    click.echo(advice(config.actuator.kind, wire))
+    click.echo(advice(config, wire))

@@ -50,7 +50,7 @@ BAD = {
     "the actuator's wire is pulses": ["--wire", "ideal:tcp:127.0.0.1:0"],
     "not a named pipe": ["--pipe", __file__],
     "unknown": ["party"],
-    "simulates no autopilot": ["drone-yaw"],
+    "expected a scenario without one": ["drone-yaw"],
     "cannot listen": ["--pcm", "tcp:192.0.2.1:0"],
 }
 

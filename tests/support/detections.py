@@ -41,26 +41,24 @@ DETECTIONS: dict[tuple[str, Fault], Detection | None] = {
     ("mavlink_gimbal", Fault.STUCK): Detection(4.0, "does not follow"),
     ("mavlink_gimbal", Fault.SLIP): None,
     ("mavlink_gimbal", Fault.NOISY): Detection(1.0, "jumps to and fro"),
-    ("mavlink_gimbal", Fault.SILENT): Detection(0.7, "does not report its attitude|no report for 0.5"),
+    ("mavlink_gimbal", Fault.SILENT): Detection(0.7, "the gimbal is silent"),
     ("mavlink_gimbal", Fault.REBOOT): Detection(4.0, "has restarted in the middle"),
     ("mavlink_gimbal", Fault.TAKEN): Detection(0.5, "component 190 of system 255 has taken control"),
     ("mavlink_gimbal", Fault.SATURATED): Detection(
-        1.5, "s late: the link|does not report its attitude|no report for", rest=2.0
+        1.5, "s late: the link|the gimbal is silent|the autopilot is silent", rest=2.0
     ),
     ("mavlink_gimbal", Fault.DUPLICATE): Detection(0.6, "two gimbals report with one component id"),
-    ("mavlink_gimbal", Fault.CORRUPT): Detection(0.7, "does not report its attitude|no report for 0.5"),
+    ("mavlink_gimbal", Fault.CORRUPT): Detection(0.7, "the gimbal is silent"),
     ("mavlink_gimbal:manager", Fault.STALL): Detection(4.0, "does not follow"),
     ("mavlink_gimbal:manager", Fault.STUCK): Detection(4.0, "does not follow"),
     ("mavlink_gimbal:manager", Fault.SLIP): None,
     ("mavlink_gimbal:manager", Fault.NOISY): Detection(1.0, "jumps to and fro"),
-    ("mavlink_gimbal:manager", Fault.SILENT): Detection(0.7, "does not report its attitude|no report for 0.5"),
+    ("mavlink_gimbal:manager", Fault.SILENT): Detection(0.7, "the gimbal is silent"),
     ("mavlink_gimbal:manager", Fault.REBOOT): Detection(4.0, "has restarted in the middle"),
     ("mavlink_gimbal:manager", Fault.TAKEN): Detection(0.3, "component 190 of system 255 manages the gimbal too"),
-    ("mavlink_gimbal:manager", Fault.SATURATED): Detection(
-        1.5, "s late: the link|does not report its attitude|no report for", rest=2.0
-    ),
+    ("mavlink_gimbal:manager", Fault.SATURATED): Detection(1.5, "s late: the link|the gimbal is silent", rest=2.0),
     ("mavlink_gimbal:manager", Fault.DUPLICATE): Detection(0.6, "two gimbals report with one component id"),
-    ("mavlink_gimbal:manager", Fault.CORRUPT): Detection(0.7, "does not report its attitude|no report for 0.5"),
+    ("mavlink_gimbal:manager", Fault.CORRUPT): Detection(0.7, "the gimbal is silent"),
     ("dronecan_servo", Fault.STALL): Detection(4.0, "does not follow"),
     ("dronecan_servo", Fault.STUCK): Detection(4.0, "does not follow"),
     ("dronecan_servo", Fault.SLIP): None,

@@ -1,5 +1,6 @@
 """The simulated autopilot passes on what an ArduPilot would, and nothing else."""
 
+import math
 import socket
 import subprocess
 import sys
@@ -12,9 +13,11 @@ from ports import free_port
 from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import ross
 from ross_protocols.values import Health, Heartbeat
-from ross_sim.autopilot import Autopilot
+from ross_protocols.vehicle import euler
+from ross_sim.autopilot import BOOT, Autopilot
 from ross_sim.clock import SimClock
 from ross_sim.delay import wire
+from ross_sim.devices.gimbal_carried import CarriedGimbal
 from ross_sim.vehicle import Yaw
 
 PAYLOAD, GROUND, OTHER = (1, 191), (255, 190), (254, 190)
@@ -155,9 +158,60 @@ def test_the_rate_of_attitudes_is_what_somebody_asked_for(air):
     assert "ATTITUDE" not in air.ground.names()
 
 
-@pytest.mark.parametrize("command", [(400, 1), (511, 24, 1000), (512, float("nan"))])
+@pytest.mark.parametrize("command", [(400, 1), (511, 24, 1000)])
 def test_what_it_cannot_do_it_says(air, command):
     assert answer(air, *command) == [mavlink.MAV_RESULT_UNSUPPORTED]
+
+
+@pytest.mark.parametrize("number", [283, 24, float("nan")])
+def test_a_message_that_it_cannot_give_fails(air, number):
+    assert answer(air, 512, number) == [mavlink.MAV_RESULT_FAILED]
+
+
+class Carrier(Air):
+    """An autopilot that carries a gimbal and manages it."""
+
+    def __init__(self):
+        super().__init__()
+        carried = CarriedGimbal(self.clock, 1, lambda now: 0.0, BOOT)
+        self.autopilot = Autopilot(Yaw(), manager=carried.manager)
+        self.autopilot.plug("gimbal", carried.port)
+        self.clock.every(0.01, lambda: carried.advance(self.clock.now()))
+        self.clock.every(0.01, lambda: self.autopilot.advance(self.clock.now()))
+        self.payload, self.ground, self.other = (
+            Party(self.clock, self.autopilot, name, who)
+            for name, who in (("payload", PAYLOAD), ("ground", GROUND), ("other", OTHER))
+        )
+
+    def yaw(self):
+        """Where the gimbal says that it is [deg], clockwise."""
+        said = [packet.message for packet in self.ground.heard() if packet.name == "GIMBAL_DEVICE_ATTITUDE_STATUS"]
+        return math.degrees(euler(said[-1].q)[0])
+
+
+@pytest.fixture
+def carrier():
+    made = Carrier()
+    made.greet()
+    made.pass_time(1.5)
+    return made
+
+
+def test_a_gimbal_that_it_carries_is_turned_by_anybody_and_reports_to_everybody(carrier):
+    assert answer(carrier, 1000, 0.0, 50.0, math.nan, math.nan, 12.0) == [mavlink.MAV_RESULT_ACCEPTED]
+    carrier.pass_time(3.0)
+    assert carrier.yaw() == pytest.approx(50.0, abs=0.5)
+    assert "GIMBAL_DEVICE_ATTITUDE_STATUS" in carrier.payload.names((1, 154))
+    assert "GIMBAL_DEVICE_SET_ATTITUDE" not in carrier.payload.names((1, 1))
+
+
+def test_as_a_gimbal_manager_it_records_control_and_tells_it_to_everybody_on_change(carrier):
+    assert answer(carrier, 1001, -2.0, -2.0, -1.0, -1.0) == [mavlink.MAV_RESULT_ACCEPTED]
+    carrier.pass_time(1.0)
+    said = [one.message for one in carrier.payload.heard() if one.name == "GIMBAL_MANAGER_STATUS"]
+    assert [(one.primary_control_sysid, one.primary_control_compid) for one in said] == [GROUND]
+    assert answer(carrier, 512, 280) == [mavlink.MAV_RESULT_ACCEPTED]
+    assert answer(carrier, 512, 283) == [mavlink.MAV_RESULT_FAILED]
 
 
 def test_a_time_request_is_answered_by_the_autopilots_clock(air):

@@ -47,7 +47,7 @@ CONFIGURATIONS = {
     "own_node_id|node_id": CAN.format(
         kind="dronecan_servo", port="can:virtual:0", more=", node_id = 5, own_node_id = 5"
     ),
-    "wanted .*links.*, found none": '[actuator]\nkind = "mavlink_gimbal"\n',
+    "expected .*links.*, got none": '[actuator]\nkind = "mavlink_gimbal"\n',
     "exclude all": '[actuator]\nkind = "ideal"\n[guard]\nlower_deg = 1000\nupper_deg = 1100\npark_deg = 1050\n',
 }
 

@@ -22,6 +22,7 @@ SERVO = Servo(math.radians(-202), math.radians(202), max_speed=2.0, max_accelera
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 NAN = math.nan
 QUARTER = math.pi / 2
+ATTITUDE_NOW = common.MAVLink_command_long_message(1, 1, 512, 0, 30.0, *[0.0] * 6)
 
 
 class Ground:
@@ -40,6 +41,16 @@ class Ground:
         self.far_end.port.sent.append(self.encoder.encode(message))
         self.clock.sleep(0.05)
         return [packet.message for packet in self.decoder.feed(b"".join(self.far_end.port.arrived))]
+
+    def said(self, seconds):
+        """What is said in the time to come."""
+        self.far_end.port.arrived.clear()
+        self.clock.sleep(seconds)
+        return [packet.message for packet in self.decoder.feed(b"".join(self.far_end.port.arrived))]
+
+    def listen(self, seconds):
+        """The names of what is said in the time to come."""
+        return [message.get_type() for message in self.said(seconds)]
 
     def order(self, number, *values):
         numbers = [*values, *[0.0] * (7 - len(values))]
@@ -95,6 +106,9 @@ def test_message_287_with_angles_and_rates_is_ignored(ground):
         (1001, (-2.0, -2.0, -1.0, -1.0), ACCEPTED),
         (512, (99999.0,), FAILED),
         (512, (NAN,), ACCEPTED),
+        (512, (283.0,), FAILED),
+        (512, (281.0,), ACCEPTED),
+        (511, (281.0, 200_000.0), ACCEPTED),
         (400, (1.0,), UNSUPPORTED),
     ],
 )
@@ -111,6 +125,37 @@ def test_control_is_recorded_for_whom_it_is_asked_and_given_back_by_them_alone(g
     assert ground.far_end.autopilot.primary == (255, 190)
     ground.order(1001, -3.0, -3.0)
     assert ground.far_end.autopilot.primary == (0, 0)
+
+
+def test_who_is_in_control_is_said_on_change_and_on_request_and_not_in_a_stream(ground):
+    ground.order(511, 281.0, 200_000.0)
+    said = ground.listen(10.0)
+    assert said.count("GIMBAL_MANAGER_STATUS") == 0
+    ground.order(1001, -2.0, -2.0)
+    ground.order(1001, -2.0, -2.0)
+    assert ground.listen(0.2).count("GIMBAL_MANAGER_STATUS") == 0
+    ground.order(1001, -3.0, -3.0)
+    assert 0 < ground.listen(60.0).count("GIMBAL_MANAGER_STATUS") <= 2
+
+
+def test_a_restart_forgets_who_is_in_control_and_begins_its_clock_anew(ground):
+    ground.order(1001, -2.0, -2.0)
+    ground.far_end.autopilot.restart(ground.clock.now())
+    ground.clock.sleep(1.5)
+    assert ground.order(512, 281.0) == ACCEPTED
+    assert ground.far_end.autopilot.primary == (0, 0)
+    (said,) = [one for one in ground.say(ATTITUDE_NOW) if one.get_type() == "ATTITUDE"][:1]
+    assert said.time_boot_ms < 2000
+
+
+def test_reports_are_a_few_milliseconds_older_than_their_arrival(ground):
+    ages = set()
+    for _ in range(200):
+        for message in ground.said(0.01):
+            if message.get_type() == "GIMBAL_DEVICE_ATTITUDE_STATUS":
+                ages.add(round(ground.clock.now() * 1e3) - message.time_boot_ms)
+    assert len(ages) > 1
+    assert min(ages) > 0
 
 
 numbers = st.one_of(
@@ -188,9 +233,25 @@ def test_a_manager_that_refuses_control_is_named_and_nothing_moves():
 
     far_end.autopilot.hear = refusing
     rig = Bench(far_end)
-    assert "component 1 of system 1 refuses us control" in rig.fault
+    assert rig.fault == ""
+    rig.actuator.command(0.5)
+    rig.clock.sleep(1.0)
+    assert "component 1 of system 1, refuses us control" in rig.fault
     with pytest.raises(ActuatorFault):
         rig.actuator.command(0.5)
+    assert far_end.angle() == 0.0
+
+
+def test_a_manager_that_never_names_us_in_control_is_a_fault_after_two_seconds_and_nothing_moves():
+    far_end = GimbalFarEnd(SERVO, autopilot=True)
+    far_end.autopilot._configure = lambda order, sender: True
+    rig = Bench(far_end)
+    rig.actuator.command(0.5)
+    rig.clock.sleep(1.9)
+    assert rig.fault == ""
+    assert not rig.actuator.state().settled
+    rig.clock.sleep(0.2)
+    assert "component 1 of system 1, does not put us in control" in rig.fault
     rig.clock.sleep(1.0)
     assert far_end.angle() == 0.0
 
@@ -199,8 +260,7 @@ def test_without_a_gimbal_every_acknowledgement_is_worth_nothing():
     far_end = GimbalFarEnd(SERVO, autopilot=True)
     far_end.device.mute = True
     rig = Bench(far_end)
-    assert far_end.autopilot.primary == (1, 191)
-    assert "the gimbal does not report its attitude" in rig.fault
+    assert "the gimbal has not reported its attitude yet" in rig.fault
     with pytest.raises(ActuatorFault):
         rig.actuator.command(0.5)
     assert not rig.actuator.state().settled
@@ -209,11 +269,11 @@ def test_without_a_gimbal_every_acknowledgement_is_worth_nothing():
 @pytest.mark.parametrize(
     ("lower", "upper", "words"),
     [
-        (NAN, QUARTER, "absurd limits, nan to 90 deg"),
-        (1.0, -1.0, "absurd limits, 57 to -57 deg"),
-        (math.inf, -math.inf, "absurd limits, inf to -inf deg"),
-        (0.0, 0.0, "absurd limits, 0 to 0 deg"),
-        (-math.inf, 0.1, "turns from -inf to 6 deg"),
+        (NAN, QUARTER, "expected lower < upper, got nan to 90 deg"),
+        (1.0, -1.0, "expected lower < upper, got 57 to -57 deg"),
+        (math.inf, -math.inf, "expected lower < upper, got inf to -inf deg"),
+        (0.0, 0.0, "expected lower < upper, got 0 to 0 deg"),
+        (-math.inf, 0.1, "got -inf to 6"),
     ],
 )
 @pytest.mark.parametrize("role", ["client", "manager"])

@@ -67,7 +67,19 @@ def test_late_reports_count_from_when_they_were_made(feedback):
     report(feedback, 11.0, 0.1, 1.7)
     assert feedback.time == pytest.approx(1.0, abs=0.005)
     assert silence(feedback, 1.7) == "the gimbal's reports come 0.7 s late: the link is overloaded"
-    assert silence(feedback, 2.5) == "the gimbal does not report its attitude"
+    assert silence(feedback, 2.5) == "the gimbal is silent: no report of its attitude for more than 0.45 s"
+
+
+@pytest.mark.parametrize(
+    ("manager", "who"), [(None, "gimbal"), (2.3, "gimbal"), (1.99, "autopilot"), (0.9, "autopilot")]
+)
+def test_silence_is_judged_by_arrival_and_lateness_by_the_stamp(feedback, manager, who):
+    """A report is stamped a few milliseconds before it arrives, so silence seems longer than it is."""
+    for n in range(100):
+        report(feedback, 10.0 + n * PERIOD - (0.003, 0.001)[n % 2], 0.0, n * PERIOD)
+    assert silence(feedback, 2.428, manager) == ""
+    for now in (2.431, 2.433, 2.6, 4.0):
+        assert silence(feedback, now, manager).startswith(f"the {who} is silent")
 
 
 def test_clocks_that_drift_apart_make_no_report_late(feedback):

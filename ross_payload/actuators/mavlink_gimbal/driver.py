@@ -4,6 +4,9 @@ A goal becomes a trapezoid, and the trapezoid a stream of set-points of the yaw 
 rates, so that a gimbal whose driver has died goes to the last set-point and stands. Only the gimbal's own attitude
 status tells where it is; acknowledgements prove nothing.
 
+Behind an autopilot it is in control only while somebody holds it: from `take_control` or the first goal until
+`release_control`. In between it sends no set-points, and follows what others do with the gimbal.
+
 Only the pump (`poll`) plans and sends; the other methods leave a request in a queue.
 """
 
@@ -15,9 +18,11 @@ from types import TracebackType
 from typing import Any, Self
 
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
+from ross_payload.actuators.mavlink_gimbal.gimbal_client import Client
 from ross_payload.actuators.mavlink_gimbal.options import Options
-from ross_payload.actuators.mavlink_gimbal.peer import Client, Manager, Search
+from ross_payload.actuators.mavlink_gimbal.peer import Manager, Search
 from ross_payload.actuators.mavlink_gimbal.port import Arrived
+from ross_payload.actuators.mavlink_gimbal.set_points import EARLY, PERIOD, SetPoints
 from ross_payload.actuators.mavlink_gimbal.watch import (
     STALE,
     contradiction,
@@ -26,7 +31,6 @@ from ross_payload.actuators.mavlink_gimbal.watch import (
     straying,
     travel_trouble,
 )
-from ross_payload.actuators.motion import Trapezoid
 from ross_payload.actuators.requests import Ask, Motion, Move, Requests
 from ross_payload.errors import ActuatorFault, LimitError
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Port, Services
@@ -35,10 +39,8 @@ from ross_protocols import gimbal, vehicle
 from ross_protocols.gimbal import Address, GimbalAttitude
 from ross_protocols.vehicle import AUTOPILOT, VehicleAttitude
 
-PERIOD = 0.02  # between set-points [s]
 HOLD = 0.1  # between those of a gimbal that rests at its goal [s]; a device gives up a manager silent for about 1 s
-EARLY = 1e-9  # [s], of rounding
-STILL = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
+PARTING = 1.0  # [s] at most after the end of a motion, until control is released
 
 
 class MavlinkGimbal:
@@ -51,9 +53,10 @@ class MavlinkGimbal:
         self._requests = Requests()
         self._peer: Client | Manager | None = None
         self._search = Search(options.role, options.device_id)
-        self._motion: Motion | None = None  # None: nothing may be sent
-        self._sent = self._led = -math.inf  # when the last set-point went out, when our lead began [s]
-        self._restless = math.inf  # when it was last seen away from its goal [s]
+        self._held = False  # somebody holds it for a task: only then others are kept from turning it
+        self._pending: Move | None = None  # waits until we are in control
+        self._blind = False  # it has not reported for a while, so that nobody knows whether it got the set-points
+        self._led = -math.inf  # when the gimbal was found [s]
         self._fault = ""
         self.capabilities = Capabilities(
             lower=math.radians(options.lower_deg),
@@ -64,6 +67,7 @@ class MavlinkGimbal:
             continuous=False,
             feedback=FeedbackKind.MEASURED,
         )
+        self._plan = SetPoints(self.capabilities)
         self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, self.capabilities.max_speed)
         self._state = ActuatorState(0.0, 0.0, False, homed=True, healthy=False, time=-math.inf)
 
@@ -84,9 +88,24 @@ class MavlinkGimbal:
         """Return the state at the last poll; not settled while a request waits."""
         return self._state if self._requests.empty else replace(self._state, settled=False)
 
+    def brake(self) -> None:
+        """Bring to rest what others turn, from where it is, without taking control from them."""
+        self._requests.put(Ask.BRAKE)
+
     def stop(self) -> None:
         """Decelerate from the last set-point."""
         self._requests.put(Ask.HALT)
+
+    def take_control(self) -> None:
+        """Take control where an autopilot manages the gimbal, and hold the gimbal where it is."""
+        self._requests.put(Ask.TAKE_CONTROL)
+
+    def release_control(self) -> bool:
+        """Let others turn the gimbal once it is at rest; tell whether there can be others."""
+        if isinstance(self._peer, Manager):
+            return False
+        self._requests.put(Ask.RELEASE_CONTROL)
+        return True
 
     def home(self) -> None:
         """Decelerate, take control again and forget a fault; the gimbal's encoder knows its zero."""
@@ -107,10 +126,10 @@ class MavlinkGimbal:
         self._publish(now)
 
     def __enter__(self) -> Self:
-        """Open the wire; the gimbal is looked for and then held where it is."""
+        """Open the wire; the gimbal is looked for, and not turned."""
         self._port = self._services.open_port(self._options.port)
         self._feedback.forget()
-        self._fault = ""
+        self._fault, self._held, self._pending, self._plan.braking = "", False, None, None
         return self
 
     def __exit__(
@@ -119,13 +138,13 @@ class MavlinkGimbal:
         """Send the end of the deceleration as the last set-point, give control back and close."""
         if self._port is None:
             return
-        if self._motion is not None and self._peer is not None and self._peer.ready:
-            self._halt(self._services.clock.now())
-            self._port.send(self._peer.point(self._motion.plan.goal))
+        if self._plan.motion is not None and self._peer is not None and self._peer.ready:
+            self._plan.halt(self._services.clock.now())
+            self._port.send(self._peer.point(self._plan.motion.plan.goal))
         for message in self._peer.leave() if self._peer is not None else ():
             self._port.send(message)
         self._port.close()
-        self._port = self._motion = None
+        self._port = self._plan.motion = self._plan.braking = None
 
     # ------------------------------------------------------------------------------------------ what is heard
 
@@ -135,7 +154,7 @@ class MavlinkGimbal:
         if packet.name == "HEARTBEAT":
             found = self._search.met(packet.message, sender, now)
             if found is not self._peer:
-                self._peer, self._motion = found, None
+                self._peer, self._plan.motion, self._led = found, None, -math.inf
         if self._peer is None:
             return
         self._peer.heard(arrived, now)
@@ -160,33 +179,27 @@ class MavlinkGimbal:
             self._fault = ""
             self._feedback.pardon()
             if self._peer is not None:
-                self._peer.claim()
-        if self._motion is None or self._fault:
+                self._peer.claim(now)
+        if isinstance(request, Move) or request in (Ask.HOME, Ask.TAKE_CONTROL, Ask.RELEASE_CONTROL):
+            self._held = request is not Ask.RELEASE_CONTROL
+        if request is Ask.BRAKE:
+            self._brake(now)
+        if self._fault or request in (Ask.TAKE_CONTROL, Ask.RELEASE_CONTROL, Ask.BRAKE):
             return
-        if isinstance(request, Move):
-            position, velocity = self._motion.at(now)
-            acceleration = self.capabilities.max_acceleration
-            self._go(Trapezoid(position, request.goal, request.rate, acceleration, velocity), now)
+        if not isinstance(request, Move):
+            self._pending = None
+            self._plan.halt(now)
+        elif self._plan.motion is None:
+            self._pending = request
         else:
-            self._halt(now)
+            self._plan.turn(request, *self._plan.motion.at(now), now)
 
-    def _halt(self, now: float) -> None:
-        if self._motion is not None:
-            position, velocity = self._motion.at(now)
-            if velocity:
-                self._go(Trapezoid.to_rest(position, velocity, self.capabilities.max_acceleration), now)
-            elif position != self._motion.plan.goal:  # a goal that was given in this very moment
-                self._go(Trapezoid(position, position, 1.0, 1.0), now)
-
-    def _hold(self, now: float) -> None:
-        """Plan to stay where the gimbal is."""
-        here = min(max(self._feedback.angle, self.capabilities.lower), self.capabilities.upper)
-        self._go(Trapezoid(here, here, 1.0, 1.0), now)
-
-    def _go(self, plan: Trapezoid, now: float) -> None:
-        self._motion, self._restless = Motion(plan, now), now
-        if not plan.velocity:  # a gimbal that follows set-points would see a jump in their rhythm as one of speed
-            self._sent = -math.inf
+    def _brake(self, now: float) -> None:
+        """Brake what somebody else turns, without taking control from them."""
+        peer = self._peer
+        others = self._plan.motion is None and isinstance(peer, Client) and peer.travel is not None
+        if others and now - self._feedback.time <= STALE:
+            self._plan.brake(self._feedback, now)
 
     # ------------------------------------------------------------------------------------------ leading
 
@@ -195,62 +208,94 @@ class MavlinkGimbal:
         peer = self._peer
         if peer is None or self._port is None:
             return
+        if self._held:
+            peer.take(now)
         for message in peer.due(now):
             self._port.send(message)
-        if not peer.ready or peer.trouble() or travel_trouble(peer.travel, self._options):
-            self._motion = None
-            return
-        if self._motion is None:
-            if now - self._feedback.time > STALE:
-                return
+        if self._led == -math.inf and peer.travel is not None:
             self._led = now
-            self._hold(now)
+        if not peer.ready or peer.trouble() or travel_trouble(peer.travel, self._options):
+            self._stand_aside(peer, self._port, now)
+            return
+        stale = now - self._feedback.time > STALE
+        self._blind = self._blind or stale
+        if not stale and (self._blind or self._plan.motion is None):
+            self._begin(now)
         self._look_whether_it_follows(now)
-        if self._motion is not None and now - self._sent >= (HOLD if self._state.settled else PERIOD) - EARLY:
-            self._sent = now
-            self._port.send(peer.point(self._motion.at(now + PERIOD)[0]))  # where it should be when the next one comes
+        motion = self._plan.motion
+        if motion is None:
+            return
+        due = self._plan.due(motion, HOLD if self._state.settled else PERIOD, now)
+        if due is not None:
+            self._port.send(peer.point(due))
+        if not self._held and isinstance(peer, Client):
+            self._let_go(peer, self._port, motion, now)
+
+    def _begin(self, now: float) -> None:
+        """We are in control, or see the gimbal again."""
+        self._feedback.pardon()
+        self._plan.resume(self._feedback, self._pending, now)
+        self._pending, self._blind = None, False
+
+    def _let_go(self, peer: Client, port: Port, motion: Motion, now: float) -> None:
+        """Release control when the gimbal rests; its manager keeps it at the last set-point."""
+        if now >= motion.end and (self._state.settled or now >= motion.end + PARTING):
+            port.send(peer.point(motion.plan.goal))
+            peer.release()
+            self._plan.motion = None
+            for message in peer.due(now):
+                port.send(message)
+
+    def _stand_aside(self, peer: Client | Manager, port: Port, now: float) -> None:
+        """Send no set-points but those that brake, on a stop, what somebody else turns."""
+        self._plan.motion = None
+        if peer.trouble():
+            self._pending = None
+        if not self._held and not peer.idle:
+            peer.release()
+        braking = self._plan.braking
+        due = None if braking is None else self._plan.due(braking, PERIOD, now)
+        if braking is not None and due is not None:
+            port.send(peer.point(due))
+            self._plan.braking = braking if now < braking.end else None
 
     def _look_whether_it_follows(self, now: float) -> None:
         """Decelerate when nobody knows where the gimbal is; hold it where it is when it does not follow."""
-        if self._motion is None or self._fault:
+        if self._plan.motion is None or self._fault:
             return
         self._fault = contradiction(self._feedback)
         if self._fault:
-            self._halt(now)
+            self._plan.halt(now)
             return
-        self._fault = straying(self._feedback, self._motion, now)
+        self._fault = straying(self._feedback, self._plan.motion, now)
         self._feedback.restarted = False
         if self._fault:
-            self._hold(now)
+            self._plan.hold(self._feedback.angle, now)
 
     # ------------------------------------------------------------------------------------------ the state
 
     def _publish(self, now: float) -> None:
-        seen, motion = self._feedback, self._motion
-        over = motion is None or now >= motion.end
-        rate = 0.0 if over and abs(seen.rate) < STILL else seen.rate
-        there = motion is None or abs(seen.angle - motion.plan.goal) <= self.capabilities.resolution
-        if not (over and there and rate == 0.0) or self._restless == math.inf:
-            self._restless = now
-        trouble = self._trouble(now)
-        rested = now >= self._restless + self._options.settle_ms * 1e-3 - EARLY
-        fresh = now - seen.time <= STALE
+        seen, motion, trouble = self._feedback, self._plan.motion, self._trouble(now)
+        rate, resting = self._plan.rest(seen, self.capabilities.resolution, now)
+        settled = resting >= self._options.settle_ms * 1e-3 - EARLY and now - seen.time <= STALE and not trouble
+        settled = settled and (motion is not None or not self._held)  # not before we are in control of what we hold
         self._state = ActuatorState(
-            angle=seen.angle, rate=rate, settled=rested and fresh and not trouble and motion is not None,
-            homed=True, healthy=not trouble, time=seen.time, fault=trouble,
-        )  # fmt: skip
+            seen.angle, rate, settled, homed=True, healthy=not trouble, time=seen.time, fault=trouble
+        )
 
     def _trouble(self, now: float) -> str:
         """Say what is wrong; empty when all is well."""
-        peer = self._peer
+        peer, seen = self._peer, self._feedback
         if peer is None:
             return self._search.missing()
-        if self._fault or peer.trouble():
-            return self._fault or peer.trouble()
-        if not peer.ready:
-            return peer.waits_for()
-        seen = self._feedback
-        return travel_trouble(peer.travel, self._options) or silence(seen, now) or failures(seen, now - self._led)
+        return (
+            self._fault
+            or peer.trouble()
+            or peer.missing(now)
+            or travel_trouble(peer.travel, self._options)
+            or silence(seen, now, peer.heard_at if isinstance(peer, Client) else None)
+            or failures(seen, now - self._led)
+        )
 
 
 class MavlinkGimbalBackend:

@@ -38,7 +38,7 @@ class ComponentPort:
 
     def __init__(self, links: Links, component_id: int) -> None:
         if not links.status():
-            raise ConfigError("the wire 'mavlink:' needs a way out: wanted [[links]], found none")
+            raise ConfigError('actuator.options.port = "mavlink:": expected at least one [[links]] table, got none')
         self._links = links
         self._component = links.component(component_id)
         self._arrived: SimpleQueue[Arrived] = SimpleQueue()

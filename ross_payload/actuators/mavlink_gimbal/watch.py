@@ -10,7 +10,8 @@ from ross_payload.actuators.requests import Motion
 from ross_protocols import gimbal
 from ross_protocols.gimbal import GimbalTravel
 
-STALE = 0.5  # [s]: a report that is older proves nothing
+STALE = 0.45  # [s]: a report that is older proves nothing; less than guard.watchdog_s, which cannot say who is silent
+LATE = STALE / 2  # [s] of a report on its way, which no link in order takes
 LEASH, LATENESS = math.radians(10), 0.25  # how far a gimbal may be behind its set-point [rad], and this many [s] more
 OVERDUE, ASTRAY = 3.0, math.radians(1)  # [s] after its time a gimbal may not be farther from its goal [rad]
 UNMANAGED = 2.0  # [s] in which a device must notice that we manage it
@@ -40,15 +41,32 @@ def straying(seen: GimbalFeedback, motion: Motion, now: float) -> str:
     return ""
 
 
-def silence(seen: GimbalFeedback, now: float) -> str:
-    """Say when its reports are missing, too old, or cannot be used."""
+def silence(seen: GimbalFeedback, now: float, manager: float | None = None) -> str:
+    """Say when its reports are missing, too old, or cannot be used.
+
+    Whether somebody is silent is told by when reports arrive, whether the link is late by when they were made.
+
+    Parameters
+    ----------
+    seen
+        What the gimbal has reported.
+    now
+        The time [s].
+    manager
+        When the gimbal's manager was heard last [s]; None: it has none.
+    """
     if seen.lost_vehicle:
-        return "the gimbal tells its yaw from north, and no autopilot tells where the vehicle points"
+        return "the gimbal reports its yaw from north, and no autopilot reports the attitude of the vehicle"
     if now - seen.time <= STALE:
         return ""
-    if now - seen.arrived <= STALE:
-        return f"the gimbal's reports come {now - seen.time:.1f} s late: the link is overloaded"
-    return "the gimbal does not report its attitude"
+    late = seen.arrived - seen.time
+    if now - seen.arrived <= STALE and late > LATE:
+        return f"the gimbal's reports come {late:.1f} s late: the link is overloaded"
+    if seen.arrived == -math.inf:
+        return "the gimbal has not reported its attitude yet"
+    if manager is not None and manager <= seen.arrived + LATE:
+        return f"the autopilot is silent: no word of it, nor of the gimbal, for more than {STALE:g} s"
+    return f"the gimbal is silent: no report of its attitude for more than {STALE:g} s"
 
 
 def failures(seen: GimbalFeedback, managed_for: float) -> str:
@@ -64,12 +82,12 @@ def travel_trouble(travel: GimbalTravel | None, options: Options) -> str:
         return ""
     lower, upper = math.degrees(travel.lower), math.degrees(travel.upper)
     if not lower < upper:
-        return f"the gimbal tells absurd limits, {lower:.0f} to {upper:.0f} deg; it is not moved"
+        return f"the limits of the gimbal: expected lower < upper, got {lower:.0f} to {upper:.0f} deg; it is not moved"
     slack = options.resolution_deg
     if lower - slack <= options.lower_deg and options.upper_deg <= upper + slack:
         return ""
     wanted = f"{options.lower_deg:g} to {options.upper_deg:g}"
     return (
-        f"the gimbal turns from {lower:.0f} to {upper:.0f} deg, "
-        f"actuator.options ask for lower_deg to upper_deg = {wanted}"
+        f"the travel of the gimbal: expected at least {wanted} deg (actuator.options.lower_deg to upper_deg), "
+        f"got {lower:.0f} to {upper:.0f}"
     )

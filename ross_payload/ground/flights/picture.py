@@ -55,6 +55,7 @@ def draw(told: Told, path: Path) -> None:
 
 def figure_of(told: Told) -> Figure:
     """Return the picture of a flight, not written yet."""
+    shown = told.payloads[:MOST_ROWS]
     figure = Figure(figsize=(13, 0.6 + 4.4 * len(shown)), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(_title(told, len(shown)), fontsize=12, fontweight="bold")

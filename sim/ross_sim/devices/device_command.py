@@ -52,7 +52,7 @@ def command(
 
     def connect(epoch: float, stack: ExitStack) -> Lead:
         connection = connected(config, wire, far_end, epoch=epoch, stack=stack)
-        _tell(config.actuator.kind, connection.address, as_json)
+        _tell(config, connection.address, as_json)
         return connection.lead
 
     live(far_end, connect, turns, click.echo)
@@ -90,11 +90,11 @@ def _option(text: str) -> tuple[str, Any]:
         return key.strip(), value.strip()
 
 
-def _tell(kind: str, address: str, as_json: bool) -> None:
+def _tell(config: Any, address: str, as_json: bool) -> None:
     """Say that the device is ready, and what a payload's configuration needs."""
     from ross_sim.devices.device_leads import advice
 
     if as_json:
-        click.echo(json.dumps({"kind": kind, "wire": address}))
+        click.echo(json.dumps({"kind": config.actuator.kind, "wire": address}))
     else:
-        click.echo(f"ready. The payload's configuration:\n\n{advice(kind, address)}")
+        click.echo(f"ready. The payload's configuration:\n\n{advice(config, address)}")

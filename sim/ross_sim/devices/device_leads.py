@@ -177,8 +177,22 @@ def opposite(url: str) -> str:
     return f"{kinds[0] if address.listen else kinds[1]}:{host}:{address.port}"
 
 
-def advice(kind: str, address: str) -> str:
-    """Return what a payload's configuration says of this device."""
-    if kind == "mavlink_gimbal":
-        return f'[actuator]\nkind = "{kind}"\n\n[[links]]\nurl = "{address}"\nrole = "autopilot"'
-    return f'[actuator]\nkind = "{kind}"\noptions = {{ port = "{address}" }}'
+def advice(config: Config, address: str) -> str:
+    """Return what a payload's configuration says of this device: only an autopilot's link has its role.
+
+    >>> bare = {"kind": "mavlink_gimbal", "options": {"role": "manager"}}
+    >>> print(advice(Config.model_validate({"actuator": bare}), "udpin:127.0.0.1:14560"))
+    [actuator]
+    kind = "mavlink_gimbal"
+    options = { role = "manager" }
+    <BLANKLINE>
+    [[links]]
+    url = "udpin:127.0.0.1:14560"
+    """
+    kind = config.actuator.kind
+    if kind != "mavlink_gimbal":
+        return f'[actuator]\nkind = "{kind}"\noptions = {{ port = "{address}" }}'
+    link = f'[[links]]\nurl = "{address}"'
+    if checked_options(config).role == "manager":
+        return f'[actuator]\nkind = "{kind}"\noptions = {{ role = "manager" }}\n\n{link}'
+    return f'[actuator]\nkind = "{kind}"\n\n{link}\nrole = "autopilot"'

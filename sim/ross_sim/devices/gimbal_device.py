@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 from numpy.random import Generator
@@ -21,6 +22,7 @@ STEP = 0.002  # of the servo loop [s]
 COASTING = 3.0  # friction of a motor without torque [rad/s^2]
 TREMBLE = math.radians(3)  # of a sensor that is broken, standard deviation [rad]
 GLIDE = 0.02  # in which a new set-point is approached, so that a stream of them makes no noise [s]
+STAMP_LAGS = (0.003, 0.001, 0.004, 0.002)  # by which its attitude is older than its report, in turn [s]
 EARLY = 1e-9  # [s], of rounding
 
 
@@ -71,7 +73,7 @@ class Device:
         self._rate = 0.0
         self._goal, self._from, self._since = 0.0, 0.0, -math.inf  # set-point, the one before, when it came
         self._locked: float | None = None  # set-point from north [rad]
-        self._now, self._boot = now, now - up
+        self._now, self._boot, self._lags = now, now - up, cycle(STAMP_LAGS)
         self._managed = -math.inf
         self._due = {0: 0.0, gimbal.DEVICE_ATTITUDE: 0.0}
         self._periods = {0: 1.0, gimbal.DEVICE_ATTITUDE: 0.1}
@@ -143,8 +145,9 @@ class Device:
             self.angle = min(max(self.angle, servo.lower), servo.upper)
             self._rate, self.bumps = 0.0, self.bumps + 1
 
-    def _encoder(self) -> float:
-        return round(self.angle / self.servo.resolution) * self.servo.resolution
+    def _encoder(self, moved: float = 0.0) -> float:
+        """Return what the encoder shows, or showed when it had ``moved`` less far [rad]."""
+        return round((self.angle - moved) / self.servo.resolution) * self.servo.resolution
 
     def _point(self, message: Any, now: float) -> None:
         self._managed = now
@@ -183,15 +186,18 @@ class Device:
         )
 
     def _attitude(self, now: float) -> Any:
-        base = self._vehicle(now) if self._earth else 0.0
-        turn = (self._vehicle(now + STEP) - base) / STEP if self._earth else 0.0
+        """Return its attitude of a few milliseconds ago, stamped with the time when it was so."""
+        lag = next(self._lags)
+        then, angle = now - lag, self._encoder(self._rate * lag)
+        base = self._vehicle(then) if self._earth else 0.0
+        turn = (self._vehicle(then + STEP) - base) / STEP if self._earth else 0.0
         flags = 4 | 8 | (gimbal.YAW_LOCK | gimbal.EARTH_FRAME if self._earth else gimbal.VEHICLE_FRAME)
         unmanaged = gimbal.NO_MANAGER if now - self._managed > 1.0 else 0
         noise = 0.0 if self.trembling is None else self.trembling.normal(0.0, TREMBLE)
-        q = quaternion(clockwise(self._encoder() + base + noise), 0.0, 0.0)
+        q = quaternion(clockwise(angle + base + noise), 0.0, 0.0)
         rates = (0.0, 0.0, -(self._rate + turn))
         return common.MAVLink_gimbal_device_attitude_status_message(
-            0, 0, self._clock(now), flags, q, *rates, self.failures | unmanaged
+            0, 0, self._clock(then), flags, q, *rates, self.failures | unmanaged
         )
 
     def _heartbeat(self) -> Any:
@@ -199,7 +205,7 @@ class Device:
         return common.MAVLink_heartbeat_message(kind, maker, 0, 0, common.MAV_STATE_ACTIVE, 3)
 
     def _clock(self, now: float) -> int:
-        return round((now - self._boot) * 1e3)
+        return max(round((now - self._boot) * 1e3), 0)
 
 
 def _acknowledged(packet: Packet, result: int) -> Any:

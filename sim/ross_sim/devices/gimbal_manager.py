@@ -1,10 +1,11 @@
-"""A simulated gimbal manager: what an ArduPilot with MNT1_TYPE 6 does with gimbal commands."""
+"""A simulated gimbal manager: what an ArduPilot (4.8-dev, MNT1_TYPE 6) does with gimbal commands."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 from ross_protocols import gimbal, vehicle
@@ -17,11 +18,15 @@ from ross_sim.devices.gimbal_device import EARLY, Servo
 
 HEARTBEAT, ATTITUDE, SET_ATTITUDE = 0, 30, 284  # message ids
 PITCH_YAW = 1000  # command, in degrees
+HANDLED = (PITCH_YAW, gimbal.CONFIGURE)  # commands of gimbal managers alone
 SHORTEST = 0.01  # of the periods that it can be asked for [s]
 FAILED = common.MAV_RESULT_FAILED
 PERIODS = {HEARTBEAT: 1.0, ATTITUDE: 0.04, SET_ATTITUDE: 0.02}  # [s]
-ADJUSTABLE = (gimbal.MANAGER_STATUS, gimbal.DEVICE_ATTITUDE, ATTITUDE)
+ADJUSTABLE = (gimbal.DEVICE_ATTITUDE, ATTITUDE)
+STATUS_PERIOD = 30.0  # [s] between two manager statuses that nobody asked for and nothing caused
 DEVICE_ID = 1  # of its first gimbal, whatever its component id is
+BOOTING = 1.0  # [s] of a restart
+STAMP_LAGS = (0.003, 0.001, 0.004, 0.002)  # by which a time stamp is older than its message, in turn [s]
 SILENT = 1.0  # [s] after which a device is not healthy and its attitude not passed on
 
 
@@ -43,12 +48,21 @@ class _Order:
 
 
 class ArduPilot:
-    """Component 1: streams set-points to the device and obeys anybody; who is in control is recorded only."""
+    """Component 1: streams set-points to the device and obeys anybody; who is in control is recorded only.
 
-    def __init__(self, address: Address, device: Address, servo: Servo, yaw: Callable[[float], float]) -> None:
+    As ArduCopter 4.8-dev does: it says who is in control when that changes and when it is asked, not in a stream; it
+    does not tell who the device is (512/283 fails); a restart forgets who was in control and what was asked for.
+    """
+
+    def __init__(
+        self, address: Address, device: Address, servo: Servo, yaw: Callable[[float], float], *, up: float = 0.0
+    ) -> None:
         self.address = address
         self.primary: Address = (0, 0)
         self._said_primary: Address = (0, 0)
+        self._status_due = STATUS_PERIOD
+        self._boot, self._up = -up, 0.0  # when it was switched on, from when it hears and speaks [s]
+        self._lags = cycle(STAMP_LAGS)
         self._device = device
         self._servo = servo
         self._yaw = yaw
@@ -65,6 +79,8 @@ class ArduPilot:
     def hear(self, packet: Packet, now: float) -> list[Any]:
         """Obey, and remember what the device says."""
         message = packet.message
+        if now < self._up:
+            return []
         if (packet.system_id, packet.component_id) == self._device:
             if packet.name == "GIMBAL_DEVICE_INFORMATION":
                 self._told = message
@@ -83,11 +99,13 @@ class ArduPilot:
 
     def live(self, now: float) -> list[Any]:
         """Return what is due at ``now`` [s]."""
+        if now < self._up:
+            return []
         self._aim += self._running * (now - self._then)
         self._then = now
         said = []
-        if self.primary != self._said_primary:
-            self._said_primary = self.primary
+        if self.primary != self._said_primary or now >= self._status_due - EARLY:
+            self._said_primary, self._status_due = self.primary, now + STATUS_PERIOD
             said += self._message(gimbal.MANAGER_STATUS, now)
         if self._told is None and now - self._asked >= 1.0:
             self._asked = now
@@ -101,6 +119,17 @@ class ArduPilot:
     def take_control(self, whom: Address) -> None:
         """Let somebody else configure the gimbal."""
         self.primary = whom
+
+    def restart(self, now: float) -> None:
+        """Boot at ``now`` [s], deaf and mute for a while.
+
+        It forgets who was in control, what was asked for and where to point.
+        """
+        self._up = now + BOOTING
+        self.primary = self._said_primary = 0, 0
+        self._boot, self._told, self._heard, self._asked = now, None, None, -math.inf
+        self._aim, self._lock, self._running = 0.0, False, 0.0
+        self._periods, self._due = dict(PERIODS), {}
 
     def _point(self, message: Any, angles: tuple[float, float], rates: tuple[float, float]) -> bool:
         """Take pitch and yaw [rad, clockwise], or their rates [rad/s]; neither when both are told, as measured."""
@@ -161,7 +190,7 @@ class ArduPilot:
         return True
 
     def _message(self, number: int, now: float) -> list[Any]:
-        boot = round(now * 1e3)
+        boot = max(round((now - self._boot) * 1e3), 0)
         travel = (0.0, 0.0, 0.0, 0.0, -self._servo.upper, -self._servo.lower)
         match number:
             case 0:
@@ -169,13 +198,11 @@ class ArduPilot:
                 return [common.MAVLink_heartbeat_message(kind, maker, 1, 0, common.MAV_STATE_STANDBY, 3)]
             case 30:
                 rate = (self._yaw(now) - self._yaw(now - 0.01)) / 0.01
-                return [vehicle.attitude(VehicleAttitude(now, self._yaw(now), 0.0, 0.0, rate))]
+                return [vehicle.attitude(VehicleAttitude(boot / 1e3, self._yaw(now), 0.0, 0.0, rate))]
             case gimbal.MANAGER_INFORMATION:
                 return [common.MAVLink_gimbal_manager_information_message(boot, 0, DEVICE_ID, *travel)]
             case gimbal.MANAGER_STATUS:
                 return [common.MAVLink_gimbal_manager_status_message(boot, 12, DEVICE_ID, *self.primary, 0, 0)]
-            case gimbal.DEVICE_INFORMATION if self._told is not None:
-                return [_passed_on(self._told)]
         return self._gimbal_message(number, boot, now)
 
     def _gimbal_message(self, number: int, boot: int, now: float) -> list[Any]:
@@ -184,23 +211,12 @@ class ArduPilot:
             said.flags = 4 | 8 | gimbal.YAW_LOCK if self._lock else 0
             return [said]
         if number == gimbal.DEVICE_ATTITUDE and self._heard and now - self._heard[0] <= SILENT:
-            q, flags = self._heard[1].q, self._heard[1].flags
-            rates = (math.nan,) * 3
+            seen, lag = self._heard[1], round(next(self._lags) * 1e3)
             said = common.MAVLink_gimbal_device_attitude_status_message(
-                0, 0, boot, flags, q, *rates, self._heard[1].failure_flags, gimbal_device_id=DEVICE_ID
+                0, 0, max(boot - lag, 0), seen.flags, seen.q, *(math.nan,) * 3, seen.failure_flags, 0, 0, DEVICE_ID
             )
             return [said]
         return []
-
-
-def _passed_on(told: Any) -> Any:
-    """Return the information of a device as that of the manager's own."""
-    fields = {name: getattr(told, name) for name in told.fieldnames} | {"gimbal_device_id": DEVICE_ID}
-    return type(told)(**{name: _text(value) for name, value in fields.items()})
-
-
-def _text(value: Any) -> Any:
-    return value.encode() if isinstance(value, str) else value
 
 
 def _whole(number: float) -> int:

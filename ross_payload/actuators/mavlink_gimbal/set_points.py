@@ -1,0 +1,90 @@
+"""The plan that a gimbal follows, and the set-points that are due of it."""
+
+from __future__ import annotations
+
+import math
+
+from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
+from ross_payload.actuators.motion import Trapezoid
+from ross_payload.actuators.requests import Motion, Move
+from ross_payload.interfaces import Capabilities
+
+PERIOD = 0.02  # between set-points [s]
+EARLY = 1e-9  # [s], of rounding
+STILL = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
+
+
+class SetPoints:
+    """What is sent while the gimbal is ours (``motion``), or while a turn of somebody else is braked (``braking``)."""
+
+    def __init__(self, capabilities: Capabilities) -> None:
+        self._able = capabilities
+        self.motion: Motion | None = None  # None: not in control
+        self.braking: Motion | None = None
+        self.sent = -math.inf  # when the last set-point went out [s]
+        self.restless = math.inf  # when the gimbal was last seen away from its goal [s]
+
+    def turn(self, move: Move, position: float, velocity: float, now: float) -> None:
+        """Go to a goal from ``position`` [rad] with ``velocity`` [rad/s]."""
+        self._go(Trapezoid(position, move.goal, move.rate, self._able.max_acceleration, velocity), now)
+
+    def halt(self, now: float) -> None:
+        """Decelerate from the last set-point."""
+        if self.motion is None:
+            return
+        position, velocity = self.motion.at(now)
+        if velocity:
+            self._go(Trapezoid.to_rest(position, velocity, self._able.max_acceleration), now)
+        elif position != self.motion.plan.goal:  # a goal that was given in this very moment
+            self._go(Trapezoid(position, position, 1.0, 1.0), now)
+
+    def hold(self, angle: float, now: float) -> None:
+        """Stay at an angle [rad]."""
+        here = self._within(angle)
+        self._go(Trapezoid(here, here, 1.0, 1.0), now)
+
+    def resume(self, seen: GimbalFeedback, move: Move | None, now: float) -> None:
+        """Go on from wherever the gimbal is seen and however fast it turns: to a goal, or to rest."""
+        position, rate = self._there(seen, now)
+        self.braking = None
+        if move is not None:
+            self.turn(move, position, rate, now)
+        elif rate:
+            self._go(Trapezoid.to_rest(position, rate, self._able.max_acceleration), now)
+        else:
+            self.hold(position, now)
+
+    def brake(self, seen: GimbalFeedback, now: float) -> None:
+        """Brake what somebody else turns."""
+        position, rate = self._there(seen, now)
+        if rate:
+            self.braking = Motion(Trapezoid.to_rest(position, rate, self._able.max_acceleration), now)
+
+    def due(self, motion: Motion, period: float, now: float) -> float | None:
+        """Return the set-point that is due [rad]: where it should be when the next one comes; None: not yet."""
+        if now - self.sent < period - EARLY:
+            return None
+        self.sent = now
+        return motion.at(now + PERIOD)[0]
+
+    def rest(self, seen: GimbalFeedback, resolution: float, now: float) -> tuple[float, float]:
+        """Return the rate [rad/s], 0 while it only trembles, and for how long it has rested where it should be [s]."""
+        motion = self.motion
+        over = motion is None or now >= motion.end
+        rate = 0.0 if over and abs(seen.rate) < STILL else seen.rate
+        there = motion is None or abs(seen.angle - motion.plan.goal) <= resolution
+        if not (over and there and rate == 0.0) or self.restless == math.inf:
+            self.restless = now
+        return rate, now - self.restless
+
+    def _there(self, seen: GimbalFeedback, now: float) -> tuple[float, float]:
+        rate = seen.rate if abs(seen.rate) >= STILL else 0.0
+        return self._within(seen.angle + rate * (now - seen.time)), rate
+
+    def _within(self, angle: float) -> float:
+        return min(max(angle, self._able.lower), self._able.upper)
+
+    def _go(self, plan: Trapezoid, now: float) -> None:
+        self.motion, self.restless = Motion(plan, now), now
+        if not plan.velocity:  # a gimbal that follows set-points would see a jump in their rhythm as one of speed
+            self.sent = -math.inf
