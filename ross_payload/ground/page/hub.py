@@ -14,6 +14,7 @@ from ross_payload.ground.page.places import Places
 from ross_payload.ground.page.shelf import Flights
 from ross_payload.ground.picture.fleet import Fleet
 from ross_payload.ground.picture.known import Who
+from ross_payload.ground.recordings import RecordingStore
 from ross_protocols.codec import Packet
 
 if TYPE_CHECKING:
@@ -55,8 +56,8 @@ class Silence:
 class Hub:
     """One per process; ``wake`` is called when those who watch a payload, or all, may have something to get."""
 
-    def __init__(self, station: Station | Silence, flights: Flights) -> None:
-        self.station, self.flights = station, flights
+    def __init__(self, station: Station | Silence, flights: Flights, recordings: RecordingStore | None = None) -> None:
+        self.station, self.flights, self.recordings = station, flights, recordings
         self.live = not isinstance(station, Silence)
         self.hands = Hands(station)
         self.control = Control()

@@ -21,12 +21,14 @@ from ross_payload.ground.page.hub import Hub, Silence
 from ross_payload.ground.page.security import Gate, is_loopback
 from ross_payload.ground.page.shelf import Flights
 from ross_payload.ground.page.site import application
+from ross_payload.ground.recordings import RecordingStore
 
 if TYPE_CHECKING:
     from ross_payload.ground.station import Station
 
 TICK = 0.1  # [s]
 LOOK = 10.0  # [s] between two looks at the folder of flights
+RECORDINGS_PERIOD = 2.0  # [s] between two looks at the recordings
 SEND_BUFFER = 65536  # [bytes] of the system, per browser: what a slow one has not got must not be old
 TELLING = 0.3  # [s] for browsers to hear that the page ends
 
@@ -43,6 +45,7 @@ class Served:
 async def serve(
     station: Station | None,
     flights: Flights | None = None,
+    recordings: RecordingStore | None = None,
     *,
     host: str = "127.0.0.1",
     port: int = 0,
@@ -50,6 +53,8 @@ async def serve(
     tls: ssl.SSLContext | None = None,
 ) -> AsyncIterator[Served]:
     """Serve the page; without a station it plays past flights only. Port 0: a free one.
+
+    ``recordings`` are those of this computer: they are offered for download, to whoever may open the page.
 
     Raises
     ------
@@ -59,7 +64,7 @@ async def serve(
     if token is None and not is_loopback(host):
         raise GroundError(f"host {host}: others reach it, a token wanted")
     with bound(host, port) as listener, flights or Flights(None) as shelf:
-        browsers = Browsers(Hub(station or Silence(), shelf))
+        browsers = Browsers(Hub(station or Silence(), shelf, recordings))
         async with _working(browsers), _site(browsers, Gate(token), is_loopback(host)) as runner:
             await web.SockSite(runner, listener, ssl_context=tls).start()
             yield Served(_url(host, listener.getsockname()[1], tls is not None), browsers.hub)
@@ -79,7 +84,11 @@ async def _site(browsers: Browsers, gate: Gate, loopback: bool) -> AsyncIterator
 @asynccontextmanager
 async def _working(browsers: Browsers) -> AsyncIterator[None]:
     """Do what comes again and again, until the end."""
-    works = _every(TICK, partial(_tick, browsers)), _every(LOOK, browsers.look)
+    works = (
+        _every(TICK, partial(_tick, browsers)),
+        _every(LOOK, browsers.look),
+        _every(RECORDINGS_PERIOD, browsers.look_at_recordings),
+    )
     tasks = [asyncio.create_task(each) for each in works]
     try:
         yield

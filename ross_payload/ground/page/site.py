@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from aiohttp import web
 
+from ross_payload.ground.page import recordings
 from ross_payload.ground.page.assets import asset
 from ross_payload.ground.page.browsers import Browsers
 from ross_payload.ground.page.login import guard
 from ross_payload.ground.page.security import HEADERS, Gate
 from ross_payload.ground.page.shelf import Refused
+from ross_payload.ground.recordings import RecordingStore
 
 CHUNK = 65536  # [bytes]
 LARGEST = 65536  # [bytes] of a form
@@ -28,13 +30,34 @@ def application(browsers: Browsers, gate: Gate, *, loopback: bool) -> web.Applic
     app.router.add_get("/assets/{path:.+}", _asset)
     app.router.add_get("/live", browsers.serve)
     app.router.add_post("/flights", bring)
+    _add_recordings(app, browsers.hub.recordings)
     app.on_response_prepare.append(_protect)
     app.on_shutdown.append(ends)
     return app
 
 
+def _add_recordings(app: web.Application, store: RecordingStore | None) -> None:
+    async def every(_: web.Request) -> web.StreamResponse:
+        return await recordings.listed(store)
+
+    async def archive(request: web.Request) -> web.StreamResponse:
+        return await recordings.archive(store, request.match_info["name"], request)
+
+    async def file(request: web.Request) -> web.StreamResponse:
+        return await recordings.one_file(store, request.match_info["name"], request.match_info["file"])
+
+    async def delete(request: web.Request) -> web.StreamResponse:
+        return await recordings.deleted(store, request.match_info["name"])
+
+    app.router.add_get("/recordings", every)
+    app.router.add_get("/recordings/{name}.zip", archive)
+    app.router.add_get("/recordings/{name}/{file}", file)
+    app.router.add_delete("/recordings/{name}", delete)
+
+
 async def _protect(request: web.Request, response: web.StreamResponse) -> None:
-    response.headers.update(HEADERS)
+    for name, value in HEADERS.items():
+        response.headers.setdefault(name, value)
 
 
 async def _page(request: web.Request) -> web.Response:

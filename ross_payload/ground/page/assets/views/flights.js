@@ -2,6 +2,7 @@
 
 import { payloadOf, playbackOf } from "../parts/playback.js";
 import { html, nothing } from "../lit.js";
+import { recordings } from "../parts/recordings.js";
 import { DASH, duration, size, utc } from "../words.js";
 import { recordedView } from "./payload.js";
 
@@ -9,7 +10,7 @@ export function flightsView(page) {
   const { slots } = page.store;
   const open = ["a", "b"].filter((slot) => slots[slot]?.flight);
   return html`<h1 tabindex="-1">Flights</h1>
-    ${picker(page, open)}
+    ${picker(page, open)} ${recordings(page)}
     ${
       open.length
         ? html`<div class="slots ${open.length > 1 ? "two" : ""}">${open.map((slot) => slotView(page, slot))}</div>`
