@@ -153,7 +153,7 @@ class Session:
     def _notes(self, found: Contents, samples: int, length: int) -> Iterator[str]:
         known, rate = self.manifest, self.rate()
         if known.version != manifest.VERSION:
-            yield f"session.json: version {known.version}, wanted {manifest.VERSION}: read as far as it goes"
+            yield f"session.json: expected version {manifest.VERSION}, got {known.version}: read as far as it goes"
         if known.end is None:
             yield "cut off: nothing says how it ended; at most the last second is missing"
         for name, read in (("inputs.jsonl", found.inputs), ("events.jsonl", found.events)):

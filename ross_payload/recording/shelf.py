@@ -114,7 +114,7 @@ class Shelf:
             self.delete(oldest)
         free = self.free()
         if free < limits.min_free_gb * GB:
-            return f"{free / GB:.2f} GB are left on the disk, wanted min_free_gb = {limits.min_free_gb:g}"
+            return f"free disk space: expected min_free_gb = {limits.min_free_gb:g}, got {free / GB:.2f}"
         return ""
 
     def free(self) -> int:

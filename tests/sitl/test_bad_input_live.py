@@ -242,7 +242,7 @@ def other_version(path):
 DAMAGES = {
     "are not read": ("inputs.jsonl", half),
     "shorter than the Inputs": ("audio.wav", half),
-    "version 9, wanted 1": ("session.json", other_version),
+    "expected version 1, got 9": ("session.json", other_version),
 }
 
 

@@ -74,7 +74,7 @@ def test_a_session_of_a_newer_version_is_read_as_far_as_it_goes(whole):
     path.write_text(json.dumps(json.loads(path.read_text()) | {"version": 2, "new": True}))
     found = Session.open(whole.path)
     assert found.contents().inputs == 100
-    assert "version 2, wanted 1" in found.contents().notes[0]
+    assert "expected version 1, got 2" in found.contents().notes[0]
 
 
 @pytest.mark.parametrize("content", ["", "{", "[]", '{"format": "other"}', '{"format": "ross-session"}'])

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from queue import SimpleQueue
 
+from ross_payload.ground.page.faults import FaultLog
 from ross_payload.ground.page.server import Served, serve
 from ross_payload.ground.page.shelf import Flights
 from ross_payload.ground.recordings import RecordingStore
@@ -52,6 +53,7 @@ def _run(
 ) -> None:
     async def serving() -> None:
         ended = asyncio.Event()
+        asyncio.get_running_loop().set_exception_handler(FaultLog().of_loop)
         async with Station(urls) as station, serve(station, Flights(flights), recordings, port=port) as served:
             told.put((served, asyncio.get_running_loop(), ended))
             await ended.wait()

@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-from aiohttp import web
+import asyncio
+from collections.abc import AsyncIterator
+
+from aiohttp import ClientPayloadError, web
+from aiohttp.http_exceptions import HttpProcessingError
+from aiohttp.typedefs import Handler
 
 from ross_payload.ground.page import recordings
 from ross_payload.ground.page.assets import asset
 from ross_payload.ground.page.browsers import Browsers
+from ross_payload.ground.page.connections import Connections
+from ross_payload.ground.page.faults import report
 from ross_payload.ground.page.login import guard
-from ross_payload.ground.page.security import HEADERS, Gate
+from ross_payload.ground.page.security import HEADERS, Gate, shown
 from ross_payload.ground.page.shelf import Refused
 from ross_payload.ground.recordings import RecordingStore
 
 CHUNK = 65536  # [bytes]
 LARGEST = 65536  # [bytes] of a form
+STALL = 30.0  # [s] without a byte of a flight that is brought
 
 
-def application(browsers: Browsers, gate: Gate, *, loopback: bool) -> web.Application:
+def application(browsers: Browsers, gate: Gate, connections: Connections, *, loopback: bool) -> web.Application:
     """Return the site of some browsers, behind a gate."""
-    app = web.Application(middlewares=[guard(gate, loopback=loopback)], client_max_size=LARGEST)
+    middlewares = [_tolerant, guard(gate, connections, loopback=loopback)]
+    app = web.Application(middlewares=middlewares, client_max_size=LARGEST)
 
     async def bring(request: web.Request) -> web.Response:
         return await _bring(browsers, request)
@@ -55,6 +64,20 @@ def _add_recordings(app: web.Application, store: RecordingStore | None) -> None:
     app.router.add_delete("/recordings/{name}", delete)
 
 
+@web.middleware
+async def _tolerant(request: web.Request, handler: Handler) -> web.StreamResponse:
+    """Answer a body that cannot be read as the client's fault, and a fault of ours in one line."""
+    try:
+        return await handler(request)
+    except (web.HTTPException, ConnectionError):
+        raise
+    except (web.RequestPayloadError, HttpProcessingError, ClientPayloadError) as error:
+        raise web.HTTPBadRequest(text=f"body: {shown(str(error))}\n") from error
+    except Exception as error:
+        report(error)
+        raise web.HTTPInternalServerError(text="a fault of the page: the terminal says which\n") from error
+
+
 async def _protect(request: web.Request, response: web.StreamResponse) -> None:
     for name, value in HEADERS.items():
         response.headers.setdefault(name, value)
@@ -83,8 +106,21 @@ async def _bring(browsers: Browsers, request: web.Request) -> web.Response:
     """Take a flight as the raw body."""
     flights = browsers.hub.flights
     try:
-        name = await flights.take(request.query.get("name", ""), request.content.iter_chunked(CHUNK))
+        name = await flights.take(request.query.get("name", ""), _chunks(request))
     except Refused as error:
         return web.json_response({"error": error.message}, status=error.status)
     await browsers.look()
     return web.json_response({"name": name})
+
+
+async def _chunks(request: web.Request) -> AsyncIterator[bytes]:
+    """Yield a body as it comes; whoever sends nothing for long is told so."""
+    while True:
+        try:
+            async with asyncio.timeout(STALL):
+                chunk = await request.content.read(CHUNK)
+        except TimeoutError as error:
+            raise Refused(408, f"nothing came for {STALL:.0f} s") from error
+        if not chunk:
+            return
+        yield chunk

@@ -81,7 +81,7 @@ def test_the_token_in_the_form_opens_the_page_and_a_wrong_one_does_not():
 
 def test_nobody_serves_the_page_to_others_without_a_token():
     async def run():
-        with pytest.raises(GroundError, match="others reach it, a token wanted"):
+        with pytest.raises(GroundError, match="others reach it: expected a token, got none"):
             async with page(HandStation(), host="0.0.0.0"):  # noqa: S104
                 pass
 
@@ -184,10 +184,10 @@ def test_a_token_is_read_from_a_file_that_only_its_owner_can_read(tmp_path):
 @pytest.mark.parametrize(
     ("text", "mode", "why"),
     [
-        (TOKEN, 0o644, "mode 0644 found, 0600 wanted"),
-        ("short", 0o600, "5 characters found, a token of at least 16"),
-        ("", 0o600, "0 characters found"),
-        ("é" * 20, 0o600, "20 characters found"),
+        (TOKEN, 0o644, "expected mode 0600, got 0644"),
+        ("short", 0o600, "expected a token of at least 16 ASCII characters, got 5"),
+        ("", 0o600, "got 0 characters"),
+        ("é" * 20, 0o600, "got 20 characters"),
     ],
 )
 def test_a_bad_token_file_is_told_in_one_line(tmp_path, text, mode, why):
@@ -196,7 +196,7 @@ def test_a_bad_token_file_is_told_in_one_line(tmp_path, text, mode, why):
 
 
 def test_a_token_file_that_is_not_there_is_told(tmp_path):
-    with pytest.raises(GroundError, match=r"token: No such file or directory; wanted a file with a token"):
+    with pytest.raises(GroundError, match=r"token: No such file or directory; expected a file with a token"):
         read_token(tmp_path / "token")
 
 
@@ -264,18 +264,20 @@ def test_a_certificate_out_of_date_is_noticed(tmp_path):
 @needs_openssl
 def test_the_key_of_another_certificate_is_told(tmp_path):
     (one, _), (_, other) = certificate(tmp_path, "one"), certificate(tmp_path, "other")
-    with pytest.raises(GroundError, match=r"other\.key: the key of another certificate, wanted that of .*one\.pem"):
+    with pytest.raises(
+        GroundError, match=r"other\.key: expected the key of .*one\.pem, got that of another certificate"
+    ):
         tls_of(one, other)
 
 
 def test_what_is_no_certificate_is_told(tmp_path):
     text = secret(tmp_path / "text", "hello")
-    with pytest.raises(GroundError, match=r"--certificate .*nothing: no such file"):
+    with pytest.raises(GroundError, match=r"--certificate .*nothing: expected a PEM file, got none"):
         tls_of(tmp_path / "nothing", text)
-    with pytest.raises(GroundError, match=r"--key .*nothing: no such file"):
+    with pytest.raises(GroundError, match=r"--key .*nothing: expected a PEM file, got none"):
         tls_of(text, tmp_path / "nothing")
-    with pytest.raises(GroundError, match="not a certificate and its key in PEM"):
+    with pytest.raises(GroundError, match="expected a certificate and its key in PEM"):
         tls_of(text, None)
-    with pytest.raises(GroundError, match="--key without --certificate"):
+    with pytest.raises(GroundError, match="--key: expected --certificate with it, got none"):
         tls_of(None, text)
     assert tls_of(None, None) is None
