@@ -21,7 +21,7 @@ from ross_payload.ground.page.faults import FaultLog, report
 from ross_payload.ground.page.hub import Hub, Silence
 from ross_payload.ground.page.security import Gate, is_loopback
 from ross_payload.ground.page.shelf import Flights
-from ross_payload.ground.page.site import application
+from ross_payload.ground.page.site import application, tolerant
 from ross_payload.ground.recordings import RecordingStore
 
 if TYPE_CHECKING:
@@ -89,6 +89,7 @@ async def _protocols(site: web.Application) -> AsyncIterator[web.Server]:
     await runner.setup()
     if runner.server is None:
         raise RuntimeError("the web server did not begin")
+    runner.server.request_handler = tolerant(runner.server.request_handler)
     try:
         yield runner.server
     finally:

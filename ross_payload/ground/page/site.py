@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 
 from aiohttp import ClientPayloadError, web
 from aiohttp.http_exceptions import HttpProcessingError
-from aiohttp.typedefs import Handler
 
 from ross_payload.ground.page import recordings
 from ross_payload.ground.page.assets import asset
@@ -19,6 +18,8 @@ from ross_payload.ground.page.security import HEADERS, Gate, shown
 from ross_payload.ground.page.shelf import Refused
 from ross_payload.ground.recordings import RecordingStore
 
+Handle = Callable[[web.BaseRequest], Awaitable[web.StreamResponse]]
+
 CHUNK = 65536  # [bytes]
 LARGEST = 65536  # [bytes] of a form
 STALL = 30.0  # [s] without a byte of a flight that is brought
@@ -26,8 +27,7 @@ STALL = 30.0  # [s] without a byte of a flight that is brought
 
 def application(browsers: Browsers, gate: Gate, connections: Connections, *, loopback: bool) -> web.Application:
     """Return the site of some browsers, behind a gate."""
-    middlewares = [_tolerant, guard(gate, connections, loopback=loopback)]
-    app = web.Application(middlewares=middlewares, client_max_size=LARGEST)
+    app = web.Application(middlewares=[guard(gate, connections, loopback=loopback)], client_max_size=LARGEST)
 
     async def bring(request: web.Request) -> web.Response:
         return await _bring(browsers, request)
@@ -64,18 +64,24 @@ def _add_recordings(app: web.Application, store: RecordingStore | None) -> None:
     app.router.add_delete("/recordings/{name}", delete)
 
 
-@web.middleware
-async def _tolerant(request: web.Request, handler: Handler) -> web.StreamResponse:
-    """Answer a body that cannot be read as the client's fault, and a fault of ours in one line."""
-    try:
-        return await handler(request)
-    except (web.HTTPException, ConnectionError):
-        raise
-    except (web.RequestPayloadError, HttpProcessingError, ClientPayloadError) as error:
-        raise web.HTTPBadRequest(text=f"body: {shown(str(error))}\n") from error
-    except Exception as error:
-        report(error)
-        raise web.HTTPInternalServerError(text="a fault of the page: the terminal says which\n") from error
+def tolerant(handle: Handle) -> Handle:
+    """Wrap what answers requests: what cannot be read is the client's mistake, and a fault of ours is one line.
+
+    A middleware would be too late: aiohttp looks at some headers before it calls any.
+    """
+
+    async def handled(request: web.BaseRequest) -> web.StreamResponse:
+        try:
+            return await handle(request)
+        except (web.HTTPException, ConnectionError):
+            raise
+        except (web.RequestPayloadError, HttpProcessingError, ClientPayloadError, UnicodeError) as error:
+            raise web.HTTPBadRequest(text=f"request: {shown(str(error))}\n") from error
+        except Exception as error:
+            report(error)
+            raise web.HTTPInternalServerError(text="a fault of the page: the terminal says which\n") from error
+
+    return handled
 
 
 async def _protect(request: web.Request, response: web.StreamResponse) -> None:

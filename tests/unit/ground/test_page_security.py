@@ -101,6 +101,111 @@ def test_whoever_guesses_waits_even_with_the_right_token():
     asyncio.run(run())
 
 
+IMAGE = {"Sec-Fetch-Mode": "no-cors", "Sec-Fetch-Dest": "image"}
+LINK = {"Sec-Fetch-Mode": "navigate", "Sec-Fetch-Dest": "document", "Sec-Fetch-User": "?1"}
+
+
+@pytest.mark.parametrize("site", ["cross-site", "same-site"])
+@pytest.mark.parametrize("kind", [IMAGE, LINK])
+def test_another_site_cannot_lock_out_the_login(site, kind):
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            headers = {"Sec-Fetch-Site": site, **kind}
+            for _ in range(2 * TRIES):
+                refused = await status(client, f"{served.url}?token=guess", headers=headers)
+                assert refused == (403 if kind is IMAGE else 401)
+            assert await status(client, f"{served.url}?token={TOKEN}") == 303
+
+    asyncio.run(run())
+
+
+def test_another_site_cannot_lock_out_the_form_where_browsers_do_not_say_who_asks():
+    """As over plain HTTP from another computer: an image of another site looks like an address that was typed."""
+
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            for _ in range(TRIES):
+                assert await status(client, f"{served.url}?token=guess") == 401
+            async with client.get(f"{served.url}?token={TOKEN}") as answer:
+                assert answer.status == 429
+                assert f'value="{TOKEN}"' in await answer.text()
+            origin = {"Origin": served.url.rstrip("/")}
+            form = {"data": {"token": TOKEN}, "headers": origin, "allow_redirects": False}
+            async with client.post(f"{served.url}login", **form) as answer:
+                assert answer.status == 303
+
+    asyncio.run(run())
+
+
+def test_whoever_guesses_in_the_form_waits_there_too():
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            told = []
+            for token in ["guess"] * TRIES + [TOKEN]:
+                async with client.post(f"{served.url}login", data={"token": token}) as answer:
+                    told.append(answer.status)
+            assert told == [401] * TRIES + [429]
+
+    asyncio.run(run())
+
+
+def test_a_form_that_another_site_sends_is_not_tried():
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            for origin in ["http://evil.example", "null"] * TRIES:
+                async with client.post(
+                    f"{served.url}login", data={"token": "guess"}, headers={"Origin": origin}
+                ) as answer:
+                    assert answer.status == 403
+            async with client.post(f"{served.url}login", data={"token": TOKEN}, allow_redirects=False) as answer:
+                assert answer.status == 303
+
+    asyncio.run(run())
+
+
+def test_a_lock_out_spares_whoever_is_logged_in():
+    async def run():
+        jar = aiohttp.CookieJar(unsafe=True)
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession(cookie_jar=jar) as inside:
+            assert await status(inside, f"{served.url}?token={TOKEN}") == 303
+            async with aiohttp.ClientSession() as guesser:
+                for _ in range(2 * TRIES):
+                    await status(guesser, f"{served.url}?token=guess")
+                    async with guesser.post(f"{served.url}login", data={"token": "guess"}):
+                        pass
+            assert await status(inside, served.url) == 200
+            assert await status(inside, f"{served.url}?token=guess") == 303
+            async with inside.ws_connect(f"{served.url}live") as socket:
+                assert (await socket.receive_json())["type"] == "hello"
+
+    asyncio.run(run())
+
+
+def test_a_link_of_another_site_leads_to_the_form_and_what_it_brings_is_no_markup():
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            led = {"headers": {"Sec-Fetch-Site": "cross-site", **LINK}, "allow_redirects": False}
+            async with client.get(f"{served.url}?token={TOKEN}", **led) as answer:
+                assert answer.status == 401
+                assert f'value="{TOKEN}"' in await answer.text()
+            async with client.get(f"{served.url}?token=%22%3E%3Cscript%3Ex", **led) as answer:
+                assert "<script>" not in await answer.text()
+
+    asyncio.run(run())
+
+
+def test_another_site_embeds_nothing_and_downloads_nothing():
+    async def run():
+        async with page(HandStation()) as served, aiohttp.ClientSession() as client:
+            for path in ("assets/app.js", "recordings", "recordings/0001.zip", "live", ""):
+                headers = {"Sec-Fetch-Site": "cross-site", **IMAGE}
+                assert await status(client, served.url + path, headers=headers) == 403
+            assert await status(client, served.url, headers={"Sec-Fetch-Site": "cross-site", **LINK}) == 200
+            assert await status(client, served.url, headers={"Sec-Fetch-Site": "same-origin", **IMAGE}) == 200
+
+    asyncio.run(run())
+
+
 def test_a_guess_is_forgotten_after_the_wait_and_addresses_do_not_fill_the_memory():
     gate = Gate(TOKEN)
     for _ in range(TRIES):
