@@ -32,7 +32,7 @@ class Browsers:
 
     def __init__(self, hub: Hub) -> None:
         self.hub = hub
-        hub.wake = self.wake
+        hub.wake, hub.watched = self.wake, self.watched
         self.sessions: dict[str, Session] = {}
         self._flights: list[dict[str, Any]] = []
         self._recordings: dict[str, Any] | None = None  # None: nobody offers any
@@ -43,6 +43,10 @@ class Browsers:
         for session in self.sessions.values():
             if who is None or session.watched == who:
                 session.wake.set()
+
+    def watched(self) -> list[Who]:
+        """Return the payloads that are watched."""
+        return [session.watched for session in self.sessions.values() if session.watched is not None]
 
     async def serve(self, request: web.Request) -> web.StreamResponse:
         """Talk with one browser until it goes."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from ross_payload.ground.page.control import Control
@@ -63,6 +63,7 @@ class Hub:
         self.control = Control()
         self.places = Places()
         self.wake: Callable[[Who | None], None] = lambda who: None
+        self.watched: Callable[[], Iterable[Who]] = tuple  # by browsers
         self.fleet_text, self.fleet_version = "", 0
         self._pictures: dict[Who, Picture] = {}
         self._told: Any = None  # what of the fleet is told at once when it changes
@@ -93,6 +94,8 @@ class Hub:
         now = self.station.now()
         self.hands.tick(now)
         self.control.tick(now)
+        commanded = (each.who for each in self.hands.orders.doing)
+        self.station.fleet.pinned = frozenset((*self.watched(), *self.places.typed, *commanded))
         told = at_once(self)
         if told != self._told or now - self._told_at >= FLEET_PERIOD:
             self._told, self._told_at = told, now
