@@ -2,6 +2,7 @@
 
 import asyncio
 import socket
+import ssl
 from contextlib import asynccontextmanager, contextmanager, suppress
 
 import pytest
@@ -34,11 +35,11 @@ class Server(asyncio.Protocol):
 
 
 @asynccontextmanager
-async def served(**limits):
+async def served(tls=None, **limits):
     """Connections that are accepted, and what makes one, which is closed in the end."""
     connections = Connections(**limits)
     listener = socket.create_server(("127.0.0.1", 0))
-    with listener, connections.accepted(listener, lambda: Server(connections), None):
+    with listener, connections.accepted(listener, lambda: Server(connections), tls):
         async with crowd(listener.getsockname()) as connected:
             yield connections, connected
         async with asyncio.timeout(WAIT):
@@ -80,7 +81,7 @@ class Client:
         """Wait until it is."""
         async with asyncio.timeout(WAIT):
             try:
-                return await self.reader.read() == b""
+                return await self.reader.read() is not None
             except ConnectionResetError:
                 return True
 
@@ -148,6 +149,20 @@ def test_a_header_that_does_not_come_to_its_end_is_cut(trickles):
             assert await slow.is_cut()
             assert 0.4 < asyncio.get_running_loop().time() - start < WAIT
             assert len(connections) == 0
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize("limits", [{"header_timeout": 0.3}, {"most": 16, "most_per_address": 16}])
+def test_a_handshake_that_does_not_begin_gives_way_too(limits):
+    async def run():
+        async with served(ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER), **limits) as (connections, connected):
+            silent = [await connected() for _ in range(40)]
+            assert await silent[0].is_cut()
+            nonsense = await connected()
+            nonsense.writer.write(b"GET / HTTP/1.1\r\n\r\n")
+            assert await nonsense.is_cut()
+            assert len(connections) <= 40
 
     asyncio.run(run())
 
