@@ -105,18 +105,9 @@ class Connections:
         over = False
 
         def accept() -> None:
-            for _ in range(ACCEPTED_AT_ONCE):
-                try:
-                    made, place = listener.accept()
-                except (BlockingIOError, InterruptedError, ConnectionAbortedError):
-                    return
-                except OSError as error:  # no descriptor or no memory left
-                    self._report(f"no connection can be accepted: {error.strerror}")
-                    self._make_room(self._connections)
-                    loop.remove_reader(listener)
-                    loop.call_later(PAUSE, resume)
-                    return
-                self._begin(made, str(place[0]), protocols, tls)
+            if not self._accept(listener, protocols, tls):
+                loop.remove_reader(listener)
+                loop.call_later(PAUSE, resume)
 
         def resume() -> None:
             if not over:
@@ -130,6 +121,20 @@ class Connections:
             loop.remove_reader(listener)
             for connection in [each for each in self._connections if not each.passed]:
                 connection.cut()
+
+    def _accept(self, listener: socket.socket, protocols: Protocols, tls: ssl.SSLContext | None) -> bool:
+        """Take who waits, some at once; False: the system has no descriptor or no memory left."""
+        for _ in range(ACCEPTED_AT_ONCE):
+            try:
+                made, place = listener.accept()
+            except (BlockingIOError, InterruptedError, ConnectionAbortedError):
+                return True
+            except OSError as error:
+                self._report(f"no connection can be accepted: {error.strerror}")
+                self._make_room(self._connections)
+                return False
+            self._begin(made, str(place[0]), protocols, tls)
+        return True
 
     @contextmanager
     def answering(self, protocol: asyncio.BaseProtocol, *, lasting: bool = False) -> Iterator[None]:
