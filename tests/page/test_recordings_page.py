@@ -41,11 +41,11 @@ def test_a_payload_is_stopped_and_watched_by_its_id(window, open_page):
         page = open_page(served.url)
         sees(page, "1 payload heard", "main")
         page.get_by_label("A payload by its id").fill("1-191")
-        page.get_by_role("button", name="Stop", exact=True).click()
+        page.get_by_role("button", name="Stop this id").click()
         orders = served.hub.hands.orders
         eventually(page, lambda: any(each.words == "stop" for each in orders.doing))
         page.get_by_label("A payload by its id").fill("1-191")
-        page.get_by_role("button", name="Watch", exact=True).click()
+        page.get_by_role("button", name="Watch this id").click()
         page.locator(".scope").first.wait_for()
         page.close()
         assert bench is not None

@@ -22,8 +22,8 @@ export function byId(page) {
     <form @submit=${(event) => submitted(page, event)}>
       <label for="by-id">A payload by its id, as 1-191, also one that is not shown</label>
       <input id="by-id" name="id" pattern=${ID} required autocomplete="off" />
-      <button type="submit" value="watch">Watch</button>
-      <button type="submit" value="stop">Stop</button>
+      <button type="submit" value="watch">Watch this id</button>
+      <button type="submit" value="stop">Stop this id</button>
     </form>
   </section>`;
 }
