@@ -51,3 +51,4 @@ class RecordingStatus:
     seconds: float = 0.0  # recorded in this session
     free_gb: float | None = None  # left on the disk
     reason: str = ""  # why it is full or broken
+    path: str = ""  # of the session folder, on the payload's disk

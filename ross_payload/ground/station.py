@@ -81,14 +81,14 @@ class Station:
         self._stack = AsyncExitStack()
 
     async def __aenter__(self) -> Self:
-        """Open the log and every link, or none."""
+        """Open every link, and the log once all of them are open, or none."""
         async with AsyncExitStack() as stack:
-            if self._folder is not None:
-                self.log = Log(self._folder, self._unix())
-                stack.push_async_callback(self.log.close)
             for link in self._links:
                 stack.push_async_callback(link.close)
                 await link.open()
+            if self._folder is not None:
+                self.log = Log(self._folder, self._unix())
+                stack.push_async_callback(self.log.close)
             for going in (self._go(), self._keep_log()):
                 stack.push_async_callback(_ended, asyncio.create_task(going))
             self._stack = stack.pop_all()

@@ -28,19 +28,20 @@ def command(context: click.Context, folder: Path | None, as_json: bool) -> None:
     """
     import json
 
+    from ross_payload.recording.catalog import described
     from ross_payload.recording.shelf import Shelf, home
 
     shelf = Shelf(folder or home())
     context.obj = shelf
     if context.invoked_subcommand is not None:
         return
-    rows = [_row(kept.path, kept.bytes, kept.running) for kept in shelf.all()]
+    rows = [described(kept) for kept in shelf.all()]
     if as_json:
-        click.echo(json.dumps(rows))
+        keys = "name", "seconds", "bytes", "state"
+        click.echo(json.dumps([{key: getattr(row, key) for key in keys} for row in rows]))
         return
     for row in rows:
-        size = f"{row['seconds']:9.1f} s {row['bytes'] / 1e6:9.1f} MB"
-        click.echo(f"{row['name']:<24} {size}  {row['state']}")
+        click.echo(f"{row.name:<24} {row.seconds:9.1f} s {row.bytes / 1e6:9.1f} MB  {row.state}")
     if not rows:
         click.echo(f"no sessions in {shelf.folder}")
 
@@ -63,6 +64,7 @@ def check(folder: Path, as_json: bool) -> None:
     import json
     from dataclasses import asdict
 
+    from ross_payload.recording.catalog import ended
     from ross_payload.recording.session import Session
 
     session = Session.open(folder)
@@ -72,7 +74,7 @@ def check(folder: Path, as_json: bool) -> None:
         return
     click.echo(
         printable(
-            f"{known.kind}, {f'looks for {known.voice}' if known.voice else 'looks for nobody'}, {_state(known.end)}"
+            f"{known.kind}, {f'looks for {known.voice}' if known.voice else 'looks for nobody'}, {ended(known.end)}"
         )
     )
     click.echo(f"{found.inputs} Inputs, {found.seconds:.2f} s, {found.orders} orders, {found.events} events")
@@ -81,19 +83,3 @@ def check(folder: Path, as_json: bool) -> None:
         click.echo(f"note: {note}")
     if not found.notes:
         click.echo("whole")
-
-
-def _row(path: Path, size: int, running: bool) -> dict[str, Any]:
-    from ross_payload.errors import ConfigError
-    from ross_payload.recording.session import Session
-
-    try:
-        session = Session.open(path)
-        seconds, state = session.audio_length() / session.rate(), _state(session.manifest.end)
-    except ConfigError as error:
-        seconds, state = 0.0, printable(str(error))
-    return {"name": path.name, "seconds": seconds, "bytes": size, "state": "recording" if running else state}
-
-
-def _state(end: str | None) -> str:
-    return "cut off" if end is None else printable(str(end))

@@ -185,7 +185,7 @@ class Recorder:
         self._disk = take
         stamp = self._stamp()
         folder = self._shelf.add(stamp)
-        self._status = RecordingStatus(RecordingState.ON, folder.name)
+        self._status = RecordingStatus(RecordingState.ON, folder.name, path=str(folder.absolute()))
         try:
             take.writer = SessionWriter(folder, begin, stamp)
         except (OSError, RossError):

@@ -132,7 +132,7 @@ class Shelf:
             self.delete(oldest)
         free = self.free()
         if free < limits.min_free_gb * GB:
-            return f"expected min_free_gb = {limits.min_free_gb:g} GB left on the disk, got {free / GB:.2f}"
+            return f"free disk space: expected min_free_gb = {limits.min_free_gb:g}, got {free / GB:.2f}"
         return ""
 
     def free(self) -> int:

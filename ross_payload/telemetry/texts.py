@@ -81,7 +81,9 @@ def recorder(before: RecordingStatus, now: RecordingStatus) -> Line | None:
         return None
     if now.state in (RecordingState.FULL, RecordingState.BROKEN):
         return Severity.WARNING, f"recording stopped: {now.reason}"
-    return Severity.INFO, f"recording {now.name}" if now.state is RecordingState.ON else "recording ended"
+    if now.state is RecordingState.ON:
+        return Severity.INFO, f"recording to {now.path}" if now.path else f"recording {now.name}"
+    return Severity.INFO, f"recorded {now.seconds:.0f} s to {now.path}" if now.path else "recording ended"
 
 
 def _who(group: GroupScore) -> str:

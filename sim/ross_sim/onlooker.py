@@ -26,6 +26,8 @@ from ross_payload.interfaces import Input
 from ross_payload.links import Links
 from ross_payload.orders import Cancel, Order, Stop
 from ross_payload.parameters import Parameters
+from ross_payload.recording.catalog import Catalog
+from ross_payload.recording.shelf import Shelf
 from ross_payload.service.runner import Observer
 from ross_payload.telemetry.service import Telemetry
 from ross_sim.clock import SimClock
@@ -136,8 +138,8 @@ class Fixed(Parameters):
 
 
 @contextmanager
-def onlooker(folder: Path | None) -> Iterator[Onlooker]:
-    """Serve the page; it plays the flights in ``folder``, too.
+def onlooker(folder: Path | None, recordings: Path | None = None) -> Iterator[Onlooker]:
+    """Serve the page; it plays the flights in ``folder``, too, and offers the sessions in ``recordings``.
 
     Raises
     ------
@@ -145,12 +147,13 @@ def onlooker(folder: Path | None) -> Iterator[Onlooker]:
         When what the page needs is not installed.
     """
     port = _free_port()
-    with _served([f"udpin:127.0.0.1:{port}"], folder) as served:
+    catalog = None if recordings is None else Catalog(Shelf(recordings))
+    with _served([f"udpin:127.0.0.1:{port}"], folder, catalog) as served:
         yield Onlooker(served.url, f"udpout:127.0.0.1:{port}", served.hub)
 
 
 @contextmanager
-def _served(urls: list[str], folder: Path | None) -> Iterator[Served]:
+def _served(urls: list[str], folder: Path | None, recordings: Catalog | None) -> Iterator[Served]:
     try:
         from ross_payload.ground.page.background import in_background  # noqa: PLC0415 - an extra
     except ModuleNotFoundError as error:
@@ -159,9 +162,9 @@ def _served(urls: list[str], folder: Path | None) -> Iterator[Served]:
         raise click.UsageError(f"--page needs aiohttp: {install_line('ground')}") from error
     with ExitStack() as stack:
         try:
-            served = stack.enter_context(in_background(urls, port=PORT, flights=folder))
+            served = stack.enter_context(in_background(urls, port=PORT, flights=folder, recordings=recordings))
         except GroundError:  # somebody else has the port
-            served = stack.enter_context(in_background(urls, flights=folder))
+            served = stack.enter_context(in_background(urls, flights=folder, recordings=recordings))
         yield served
 
 

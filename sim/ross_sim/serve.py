@@ -41,7 +41,14 @@ GROUND_STATION = "udpout:127.0.0.1:14550"  # where ground stations listen, `ross
 
 
 def serve(
-    scenario: Scenario, company: Company, view: View, *, out: OutDir | None, speed: float | None, tape: Path | None
+    scenario: Scenario,
+    company: Company,
+    view: View,
+    *,
+    out: OutDir | None,
+    speed: float | None,
+    recordings: Path,
+    always: bool,
 ) -> None:
     """Live until SIGINT or SIGTERM; nothing turns before somebody orders it.
 
@@ -51,15 +58,17 @@ def serve(
         Folder for the truth.
     speed
         Times real time; None: as fast as the computer can.
-    tape
-        Folder for recordings, which are made from start to end; None: on request, into a folder that goes with us.
+    recordings
+        Folder that keeps what is recorded.
+    always
+        Record from start to end, not only on request.
     """
-    scenario = _adapted(scenario, company, always=tape is not None)
+    scenario = _adapted(scenario, company, always=always)
     with ExitStack() as stack, threadpool_limits(limits=1):
         cast = scenario.cast(company.voices)
         far_end = far_end_of(scenario.payload)
         world = World(scenario, cast.talkers, far_end, SimClock(), scenario.payload.seed)
-        parts = _parts(scenario, company, world, far_end=far_end, tape=tape, stack=stack)
+        parts = _parts(scenario, company, world, far_end=far_end, recordings=recordings, stack=stack)
         if speed:  # somebody watches it live; else it is the same on every computer
             parts = replace(parts, computer=ComputerReader(parts.shelf.folder))
         truth = stack.enter_context(TruthWriter(out, world.rate, len(cast.talkers)))
@@ -89,7 +98,7 @@ def _adapted(scenario: Scenario, company: Company, *, always: bool) -> Scenario:
 
 
 def _parts(
-    scenario: Scenario, company: Company, world: World, *, far_end: FarEnd, tape: Path | None, stack: ExitStack
+    scenario: Scenario, company: Company, world: World, *, far_end: FarEnd, recordings: Path, stack: ExitStack
 ) -> Parts:
     config, clock = scenario.payload, world.clock
     state = Path(stack.enter_context(TemporaryDirectory(prefix="ross-sitl-")))
@@ -103,7 +112,7 @@ def _parts(
         mount=mount,
         timebase=timebase,
         parameters=stack.enter_context(Parameters(config, state / "params.toml")),
-        shelf=Shelf(tape or state / "recordings"),
+        shelf=Shelf(recordings),
         drained=drained(clock),
         voiceprint=company.voiceprint,
         state=state,

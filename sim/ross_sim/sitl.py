@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,13 +28,13 @@ def _speed(context: click.Context, parameter: click.Parameter, value: str | None
     except ValueError:
         speed = 0.0
     if not 0.01 <= speed <= 1000:
-        raise click.BadParameter(f"'{value}' is neither max nor a number of times real time (0.01 to 1000)")
+        raise click.BadParameter(f"expected max or a number of times real time (0.01 to 1000), got '{value}'")
     return speed
 
 
 def _folder(context: click.Context, parameter: click.Parameter, value: str | None) -> Path | None:
     if value == "":
-        raise click.BadParameter("wanted the name of a folder, found nothing")
+        raise click.BadParameter("expected the name of a folder, got nothing")
     return None if value is None else Path(value)
 
 
@@ -52,7 +54,7 @@ def _folder(context: click.Context, parameter: click.Parameter, value: str | Non
 @click.option("--page", is_flag=True, is_eager=True, help="Serve the ground's page until Ctrl-C.")
 @click.option("--speed", callback=_speed, help="max, or times real time; default: max, with --page 4, with --serve 1.")
 @click.option("--out", callback=_folder, help="Folder for report, audio, picture and logs.")
-@click.option("--record", callback=_folder, help="Folder to record a session in, for `ross replay`.")
+@click.option("--record", callback=_folder, help="Record from start to end, in this folder, for `ross replay`.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON, and nothing else.")
 def command(
     *,
@@ -70,10 +72,36 @@ def command(
 
     from ross_sim.onlooker import onlooker
 
-    with onlooker(out) if page else nullcontext() as looking:
+    kept = _kept(record) if serving else record
+    with onlooker(out, kept) if page else nullcontext() as looking:
         if looking is not None:
             click.echo(f"the page: {looking.url}", err=as_json)
         return _run(scenario, changes, looking, out=out, speed=speed, tape=record, serving=serving, as_json=as_json)
+
+
+def _kept(record: Path | None) -> Path:
+    """Return the folder for recordings of a served payload: they outlive it, and those of `ross run` are elsewhere."""
+    from ross_payload.recording.shelf import home
+
+    return record or home().with_name("sitl-recordings")
+
+
+@contextmanager
+def _told(folder: Path, as_json: bool) -> Iterator[None]:
+    """Say where recordings will lie, and in the end which ones were made."""
+    from ross_payload.recording.catalog import described
+    from ross_payload.recording.shelf import Shelf
+
+    shelf = Shelf(folder)
+    before = {kept.path for kept in shelf.all()}
+    if not as_json:
+        click.echo(f"recordings are kept in {folder}")
+    try:
+        yield
+    finally:
+        for kept in shelf.all():
+            if kept.path not in before:
+                click.echo(f"recorded {described(kept).seconds:.0f} s: {kept.path}", err=as_json)
 
 
 def _run(
@@ -104,13 +132,15 @@ def _run(
         chosen = linked(chosen)
         if not as_json:
             click.echo(f"MAVLink at {', '.join(link.url for link in chosen.payload.links)}", err=True)
-    with OutDir(out) if out is not None else nullcontext() as folder:
+    telling = _told(_kept(tape), as_json) if serving else nullcontext()
+    with OutDir(out) if out is not None else nullcontext() as folder, telling:
         with waiting(as_json, f"{chosen.title}: preparing the voices"):
             company = company_of(chosen, changes["speech"], changes["target"])
         view = view_of(as_json, expected(chosen))
         try:
             if serving:
-                serve(chosen, company, view, out=folder, speed=speed, tape=tape)
+                kept, always = _kept(tape), tape is not None
+                serve(chosen, company, view, out=folder, speed=speed, recordings=kept, always=always)
                 return 0
             finished = perform(chosen, company, view, folder, speed, tape=tape, page=looking)
         finally:

@@ -1,16 +1,24 @@
 """`ross sitl --serve`: a payload that lives on its sockets, for a ground station that is not ours."""
 
+import asyncio
+import io
 import json
+import os
 import signal
+import stat
 import subprocess
 import sys
 import time
+import zipfile
 from contextlib import contextmanager
+from pathlib import Path
 
+import aiohttp
 import pytest
 import soundfile
 from pymavlink import mavutil
 
+from ground_page import browser
 from ross_sim.scenario import load
 from ross_sim.serve import linked
 
@@ -84,8 +92,54 @@ def test_the_links_of_a_scenario_are_kept(short):
     assert [link.url for link in linked(load(short)).payload.links] == ["udpin:127.0.0.1:14600"]
 
 
+@contextmanager
+def page_of(scenario, home):
+    """A served payload with a page, and the address of the page."""
+    command = [sys.executable, "-u", "-m", "ross_payload.cli", "sitl", "--serve", "--page", "--scenario", str(scenario)]
+    environment = {**os.environ, "HOME": str(home)}
+    environment.pop("STATE_DIRECTORY", None)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment) as it:
+        try:
+            yield it, it.stdout.readline().split()[-1]
+        finally:
+            it.send_signal(signal.SIGINT)
+            it.said, _ = it.communicate(timeout=60)
+
+
+async def recorded(url):
+    """Record on request; return the archive that the page gives, and what it says of the recordings."""
+    async with browser(url) as one:
+        await one.next("fleet", lambda told: told["payloads"])
+        await one.say(type="order", id="1-191", order={"kind": "record", "on": True})
+        await one.next("recordings", lambda told: told["known"] and told["known"][0]["running"])
+        await asyncio.sleep(1.0)  # of sound
+        await one.say(type="order", id="1-191", order={"kind": "record", "on": False})
+        told = await one.next("recordings", lambda told: told["known"] and not told["known"][0]["running"])
+    async with aiohttp.ClientSession() as client, client.get(f"{url}recordings/0001.zip") as answer:
+        assert answer.status == 200
+        return told, await answer.read()
+
+
+def test_what_the_page_says_is_recorded_is_on_the_disk_afterwards_without_being_asked_for_at_the_start(short, tmp_path):
+    with page_of(short, tmp_path) as (payload, url):
+        told, archive = asyncio.run(recorded(url))
+    assert payload.returncode == 0, payload.said
+    folder = Path(told["folder"])
+    (known,) = told["known"]
+    session = folder / known["name"]
+    assert soundfile.info(session / "audio.wav").duration == pytest.approx(known["seconds"])
+    assert f"recordings are kept in {folder}" in payload.said
+    assert f": {session}\n" in payload.said
+    assert (stat.S_IMODE(session.stat().st_mode), stat.S_IMODE((session / "audio.wav").stat().st_mode)) == (
+        0o700,
+        0o600,
+    )
+    with zipfile.ZipFile(io.BytesIO(archive)) as held:
+        assert held.read("0001/audio.wav") == (session / "audio.wav").read_bytes()
+
+
 @pytest.mark.parametrize("speed", ["0", "fast"])
 def test_a_speed_that_is_none_is_refused(run, speed):
     code, _, err = run("sitl", "--serve", "--speed", speed, "--telemetry", "udpout:127.0.0.1:9")
     assert code == 2
-    assert "neither max nor a number" in err
+    assert "expected max or a number of times real time (0.01 to 1000), got" in err

@@ -56,9 +56,11 @@ class Log:
                 self._end(words(error))
 
     async def close(self) -> None:
-        """Write what was collected and close the file; idempotent."""
+        """Write what was collected and close the file, which goes when nothing is in it; idempotent."""
         await self.flush()
         if self._file >= 0:
+            if not os.fstat(self._file).st_size:
+                self.path.unlink(missing_ok=True)
             os.close(self._file)
             self._file = -1
 

@@ -9,16 +9,20 @@ from contextlib import contextmanager
 from pathlib import Path
 from queue import SimpleQueue
 
+from ross_payload.ground.page.faults import FaultLog
 from ross_payload.ground.page.server import Served, serve
 from ross_payload.ground.page.shelf import Flights
+from ross_payload.ground.recordings import RecordingStore
 from ross_payload.ground.station import Station
 
 Started = tuple[Served, asyncio.AbstractEventLoop, asyncio.Event]
 
 
 @contextmanager
-def in_background(urls: Sequence[str], *, port: int = 0, flights: Path | None = None) -> Iterator[Served]:
-    """Serve the page on this computer with what is heard at the URLs, and with the past flights of a folder.
+def in_background(
+    urls: Sequence[str], *, port: int = 0, flights: Path | None = None, recordings: RecordingStore | None = None
+) -> Iterator[Served]:
+    """Serve the page on this computer with what is heard at the URLs, past flights of a folder, and recordings.
 
     Raises
     ------
@@ -26,7 +30,7 @@ def in_background(urls: Sequence[str], *, port: int = 0, flights: Path | None = 
         When a URL is none, or a port is in use.
     """
     told: SimpleQueue[Started | BaseException] = SimpleQueue()
-    thread = threading.Thread(target=_run, args=(told, urls, port, flights), name="page", daemon=True)
+    thread = threading.Thread(target=_run, args=(told, urls, port, flights, recordings), name="page", daemon=True)
     thread.start()
     started = told.get()
     if isinstance(started, BaseException):
@@ -40,10 +44,17 @@ def in_background(urls: Sequence[str], *, port: int = 0, flights: Path | None = 
         thread.join()
 
 
-def _run(told: SimpleQueue[Started | BaseException], urls: Sequence[str], port: int, flights: Path | None) -> None:
+def _run(
+    told: SimpleQueue[Started | BaseException],
+    urls: Sequence[str],
+    port: int,
+    flights: Path | None,
+    recordings: RecordingStore | None,
+) -> None:
     async def serving() -> None:
         ended = asyncio.Event()
-        async with Station(urls) as station, serve(station, Flights(flights), port=port) as served:
+        asyncio.get_running_loop().set_exception_handler(FaultLog().of_loop)
+        async with Station(urls) as station, serve(station, Flights(flights), recordings, port=port) as served:
             told.put((served, asyncio.get_running_loop(), ended))
             await ended.wait()
 

@@ -14,6 +14,7 @@ from ross_payload.ground.page.hub import Hub
 from ross_payload.ground.page.requests import hear
 from ross_payload.ground.page.session import Session
 from ross_payload.ground.picture.known import Who
+from ross_payload.ground.recordings import described
 
 GATHER = 0.015  # [s] that a change waits for those which come with it
 PERIOD = 0.05  # [s] between two messages to one browser
@@ -31,9 +32,10 @@ class Browsers:
 
     def __init__(self, hub: Hub) -> None:
         self.hub = hub
-        hub.wake = self.wake
+        hub.wake, hub.watched = self.wake, self.watched
         self.sessions: dict[str, Session] = {}
         self._flights: list[dict[str, Any]] = []
+        self._recordings: dict[str, Any] | None = None  # None: nobody offers any
         self._sockets: set[web.WebSocketResponse] = set()
 
     def wake(self, who: Who | None) -> None:
@@ -41,6 +43,10 @@ class Browsers:
         for session in self.sessions.values():
             if who is None or session.watched == who:
                 session.wake.set()
+
+    def watched(self) -> list[Who]:
+        """Return the payloads that are watched."""
+        return [session.watched for session in self.sessions.values() if session.watched is not None]
 
     async def serve(self, request: web.Request) -> web.StreamResponse:
         """Talk with one browser until it goes."""
@@ -67,8 +73,18 @@ class Browsers:
         known = await asyncio.to_thread(self.hub.flights.known)
         if known != self._flights:
             self._flights = known
-            for session in self.sessions.values():
-                session.tell({"type": "flights", "known": known})
+            self._tell({"type": "flights", "known": known})
+
+    async def look_at_recordings(self) -> None:
+        """Look which recordings there are; tell all browsers when that has changed."""
+        store = self.hub.recordings
+        if store is not None and (told := await asyncio.to_thread(described, store)) != self._recordings:
+            self._recordings = told
+            self._tell({"type": "recordings", **told})
+
+    def _tell(self, message: dict[str, Any]) -> None:
+        for session in self.sessions.values():
+            session.tell(message)
 
     async def close(self) -> None:
         """Tell all browsers that the page ends."""
@@ -82,6 +98,8 @@ class Browsers:
         self.hub.control.came(browser)
         session = self.sessions[browser] = Session(self.hub, browser, _name(request))
         session.tell({"type": "flights", "known": self._flights})
+        if self._recordings is not None:
+            session.tell({"type": "recordings", **self._recordings})
         return session
 
     def _new_id(self) -> str:

@@ -18,7 +18,7 @@ EPILOG = "Exit codes: 0 ended by hand, 2 bad input."
 @click.command("ground", short_help="A page to watch and command payloads.", epilog=EPILOG)
 @click.argument("urls", metavar="[URL]...", nargs=-1)
 @click.option("--port", type=click.IntRange(0, 65535), default=PORT, show_default=True, help="0: a free one.")
-@click.option("--host", default="127.0.0.1", show_default=True, help="Elsewhere than here a token is wanted.")
+@click.option("--host", default="127.0.0.1", show_default=True, help="Others than 127.0.0.1 need a token.")
 @click.option("--token-file", type=click.Path(path_type=Path), help="File with the token, mode 0600; else one is made.")
 @click.option("--certificate", type=click.Path(path_type=Path), help="PEM file, for TLS.")
 @click.option("--key", type=click.Path(path_type=Path), help="PEM file with the certificate's private key.")

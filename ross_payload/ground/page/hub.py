@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from ross_payload.ground.page.control import Control
@@ -14,6 +14,7 @@ from ross_payload.ground.page.places import Places
 from ross_payload.ground.page.shelf import Flights
 from ross_payload.ground.picture.fleet import Fleet
 from ross_payload.ground.picture.known import Who
+from ross_payload.ground.recordings import RecordingStore
 from ross_protocols.codec import Packet
 
 if TYPE_CHECKING:
@@ -56,8 +57,8 @@ class Silence:
 class Hub:
     """One per process; ``wake`` is called when those who watch a payload, or all, may have something to get."""
 
-    def __init__(self, station: Station | Silence, flights: Flights) -> None:
-        self.station, self.flights = station, flights
+    def __init__(self, station: Station | Silence, flights: Flights, recordings: RecordingStore | None = None) -> None:
+        self.station, self.flights, self.recordings = station, flights, recordings
         self.live = not isinstance(station, Silence)
         self.hands = Hands(station)
         self.control = Control()
@@ -65,6 +66,7 @@ class Hub:
         self.tiles: Tiles | None = None  # of a map that the user gave
         self.over = ""  # why no payload is heard any more, as a sentence: its simulation has ended
         self.wake: Callable[[Who | None], None] = lambda who: None
+        self.watched: Callable[[], Iterable[Who]] = tuple  # by browsers
         self.fleet_text, self.fleet_version = "", 0
         self._pictures: dict[Who, Picture] = {}
         self._told: Any = None  # what of the fleet is told at once when it changes
@@ -95,6 +97,8 @@ class Hub:
         now = self.station.now()
         self.hands.tick(now)
         self.control.tick(now)
+        commanded = (each.who for each in self.hands.orders.doing)
+        self.station.fleet.pinned = frozenset((*self.watched(), *self.places.typed, *commanded))
         told = at_once(self)
         if told != self._told or now - self._told_at >= FLEET_PERIOD:
             self._told, self._told_at = told, now

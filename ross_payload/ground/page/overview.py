@@ -31,10 +31,12 @@ def overview(hub: Hub, now: float) -> dict[str, Any]:
     """Return the message of type ``fleet``."""
     fleet = hub.station.fleet
     places = {who: place for who in fleet.payloads if (place := hub.places.of(who, fleet, now))}
+    hidden, steadiest = fleet.hidden(now)
     return {
         "type": "fleet",
         "now": now,
         "payloads": [_row(each, places.get(each.who)) for each in fleet.payloads.values()],
+        "hidden": {"count": hidden, "ids": [str(who) for who in steadiest]},
         "links": [_link(each) for each in hub.station.links()],
         "fixes": fixes(fleet.payloads, places, now),
         "bearings": [_ray(each) for each in bearings(fleet.payloads, places, now)],

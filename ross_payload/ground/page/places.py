@@ -71,5 +71,5 @@ def number(message: dict[str, Any], name: str, least: float, most: float) -> flo
     """
     found = message.get(name)
     if isinstance(found, bool) or not isinstance(found, int | float) or not least <= found <= most:
-        raise ValueError(f"{name}: {str(found)[:20]} found, a number from {least:g} to {most:g} wanted")
+        raise ValueError(f"{name}: expected a number from {least:g} to {most:g}, got {str(found)[:20]}")
     return float(found)

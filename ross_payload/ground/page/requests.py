@@ -23,11 +23,11 @@ def hear(session: Session, text: str) -> None:
     try:
         message = json.loads(text)
         if not isinstance(message, dict):
-            raise ValueError(f"{text[:40]} found, an object with a type wanted")
+            raise ValueError(f"expected an object with a type, got {text[:40]}")
         what = _name(message)
         kind = str(message.get("type"))[:40]
         if kind not in REQUESTS:
-            raise ValueError(f"type {kind} found, one of {', '.join(REQUESTS)} wanted")
+            raise ValueError(f"type: expected one of {', '.join(REQUESTS)}, got {kind}")
         REQUESTS[kind](session, message)
     except (ValueError, OverflowError, RecursionError) as error:
         session.refuse(what, str(error))
@@ -44,7 +44,7 @@ def _order(session: Session, message: Message) -> None:
     """Pass an order on; a stop is anybody's, and for whoever was not heard yet, too."""
     wanted = message.get("order")
     if not isinstance(wanted, dict):
-        raise ValueError(f"order {str(wanted)[:40]} found, an object with a kind wanted")
+        raise ValueError(f"order: expected an object with a kind, got {str(wanted)[:40]}")
     order, orders = order_of(wanted), session.hub.hands.orders
     who = _live(session, message) if isinstance(order, Stop) else _known(session, message)
     by_number = isinstance(order, Cancel) and "number" in wanted
@@ -60,7 +60,7 @@ def _order(session: Session, message: Message) -> None:
 
 def _number_of(orders: Orders, who: Who, number: Any) -> int:
     if not any(each.number == number and each.who == who for each in orders.doing):
-        raise ValueError(f"number {str(number)[:20]} found, that of an order to {who} wanted")
+        raise ValueError(f"number: expected that of an order to {who}, got {str(number)[:20]}")
     return int(number)
 
 
@@ -69,7 +69,7 @@ def _set(session: Session, message: Message) -> None:
     who, name, value = _known(session, message), message.get("name"), message.get("value")
     settings = session.hub.hands.settings(who)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{str(name)[:40]}: {str(value)[:40]} found, a number wanted")
+        raise ValueError(f"{str(name)[:40]}: expected a number, got {str(value)[:40]}")
     _hold(session)
     settings.set(str(name), float(value))
     session.hub.tick()
@@ -84,7 +84,7 @@ def _flight(session: Session, message: Message) -> None:
     """Open, close or move a playback."""
     name = message.get("slot")
     if name not in SLOTS:
-        raise ValueError(f"slot {str(name)[:20]} found, one of {', '.join(SLOTS)} wanted")
+        raise ValueError(f"slot: expected one of {', '.join(SLOTS)}, got {str(name)[:20]}")
     if "open" in message:
         session.open_flight(name, str(message["open"]))
         return
@@ -102,7 +102,7 @@ def _flight(session: Session, message: Message) -> None:
     elif isinstance(message.get("play"), bool):
         slot.wish(play=message["play"])
     else:
-        raise ValueError("nothing found, one of open, close, seek, play, speed, watch wanted")
+        raise ValueError("flight: expected one of open, close, seek, play, speed, watch, got none of them")
 
 
 def _hold(session: Session) -> None:
@@ -115,7 +115,7 @@ def _hold(session: Session) -> None:
     """
     control = session.hub.control
     if not control.may_order(session.id, session.name):
-        raise ValueError(f"{control.name} has control: take it first")
+        raise ValueError(f"{control.name} has control: take control first")
 
 
 def _watch(session: Session, message: Message) -> None:
@@ -152,7 +152,7 @@ def _live(session: Session, message: Message) -> Who:
 def _known(session: Session, message: Message) -> Who:
     who = _live(session, message)
     if who not in session.hub.station.fleet.payloads:
-        raise ValueError(f"payload {who} was not heard of")
+        raise ValueError(f"id: expected a payload that is heard, got {who}")
     return who
 
 

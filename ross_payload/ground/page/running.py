@@ -14,8 +14,10 @@ import click
 
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.links.keys import read_key
+from ross_payload.ground.page.connections import raise_descriptor_limit
+from ross_payload.ground.page.faults import FaultLog
 from ross_payload.ground.page.security import is_loopback, new_token, read_token
-from ross_payload.ground.page.server import Served, serve
+from ross_payload.ground.page.server import Served, bound, serve
 from ross_payload.ground.page.shelf import Flights
 from ross_payload.ground.page.tiles import Tiles
 from ross_payload.ground.page.tls import out_of_date, tls_of
@@ -55,7 +57,7 @@ def run(wanted: Wanted) -> None:
     if tls is not None and wanted.certificate is not None and (why := out_of_date(tls, wanted.certificate)):
         _warn(f"the certificate {wanted.certificate} {why}: browsers will not trust it")
     if wanted.flights is not None and wanted.flights != wanted.log and not wanted.flights.is_dir():
-        raise GroundError(f"--flights {wanted.flights}: no such folder")
+        raise GroundError(f"--flights {wanted.flights}: expected a folder, got none of that name")
     with nullcontext() if wanted.map is None else Tiles(wanted.map) as tiles:
         asyncio.run(_run(wanted, _token(wanted), tls, tiles))
 
@@ -67,19 +69,22 @@ def _token(wanted: Wanted) -> str | None:
 
 
 async def _run(wanted: Wanted, token: str | None, tls: ssl.SSLContext | None, tiles: Tiles | None) -> None:
-    ended = asyncio.Event()
+    ended, loop = asyncio.Event(), asyncio.get_running_loop()
+    loop.set_exception_handler(FaultLog().of_loop)
+    raise_descriptor_limit()
     for number in (signal.SIGINT, signal.SIGTERM):
-        asyncio.get_running_loop().add_signal_handler(number, ended.set)
+        loop.add_signal_handler(number, ended.set)
     key = None if wanted.mavlink_key is None else read_key(wanted.mavlink_key)
     flights = Flights(wanted.flights)
-    async with (
-        Station(wanted.urls, system_id=wanted.system_id, key=key, log=wanted.log) as station,
-        serve(station, flights, host=wanted.host, port=wanted.port, token=token, tls=tls, tiles=tiles) as served,
-    ):
-        _announce(served, wanted, token)
-        advising = asyncio.create_task(_advise(station))
-        await ended.wait()
-        advising.cancel()
+    with bound(wanted.host, wanted.port) as listener:  # first of all: a second ground must not leave an empty log
+        async with (
+            Station(wanted.urls, system_id=wanted.system_id, key=key, log=wanted.log) as station,
+            serve(station, flights, host=wanted.host, token=token, tls=tls, listener=listener, tiles=tiles) as served,
+        ):
+            _announce(served, wanted, token)
+            advising = asyncio.create_task(_advise(station))
+            await ended.wait()
+            advising.cancel()
 
 
 def _announce(served: Served, wanted: Wanted, token: str | None) -> None:

@@ -53,11 +53,13 @@ def read_token(path: Path) -> str:
         token = path.read_text("utf-8").strip()
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "not a text"
-        raise GroundError(f"{path}: {why}; wanted a file with a token") from error
+        raise GroundError(f"{path}: {why}; expected a file with a token") from error
     if mode & 0o077:
-        raise GroundError(f"{path}: mode {mode:04o} found, 0600 wanted: chmod 600 {path}")
+        raise GroundError(f"{path}: expected mode 0600, got {mode:04o}: chmod 600 {path}")
     if len(token) < SHORTEST or not token.isascii() or not token.isprintable():
-        raise GroundError(f"{path}: {len(token)} characters found, a token of at least {SHORTEST} in ASCII wanted")
+        raise GroundError(
+            f"{path}: expected a token of at least {SHORTEST} ASCII characters, got {len(token)} characters"
+        )
     return token
 
 
@@ -71,8 +73,13 @@ def origin_fits(origin: str | None, host: str) -> bool:
 
     >>> origin_fits("http://127.0.0.1:8765", "127.0.0.1:8765"), origin_fits("http://evil.example", "127.0.0.1:8765")
     (True, False)
+    >>> origin_fits("http://[", "127.0.0.1:8765")
+    False
     """
-    return origin is None or urlsplit(origin).netloc == host
+    try:
+        return origin is None or urlsplit(origin).netloc == host
+    except ValueError:
+        return False
 
 
 def host_fits(host: str) -> bool:
@@ -85,6 +92,15 @@ def host_fits(host: str) -> bool:
         return is_loopback(urlsplit(f"//{host}").hostname or "")
     except ValueError:
         return False
+
+
+def shown(text: str) -> str:
+    r"""Return what a stranger has sent as it can stand in an answer of one line.
+
+    >>> shown("evil\r\n\udcff")
+    'evil\\r\\n\\udcff'
+    """
+    return ascii(text)[1:-1][:80]
 
 
 @dataclass(slots=True)
@@ -101,7 +117,7 @@ class Gate:
 
     def lets_in(self, cookie: str) -> bool:
         """Whether a request with this cookie may pass."""
-        return self.token is None or hmac.compare_digest(cookie.encode(), self.cookie.encode())
+        return self.token is None or hmac.compare_digest(cookie.encode("utf-8", "replace"), self.cookie.encode())
 
     def waits(self, address: str, now: float) -> float:
         """Return how long [s] an address has to wait before its next try."""
@@ -112,7 +128,7 @@ class Gate:
         """Whether a token is right; wrong ones are counted, and a right one is none while its address waits."""
         if self.waits(address, now) or self.token is None:
             return False
-        if hmac.compare_digest(token.encode(), self.token.encode()):
+        if hmac.compare_digest(token.encode("utf-8", "replace"), self.token.encode()):
             self.wrong.pop(address, None)
             return True
         times, latest = self.wrong.pop(address, (0, now))

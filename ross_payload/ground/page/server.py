@@ -16,11 +16,13 @@ from aiohttp import web
 
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.page.browsers import Browsers
-from ross_payload.ground.page.faults import report
+from ross_payload.ground.page.connections import HEADER_TIMEOUT, Connections
+from ross_payload.ground.page.faults import FaultLog, report
 from ross_payload.ground.page.hub import Hub, Silence
 from ross_payload.ground.page.security import Gate, is_loopback
 from ross_payload.ground.page.shelf import Flights
-from ross_payload.ground.page.site import application
+from ross_payload.ground.page.site import application, tolerant
+from ross_payload.ground.recordings import RecordingStore
 
 if TYPE_CHECKING:
     from ross_payload.ground.page.tiles import Tiles
@@ -28,7 +30,9 @@ if TYPE_CHECKING:
 
 TICK = 0.1  # [s]
 LOOK = 10.0  # [s] between two looks at the folder of flights
+RECORDINGS_PERIOD = 2.0  # [s] between two looks at the recordings
 SEND_BUFFER = 65536  # [bytes] of the system, per browser: what a slow one has not got must not be old
+LINGERING = 1.0  # [s] for which the rest of a request is read that was answered before its end
 TELLING = 0.3  # [s] for browsers to hear that the page ends
 
 
@@ -44,14 +48,19 @@ class Served:
 async def serve(
     station: Station | None,
     flights: Flights | None = None,
+    recordings: RecordingStore | None = None,
     *,
     host: str = "127.0.0.1",
     port: int = 0,
     token: str | None = None,
     tls: ssl.SSLContext | None = None,
+    listener: socket.socket | None = None,
     tiles: Tiles | None = None,
 ) -> AsyncIterator[Served]:
     """Serve the page; without a station it plays past flights only. Port 0: a free one.
+
+    ``recordings`` are those of this computer: they are offered for download, to whoever may open the page. ``listener``
+    is bound to ``host`` already, else one is bound here.
 
     Raises
     ------
@@ -59,22 +68,33 @@ async def serve(
         When the port cannot be had, or others could reach the page without a token.
     """
     if token is None and not is_loopback(host):
-        raise GroundError(f"host {host}: others reach it, a token wanted")
-    with bound(host, port) as listener, flights or Flights(None) as shelf:
-        browsers = Browsers(Hub(station or Silence(), shelf))
+        raise GroundError(f"--host {host}: others reach it: expected a token, got none")
+    with listener or bound(host, port) as listening, flights or Flights(None) as shelf:
+        browsers, connections = Browsers(Hub(station or Silence(), shelf, recordings)), Connections()
         browsers.hub.tiles = tiles
-        async with _working(browsers), _site(browsers, Gate(token), is_loopback(host)) as runner:
-            await web.SockSite(runner, listener, ssl_context=tls).start()
-            yield Served(_url(host, listener.getsockname()[1], tls is not None), browsers.hub)
+        site = application(browsers, Gate(token), connections, loopback=is_loopback(host))
+        async with _working(browsers), _protocols(site) as protocols:
+            with connections.accepted(listening, protocols, tls):
+                yield Served(_url(host, listening.getsockname()[1], tls is not None), browsers.hub)
 
 
 @asynccontextmanager
-async def _site(browsers: Browsers, gate: Gate, loopback: bool) -> AsyncIterator[web.AppRunner]:
-    site = application(browsers, gate, loopback=loopback)
-    runner = web.AppRunner(site, access_log=None, shutdown_timeout=TELLING)
+async def _protocols(site: web.Application) -> AsyncIterator[web.Server]:
+    """Give what makes the protocol of every connection."""
+    runner = web.AppRunner(
+        site,
+        access_log=None,
+        shutdown_timeout=TELLING,
+        keepalive_timeout=HEADER_TIMEOUT,
+        lingering_time=LINGERING,
+        logger=FaultLog().logger(),
+    )
     await runner.setup()
+    if runner.server is None:
+        raise RuntimeError("the web server did not begin")
+    runner.server.request_handler = tolerant(runner.server.request_handler)
     try:
-        yield runner
+        yield runner.server
     finally:
         await runner.cleanup()
 
@@ -82,7 +102,11 @@ async def _site(browsers: Browsers, gate: Gate, loopback: bool) -> AsyncIterator
 @asynccontextmanager
 async def _working(browsers: Browsers) -> AsyncIterator[None]:
     """Do what comes again and again, until the end."""
-    works = _every(TICK, partial(_tick, browsers)), _every(LOOK, browsers.look)
+    works = (
+        _every(TICK, partial(_tick, browsers)),
+        _every(LOOK, browsers.look),
+        _every(RECORDINGS_PERIOD, browsers.look_at_recordings),
+    )
     tasks = [asyncio.create_task(each) for each in works]
     try:
         yield
@@ -104,7 +128,7 @@ def bound(host: str, port: int) -> socket.socket:
     try:
         (family, _, _, _, address), *_ = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
     except OSError as error:
-        raise GroundError(f"--host {host}: {error.strerror}; wanted an address of this computer") from error
+        raise GroundError(f"--host {host}: expected an address of this computer, got: {error.strerror}") from error
     listener = socket.socket(family, socket.SOCK_STREAM)
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -118,9 +142,9 @@ def bound(host: str, port: int) -> socket.socket:
 
 def _why(host: str, port: int, error: OSError) -> str:
     if error.errno == errno.EADDRINUSE:
-        return f"port {port} is taken: wanted a free one, --port 0 takes any"
+        return f"--port {port}: expected a free one, got one that is taken; --port 0 takes any"
     if error.errno == errno.EADDRNOTAVAIL:
-        return f"--host {host}: not an address of this computer"
+        return f"--host {host}: expected an address of this computer"
     return f"{host}:{port}: {error.strerror}"
 
 

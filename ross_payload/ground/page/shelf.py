@@ -90,7 +90,7 @@ class Flights:
             When it is too large, no telemetry log, or one too many.
         """
         if not name.lower().endswith(SUFFIX):
-            raise Refused(415, f"{name[:80] or 'no name'} found, a telemetry log ({SUFFIX}) wanted")
+            raise Refused(415, f"name: expected that of a telemetry log ({SUFFIX}), got {name[:80] or 'none'}")
         path = self._place(name)
         part = path.with_name(f"{path.name}{PART}")
         try:
@@ -173,7 +173,7 @@ async def _write(path: Path, chunks: AsyncIterator[bytes]) -> None:
             async for chunk in chunks:
                 size += len(chunk)
                 if size > LARGEST:
-                    raise Refused(413, f"more than {LARGEST >> 20} MB found, less wanted")
+                    raise Refused(413, f"expected at most {LARGEST >> 20} MB, got more")
                 file.write(chunk)
     except OSError as error:
         raise Refused(507, f"it cannot be kept: {error.strerror}") from error

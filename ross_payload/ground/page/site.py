@@ -4,22 +4,31 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+from collections.abc import AsyncIterator, Awaitable, Callable
 
-from aiohttp import web
+from aiohttp import ClientPayloadError, web
+from aiohttp.http_exceptions import HttpProcessingError
 
+from ross_payload.ground.page import recordings
 from ross_payload.ground.page.assets import Asset, asset
 from ross_payload.ground.page.browsers import Browsers
+from ross_payload.ground.page.connections import Connections
+from ross_payload.ground.page.faults import report
 from ross_payload.ground.page.login import guard
-from ross_payload.ground.page.security import HEADERS, Gate
+from ross_payload.ground.page.security import HEADERS, Gate, shown
 from ross_payload.ground.page.shelf import Refused
+from ross_payload.ground.recordings import RecordingStore
+
+Handle = Callable[[web.BaseRequest], Awaitable[web.StreamResponse]]
 
 CHUNK = 65536  # [bytes]
 LARGEST = 65536  # [bytes] of a form
+STALL = 30.0  # [s] without a byte of a flight that is brought
 
 
-def application(browsers: Browsers, gate: Gate, *, loopback: bool) -> web.Application:
+def application(browsers: Browsers, gate: Gate, connections: Connections, *, loopback: bool) -> web.Application:
     """Return the site of some browsers, behind a gate."""
-    app = web.Application(middlewares=[guard(gate, loopback=loopback)], client_max_size=LARGEST)
+    app = web.Application(middlewares=[guard(gate, connections, loopback=loopback)], client_max_size=LARGEST)
 
     async def bring(request: web.Request) -> web.Response:
         return await _bring(browsers, request)
@@ -35,13 +44,54 @@ def application(browsers: Browsers, gate: Gate, *, loopback: bool) -> web.Applic
     app.router.add_get("/live", browsers.serve)
     app.router.add_post("/flights", bring)
     app.router.add_get(r"/tiles/{zoom:\d{1,2}}/{column:\d{1,10}}/{row:\d{1,10}}", tile)
+    _add_recordings(app, browsers.hub.recordings)
     app.on_response_prepare.append(_protect)
     app.on_shutdown.append(ends)
     return app
 
 
+def _add_recordings(app: web.Application, store: RecordingStore | None) -> None:
+    async def every(_: web.Request) -> web.StreamResponse:
+        return await recordings.listed(store)
+
+    async def archive(request: web.Request) -> web.StreamResponse:
+        return await recordings.archive(store, request.match_info["name"], request)
+
+    async def file(request: web.Request) -> web.StreamResponse:
+        return await recordings.one_file(store, request.match_info["name"], request.match_info["file"])
+
+    async def delete(request: web.Request) -> web.StreamResponse:
+        return await recordings.deleted(store, request.match_info["name"])
+
+    app.router.add_get("/recordings", every)
+    app.router.add_get("/recordings/{name}.zip", archive)
+    app.router.add_get("/recordings/{name}/{file}", file)
+    app.router.add_delete("/recordings/{name}", delete)
+
+
+def tolerant(handle: Handle) -> Handle:
+    """Wrap what answers requests: what cannot be read is the client's mistake, and a fault of ours is one line.
+
+    A middleware would be too late: aiohttp looks at some headers before it calls any.
+    """
+
+    async def handled(request: web.BaseRequest) -> web.StreamResponse:
+        try:
+            return await handle(request)
+        except (web.HTTPException, ConnectionError):
+            raise
+        except (web.RequestPayloadError, HttpProcessingError, ClientPayloadError, UnicodeError) as error:
+            raise web.HTTPBadRequest(text=f"request: {shown(str(error))}\n") from error
+        except Exception as error:
+            report(error)
+            raise web.HTTPInternalServerError(text="a fault of the page: the terminal says which\n") from error
+
+    return handled
+
+
 async def _protect(request: web.Request, response: web.StreamResponse) -> None:
-    response.headers.update(HEADERS)
+    for name, value in HEADERS.items():
+        response.headers.setdefault(name, value)
 
 
 async def _page(request: web.Request) -> web.Response:
@@ -82,8 +132,21 @@ async def _bring(browsers: Browsers, request: web.Request) -> web.Response:
     """Take a flight as the raw body."""
     flights = browsers.hub.flights
     try:
-        name = await flights.take(request.query.get("name", ""), request.content.iter_chunked(CHUNK))
+        name = await flights.take(request.query.get("name", ""), _chunks(request))
     except Refused as error:
         return web.json_response({"error": error.message}, status=error.status)
     await browsers.look()
     return web.json_response({"name": name})
+
+
+async def _chunks(request: web.Request) -> AsyncIterator[bytes]:
+    """Yield a body as it comes; whoever sends nothing for long is told so."""
+    while True:
+        try:
+            async with asyncio.timeout(STALL):
+                chunk = await request.content.read(CHUNK)
+        except TimeoutError as error:
+            raise Refused(408, f"nothing came for {STALL:.0f} s") from error
+        if not chunk:
+            return
+        yield chunk

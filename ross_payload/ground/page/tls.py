@@ -20,11 +20,11 @@ def tls_of(certificate: Path | None, key: Path | None) -> ssl.SSLContext | None:
     """
     if certificate is None:
         if key is not None:
-            raise GroundError("--key without --certificate: wanted both, or none")
+            raise GroundError("--key: expected --certificate with it, got none")
         return None
     for name, path in (("--certificate", certificate), ("--key", key or certificate)):
         if not path.is_file():
-            raise GroundError(f"{name} {path}: no such file; wanted one in PEM")
+            raise GroundError(f"{name} {path}: expected a PEM file, got none of that name")
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     try:
         context.load_cert_chain(certificate, key, password="")
@@ -54,7 +54,7 @@ def out_of_date(context: ssl.SSLContext, certificate: Path) -> str:
 def _why(certificate: Path, key: Path, error: OSError) -> str:
     reason = getattr(error, "reason", "") or ""
     if reason == "KEY_VALUES_MISMATCH":
-        return f"--key {key}: the key of another certificate, wanted that of {certificate}"
+        return f"--key {key}: expected the key of {certificate}, got that of another certificate"
     if isinstance(error, PermissionError):
         return f"{error.filename or key}: may not be read by this user"
-    return f"--certificate {certificate}, --key {key}: not a certificate and its key in PEM, without a password"
+    return f"--certificate {certificate}, --key {key}: expected a certificate and its key in PEM, without a password"

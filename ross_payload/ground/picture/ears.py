@@ -13,6 +13,38 @@ NEAR = 32  # frames missing in a row are lost; more are the numbers of another l
 WAYS = 4  # links that one component may be heard on, each with numbers of its own
 BACKWARD = 1.0  # [s] by which a payload's time goes back when it has started anew
 TWIN_SPAN, TWIN_TIMES = 10.0, 3  # so many steps back within so many seconds [s] are two payloads, not restarts
+SPAN = 60  # seconds for which it is remembered in which of them somebody was heard
+_ALL = (1 << SPAN) - 1
+
+
+@dataclass(slots=True)
+class Presence:
+    """In which of the last seconds a component was heard.
+
+    >>> presence = Presence()
+    >>> [presence.heard(at) for at in (5.0, 5.9, 6.1, 20.0)]
+    [True, False, True, True]
+    >>> presence.seconds(20.0), presence.seconds(70.0), presence.seconds(90.0)
+    (3, 1, 0)
+    """
+
+    _latest: int = 0  # second
+    _heard: int = 0  # one bit for each second, the latest one lowest
+
+    def heard(self, at: float) -> bool:
+        """Learn that it is heard at a time [s]; return whether it is the first time in that second."""
+        second = int(at)
+        if self._heard and second <= self._latest:
+            return False
+        self._heard, self._latest = self._shifted(second) | 1, second
+        return True
+
+    def seconds(self, now: float) -> int:
+        """Return in how many of the last `SPAN` seconds it was heard."""
+        return self._shifted(int(now)).bit_count()
+
+    def _shifted(self, second: int) -> int:
+        return self._heard << min(max(second - self._latest, 0), SPAN) & _ALL
 
 
 @dataclass(slots=True)
@@ -25,6 +57,7 @@ class Ear:
     backs: deque[float] = field(default_factory=lambda: deque(maxlen=TWIN_TIMES))  # when its time went back [s]
     twin_at: float = -1e9  # when two senders of its id were noticed last [s]
     texts: Texts = field(default_factory=Texts)
+    presence: Presence = field(default_factory=Presence)
 
     def copy(self) -> Ear:
         """Return another one that remembers the same."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from heapq import nlargest
 from typing import Any
 
-from ross_payload.ground.picture.ears import TWIN_SPAN, Ear
+from ross_payload.ground.picture.ears import SPAN, TWIN_SPAN, Ear, Presence
 from ross_payload.ground.picture.known import Counts, Payload, Who, twins
 from ross_payload.ground.picture.learning import flawed, hear_computer, hear_text, is_sane, learn, restarted
 from ross_protocols.codec import Packet
@@ -16,7 +17,8 @@ from ross_protocols.vehicle import Position, position_of
 
 MOST_PAYLOADS = 64
 AUTOPILOT = 1  # component id
-GONE = 60.0  # [s] of silence, after which a payload makes room for another one
+GONE = float(SPAN)  # [s] of silence, after which a payload makes room for another one
+STEADIER = 2  # seconds more of the last `SPAN` in which one must have been heard to take the place of another
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +33,9 @@ class Vehicle:
 class Fleet:
     """Payloads by `Who`, and vehicles by system id; a payload enters when it says something of our dialect or a mirror.
 
+    At most `MOST_PAYLOADS` are known at once: those that are ``pinned`` and those that are heard most steadily, so that
+    no flood of made-up ids hides a payload. The rest is counted.
+
     >>> from ross_protocols.codec import Decoder, Encoder
     >>> from ross_protocols.values import Audio
     >>> fleet = Fleet()
@@ -43,13 +48,15 @@ class Fleet:
     def __init__(self) -> None:
         self.payloads: dict[Who, Payload] = {}
         self.vehicles: dict[int, Vehicle] = {}
-        self.refused = 0  # payloads beyond `MOST_PAYLOADS`
+        self.pinned: frozenset[Who] = frozenset()  # who is watched or commanded: they have a place before all others
+        self._hidden: dict[Who, Presence] = {}  # who has no place, the latest to be heard last
         self._ears: dict[Who, Ear] = {}
 
     def copy(self) -> Fleet:
         """Return another fleet that knows the same; what either hears next is not the other's business."""
         other = Fleet()
-        other.payloads, other.vehicles, other.refused = dict(self.payloads), dict(self.vehicles), self.refused
+        other.payloads, other.vehicles, other.pinned = dict(self.payloads), dict(self.vehicles), self.pinned
+        other._hidden = {who: replace(presence) for who, presence in self._hidden.items()}
         other._ears = {who: ear.copy() for who, ear in self._ears.items()}
         return other
 
@@ -73,22 +80,39 @@ class Fleet:
             self._ears[who].twin_at = at
             self.payloads[who] = self._doubled(self.payloads[who])
 
+    def hidden(self, now: float, most: int = 8) -> tuple[int, list[Who]]:
+        """Return how many were heard within `GONE` and have no place, and the steadiest of them."""
+        while self._hidden and not self._hidden[oldest := next(iter(self._hidden))].seconds(now):
+            del self._hidden[oldest]
+        return len(self._hidden), nlargest(most, self._hidden, key=lambda who: self._hidden[who].seconds(now))
+
     def _known(self, who: Who, told: Packet, at: float) -> Payload | None:
         known = self.payloads.get(who)
+        if known is not None:
+            self._ears[who].presence.heard(at)
         if known is not None or not _is_ours(told):
             return known
-        if len(self.payloads) >= MOST_PAYLOADS and not self._make_room(at):
-            self.refused += 1
+        presence = self._hidden.pop(who, None) or Presence()
+        fresh = presence.heard(at)
+        if len(self.payloads) >= MOST_PAYLOADS and not (fresh and self._make_room(who, presence.seconds(at), at)):
+            self._hidden[who] = presence
             return None
-        self._ears[who] = Ear()
+        self._ears[who] = Ear(presence=presence)
         return Payload(who, at, at)
 
-    def _make_room(self, at: float) -> bool:
-        """Forget whoever was not heard for longest, if that is long."""
-        oldest = min(self.payloads.values(), key=lambda known: known.last)
-        if at - oldest.last < GONE:
+    def _make_room(self, who: Who, seconds: int, at: float) -> bool:
+        """Take the place of the least steady one for another, who was heard in so many seconds, if that is fair."""
+        others = [each for each in self.payloads if each not in self.pinned]
+        ranks = {each: (self._ears[each].presence.seconds(at), self.payloads[each].last) for each in others}
+        least = min(others, key=ranks.__getitem__, default=None)
+        if least is None:
             return False
-        del self.payloads[oldest.who], self._ears[oldest.who]
+        silent = at - self.payloads[least].last >= GONE
+        if not (silent or who in self.pinned or seconds >= ranks[least][0] + STEADIER):
+            return False
+        if not silent:
+            self._hidden[least] = self._ears[least].presence
+        del self.payloads[least], self._ears[least]
         return True
 
     def _counted(self, known: Payload, packet: Packet, *, tunnelled: bool) -> Payload:

@@ -49,7 +49,7 @@ def heard_all(flight, at):
 
 
 def known(fleet):
-    return fleet.payloads, fleet.vehicles, fleet.refused
+    return fleet.payloads, fleet.vehicles, fleet.hidden(0.0)
 
 
 SHARES = st.floats(0.0, 1.0)

@@ -9,7 +9,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from urllib.request import urlopen
 
 import pytest
@@ -24,11 +24,12 @@ BEGIN = r"ross ground: (http\S+)  \(Ctrl-C ends it\)\n"
 
 
 @contextmanager
-def ground(*words):
-    """Start it, with a free port and a link of its own; yield the process and the page's address."""
+def ground(*words, descriptors=None):
+    """Start it, with a free port; yield the process and the page's address. ``descriptors``: soft and hard limit."""
     env = os.environ | {"PYTHONUNBUFFERED": "1"}
+    limited = [] if descriptors is None else ["prlimit", "--nofile={}:{}".format(*descriptors)]
     process = subprocess.Popen(
-        [*ROSS, "--port", "0", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env
+        [*limited, *ROSS, "--port", "0", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env
     )
     try:
         line = process.stdout.readline()
@@ -102,23 +103,23 @@ def test_a_taken_port_is_told_in_one_line():
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         told = mistake(link(), "--port", str(port))
-    assert told == f"ross: port {port} is taken: wanted a free one, --port 0 takes any"
+    assert told == f"ross: --port {port}: expected a free one, got one that is taken; --port 0 takes any"
 
 
 def test_an_address_of_another_computer_is_told():
     told = mistake(link(), "--port", "0", "--host", "192.0.2.1").splitlines()[-1]
-    assert told == "ross: --host 192.0.2.1: not an address of this computer"
+    assert told == "ross: --host 192.0.2.1: expected an address of this computer"
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("--token-file", "TMP/none"), "none: No such file or directory; wanted a file with a token"),
-        (("--token-file", "TMP/open"), "open: mode 0644 found, 0600 wanted: chmod 600 "),
-        (("--certificate", "TMP/none"), "--certificate TMP/none: no such file; wanted one in PEM"),
-        (("--certificate", "TMP/open"), "not a certificate and its key in PEM, without a password"),
-        (("--key", "TMP/open"), "--key without --certificate: wanted both, or none"),
-        (("--flights", "TMP/none"), "--flights TMP/none: no such folder"),
+        (("--token-file", "TMP/none"), "none: No such file or directory; expected a file with a token"),
+        (("--token-file", "TMP/open"), "open: expected mode 0600, got 0644: chmod 600 "),
+        (("--certificate", "TMP/none"), "--certificate TMP/none: expected a PEM file, got none of that name"),
+        (("--certificate", "TMP/open"), "expected a certificate and its key in PEM, without a password"),
+        (("--key", "TMP/open"), "--key: expected --certificate with it, got none"),
+        (("--flights", "TMP/none"), "--flights TMP/none: expected a folder, got none of that name"),
         (("--mavlink-key", "TMP/none"), "none"),
         (("--port", "99999"), "99999"),
         (("nonsense",), "nonsense"),
@@ -175,3 +176,52 @@ def test_the_terminal_says_that_the_log_has_ended_however_late(tmp_path):
         assert "the log has ended: File too large" in process.stderr.readline()
         process.send_signal(signal.SIGINT)
         assert process.stderr.read() == ""
+
+
+def test_a_second_ground_that_finds_the_port_taken_leaves_no_log(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        mistake(link(), "--port", str(taken.getsockname()[1]), "--log", str(tmp_path / "logs"))
+    assert not list(tmp_path.glob("logs/*"))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as busy:
+        busy.bind(("127.0.0.1", 0))
+        mistake(link(busy.getsockname()[1]), "--port", "0", "--log", str(tmp_path / "logs"))
+    assert not list(tmp_path.glob("logs/*"))
+
+
+HALF_OPEN = 2000
+
+
+@pytest.fixture
+def many_descriptors():
+    """Let this process, which plays the attacker, open as many sockets as it needs."""
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if before[1] < HALF_OPEN + 500:
+        pytest.skip(f"needs {HALF_OPEN + 500} descriptors, has {before[1]}")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(before[0], HALF_OPEN + 500), before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_NOFILE, before)
+
+
+@pytest.mark.parametrize("descriptors", [(256, 256), (1024, 1024), (256, 4096)])
+def test_half_open_requests_keep_no_new_browser_out_and_fill_no_log(descriptors, many_descriptors):
+    """Each has sent half a header; in 1024 descriptors they used to find room for themselves alone."""
+    with ground(link(), descriptors=descriptors) as (process, url), ExitStack() as held:
+        place = "127.0.0.1", int(url.rstrip("/").rpartition(":")[2])
+        begin = time.monotonic()
+        for _ in range(HALF_OPEN):
+            half = held.enter_context(socket.socket())
+            half.settimeout(20)
+            half.connect(place)
+            half.send(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Slow: ")
+        waited = []
+        for _ in range(3):
+            start = time.monotonic()
+            with urlopen(url, timeout=20) as answer:  # noqa: S310
+                assert answer.status == 200
+            waited.append(time.monotonic() - start)
+        lasted = time.monotonic() - begin
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=60)
+    assert max(waited) < 2.0
+    assert "Traceback" not in told
+    assert told.count("\n") <= 1 + lasted

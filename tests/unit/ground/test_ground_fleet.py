@@ -35,7 +35,8 @@ def test_who_was_silent_for_long_makes_room_and_nobody_else_does(ground):
     for system in range(1, MOST_PAYLOADS + 1):
         ground.say(status(1.0), who=(system, 191))
     ground.say(status(1.0), who=(200, 191))
-    assert (Who(200, 191) in ground.fleet.payloads, ground.fleet.refused) == (False, 1)
+    assert Who(200, 191) not in ground.fleet.payloads
+    assert ground.fleet.hidden(1.0) == (1, [Who(200, 191)])
     ground.at = 61.0
     for system in range(2, MOST_PAYLOADS + 1):
         ground.say(status(61.0), who=(system, 191))
@@ -43,6 +44,61 @@ def test_who_was_silent_for_long_makes_room_and_nobody_else_does(ground):
     assert Who(200, 191) in ground.fleet.payloads
     assert WHO not in ground.fleet.payloads
     assert len(ground.fleet.payloads) == MOST_PAYLOADS
+    assert ground.fleet.hidden(61.0) == (0, [])
+
+
+def flood(ground, seconds, per_second, true=None):
+    """Made-up ids, each heard once; a true payload speaks once a second among them."""
+    for _ in range(seconds):
+        ground.at += 1.0
+        for number in range(round(ground.at) * per_second, round(ground.at + 1) * per_second):
+            ground.say(status(ground.at), who=(2 + number % 190, 2 + number // 190 % 180))
+        if true is not None:
+            ground.say(status(ground.at), who=true)
+
+
+def test_made_up_ids_do_not_hide_a_payload_that_begins_to_speak_among_them(ground):
+    flood(ground, seconds=1, per_second=200)
+    flood(ground, seconds=3, per_second=200, true=(1, 191))
+    assert WHO in ground.fleet.payloads
+    assert len(ground.fleet.payloads) == MOST_PAYLOADS
+    assert ground.fleet.hidden(ground.at)[0] == 4 * 200 + 1 - MOST_PAYLOADS
+
+
+def test_a_payload_that_was_heard_steadily_keeps_its_place_while_it_is_not_heard(ground):
+    for _ in range(20):
+        flood(ground, seconds=1, per_second=0, true=(1, 191))
+    flood(ground, seconds=40, per_second=100)
+    assert WHO in ground.fleet.payloads
+
+
+def test_who_has_no_place_is_counted_until_it_is_silent_for_a_minute_and_the_steadiest_is_named_first(ground):
+    for system in range(1, MOST_PAYLOADS + 1):
+        for at in (1.0, 2.0, 3.0):
+            ground.at = at
+            ground.say(status(at), who=(system, 1 + 190))
+    flood(ground, seconds=1, per_second=50)
+    for at in (4.2, 5.0):
+        ground.at = at
+        ground.say(status(at), who=(200, 191))
+    assert ground.fleet.hidden(5.0, most=1) == (51, [Who(200, 191)])
+    assert ground.fleet.hidden(64.5) == (1, [Who(200, 191)])
+    assert ground.fleet.hidden(66.0) == (0, [])
+
+
+def test_who_is_watched_has_a_place_at_once_and_keeps_it(ground):
+    for _ in range(10):
+        ground.at += 1.0
+        for system in range(1, MOST_PAYLOADS + 1):
+            ground.say(status(ground.at), who=(system, 191))
+    late = Who(200, 191)
+    ground.say(status(ground.at), who=(200, 191))
+    assert late not in ground.fleet.payloads
+    ground.fleet.pinned = frozenset({late})
+    flood(ground, seconds=1, per_second=100, true=(200, 191))
+    assert late in ground.fleet.payloads
+    flood(ground, seconds=50, per_second=20)
+    assert late in ground.fleet.payloads
 
 
 # ------------------------------------------------------------------------------------------- starts and twins

@@ -1,6 +1,7 @@
 """Parameters of a payload: listed, explained, set; on good links, on bad ones, and of a payload with other manners."""
 
 import math
+import tracemalloc
 from types import SimpleNamespace
 
 import pytest
@@ -8,6 +9,7 @@ from pymavlink.dialects.v20 import common
 
 from client_bench import US, WHO, Served, Station
 from ross_payload.config import Config
+from ross_payload.ground.clients.metadata import MOST_PARAMETERS
 from ross_payload.ground.clients.settings import Settings
 from ross_payload.ground.picture.known import Payload as Known
 from ross_payload.parameters import TABLE, value_of
@@ -267,3 +269,29 @@ def test_what_another_component_says_is_no_parameter_of_this_one(script):
     script.encoder = Encoder(1, 1)
     script.tell({"ALPHA": 1.0})
     assert script.settings.values == {}
+
+
+@pytest.mark.parametrize("times", [12, pytest.param(95, marks=pytest.mark.soak)])
+def test_hostile_parameter_names_do_not_fill_the_memory(times):
+    """Each has a name of its own, and no two agree on how many there are."""
+    encoder, decoder, settings = Encoder(1, 191), Decoder(), Settings(lambda message, who: None, WHO, *US)
+    odd = ["A{:x}", "<script>{:x}", "\x1b[2J{:x}", "__proto__{:x}"]
+
+    def flood(first, last):
+        for number in range(first, last):
+            name = odd[number % len(odd)].format(number)[:16]
+            for packet in decoder.feed(encoder.encode(value_message(name, 1.0, number % 65535, 65535 - number % 7))):
+                settings.heard(packet, number / 1000)
+            if number % 1000 == 0:
+                settings.tick(number / 1000)
+                settings.rows()
+
+    flood(0, 5000)
+    tracemalloc.start()
+    flood(5000, 6000)
+    before, _ = tracemalloc.get_traced_memory()
+    flood(6000, 5000 + times * 1000)
+    after, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert after - before < 2_000_000
+    assert len(settings.rows()) <= MOST_PARAMETERS

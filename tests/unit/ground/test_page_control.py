@@ -80,7 +80,7 @@ def test_the_first_who_orders_has_control_and_the_other_is_refused():
             await other.say(type="order", id="1-191", order={"kind": "explore"})
             refused = await other.next("refused")
             assert refused["what"] == "explore"
-            assert refused["reason"] == f"{told['name']} has control: take it first"
+            assert refused["reason"] == f"{told['name']} has control: take control first"
             assert ross.MAV_CMD_ROSS_EXPLORE not in commands(station)
 
     asyncio.run(run())
@@ -125,7 +125,7 @@ def test_a_stop_is_sent_to_a_payload_that_was_not_heard_yet():
         async with page(station) as served, browser(served.url) as one:
             await one.say(type="order", id="1-191", order={"kind": "stop"})
             await one.say(type="order", id="1-191", order=TURN)
-            assert "was not heard of" in (await one.next("refused"))["reason"]
+            assert "expected a payload that is heard, got" in (await one.next("refused"))["reason"]
             assert set(commands(station)) == {ross.MAV_CMD_ROSS_STOP}
 
     asyncio.run(run())
@@ -172,10 +172,13 @@ def test_nobody_takes_the_id_of_a_browser_that_is_there():
         ({"id": "1-191", "order": {"kind": "turn", "heading": "9"}}, "heading: expected -360 to 360, got '9'"),
         ({"id": "1-191", "order": {"kind": "listen", "source": 1.5}}, "source: expected a whole number, got 1.5"),
         ({"id": "1-191", "order": {"kind": "record"}}, "on: expected true or false, got nothing"),
-        ({"id": "1-191", "order": {"kind": "cancel", "number": 7}}, "number 7 found, that of an order to 1-191 wanted"),
+        (
+            {"id": "1-191", "order": {"kind": "cancel", "number": 7}},
+            "number: expected that of an order to 1-191, got 7",
+        ),
         ({"id": "1-191", "order": {"kind": ["stop"]}}, "kind: expected one of"),
-        ({"id": "1-191", "order": "stop"}, "order stop found, an object with a kind wanted"),
-        ({"id": "3-191", "order": TURN}, "payload 3-191 was not heard of"),
+        ({"id": "1-191", "order": "stop"}, "order: expected an object with a kind, got stop"),
+        ({"id": "3-191", "order": TURN}, "id: expected a payload that is heard, got 3-191"),
     ],
 )
 def test_an_order_that_cannot_be_meant_reaches_no_payload_and_takes_no_control(message, reason):
@@ -264,9 +267,9 @@ def test_a_parameter_is_set_by_who_has_control_and_read_back():
     ("name", "value", "reason"),
     [
         ("NO_SUCH", 1, "expected the name of a parameter of 1-191, got 'NO_SUCH'"),
-        ("EXP_UNIT", "1", "EXP_UNIT: 1 found, a number wanted"),
-        ("EXP_UNIT", None, "EXP_UNIT: None found, a number wanted"),
-        ("EXP_UNIT", True, "EXP_UNIT: True found, a number wanted"),
+        ("EXP_UNIT", "1", "EXP_UNIT: expected a number, got 1"),
+        ("EXP_UNIT", None, "EXP_UNIT: expected a number, got None"),
+        ("EXP_UNIT", True, "EXP_UNIT: expected a number, got True"),
         ("EXP_UNIT", float("inf"), "EXP_UNIT: expected a number"),
         ("EXP_UNIT", 10**400, "int too large to convert to float"),
         (["EXP_UNIT"], 1, "expected the name of a parameter"),

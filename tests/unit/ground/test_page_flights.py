@@ -181,15 +181,15 @@ def test_two_flights_play_apart(folder):
 @pytest.mark.parametrize(
     ("message", "reason"),
     [
-        ({"slot": "c", "open": "two.tlog"}, "slot c found, one of a, b wanted"),
-        ({"slot": ["a"], "open": "two.tlog"}, "found, one of a, b wanted"),
+        ({"slot": "c", "open": "two.tlog"}, "slot: expected one of a, b, got c"),
+        ({"slot": ["a"], "open": "two.tlog"}, "slot: expected one of a, b, got "),
         ({"slot": "a", "open": "../flights/two.tlog"}, "there is none of that name"),
         ({"slot": "a", "open": "/etc/passwd"}, "there is none of that name"),
         ({"slot": "a", "open": "text.tlog"}, "got a text"),
         ({"slot": "b", "seek": 1}, "no flight is open in b"),
-        ({"slot": "a", "seek": "1"}, "seek: 1 found, a number from 0"),
-        ({"slot": "a", "speed": 0}, "speed: 0 found, a number from 1 to 64 wanted"),
-        ({"slot": "a", "play": 1}, "nothing found, one of open, close"),
+        ({"slot": "a", "seek": "1"}, "seek: expected a number from 0"),
+        ({"slot": "a", "speed": 0}, "speed: expected a number from 1 to 64, got 0"),
+        ({"slot": "a", "play": 1}, "flight: expected one of open, close"),
         ({"slot": "a", "watch": "all"}, "expected system-component, as in 1-191, got 'all'"),
     ],
 )
@@ -230,11 +230,11 @@ def test_a_flight_that_is_brought_is_played_and_gone_with_the_page(folder):
 @pytest.mark.parametrize(
     ("name", "data", "status", "why"),
     [
-        ("notes.txt", b"hello", 415, "notes.txt found, a telemetry log (.tlog) wanted"),
-        ("", b"hello", 415, "no name found, a telemetry log (.tlog) wanted"),
+        ("notes.txt", b"hello", 415, "name: expected that of a telemetry log (.tlog), got notes.txt"),
+        ("", b"hello", 415, "name: expected that of a telemetry log (.tlog), got none"),
         ("text.tlog", b"hello", 422, "text.tlog: expected a telemetry log (.tlog) or a session folder, got a text"),
         ("empty.tlog", b"", 422, "empty.tlog: expected a telemetry log (.tlog) or a session folder, got an empty file"),
-        ("large.tlog", b"x" * 3_000_000, 413, "more than 2 MB found, less wanted"),
+        ("large.tlog", b"x" * 3_000_000, 413, "expected at most 2 MB, got more"),
     ],
 )
 def test_what_is_no_flight_is_refused_in_one_line_and_not_kept(name, data, status, why, monkeypatch):

@@ -81,7 +81,7 @@ def test_the_token_in_the_form_opens_the_page_and_a_wrong_one_does_not():
 
 def test_nobody_serves_the_page_to_others_without_a_token():
     async def run():
-        with pytest.raises(GroundError, match="others reach it, a token wanted"):
+        with pytest.raises(GroundError, match="others reach it: expected a token, got none"):
             async with page(HandStation(), host="0.0.0.0"):  # noqa: S104
                 pass
 
@@ -97,6 +97,111 @@ def test_whoever_guesses_waits_even_with_the_right_token():
             async with client.get(f"{served.url}?token={TOKEN}", allow_redirects=False) as answer:
                 assert answer.status == 429
                 assert 0 < int(answer.headers["Retry-After"]) <= WAIT
+
+    asyncio.run(run())
+
+
+IMAGE = {"Sec-Fetch-Mode": "no-cors", "Sec-Fetch-Dest": "image"}
+LINK = {"Sec-Fetch-Mode": "navigate", "Sec-Fetch-Dest": "document", "Sec-Fetch-User": "?1"}
+
+
+@pytest.mark.parametrize("site", ["cross-site", "same-site"])
+@pytest.mark.parametrize("kind", [IMAGE, LINK])
+def test_another_site_cannot_lock_out_the_login(site, kind):
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            headers = {"Sec-Fetch-Site": site, **kind}
+            for _ in range(2 * TRIES):
+                refused = await status(client, f"{served.url}?token=guess", headers=headers)
+                assert refused == (403 if kind is IMAGE else 401)
+            assert await status(client, f"{served.url}?token={TOKEN}") == 303
+
+    asyncio.run(run())
+
+
+def test_another_site_cannot_lock_out_the_form_where_browsers_do_not_say_who_asks():
+    """As over plain HTTP from another computer: an image of another site looks like an address that was typed."""
+
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            for _ in range(TRIES):
+                assert await status(client, f"{served.url}?token=guess") == 401
+            async with client.get(f"{served.url}?token={TOKEN}") as answer:
+                assert answer.status == 429
+                assert f'value="{TOKEN}"' in await answer.text()
+            origin = {"Origin": served.url.rstrip("/")}
+            form = {"data": {"token": TOKEN}, "headers": origin, "allow_redirects": False}
+            async with client.post(f"{served.url}login", **form) as answer:
+                assert answer.status == 303
+
+    asyncio.run(run())
+
+
+def test_whoever_guesses_in_the_form_waits_there_too():
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            told = []
+            for token in ["guess"] * TRIES + [TOKEN]:
+                async with client.post(f"{served.url}login", data={"token": token}) as answer:
+                    told.append(answer.status)
+            assert told == [401] * TRIES + [429]
+
+    asyncio.run(run())
+
+
+def test_a_form_that_another_site_sends_is_not_tried():
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            for origin in ["http://evil.example", "null"] * TRIES:
+                async with client.post(
+                    f"{served.url}login", data={"token": "guess"}, headers={"Origin": origin}
+                ) as answer:
+                    assert answer.status == 403
+            async with client.post(f"{served.url}login", data={"token": TOKEN}, allow_redirects=False) as answer:
+                assert answer.status == 303
+
+    asyncio.run(run())
+
+
+def test_a_lock_out_spares_whoever_is_logged_in():
+    async def run():
+        jar = aiohttp.CookieJar(unsafe=True)
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession(cookie_jar=jar) as inside:
+            assert await status(inside, f"{served.url}?token={TOKEN}") == 303
+            async with aiohttp.ClientSession() as guesser:
+                for _ in range(2 * TRIES):
+                    await status(guesser, f"{served.url}?token=guess")
+                    async with guesser.post(f"{served.url}login", data={"token": "guess"}):
+                        pass
+            assert await status(inside, served.url) == 200
+            assert await status(inside, f"{served.url}?token=guess") == 303
+            async with inside.ws_connect(f"{served.url}live") as socket:
+                assert (await socket.receive_json())["type"] == "hello"
+
+    asyncio.run(run())
+
+
+def test_a_link_of_another_site_leads_to_the_form_and_what_it_brings_is_no_markup():
+    async def run():
+        async with page(HandStation(), token=TOKEN) as served, aiohttp.ClientSession() as client:
+            led = {"headers": {"Sec-Fetch-Site": "cross-site", **LINK}, "allow_redirects": False}
+            async with client.get(f"{served.url}?token={TOKEN}", **led) as answer:
+                assert answer.status == 401
+                assert f'value="{TOKEN}"' in await answer.text()
+            async with client.get(f"{served.url}?token=%22%3E%3Cscript%3Ex", **led) as answer:
+                assert "<script>" not in await answer.text()
+
+    asyncio.run(run())
+
+
+def test_another_site_embeds_nothing_and_downloads_nothing():
+    async def run():
+        async with page(HandStation()) as served, aiohttp.ClientSession() as client:
+            for path in ("assets/app.js", "recordings", "recordings/0001.zip", "live", ""):
+                headers = {"Sec-Fetch-Site": "cross-site", **IMAGE}
+                assert await status(client, served.url + path, headers=headers) == 403
+            assert await status(client, served.url, headers={"Sec-Fetch-Site": "cross-site", **LINK}) == 200
+            assert await status(client, served.url, headers={"Sec-Fetch-Site": "same-origin", **IMAGE}) == 200
 
     asyncio.run(run())
 
@@ -184,10 +289,10 @@ def test_a_token_is_read_from_a_file_that_only_its_owner_can_read(tmp_path):
 @pytest.mark.parametrize(
     ("text", "mode", "why"),
     [
-        (TOKEN, 0o644, "mode 0644 found, 0600 wanted"),
-        ("short", 0o600, "5 characters found, a token of at least 16"),
-        ("", 0o600, "0 characters found"),
-        ("é" * 20, 0o600, "20 characters found"),
+        (TOKEN, 0o644, "expected mode 0600, got 0644"),
+        ("short", 0o600, "expected a token of at least 16 ASCII characters, got 5"),
+        ("", 0o600, "got 0 characters"),
+        ("é" * 20, 0o600, "got 20 characters"),
     ],
 )
 def test_a_bad_token_file_is_told_in_one_line(tmp_path, text, mode, why):
@@ -196,7 +301,7 @@ def test_a_bad_token_file_is_told_in_one_line(tmp_path, text, mode, why):
 
 
 def test_a_token_file_that_is_not_there_is_told(tmp_path):
-    with pytest.raises(GroundError, match=r"token: No such file or directory; wanted a file with a token"):
+    with pytest.raises(GroundError, match=r"token: No such file or directory; expected a file with a token"):
         read_token(tmp_path / "token")
 
 
@@ -264,18 +369,20 @@ def test_a_certificate_out_of_date_is_noticed(tmp_path):
 @needs_openssl
 def test_the_key_of_another_certificate_is_told(tmp_path):
     (one, _), (_, other) = certificate(tmp_path, "one"), certificate(tmp_path, "other")
-    with pytest.raises(GroundError, match=r"other\.key: the key of another certificate, wanted that of .*one\.pem"):
+    with pytest.raises(
+        GroundError, match=r"other\.key: expected the key of .*one\.pem, got that of another certificate"
+    ):
         tls_of(one, other)
 
 
 def test_what_is_no_certificate_is_told(tmp_path):
     text = secret(tmp_path / "text", "hello")
-    with pytest.raises(GroundError, match=r"--certificate .*nothing: no such file"):
+    with pytest.raises(GroundError, match=r"--certificate .*nothing: expected a PEM file, got none"):
         tls_of(tmp_path / "nothing", text)
-    with pytest.raises(GroundError, match=r"--key .*nothing: no such file"):
+    with pytest.raises(GroundError, match=r"--key .*nothing: expected a PEM file, got none"):
         tls_of(text, tmp_path / "nothing")
-    with pytest.raises(GroundError, match="not a certificate and its key in PEM"):
+    with pytest.raises(GroundError, match="expected a certificate and its key in PEM"):
         tls_of(text, None)
-    with pytest.raises(GroundError, match="--key without --certificate"):
+    with pytest.raises(GroundError, match="--key: expected --certificate with it, got none"):
         tls_of(None, text)
     assert tls_of(None, None) is None

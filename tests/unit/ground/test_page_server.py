@@ -13,6 +13,7 @@ from ground_page import audio, browser, page
 from hand_station import PAYLOAD, HandStation, link
 from ports import free_port
 from ross_payload.ground.page.background import in_background
+from ross_payload.ground.picture.fleet import MOST_PAYLOADS
 from ross_payload.ground.picture.known import Who
 from ross_payload.ground.picture.view import SECTIONS
 from ross_protocols.codec import chunks
@@ -147,6 +148,34 @@ def test_the_fleet_is_told_twice_a_second_and_at_once_when_a_payload_comes():
     asyncio.run(run())
 
 
+def test_ids_that_are_not_shown_are_counted_and_one_of_them_can_be_watched_and_stopped():
+    """As when somebody makes ids up: the 64 that came first are on the page, and the payload came later."""
+
+    async def run():
+        station, late = HandStation(), Who(200, 191)
+        for _ in range(5):
+            station.later += 1.0
+            for system in range(1, MOST_PAYLOADS + 1):
+                station.say(audio(), who=Who(system, 191))
+        station.say(audio(), who=late)
+        async with page(station) as served, browser(served.url) as one:
+            told = await one.next("fleet")
+            assert told["hidden"] == {"count": 1, "ids": ["200-191"]}
+            await one.say(type="order", id="200-191", order={"kind": "stop"})
+            async with asyncio.timeout(20):
+                while not any(who == late and sent.get_type() == "COMMAND_LONG" for sent, who in station.sent):
+                    await asyncio.sleep(0.02)
+            await one.say(type="watch", id="200-191")
+            await one.next("fleet")
+            station.later += 1.0
+            station.say(audio(), who=late)
+            assert (await one.next("payload"))["id"] == "200-191"
+            told = await one.next("fleet", lambda message: "200-191" in str(message["payloads"]))
+            assert (len(told["payloads"]), told["hidden"]["count"]) == (MOST_PAYLOADS, 1)
+
+    asyncio.run(run())
+
+
 def test_a_link_that_goes_down_is_told():
     async def run():
         station = HandStation()
@@ -163,15 +192,15 @@ def test_a_link_that_goes_down_is_told():
     ("message", "reason"),
     [
         ("no json", "Expecting value"),
-        ("[1]", "[1] found, an object with a type wanted"),
-        ('{"type": "dance"}', "type dance found, one of "),
-        ('{"type": ["watch"]}', "found, one of "),
+        ("[1]", "expected an object with a type, got [1]"),
+        ('{"type": "dance"}', "type: expected one of "),
+        ('{"type": ["watch"]}', "type: expected one of "),
         ('{"type": "watch", "id": "1-999"}', "expected system-component, as in 1-191, got '1-999'"),
         ('{"type": "watch"}', "expected system-component, as in 1-191, got 'None'"),
-        ('{"type": "place", "id": "9-9", "lat": 0, "lon": 0}', "payload 9-9 was not heard of"),
-        ('{"type": "place", "id": "1-191", "lat": 91, "lon": 0}', "lat: 91 found, a number from -90 to 90 wanted"),
-        ('{"type": "place", "id": "1-191", "lat": NaN, "lon": 0}', "lat: nan found, a number from -90 to 90 wanted"),
-        ('{"type": "place", "id": "1-191", "lat": true, "lon": 0}', "lat: True found, a number"),
+        ('{"type": "place", "id": "9-9", "lat": 0, "lon": 0}', "id: expected a payload that is heard, got 9-9"),
+        ('{"type": "place", "id": "1-191", "lat": 91, "lon": 0}', "lat: expected a number from -90 to 90, got 91"),
+        ('{"type": "place", "id": "1-191", "lat": NaN, "lon": 0}', "lat: expected a number from -90 to 90, got nan"),
+        ('{"type": "place", "id": "1-191", "lat": true, "lon": 0}', "lat: expected a number from -90 to 90, got True"),
         ("[" * 20000, "maximum recursion"),
     ],
 )

@@ -1,5 +1,7 @@
 """What an operator reads: the story in few words, whole, and not too often."""
 
+from dataclasses import replace
+
 import pytest
 
 from ross_payload.events import (
@@ -101,4 +103,8 @@ def test_a_recording_that_stops_by_itself_is_a_warning() -> None:
     assert texts.recorder(RecordingStatus(), on) == (Severity.INFO, "recording 20261121T120000Z")
     assert texts.recorder(on, full) == (Severity.WARNING, "recording stopped: the disk is full")
     assert texts.recorder(on, RecordingStatus()) == (Severity.INFO, "recording ended")
+    path = "/var/lib/ross/recordings/0001"
+    begun, over = replace(on, path=path), RecordingStatus(seconds=41.2, path=path)
+    assert texts.recorder(RecordingStatus(), begun) == (Severity.INFO, f"recording to {path}")
+    assert texts.recorder(begun, over) == (Severity.INFO, f"recorded 41 s to {path}")
     assert texts.recorder(full, full) is None

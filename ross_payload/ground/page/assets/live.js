@@ -32,6 +32,7 @@ export function blank() {
     control: { holder: null, name: null, yours: false },
     payload: /** @type {?Told} */ (null),
     flights: null,
+    recordings: null,
     slots: { a: null, b: null }, // {flight, got, payload}
     refusals: [], // newest first: {what, reason, got}
   };
@@ -60,6 +61,7 @@ const TAKERS = {
     refusals: [{ what, reason, got }, ...store.refusals].slice(0, MOST_REFUSALS),
   }),
   flights: (store, { known }) => ({ ...store, flights: known }),
+  recordings: (store, { folder, known }) => ({ ...store, recordings: { folder, known } }),
   flight: (store, message, got) => inSlot(store, message.slot, (slot) => flown(slot, message, got)),
   payload: (store, message, got) =>
     message.slot

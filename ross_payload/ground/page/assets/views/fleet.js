@@ -1,6 +1,7 @@
 /** Every payload that is heard, and the links they are heard on. */
 
 import { html, nothing } from "../lit.js";
+import { byId } from "../parts/by-id.js";
 import { fact } from "../parts/facts.js";
 import { payloadAddress } from "../route.js";
 import { DASH, ago, degrees, duration, known, level, number, plural, share, size, state } from "../words.js";
@@ -19,7 +20,7 @@ export function fleetView(page) {
             </ul>`
         : nobody(fleet, mode)
     }
-    ${fleet?.links?.length ? links(page, fleet.links) : nothing}`;
+    ${byId(page)} ${fleet?.links?.length ? links(page, fleet.links) : nothing}`;
 }
 
 function nobody(fleet, mode) {

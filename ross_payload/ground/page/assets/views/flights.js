@@ -3,6 +3,7 @@
 import { html, nothing } from "../lit.js";
 import { comparison, seekBoth } from "../parts/comparison.js";
 import { date, payloadOf, playbackOf, seekTo } from "../parts/playback.js";
+import { recordings } from "../parts/recordings.js";
 import { DASH, duration, size } from "../words.js";
 import { recordedView } from "./payload.js";
 
@@ -10,7 +11,7 @@ export function flightsView(page) {
   const { slots } = page.store;
   const open = ["a", "b"].filter((slot) => slots[slot]?.flight);
   return html`<h1 tabindex="-1">Flights</h1>
-    ${picker(page, open)}
+    ${picker(page, open)} ${recordings(page)}
     ${open.length > 1 ? comparison(page) : nothing}
     ${
       open.length
