@@ -81,7 +81,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.enter_context(parts.source)
         recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
         voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
-        session = Session(config, maker(actuator, voiceprint), Memory(stopped=parts.stopped))
+        session = Session(config, maker(actuator, voiceprint), Memory(stopped=parts.stopped, starting=True))
         first = FIRST[config.service.autostart]
         mission = session.mission(first() if first is not None else None)
         runner = Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock)
