@@ -54,8 +54,8 @@ function reception({ lost, malformed }, { frames, bytes, loss }) {
   return [
     ["Rate", number(frames, 0, " messages/s")],
     ["Bandwidth", known(bytes) ? `${size(bytes)}/s` : DASH],
-    ["Lost lately", share(loss)],
-    ["Lost in all", `${lost} messages`],
+    ["Lost lately", known(lost) ? share(loss) : "unknown"],
+    ["Lost in all", known(lost) ? `${lost} messages` : "unknown"],
     malformed ? ["Malformed", `${malformed} messages`] : null,
   ];
 }
@@ -69,14 +69,14 @@ export function rates(counts) {
   return {
     frames: frames / span,
     bytes: (last.bytes - first.bytes) / span,
-    loss: frames + lost ? lost / (frames + lost) : null,
+    loss: known(last.lost) && frames + lost ? lost / (frames + lost) : null,
   };
 }
 
 function link({ sent, dropped, received, lost, bad, refused, reconnects, autopilot }) {
   return [
     ["Sent, dropped", `${sent}, ${dropped}`],
-    ["Received, lost", `${received}, ${lost}`],
+    ["Received, lost", `${received}, ${known(lost) ? lost : "unknown"}`],
     bad || refused ? ["Bad, refused", `${bad}, ${refused}`] : null,
     reconnects ? ["Connected again", `${reconnects} times`] : null,
     autopilot ? ["Leads to", "the autopilot"] : null,

@@ -80,7 +80,7 @@ function links(page, list) {
                 <td>${each.up ? "open" : each.error || "not open"}</td>
                 <td>${number(each.frames_s, 0, " /s")}</td>
                 <td>${known(each.bytes_s) ? `${size(each.bytes_s)}/s` : DASH}</td>
-                <td>${share(each.loss)}</td>
+                <td>${known(each.loss) ? share(each.loss) : "unknown"}</td>
                 <td>${known(each.last) ? ago(page.now() - each.last) : "never"}</td>
               </tr>`,
           )}
