@@ -31,6 +31,7 @@ from ross_payload.telemetry.identity import Endpoint
 from ross_payload.telemetry.metadata import files
 from ross_payload.telemetry.outlets import Outlets
 from ross_payload.telemetry.params import ParameterServer
+from ross_payload.telemetry.recordings import Recordings
 from ross_payload.telemetry.report import Reporter
 from ross_payload.telemetry.requests import Requests
 from ross_payload.telemetry.standing import Moment, Snapshot, standing
@@ -81,6 +82,8 @@ class Telemetry:
         Tell how the recording, the microphones and the computer are; None: nothing is said of them.
     timebase
         Tells the time; None: time is since the boot.
+    recordings
+        Are offered over MAVLink FTP; None: they are not.
 
     Raises
     ------
@@ -103,6 +106,7 @@ class Telemetry:
         health: Callable[[], AudioHealth] | None = None,
         computer: Callable[[], Computer] | None = None,
         timebase: Timebase | None = None,
+        recordings: Recordings | None = None,
     ) -> None:
         self._config = config
         self._clock = clock
@@ -126,7 +130,7 @@ class Telemetry:
         endpoint = Endpoint(links, component.id)
         self._commands = None if give is None else self._server(endpoint, give, recorder)
         self._settings = None if parameters is None else ParameterServer(endpoint, parameters, changed, self._say)
-        self._files = None if give is None else FileServer(endpoint, files())
+        self._files = None if give is None else FileServer(endpoint, files(), recordings, links.rates)
         self._tlog = None if tlog is None else TlogRecorder(tlog)
         component.tap(self._record)
         component.subscribe(self._hear)
