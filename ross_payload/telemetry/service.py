@@ -45,6 +45,7 @@ from ross_protocols.values import DIALECT_VERSION, Information, Severity
 PERIOD = 0.020  # [s] between two polls
 OBSERVING = 0.1  # [s] between two looks at the array, when nothing is to be sent
 LOOKING = 1.0  # [s] between two looks at the payload itself
+COMPLAINING = 60.0  # [s] between two words about a signing time that locks peers out
 MIRRORING = 0.1  # [s] between two looks into the mirrors
 FLUSHING = 1.0  # [s] at most, until the pump has sent what was said last
 STRANGERS = 16  # that are remembered
@@ -120,6 +121,7 @@ class Telemetry:
         self._strangers: set[tuple[int, int]] = set()
         self._twin: int | None = None
         self._observing, self._looking, self._mirroring = Every(OBSERVING), Every(LOOKING), Every(MIRRORING)
+        self._complaining = Every(COMPLAINING)
         self._board = Board()
         component = links.component(config.telemetry.component_id)
         self._outlets = Outlets(self._board, links, component, config.telemetry)
@@ -219,6 +221,8 @@ class Telemetry:
         if twin is not None and self._twin is None:
             self._say(Severity.ERROR, f"somebody else speaks as our component {twin}: change one component_id")
         self._twin = twin
+        if (trouble := self._links.signing_trouble) and self._complaining.due(now):
+            self._say(Severity.WARNING, f"{trouble}: see the log")
         capabilities = None if self._actuator is None else self._actuator.capabilities
         self._condition.look(information(config, capabilities, self._timebase.usec()), self._links.status(), now)
 
