@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-WANTED = "wanted udpin:, udpout:, tcp: or tcpin:host:port, or serial:device:baud"
+EXPECTED = "expected udpin:, udpout:, tcp: or tcpin:host:port, or serial:device:baud"
 LOOPBACK = "127.0.0.1"
 
 _NETWORK = re.compile(r"(?P<host>\[[^\[\]]*\]|[^:\[\]]*):(?P<port>[^:]*)")
 
 
 class BadAddress(ValueError):
-    """A URL of no link; says what was found and what was wanted, in one line."""
+    """A URL of no link; says what was expected and what was got, in one line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,32 +59,32 @@ def parse(url: str) -> Address:
     Raises
     ------
     BadAddress
-        When it is anything else; says what was found and what was wanted.
+        When it is anything else; says what was expected and what was got.
     """
     kind, _, rest = url.partition(":")
     if kind == "serial":
         return _serial(url, rest)
     if kind not in ("udpin", "udpout", "tcp", "tcpin"):
-        raise BadAddress(f"link '{url}': {WANTED}")
+        raise BadAddress(f"link: {EXPECTED}, got '{url}'")
     found = _NETWORK.fullmatch(rest)
     if found is None:
-        raise BadAddress(f"link '{url}': {WANTED}, an IPv6 host in brackets")
+        raise BadAddress(f"link: {EXPECTED}, an IPv6 host in brackets, got '{url}'")
     host, port = found["host"].strip("[]"), _number(url, "port", found["port"], 65535)
     listen = kind.endswith("in")
     if not host and not listen:
-        raise BadAddress(f"link '{url}': the host is missing; {WANTED}")
+        raise BadAddress(f"link: {EXPECTED}, got '{url}' without a host")
     return (Tcp if kind.startswith("tcp") else Udp)(host or LOOPBACK, port, listen)
 
 
 def _serial(url: str, rest: str) -> Serial:
     device, _, baud = rest.rpartition(":")  # a device may have colons in its name
     if not device:
-        raise BadAddress(f"link '{url}': {WANTED}")
+        raise BadAddress(f"link: {EXPECTED}, got '{url}'")
     return Serial(device, None if baud == "auto" else _number(url, "baud", baud, 20_000_000))
 
 
 def _number(url: str, what: str, text: str, most: int) -> int:
     number = int(text) if text.isascii() and text.isdigit() and len(text) < 10 else 0
     if not 1 <= number <= most:
-        raise BadAddress(f"link '{url}': {what} '{text}' found, a number from 1 to {most} wanted")
+        raise BadAddress(f"link '{url}': {what}: expected a number from 1 to {most}, got '{text}'")
     return number

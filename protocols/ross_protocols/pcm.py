@@ -41,9 +41,9 @@ class Header:
     def __post_init__(self) -> None:
         for name, value, highest in (("rate_hz", self.rate, MAX_RATE), ("channels", self.channels, MAX_CHANNELS)):
             if type(value) is not int or not 1 <= value <= highest:
-                raise PcmError(f"PCM header: {name} = {value!r}; wanted a whole number from 1 to {highest}")
+                raise PcmError(f"PCM header: {name}: expected a whole number from 1 to {highest}, got {value!r}")
         if self.format not in WIDTHS:
-            raise PcmError(f"PCM header: format = {self.format!r}; wanted one of {', '.join(WIDTHS)}")
+            raise PcmError(f"PCM header: format: expected one of {', '.join(WIDTHS)}, got {self.format!r}")
 
 
 def encode_header(header: Header) -> bytes:
@@ -69,9 +69,9 @@ def decode_header(line: bytes) -> Header:
     except ValueError:
         said = None
     if not isinstance(said, dict) or "ross_pcm" not in said:
-        raise PcmError(f"not a PCM header: {line[:60]!r}; wanted a line like {encode_header(Header(16000, 2))!r}")
+        raise PcmError(f"PCM header: expected a line like {encode_header(Header(16000, 2))!r}, got {line[:60]!r}")
     if said["ross_pcm"] != VERSION:
-        raise PcmError(f"PCM header of version {said['ross_pcm']!r}; wanted {VERSION}")
+        raise PcmError(f"PCM header: version: expected {VERSION}, got {said['ross_pcm']!r}")
     return Header(said.get("rate_hz"), said.get("channels"), said.get("format"))  # type: ignore[arg-type]
 
 

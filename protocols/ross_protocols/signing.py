@@ -28,7 +28,7 @@ _MARKER, _SIGNED, _DIGEST = 0xFD, 1, 6
 
 
 class BadKey(ValueError):
-    """A file that is no key; says what was found and what was wanted, in one line."""
+    """A file that is no key; says what was expected and what was got, in one line."""
 
 
 def read_key(path: Path) -> bytes:
@@ -46,7 +46,7 @@ def read_key(path: Path) -> bytes:
     except OSError as error:
         raise BadKey(f"{path}: cannot be read: {error.strerror}") from error
     if mode & 0o077:
-        raise BadKey(f"{path}: mode {mode:04o} found, 0600 wanted: chmod 600 {path}")
+        raise BadKey(f"{path}: mode: expected 0600, got {mode:04o}: chmod 600 {path}")
     if len(data) == KEY_SIZE:
         return data
     try:
@@ -54,7 +54,7 @@ def read_key(path: Path) -> bytes:
     except ValueError:
         key = b""
     if len(key) != KEY_SIZE:
-        raise BadKey(f"{path}: {len(data)} bytes found, 32 bytes or 64 hexadecimal digits wanted")
+        raise BadKey(f"{path}: expected 32 bytes or 64 hexadecimal digits, got {len(data)} bytes")
     return key
 
 

@@ -46,7 +46,7 @@ def line(event: Event) -> Line | None:
         case NoiseMeasured(level_db=None):
             said = Severity.WARNING, "no quiet lead-in, the noise is not known"
         case SourcesEstimated(informed=True):
-            said = Severity.INFO, f"{_count(event.estimate.k, 'source')} told from outside"
+            said = Severity.INFO, f"using {_count(event.estimate.k, 'known source')}"
         case SourcesEstimated(final=True):
             found = f"{_count(event.estimate.k, 'source')} found after {_count(event.rotations, 'turn')}"
             said = Severity.INFO, found
@@ -70,7 +70,7 @@ def ears(before: AudioHealth, now: AudioHealth) -> Line | None:
     if now.trouble == before.trouble:
         return None
     if not now.trouble:
-        return Severity.NOTICE, "microphones are well again"
+        return Severity.NOTICE, "microphones recovered"
     names = (trouble.name or "" for trouble in AudioTrouble if trouble and trouble in now.trouble)
     return Severity.WARNING, f"microphones: {', '.join(name.lower().replace('_', ' ') for name in names)}"
 

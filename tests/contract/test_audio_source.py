@@ -229,10 +229,10 @@ def test_a_server_that_hangs_up_is_connected_to_again():
 @pytest.mark.parametrize(
     ("header", "said"),
     [
-        (b"GET / HTTP/1.1\n", "not a PCM header: b'GET / HTTP/1.1'; wanted a line like"),
+        (b"GET / HTTP/1.1\n", "PCM header: expected a line like"),
         (encode_header(Header(48000, 2)), "sends 48000 Hz; audio.rate_hz is 16000"),
         (encode_header(Header(RATE, 1)), "sends 1 channels; there is no channel 1"),
-        (encode_header(Header(RATE, 2)).replace(b": 1,", b": 2,"), "PCM header of version 2; wanted 1"),
+        (encode_header(Header(RATE, 2)).replace(b": 1,", b": 2,"), "PCM header: version: expected 1, got 2"),
     ],
 )
 def test_a_server_that_does_not_fit_gets_one_clear_line(header, said):

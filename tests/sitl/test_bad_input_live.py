@@ -132,7 +132,7 @@ def test_a_key_that_others_can_read_starts_nothing(payload):
     (folder / "key").chmod(0o644)
     done = ended(folder)
     assert done.returncode == 2
-    assert done.stderr == "ross: key_file key: mode 0644 found, 0600 wanted: chmod 600 key\n"
+    assert done.stderr == "ross: key_file key: mode: expected 0600, got 0644: chmod 600 key\n"
 
 
 # --------------------------------------------------------------------------------------------- while it lives

@@ -133,8 +133,8 @@ def test_a_signal_ends_it_with_code_0(command, number):
 
 BAD = {
     "expected can:": ["device", "servo", "--wire", "pulses:tcp:127.0.0.1:0"],
-    "wanted tcp:HOST:PORT": ["device", "servo", "--wire", "can:tcp:127.0.0.1"],
-    "wanted udpin:": ["device", "gimbal", "--wire", "can:tcp:127.0.0.1:0"],
+    "expected tcp:HOST:PORT": ["device", "servo", "--wire", "can:tcp:127.0.0.1"],
+    "expected udpin:": ["device", "gimbal", "--wire", "can:tcp:127.0.0.1:0"],
     "cannot listen": ["device", "stepper", "--wire", "pulses:tcp:192.0.2.1:0"],
     "cannot join the bus": ["device", "servo", "--wire", "can:socketcand:127.0.0.1:1"],
     'expected "FAULT at SECONDS"': ["device", "gimbal", "--fault", "stall soon"],

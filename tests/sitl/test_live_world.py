@@ -46,7 +46,7 @@ def test_a_driver_in_another_process_turns_the_array_of_a_world(kind, tmp_path):
 
 
 BAD = {
-    "wanted tcp:HOST:PORT": ["--pcm", "udp:127.0.0.1:1"],
+    "expected tcp:HOST:PORT": ["--pcm", "udp:127.0.0.1:1"],
     "--wire: expected pulses": ["--wire", "ideal:tcp:127.0.0.1:0"],
     "not a named pipe": ["--pipe", __file__],
     "unknown": ["party"],

@@ -31,21 +31,21 @@ def test_a_url_is_read(url: str, address: object) -> None:
 @pytest.mark.parametrize(
     ("url", "says"),
     [
-        ("", "wanted udpin:, udpout:"),
-        ("udp:127.0.0.1:14550", "wanted udpin:, udpout:"),
-        ("127.0.0.1:14550", "wanted udpin:, udpout:"),
-        ("udpout:127.0.0.1", "wanted udpin:, udpout:"),
-        ("udpout::14550", "host is missing"),
-        ("tcp:127.0.0.1:0", "port '0' found, a number from 1 to 65535 wanted"),
-        ("tcp:127.0.0.1:65536", "port '65536' found"),
-        ("tcp:127.0.0.1:-1", "port '-1' found"),
-        ("tcp:127.0.0.1:http", "port 'http' found"),
-        ("tcp:127.0.0.1:", "port '' found"),
+        ("", "expected udpin:, udpout:"),
+        ("udp:127.0.0.1:14550", "expected udpin:, udpout:"),
+        ("127.0.0.1:14550", "expected udpin:, udpout:"),
+        ("udpout:127.0.0.1", "expected udpin:, udpout:"),
+        ("udpout::14550", "without a host"),
+        ("tcp:127.0.0.1:0", "port: expected a number from 1 to 65535, got '0'"),
+        ("tcp:127.0.0.1:65536", "port: expected a number from 1 to 65535, got '65536'"),
+        ("tcp:127.0.0.1:-1", "port: expected a number from 1 to 65535, got '-1'"),
+        ("tcp:127.0.0.1:http", "port: expected a number from 1 to 65535, got 'http'"),
+        ("tcp:127.0.0.1:", "port: expected a number from 1 to 65535, got ''"),
         ("tcp:fe80::1:5760", "IPv6 host in brackets"),
         ("tcp:[fe80::1:5760", "IPv6 host in brackets"),
-        ("serial:/dev/ttyUSB0", "wanted udpin:, udpout:"),
-        ("serial:/dev/ttyUSB0:fast", "baud 'fast' found"),
-        ("serial:/dev/ttyUSB0:0", "baud '0' found"),
+        ("serial:/dev/ttyUSB0", "expected udpin:, udpout:"),
+        ("serial:/dev/ttyUSB0:fast", "baud: expected a number from 1 to 20000000, got 'fast'"),
+        ("serial:/dev/ttyUSB0:0", "baud: expected a number from 1 to 20000000, got '0'"),
     ],
 )
 def test_what_is_no_url_is_explained(url: str, says: str) -> None:
@@ -61,7 +61,7 @@ def test_any_text_is_an_address_or_is_explained(text: str) -> None:
     try:
         parse(text)
     except BadAddress as error:
-        assert "wanted" in str(error)
+        assert "expected" in str(error)
 
 
 def test_in_a_configuration_it_is_a_mistake_of_the_user_in_the_same_words() -> None:

@@ -56,12 +56,12 @@ def test_24_bits_are_little_endian_twos_complement():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"rate_hz": None}, "rate_hz = None; wanted a whole number from 1 to 192000"),
-        ({"rate_hz": 16000.0}, "rate_hz = 16000.0; wanted a whole number"),
-        ({"channels": 0}, "channels = 0; wanted a whole number from 1 to 64"),
-        ({"channels": True}, "channels = True"),
-        ({"format": "mp3"}, "format = 'mp3'; wanted one of s16le, s24le, f32le"),
-        ({"ross_pcm": 2}, "version 2; wanted 1"),
+        ({"rate_hz": None}, "rate_hz: expected a whole number from 1 to 192000, got None"),
+        ({"rate_hz": 16000.0}, "rate_hz: expected a whole number from 1 to 192000, got 16000.0"),
+        ({"channels": 0}, "channels: expected a whole number from 1 to 64, got 0"),
+        ({"channels": True}, "channels: expected a whole number from 1 to 64, got True"),
+        ({"format": "mp3"}, "format: expected one of s16le, s24le, f32le, got 'mp3'"),
+        ({"ross_pcm": 2}, "version: expected 1, got 2"),
     ],
 )
 def test_a_wrong_header_is_told_in_one_line(change, said):

@@ -182,7 +182,7 @@ def test_a_wrong_address_of_a_hub_says_what_was_wanted(rest):
 
 @pytest.mark.parametrize("text", ["tcp:127.0.0.1", "udp:127.0.0.1:1", "tcp:127.0.0.1:99999", "tcp::5", ""])
 def test_a_wrong_address_to_listen_on_says_what_was_wanted(text):
-    with pytest.raises(ConfigError, match="wanted tcp:HOST:PORT"):
+    with pytest.raises(ConfigError, match="expected tcp:HOST:PORT"):
         tcp_address(text, "--listen")
 
 

@@ -44,14 +44,16 @@ def test_a_key_is_32_bytes_or_64_digits(tmp_path: Path, key_file: Path) -> None:
 @pytest.mark.parametrize("content", [b"", b"short", KEY + b"\n", b"g" * 64, KEY.hex().encode()[:-1]])
 def test_what_is_no_key_says_what_was_found(key_file: Path, content: bytes) -> None:
     key_file.write_bytes(content)
-    with pytest.raises(ConfigError, match=rf"^key_file .*: {len(content)} bytes found, 32 bytes or 64 hexadecimal"):
+    with pytest.raises(
+        ConfigError, match=rf"^key_file .*: expected 32 bytes or 64 hexadecimal digits, got {len(content)} bytes"
+    ):
         read_key(key_file)
 
 
 @pytest.mark.parametrize("mode", [0o644, 0o640, 0o604, 0o660])
 def test_a_key_that_others_can_read_is_refused_with_what_to_do(key_file: Path, mode: int) -> None:
     key_file.chmod(mode)
-    with pytest.raises(ConfigError, match=f"mode {mode:04o} found, 0600 wanted: chmod 600 {key_file}"):
+    with pytest.raises(ConfigError, match=f"mode: expected 0600, got {mode:04o}: chmod 600 {key_file}"):
         read_key(key_file)
 
 

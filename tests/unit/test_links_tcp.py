@@ -258,7 +258,7 @@ def test_a_server_listens_on_the_loopback_only_and_says_when_its_port_is_in_use(
 
 
 def test_no_link_is_opened_when_one_is_wrong(server: socket.socket) -> None:
-    with pytest.raises(ConfigError, match="wanted udpin"):
+    with pytest.raises(ConfigError, match="expected udpin"):
         links_to(f"tcp:127.0.0.1:{port_of(server)}", "carrier:pigeon")
     server.settimeout(0.05)
     with pytest.raises(TimeoutError):

@@ -18,7 +18,7 @@ DOUBTED = Doubted(9.0, "none of 1 voices is the target's")
 
 
 def test_what_was_told_is_not_said_to_be_found():
-    assert line(TOLD) == (Severity.INFO, "1 source told from outside")
+    assert line(TOLD) == (Severity.INFO, "using 1 known source")
     assert in_words(TOLD) == "told from outside: K = 1 at 90.0 deg"
 
 

@@ -186,18 +186,18 @@ def order_of(mapping: Mapping[str, Any]) -> Order:
     """
     kind = mapping.get("kind")
     if not isinstance(kind, str) or kind not in READERS:
-        raise ValueError(f"kind: found {_short(kind)}, wanted one of {', '.join(READERS)}")
+        raise ValueError(f"kind: expected one of {', '.join(READERS)}, got {_short(kind)}")
     return READERS[kind](mapping)
 
 
 def _listen(mapping: Mapping[str, Any]) -> Order:
     source, azimuth = mapping.get("source"), mapping.get("azimuth")
     if source is not None and azimuth is not None:
-        raise ValueError("listen: found a source and an azimuth, wanted one of them")
+        raise ValueError("listen: expected a source or an azimuth, got both")
     if source is not None:
         index = _number(mapping, "source", 0, 255)
         if index % 1:
-            raise ValueError(f"source: found {index:g}, wanted a whole number")
+            raise ValueError(f"source: expected a whole number, got {index:g}")
         return Listen(source=int(index))
     return Listen() if azimuth is None else Listen(azimuth=_number(mapping, "azimuth", -360, 360))
 
@@ -205,14 +205,14 @@ def _listen(mapping: Mapping[str, Any]) -> Order:
 def _record(mapping: Mapping[str, Any]) -> Order:
     on = mapping.get("on")
     if not isinstance(on, bool):
-        raise ValueError(f"on: found {_short(on)}, wanted true or false")
+        raise ValueError(f"on: expected true or false, got {_short(on)}")
     return Record(on)
 
 
 def _number(mapping: Mapping[str, Any], name: str, lower: float, upper: float) -> float:
     value = mapping.get(name)
     if isinstance(value, bool) or not isinstance(value, int | float) or not lower <= value <= upper:
-        raise ValueError(f"{name}: found {_short(value)}, wanted {lower:g} to {upper:g}")
+        raise ValueError(f"{name}: expected {lower:g} to {upper:g}, got {_short(value)}")
     return float(value)
 
 

@@ -96,7 +96,7 @@ class Reading:
             return
         (size,) = struct.unpack_from("<I", answer.data)
         if size > MOST_BYTES:
-            self.trouble = f"{self._path}: found {size} bytes, wanted {MOST_BYTES} at most"
+            self.trouble = f"{self._path}: expected at most {MOST_BYTES} bytes, got {size}"
             return
         self._session, self._file, self._gaps = answer.session, bytearray(size), [(0, size)] if size else []
         self._go_on(now)

@@ -110,9 +110,9 @@ class Settings:
             When there is none of that name, or no number that the wire can carry.
         """
         if name not in self._settings:
-            raise ValueError(f"'{name[:40]}' found, wanted the name of a parameter of {self.who}")
+            raise ValueError(f"expected the name of a parameter of {self.who}, got '{name[:40]}'")
         if not abs(value) <= FLOAT32_MAX:
-            raise ValueError(f"{name}: found {str(value)[:40]}, wanted a number that a float can hold")
+            raise ValueError(f"{name}: expected a number that a 32-bit float can hold, got {str(value)[:40]}")
         before = self._settings[name].value
         self._settings[name] = _Setting(before, SENDING, wanted=value)
         self._send_value(name)

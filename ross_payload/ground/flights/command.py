@@ -26,7 +26,7 @@ class _Ending(click.Path):
         """Return the path."""
         path = Path(str(super().convert(value, param, ctx)))
         if path.suffix.lower() not in self._endings:
-            self.fail(f"{path} found, a name that ends with {' or '.join(self._endings)} wanted", param, ctx)
+            self.fail(f"expected a name that ends with {' or '.join(self._endings)}, got {path}", param, ctx)
         return path
 
 

@@ -45,7 +45,7 @@ def draw(told: Told, path: Path) -> None:
         When there is no payload, or the file cannot be written.
     """
     if not told.payloads:
-        raise GroundError(f"{told.flight.name}: no payload found, one wanted for a picture")
+        raise GroundError(f"{told.flight.name}: expected a payload to draw, got none")
     shown = told.payloads[:MOST_ROWS]
     with mpl.rc_context(STYLE), whole(path) as aside:
         figure = Figure(figsize=(13, 0.6 + 4.4 * len(shown)), layout="constrained")

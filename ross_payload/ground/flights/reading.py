@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.marks import Mark, marks_of
 from ross_payload.ground.flights.scan import Damage, Index, scan
-from ross_payload.ground.flights.tape import WANTED, Tape
+from ross_payload.ground.flights.tape import EXPECTED, Tape
 from ross_payload.ground.flights.times import seconds_of
 from ross_payload.ground.picture.known import Who
 from ross_protocols.codec import Decoder, Packet
@@ -71,7 +71,7 @@ def open_flight(path: Path) -> Flight:
     tape = Tape(log)
     index, damage = scan(tape)
     if not len(index):
-        raise GroundError(f"{log}: {_kind(tape)} found, {WANTED}")
+        raise GroundError(f"{log}: {EXPECTED}, got {_kind(tape)}")
     at, start, steps = seconds_of(index.usec)
     payloads = _payloads(tape, index, at)
     manifest, odd = _manifest(log)
@@ -105,7 +105,7 @@ def _find(path: Path) -> Path:
     except OSError as error:
         raise GroundError(f"{path}: cannot be read: {error.strerror}") from error
     if log is None:
-        raise GroundError(f"{path}: a folder without {' or '.join(LOGS)} found, {WANTED}")
+        raise GroundError(f"{path}: {EXPECTED}, got a folder without {' or '.join(LOGS)}")
     return log
 
 

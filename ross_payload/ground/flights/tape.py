@@ -12,7 +12,7 @@ from ross_payload.ground.errors import GroundError
 
 PIECE = 1 << 22  # [bytes]
 KINDS = ((stat.S_ISFIFO, "a named pipe"), (stat.S_ISSOCK, "a socket"), (stat.S_ISDIR, "a folder"))
-WANTED = "a telemetry log (.tlog) or a session folder wanted"
+EXPECTED = "expected a telemetry log (.tlog) or a session folder"
 
 
 class Tape:
@@ -37,7 +37,7 @@ class Tape:
         if not stat.S_ISREG(about.st_mode):
             self.close()
             kind = next((words for is_it, words in KINDS if is_it(about.st_mode)), "a device")
-            raise GroundError(f"{path}: {kind} found, {WANTED}")
+            raise GroundError(f"{path}: {EXPECTED}, got {kind}")
         self.size = about.st_size
 
     def read(self, start: int, size: int) -> bytes:

@@ -167,7 +167,7 @@ def asked(what: str, rest: list[str]) -> dict[str, Any]:
         case ("listen", [source]):
             order = {"source": _number(source)}
     if order is None:
-        raise ValueError(f"found '{' '.join([what, *rest])}', wanted: {_usage(what)}")
+        raise ValueError(f"expected {_usage(what)}, got '{' '.join([what, *rest])}'")
     return {"kind": what, **order}
 
 
@@ -181,4 +181,4 @@ def _number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise ValueError(f"found '{text}', wanted a number") from None
+        raise ValueError(f"expected a number, got '{text}'") from None

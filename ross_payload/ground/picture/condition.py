@@ -55,12 +55,12 @@ def worst(parts: dict[str, Any]) -> str:
 def _microphones(known: Payload) -> dict[str, Any]:
     audio = known.audio
     if audio is None:
-        return {"level": UNKNOWN, "words": "nothing is said of them"}
+        return {"level": UNKNOWN, "words": "no data"}
     troubles = [words for name, words in REMEDIES.items() if audio.trouble & _bit(name)]
     slow = audio.waiting > WAITING
     level = ACT if troubles else WATCH if slow else GOOD
     words = "; ".join(troubles) or (
-        f"{audio.waiting:.1f} s of audio wait: the computer is behind" if slow else "both hear"
+        f"{audio.waiting:.1f} s of audio wait: the computer is behind" if slow else "both microphones work"
     )
     return {
         "level": level,
@@ -82,7 +82,7 @@ def _actuator(known: Payload) -> dict[str, Any]:
     status = known.status
     if status is None or not status.actuator_present:
         at = None if status is None else known.status_at
-        return {"level": UNKNOWN, "words": "nothing is said of it", "at": at}
+        return {"level": UNKNOWN, "words": "no data", "at": at}
     if status.fault:
         level, words = ACT, "a fault: read the events, then home or rearm"
     elif not status.homed:
@@ -155,7 +155,7 @@ def _reception(known: Payload) -> dict[str, Any]:
 def _processor(known: Payload) -> dict[str, Any]:
     computer = known.computer
     if computer is None:
-        return {"level": UNKNOWN, "words": "nothing is said of it"}
+        return {"level": UNKNOWN, "words": "no data"}
     load = max(computer.loads, default=None)
     used, total = computer.memory_used, computer.memory_total
     memory = used / total if used is not None and total else None
@@ -170,7 +170,7 @@ def _processor(known: Payload) -> dict[str, Any]:
     ]
     return {
         "level": WATCH if worries else GOOD,
-        "words": "; ".join(worries) or "at ease",
+        "words": "; ".join(worries) or "normal load",
         "loads": list(computer.loads),
         "memory": memory,
         "temperature": computer.temperature,
@@ -181,7 +181,7 @@ def _processor(known: Payload) -> dict[str, Any]:
 def _recording(known: Payload) -> dict[str, Any]:
     recording = known.recording
     if recording is None:
-        return {"level": UNKNOWN, "words": "nothing is said of it", "on": False}
+        return {"level": UNKNOWN, "words": "no data", "on": False}
     stopped = recording.state in (RecordingState.FULL, RecordingState.BROKEN)
     on = recording.state == RecordingState.ON
     words = recording.reason or "stopped" if stopped else f"records {recording.name}" if on else "off"

@@ -51,7 +51,7 @@ class Who:
         system, dash, component = text.partition("-")
         numbers = [int(part) if part.isascii() and part.isdigit() else 256 for part in (system, component)]
         if not dash or not all(0 < number < 256 for number in numbers):
-            raise ValueError(f"'{text}' found, system-component wanted, as in 1-191")
+            raise ValueError(f"expected system-component, as in 1-191, got '{text}'")
         return cls(*numbers)
 
 

@@ -14,25 +14,25 @@ from ross_payload.ground.flights.reading import open_flight
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        (b"", "an empty file found"),
-        (b"hello\n" * 100, "a text found"),
-        (bytes(1000), "no frame of MAVLink found"),
-        (b"\xa3\x95\x80\x80" * 50, "an ArduPilot flight log (.bin) found"),
-        (b"ULog\x01\x12\x35" + bytes(100), "a PX4 flight log (.ulg) found"),
-        (b"".join(frames(2)), "MAVLink without times (a .raw file) found"),
+        (b"", "an empty file"),
+        (b"hello\n" * 100, "a text"),
+        (bytes(1000), "no frame of MAVLink"),
+        (b"\xa3\x95\x80\x80" * 50, "an ArduPilot flight log (.bin)"),
+        (b"ULog\x01\x12\x35" + bytes(100), "a PX4 flight log (.ulg)"),
+        (b"".join(frames(2)), "MAVLink without times (a .raw file)"),
     ],
 )
 def test_what_is_no_log_is_named_in_one_line(opened, data, words):
     with pytest.raises(GroundError) as refused:
         opened(data)
-    assert f"{words}, a telemetry log (.tlog) or a session folder wanted" in refused.value.message
+    assert f"expected a telemetry log (.tlog) or a session folder, got {words}" in refused.value.message
     assert "\n" not in refused.value.message
     assert refused.value.exit_code == 2
 
 
 def test_a_pipe_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(GroundError, match="a named pipe found"):
+    with pytest.raises(GroundError, match="got a named pipe"):
         open_flight(tmp_path / "pipe")
 
 
@@ -88,5 +88,5 @@ def test_a_manifest_that_is_none_hurts_nobody(tmp_path, manifest):
 
 
 def test_a_folder_without_a_log_is_told(tmp_path):
-    with pytest.raises(GroundError, match=r"a folder without telemetry\.tlog or mission\.tlog found"):
+    with pytest.raises(GroundError, match=r"got a folder without telemetry\.tlog or mission\.tlog"):
         open_flight(tmp_path)

@@ -164,7 +164,7 @@ def test_a_gap_in_a_burst_is_asked_for_alone():
 def test_a_huge_file_is_not_fetched():
     script = Script()
     script.open(MOST_BYTES + 1)
-    assert f"wanted {MOST_BYTES} at most" in script.reading.trouble
+    assert f"expected at most {MOST_BYTES} bytes" in script.reading.trouble
     assert len(script.asked) == 1
 
 

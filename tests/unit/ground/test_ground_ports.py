@@ -17,8 +17,8 @@ NOISE = random.Random(7).randbytes(100_000)  # noqa: S311  nobody shall be surpr
 @pytest.mark.parametrize(
     ("url", "says"),
     [
-        ("udp:127.0.0.1:14550", "wanted udpin:, udpout:, tcp: or tcpin:host:port, or serial:device:baud"),
-        ("udpin:127.0.0.1:99999", "port '99999' found, a number from 1 to 65535 wanted"),
+        ("udp:127.0.0.1:14550", "expected udpin:, udpout:, tcp: or tcpin:host:port, or serial:device:baud"),
+        ("udpin:127.0.0.1:99999", "port: expected a number from 1 to 65535, got '99999'"),
         ("udpin:192.0.2.1:14550", "cannot be opened: Cannot assign requested address"),
         ("tcpin:192.0.2.1:5760", "cannot be opened: Cannot assign requested address"),
     ],

@@ -217,8 +217,8 @@ def test_a_bad_key_file_is_one_clear_line(tmp_path: Path) -> None:
         read_key(file)
     file.write_bytes(b"short")
     file.chmod(0o644)
-    with pytest.raises(GroundError, match=rf"mode 0644 found, 0600 wanted: chmod 600 {file}$"):
+    with pytest.raises(GroundError, match=rf"mode: expected 0600, got 0644: chmod 600 {file}$"):
         read_key(file)
     file.chmod(0o600)
-    with pytest.raises(GroundError, match=r"5 bytes found, 32 bytes or 64 hexadecimal digits wanted$"):
+    with pytest.raises(GroundError, match=r"expected 32 bytes or 64 hexadecimal digits, got 5 bytes$"):
         read_key(file)

@@ -303,7 +303,7 @@ def test_json_lines_are_sections_that_changed(port):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--payload", "1"), "'1' found, system-component wanted"),
+        (("--payload", "1"), "expected system-component, as in 1-191, got '1'"),
         (("--once", "--wait", "0"), "--wait"),
         (("udp:nonsense",), "udp:nonsense"),
         (("--mavlink-key", "/nowhere"), "/nowhere"),

@@ -166,14 +166,14 @@ def test_nobody_takes_the_id_of_a_browser_that_is_there():
 @pytest.mark.parametrize(
     ("message", "reason"),
     [
-        ({"id": "1-191", "order": {"kind": "dance"}}, "kind: found 'dance', wanted one of"),
-        ({"id": "1-191", "order": {"kind": "turn"}}, "heading: found nothing, wanted -360 to 360"),
-        ({"id": "1-191", "order": {"kind": "turn", "heading": float("nan")}}, "heading: found NaN, wanted"),
-        ({"id": "1-191", "order": {"kind": "turn", "heading": "9"}}, "heading: found '9', wanted"),
-        ({"id": "1-191", "order": {"kind": "listen", "source": 1.5}}, "source: found 1.5, wanted a whole number"),
-        ({"id": "1-191", "order": {"kind": "record"}}, "on: found nothing, wanted true or false"),
+        ({"id": "1-191", "order": {"kind": "dance"}}, "kind: expected one of"),
+        ({"id": "1-191", "order": {"kind": "turn"}}, "heading: expected -360 to 360, got nothing"),
+        ({"id": "1-191", "order": {"kind": "turn", "heading": float("nan")}}, "heading: expected -360 to 360, got NaN"),
+        ({"id": "1-191", "order": {"kind": "turn", "heading": "9"}}, "heading: expected -360 to 360, got '9'"),
+        ({"id": "1-191", "order": {"kind": "listen", "source": 1.5}}, "source: expected a whole number, got 1.5"),
+        ({"id": "1-191", "order": {"kind": "record"}}, "on: expected true or false, got nothing"),
         ({"id": "1-191", "order": {"kind": "cancel", "number": 7}}, "number 7 found, that of an order to 1-191 wanted"),
-        ({"id": "1-191", "order": {"kind": ["stop"]}}, "kind: found ['stop'], wanted one of"),
+        ({"id": "1-191", "order": {"kind": ["stop"]}}, "kind: expected one of"),
         ({"id": "1-191", "order": "stop"}, "order stop found, an object with a kind wanted"),
         ({"id": "3-191", "order": TURN}, "payload 3-191 was not heard of"),
     ],
@@ -263,13 +263,13 @@ def test_a_parameter_is_set_by_who_has_control_and_read_back():
 @pytest.mark.parametrize(
     ("name", "value", "reason"),
     [
-        ("NO_SUCH", 1, "'NO_SUCH' found, wanted the name of a parameter of 1-191"),
+        ("NO_SUCH", 1, "expected the name of a parameter of 1-191, got 'NO_SUCH'"),
         ("EXP_UNIT", "1", "EXP_UNIT: 1 found, a number wanted"),
         ("EXP_UNIT", None, "EXP_UNIT: None found, a number wanted"),
         ("EXP_UNIT", True, "EXP_UNIT: True found, a number wanted"),
-        ("EXP_UNIT", float("inf"), "EXP_UNIT: found inf, wanted a number"),
+        ("EXP_UNIT", float("inf"), "EXP_UNIT: expected a number that a 32-bit float can hold, got inf"),
         ("EXP_UNIT", 10**400, "int too large to convert to float"),
-        (["EXP_UNIT"], 1, "found, wanted the name of a parameter"),
+        (["EXP_UNIT"], 1, "expected the name of a parameter"),
     ],
 )
 def test_a_parameter_that_cannot_be_meant_is_not_set(name, value, reason):

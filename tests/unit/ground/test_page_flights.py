@@ -46,7 +46,7 @@ def test_the_flights_of_the_folder_are_listed_with_what_is_odd_about_them(folder
             told = await one.next("flights", lambda message: message["known"])
             known = {each["name"]: each for each in told["known"]}
             assert set(known) == {"two.tlog", "session", "other.tlog", "text.tlog"}
-            assert "a text found" in known["text.tlog"]["notes"][0]
+            assert "got a text" in known["text.tlog"]["notes"][0]
             assert "nothing of ours" in known["other.tlog"]["notes"][0]
 
     for path in folder.rglob("*.tlog"):
@@ -171,12 +171,12 @@ def test_two_flights_play_apart(folder):
         ({"slot": ["a"], "open": "two.tlog"}, "found, one of a, b wanted"),
         ({"slot": "a", "open": "../flights/two.tlog"}, "there is none of that name"),
         ({"slot": "a", "open": "/etc/passwd"}, "there is none of that name"),
-        ({"slot": "a", "open": "text.tlog"}, "a text found"),
+        ({"slot": "a", "open": "text.tlog"}, "got a text"),
         ({"slot": "b", "seek": 1}, "no flight is open in b"),
         ({"slot": "a", "seek": "1"}, "seek: 1 found, a number from 0"),
         ({"slot": "a", "speed": 0}, "speed: 0 found, a number from 1 to 64 wanted"),
         ({"slot": "a", "play": 1}, "nothing found, one of open, close"),
-        ({"slot": "a", "watch": "all"}, "'all' found, system-component wanted"),
+        ({"slot": "a", "watch": "all"}, "expected system-component, as in 1-191, got 'all'"),
     ],
 )
 def test_what_no_flight_can_do_is_refused(folder, message, reason):
@@ -218,8 +218,8 @@ def test_a_flight_that_is_brought_is_played_and_gone_with_the_page(folder):
     [
         ("notes.txt", b"hello", 415, "notes.txt found, a telemetry log (.tlog) wanted"),
         ("", b"hello", 415, "no name found, a telemetry log (.tlog) wanted"),
-        ("text.tlog", b"hello", 422, "text.tlog: a text found, a telemetry log"),
-        ("empty.tlog", b"", 422, "empty.tlog: an empty file found"),
+        ("text.tlog", b"hello", 422, "text.tlog: expected a telemetry log (.tlog) or a session folder, got a text"),
+        ("empty.tlog", b"", 422, "empty.tlog: expected a telemetry log (.tlog) or a session folder, got an empty file"),
         ("large.tlog", b"x" * 3_000_000, 413, "more than 2 MB found, less wanted"),
     ],
 )

@@ -246,10 +246,10 @@ def test_one_of_many_can_be_asked_for(tlog, fleet_log):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--payload", "9-191"], "payload 9-191: not in this flight; found 1-191, 2-191"),
-        (["--payload", "x"], "'x' found, system-component wanted, as in 1-191"),
-        (["--picture", "a.tlog"], "a.tlog found, a name that ends with .png or .svg wanted"),
-        (["--mcap", "a.png"], "a.png found, a name that ends with .mcap wanted"),
+        (["--payload", "9-191"], "payload: expected one of 1-191, 2-191, got 9-191"),
+        (["--payload", "x"], "expected system-component, as in 1-191, got 'x'"),
+        (["--picture", "a.tlog"], "expected a name that ends with .png or .svg, got a.tlog"),
+        (["--mcap", "a.png"], "expected a name that ends with .mcap, got a.png"),
         (["--picture", "/nowhere/a.png"], "/nowhere/a.png: cannot be written: No such file or directory"),
     ],
 )
@@ -268,7 +268,7 @@ def test_a_log_of_somebody_else_is_told_but_not_drawn(tlog, tmp_path):
     assert "nothing of ours: this is a log of system 1" in out
     code, _, err = tlog(path, "--picture", tmp_path / "a.png")
     assert code == 2
-    assert "no payload found" in err
+    assert "expected a payload to draw, got none" in err
     assert not (tmp_path / "a.png").exists()
 
 

@@ -92,7 +92,7 @@ def test_what_is_wrong_with_the_microphones_is_named() -> None:
     well, ill = AudioHealth(), AudioHealth(AudioTrouble.CLIPPING | AudioTrouble.DEAD_2)
     assert texts.ears(well, ill) == (Severity.WARNING, "microphones: clipping, dead 2")
     assert texts.ears(ill, ill) is None
-    assert texts.ears(ill, well) == (Severity.NOTICE, "microphones are well again")
+    assert texts.ears(ill, well) == (Severity.NOTICE, "microphones recovered")
 
 
 def test_a_recording_that_stops_by_itself_is_a_warning() -> None:
