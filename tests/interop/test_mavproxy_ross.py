@@ -59,7 +59,7 @@ def test_status_says_state_and_health(prompt):
     prompt.read(r"RoSS 1-191  \w+.* heard \d", place)
     prompt.read(r"axis [-\d.]+ deg, from the zero of the mount", place)
     place = prompt.type("ross status")
-    while prompt.read(r"microphones +(both|nothing)", place)[1] == "nothing":  # it tells every second
+    while prompt.read(r"microphones +(both|no data)", place)[1] == "no data":  # it tells every second
         place = prompt.type("ross status")
     prompt.read(r"ok microphones +both microphones work", place)
 
