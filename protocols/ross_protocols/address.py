@@ -65,21 +65,21 @@ def parse(url: str) -> Address:
     if kind == "serial":
         return _serial(url, rest)
     if kind not in ("udpin", "udpout", "tcp", "tcpin"):
-        raise BadAddress(f"link: {EXPECTED}, got '{url}'")
+        raise BadAddress(f"link '{url}': {EXPECTED}")
     found = _NETWORK.fullmatch(rest)
     if found is None:
-        raise BadAddress(f"link: {EXPECTED}, an IPv6 host in brackets, got '{url}'")
+        raise BadAddress(f"link '{url}': {EXPECTED}, an IPv6 host in brackets")
     host, port = found["host"].strip("[]"), _number(url, "port", found["port"], 65535)
     listen = kind.endswith("in")
     if not host and not listen:
-        raise BadAddress(f"link: {EXPECTED}, got '{url}' without a host")
+        raise BadAddress(f"link '{url}': {EXPECTED}, got no host")
     return (Tcp if kind.startswith("tcp") else Udp)(host or LOOPBACK, port, listen)
 
 
 def _serial(url: str, rest: str) -> Serial:
     device, _, baud = rest.rpartition(":")  # a device may have colons in its name
     if not device:
-        raise BadAddress(f"link: {EXPECTED}, got '{url}'")
+        raise BadAddress(f"link '{url}': {EXPECTED}")
     return Serial(device, None if baud == "auto" else _number(url, "baud", baud, 20_000_000))
 
 

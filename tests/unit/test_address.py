@@ -35,7 +35,7 @@ def test_a_url_is_read(url: str, address: object) -> None:
         ("udp:127.0.0.1:14550", "expected udpin:, udpout:"),
         ("127.0.0.1:14550", "expected udpin:, udpout:"),
         ("udpout:127.0.0.1", "expected udpin:, udpout:"),
-        ("udpout::14550", "without a host"),
+        ("udpout::14550", "got no host"),
         ("tcp:127.0.0.1:0", "port: expected a number from 1 to 65535, got '0'"),
         ("tcp:127.0.0.1:65536", "port: expected a number from 1 to 65535, got '65536'"),
         ("tcp:127.0.0.1:-1", "port: expected a number from 1 to 65535, got '-1'"),

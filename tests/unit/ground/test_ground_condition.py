@@ -36,11 +36,11 @@ def test_a_part_says_how_it_is_and_what_to_do(ground, told, part, level, word):
 @pytest.mark.parametrize(
     ("computer", "level", "word"),
     [
-        (Computer(5.0, (0.3, 0.2), 50.0, 1e9, 4e9), "good", "ease"),
+        (Computer(5.0, (0.3, 0.2), 50.0, 1e9, 4e9), "good", "normal load"),
         (Computer(5.0, (0.3, 1.0), 50.0, 1e9, 4e9), "watch", "core"),
         (Computer(5.0, (0.3, 0.2), 91.0, 1e9, 4e9), "watch", "hot"),
         (Computer(5.0, (0.3, 0.2), 50.0, 3.95e9, 4e9), "watch", "memory"),
-        (Computer(5.0), "good", "ease"),
+        (Computer(5.0), "good", "normal load"),
     ],
 )
 def test_a_processor_says_how_it_is(ground, computer, level, word):

@@ -259,7 +259,7 @@ def test_a_text_about_another_parameter_is_no_reason(script):
 )
 def test_what_cannot_be_set_says_so_at_once(script, name, value):
     script.tell({"ALPHA": 1.0})
-    with pytest.raises(ValueError, match=r"found.* wanted"):
+    with pytest.raises(ValueError, match=r"expected .*, got "):
         script.settings.set(name, value)
 
 
