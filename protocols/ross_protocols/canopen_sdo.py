@@ -132,7 +132,7 @@ def reply_of(data: bytes) -> Value | Written | Abort | None:
 def _expedited(command: int, data: bytes) -> int:
     """Return a command byte with the number of unused bytes."""
     if not 1 <= len(data) <= 4:
-        raise ValueError(f"{len(data)} bytes do not fit; wanted 1 to 4")
+        raise ValueError(f"expected 1 to 4 bytes, got {len(data)}")
     return command | (4 - len(data)) << 2
 
 

@@ -1,8 +1,8 @@
 """Our dialect and MAVLink's common one behind one parser.
 
 The generated module ``ross_dialect`` knows our messages only. Here it learns the common ones, with their constants and
-enumerations, so that one parser reads both, and from ``standard_dialect`` those that pymavlink lacks; pymavlink's own
-modules stay as they are. To let pymavlink's mavutil, a client, read our messages:
+enumerations, so that one parser reads both and one MAVLink object sends both, and from ``standard_dialect`` those that
+pymavlink lacks; pymavlink's own modules stay as they are. To let pymavlink's mavutil, a client, speak our dialect:
 ``mavutil.mavlink = ross_protocols.dialect.ross``.
 """
 
@@ -22,6 +22,9 @@ for _name, _enum in common.enums.items():
 for _name, _thing in (vars(standard) | vars(common)).items():
     if _name.startswith(("MAV", "MAVLink_")) and not hasattr(ross, _name):
         setattr(ross, _name, _thing)
+for _name, _thing in (vars(standard.MAVLink) | vars(common.MAVLink)).items():
+    if _name.endswith(("_encode", "_send")) and not hasattr(ross.MAVLink, _name):
+        setattr(ross.MAVLink, _name, _thing)
 
 MESSAGES: dict[int, Any] = ross.mavlink_map  # by message id, ours and the common ones
 

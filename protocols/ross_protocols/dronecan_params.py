@@ -62,7 +62,7 @@ class _Reader:
     def take(self, size: int) -> bytes:
         """Return the next bytes."""
         if size > len(self.rest):
-            raise DroneCanError(f"{len(self.rest)} bytes left, wanted {size}")
+            raise DroneCanError(f"expected {size} bytes, got {len(self.rest)}")
         taken, self.rest = self.rest[:size], self.rest[size:]
         return taken
 

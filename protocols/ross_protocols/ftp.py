@@ -21,8 +21,10 @@ class Opcode(IntEnum):
     NONE = 0
     TERMINATE = 1
     RESET = 2
+    LIST = 3
     OPEN_RO = 4
     READ = 5
+    CRC32 = 14
     BURST_READ = 15
     ACK = 128
     NAK = 129
@@ -31,6 +33,7 @@ class Opcode(IntEnum):
 class Error(IntEnum):
     """Why something is not done: the first byte of the data of a NAK."""
 
+    FAIL = 1
     INVALID_DATA_SIZE = 3
     INVALID_SESSION = 4
     END_OF_FILE = 6

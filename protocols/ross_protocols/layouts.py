@@ -16,6 +16,7 @@ from ross_protocols.pairs import (
     DIRECTION,
     FRAME,
     INTEGER,
+    MAYBE_COUNT,
     MAYBE_DIRECTION,
     MAYBE_INDEX,
     MAYBE_MEBI,
@@ -245,7 +246,8 @@ LINK = Layout(
     v.LinkReport,
     ross.MAVLink_ross_link_message,
     TIME
-    | _same(WRAPPED32, "sent", "dropped", "received", "lost", "bad", "refused")
+    | _same(WRAPPED32, "sent", "dropped", "received", "bad", "refused")
+    | _same(MAYBE_COUNT, "lost")
     | _same(WRAPPED16, "reconnects")
     | _same(INTEGER, "link", "count")
     | _same(text(60), "url")

@@ -117,6 +117,7 @@ MICRO = Pair(lambda seconds: float32(seconds * 1e6), lambda wire: wire / 1e6)
 MILLI = Pair(lambda seconds: round(seconds * 1e3) % 2**32, lambda wire: wire / 1e3)  # wraps after 49 days
 WRAPPED16 = Pair(lambda number: number % 65536, int)
 WRAPPED32 = Pair(lambda number: number % 2**32, int)
+MAYBE_COUNT = known(WRAPPED32, 2**32 - 1)
 FRAME = Pair(lambda earth: 1 if earth else 2, lambda wire: wire == 1)
 MEMBERS = Pair(bits, indices)
 MAYBE_NUMBER, MAYBE_DIRECTION, MAYBE_TURNED = (known(pair, math.nan) for pair in (NUMBER, DIRECTION, TURNED))

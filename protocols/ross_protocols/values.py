@@ -266,7 +266,7 @@ class LinkReport:
     sent: int = 0  # frames
     dropped: int = 0  # frames
     received: int = 0  # frames
-    lost: int = 0  # frames
+    lost: int | None = 0  # frames; None: some are missing, and a router may have kept them to itself
     bad: int = 0
     refused: int = 0  # frames
     reconnects: int = 0

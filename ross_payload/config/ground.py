@@ -61,3 +61,5 @@ class Recording(Table):
     max_gb: Annotated[float, Field(gt=0, le=10_000)] = 4.0  # of all sessions together; the oldest go first
     max_days: Annotated[float, Field(gt=0, le=3650)] = 30.0  # older sessions are deleted
     min_free_gb: Annotated[float, Field(ge=0, le=10_000)] = 0.5  # left on the disk, else recording stops
+    offer_ftp: bool = False  # let peers that may order read recordings over MAVLink FTP
+    ftp_bytes_s: Annotated[float, Field(ge=100, le=1_000_000)] = 50_000.0  # at most, and half of the link's budget

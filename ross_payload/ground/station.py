@@ -149,7 +149,7 @@ class Station:
         who = Who(packet.system_id, packet.component_id)
         if self.log is not None:
             self.log.add(self._unix(), packet.frame, number)
-        self.fleet.hear(packet, at)
+        self.fleet.hear(packet, at, way=(number, peer))
         if self._ways.note(who, Way(number, peer), packet, at):
             self.fleet.twin(who, at)
         for call in tuple(self._calls):

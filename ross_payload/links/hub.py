@@ -181,6 +181,11 @@ class Links:
             return None
         return self._twin[0]
 
+    @property
+    def signing_trouble(self) -> str:
+        """Why signed peers may be refused in spite of the right key, in words; empty: nothing is known against it."""
+        return "" if self._signing is None else self._signing.trouble
+
     def rates(self) -> dict[str, float]:
         """Return what every link may say in the long run [bytes/s], by its URL; infinite: anything."""
         return {link.config.url: link.rate for link in self._links}

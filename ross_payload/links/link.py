@@ -33,7 +33,7 @@ class LinkStatus:
     dropped: int  # frames that had no room, in the budget or in the port
     received: int  # frames
     received_bytes: int
-    lost: int  # frames that are missing in the senders' counts
+    lost: int | None  # frames, by the senders' counts; None: behind a router nobody can tell
     bad: int  # what began like a frame and had a wrong checksum
     unknown: int  # frames of messages that nobody here knows
     refused: int  # frames whose signature is missing, wrong or old

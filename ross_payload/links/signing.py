@@ -18,12 +18,14 @@ from ross_payload.errors import ConfigError
 from ross_payload.links.background import begin
 from ross_payload.parameters import replace_file
 from ross_protocols import signing
-from ross_protocols.signing import LATEST, SECOND, WINDOW, timestamp_of
+from ross_protocols.signing import EPOCH, LATEST, SECOND, WINDOW, timestamp_of
 
 FILE = "signing-time"  # in the state folder
 STEP = 60 * SECOND  # by which the bound is raised
 RETRY = 1.0  # after the disk has refused [s]
 LONGEST = 64  # file [bytes]
+DAY = 86_400.0  # [s]; a signing time that is farther ahead of the computer's clock is somebody's mistake
+SET = EPOCH + 5 * 365 * DAY  # before this UNIX time a computer's clock was never set [s]
 log = logging.getLogger(__name__)
 
 
@@ -63,6 +65,18 @@ class SigningTime:
             self._bound = self._save(self._latest + STEP)
         except OSError as error:
             raise ConfigError(f"{self._path}: the signing time cannot be saved: {error.strerror}") from error
+        self._warned = False
+        self._warn()
+
+    @property
+    def trouble(self) -> str:
+        """Why peers that do not follow our time are refused, in words; empty: they are not, as far as is known."""
+        clock = self._unix()
+        ahead = (self._latest - timestamp_of(clock)) / SECOND
+        if ahead <= DAY or clock < SET:
+            return ""
+        span = f"{ahead / DAY:.0f} days" if ahead < 1000 * DAY else f"{ahead / DAY / 365.25:.0f} years"
+        return f"signing time is {span} ahead of this computer's clock: peers that do not follow it are refused"
 
     def stamp(self, now: float) -> int | None:
         """Return a timestamp that was never used, at ``now`` [s]; None while the disk is behind."""
@@ -90,7 +104,18 @@ class SigningTime:
 
     def learn(self, timestamp: int) -> None:
         """Follow a peer that is ahead."""
+        if timestamp > self._latest + DAY * SECOND:
+            self._latest = timestamp
+            self._warn()
         self._latest = max(self._latest, timestamp)
+
+    def _warn(self) -> None:
+        """Tell the log once, with the remedy."""
+        trouble = self.trouble
+        if trouble and not self._warned:
+            self._warned = True
+            remedy = f"set the clock of whoever is ahead; then stop, delete {self._path}, and give all sides a new key"
+            log.warning("%s; %s", trouble, remedy)
 
     def close(self) -> None:
         """Save how far the time went, so that we go on from there."""

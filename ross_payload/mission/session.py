@@ -57,8 +57,8 @@ class Session:
     def __init__(self, config: Config, make: Make, memory: Memory | None = None) -> None:
         self.config = config
         self.busy = False  # a task is going on
-        self._memory = memory or Memory()
-        self._stopped = self._memory.stopped
+        self._memory = memory or Memory(starting=True)
+        self._stopped, self._starting = self._memory.stopped, self._memory.starting
         self._make = make
         self._fault = ""
         self._waiting: list[Order] = []  # came while no task was going on
@@ -68,7 +68,8 @@ class Session:
     @property
     def memory(self) -> Memory:
         """What a session that goes on from here must know, between tasks."""
-        return replace(self._memory, stopped=self._stopped, samples=self._context.samples)
+        samples = self._context.samples
+        return replace(self._memory, stopped=self._stopped, starting=self._starting, samples=samples)
 
     def mission(self, first: Task | None = None) -> Mission:
         """Obey orders until `Shutdown`; nothing turns before a task is ordered.
@@ -76,7 +77,7 @@ class Session:
         Prime it with ``next``; then send one Input for every Output. It returns a Result. ``first`` is a task to
         begin with, without being asked.
         """
-        self._enter(State.STOPPED if self._stopped else State.IDLE)
+        self._rest()
         order: Order | None = first
         if first is not None:
             yield from self._hop()
@@ -92,6 +93,9 @@ class Session:
         self._waiting += heard.orders
         if heard.fault and heard.fault != self._fault:
             self._enter(State.FAULT, heard.fault)
+        elif self._starting and self._fault and not heard.fault:
+            self._rest("the actuator is ready")  # it had to be waited for; any later fault waits for Rearm
+        self._starting = self._starting and bool(heard.fault)
         self._fault = heard.fault
         return heard
 
@@ -149,7 +153,7 @@ class Session:
             self._answer(task, Answer.REFUSED, why)
             return None
         self._answer(task, Answer.ACCEPTED)
-        self.busy = True
+        self.busy, self._starting = True, False
         try:
             result = yield from self._watched(task)
         except Refused as refused:
@@ -212,6 +216,9 @@ class Session:
     def _progress(self, task: Task, heard: OrientationHeard) -> Answered:
         share = min(heard.index / self._context.settings.max_rotations, 1.0)
         return Answered(heard.time, task.number, Answer.PROGRESS, progress=share)
+
+    def _rest(self, detail: str = "") -> None:
+        self._enter(State.STOPPED if self._stopped else State.IDLE, detail)
 
     def _enter(self, state: State, detail: str = "") -> None:
         self._context.enter(state, detail)

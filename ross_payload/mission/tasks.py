@@ -51,6 +51,7 @@ class Memory:
     noise: Samples | None = None  # heard at rest while nobody talked, (2, n)
     stopped: bool = False  # by an order, and not armed again
     samples: int = 0  # heard since the session began
+    starting: bool = False  # nothing was ordered yet, and the actuator has not been well yet
 
 
 class Refused(Exception):

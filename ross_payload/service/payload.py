@@ -32,6 +32,7 @@ from ross_payload.recording.shelf import Shelf
 from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.dronecan import node_on_bus
 from ross_payload.service.runner import Observer, Runner
+from ross_payload.telemetry.recordings import Recordings
 from ross_payload.telemetry.service import Telemetry
 from ross_payload.timebase import Timebase
 from ross_protocols.computer import Computer
@@ -81,7 +82,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.enter_context(parts.source)
         recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
         voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
-        session = Session(config, maker(actuator, voiceprint), Memory(stopped=parts.stopped))
+        session = Session(config, maker(actuator, voiceprint), Memory(stopped=parts.stopped, starting=True))
         first = FIRST[config.service.autostart]
         mission = session.mission(first() if first is not None else None)
         runner = Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock)
@@ -148,6 +149,7 @@ def _gimbal(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder) -
 
 
 def _telemetry(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder, ears: HealthMonitor) -> Telemetry:
+    asked = parts.parameters.config.recording
     return Telemetry(
         parts.parameters.config,
         parts.clock,
@@ -160,4 +162,5 @@ def _telemetry(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder
         health=ears.health,
         computer=parts.computer,
         timebase=parts.timebase,
+        recordings=Recordings(parts.shelf.folder, asked.ftp_bytes_s) if asked.offer_ftp else None,
     )

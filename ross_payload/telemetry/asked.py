@@ -58,14 +58,14 @@ def asked(command: Command) -> Asked:
 def _number(command: Command, index: int, name: str, lower: float, upper: float) -> float:
     value = command.numbers[index - 1]
     if not lower <= value <= upper:
-        raise ConfigError(f"{name}: found {value:g}, wanted {lower:g} to {upper:g}")
+        raise ConfigError(f"{name}: expected {lower:g} to {upper:g}, got {value:g}")
     return float(value)
 
 
 def _whole(command: Command, index: int, name: str, lower: int, upper: int) -> int:
     value = _number(command, index, name, lower, upper)
     if value % 1:
-        raise ConfigError(f"{name}: found {value:g}, wanted a whole number")
+        raise ConfigError(f"{name}: expected a whole number, got {value:g}")
     return int(value)
 
 
@@ -86,7 +86,7 @@ def _inform(command: Command) -> Order:
     told = [not math.isnan(number) for number in command.numbers[1:]]
     count = sum(told)
     if not all(told[:count]) or not count:
-        raise ConfigError("azimuths: found a gap, wanted one at least and NaN only at the end")
+        raise ConfigError("azimuths: expected at least one, and NaN only behind the last, got a gap")
     azimuths = tuple(_direction(command, index + 2, f"azimuth {index}") for index in range(count))
     for i, j in combinations(range(count), 2):
         if abs(difference(azimuths[i], azimuths[j])) < math.radians(APART_DEG):

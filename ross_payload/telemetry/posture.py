@@ -64,8 +64,7 @@ class Posture:
         if reason:
             return Verdict(Result.TEMPORARILY_REJECTED, reason)
         if isinstance(order, ListenTo) and self._known is not None and order.source >= self._known:
-            found = f"source {order.source} of {self._known}, counted from 0"
-            return Verdict(Result.DENIED, f"there is no {found}")
+            return Verdict(Result.DENIED, f"source: expected 0 to {self._known - 1}, got {order.source}")
         return None
 
     def _state_forbids(self, order: Task, *, stopping: bool) -> str:

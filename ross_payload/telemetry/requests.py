@@ -114,8 +114,8 @@ class Requests:
             return Verdict(Result.DENIED)
         periods = {USUAL: None, NEVER: math.inf}
         if interval not in periods and not SHORTEST <= interval <= LONGEST:
-            wanted = f"{NEVER}, {USUAL}, or {SHORTEST} us at least"
-            return Verdict(Result.DENIED, f"interval: found {interval:g}, wanted {wanted}")
+            wanted = f"{NEVER}, {USUAL}, or at least {SHORTEST} us"
+            return Verdict(Result.DENIED, f"interval: expected {wanted}, got {interval:g}")
         if message_id == common.MAVLINK_MSG_ID_HEARTBEAT and interval == NEVER:
             return Verdict(Result.DENIED, "the heartbeat cannot be silenced")
         done = self._streams.set_period(link, message_id, periods.get(int(interval), interval / 1e6))

@@ -31,6 +31,7 @@ from ross_payload.telemetry.identity import Endpoint
 from ross_payload.telemetry.metadata import files
 from ross_payload.telemetry.outlets import Outlets
 from ross_payload.telemetry.params import ParameterServer
+from ross_payload.telemetry.recordings import Recordings
 from ross_payload.telemetry.report import Reporter
 from ross_payload.telemetry.requests import Requests
 from ross_payload.telemetry.standing import Moment, Snapshot, standing
@@ -44,6 +45,7 @@ from ross_protocols.values import DIALECT_VERSION, Information, Severity
 PERIOD = 0.020  # [s] between two polls
 OBSERVING = 0.1  # [s] between two looks at the array, when nothing is to be sent
 LOOKING = 1.0  # [s] between two looks at the payload itself
+COMPLAINING = 60.0  # [s] between two words about a signing time that locks peers out
 MIRRORING = 0.1  # [s] between two looks into the mirrors
 FLUSHING = 1.0  # [s] at most, until the pump has sent what was said last
 STRANGERS = 16  # that are remembered
@@ -81,6 +83,8 @@ class Telemetry:
         Tell how the recording, the microphones and the computer are; None: nothing is said of them.
     timebase
         Tells the time; None: time is since the boot.
+    recordings
+        Are offered over MAVLink FTP; None: they are not.
 
     Raises
     ------
@@ -103,6 +107,7 @@ class Telemetry:
         health: Callable[[], AudioHealth] | None = None,
         computer: Callable[[], Computer] | None = None,
         timebase: Timebase | None = None,
+        recordings: Recordings | None = None,
     ) -> None:
         self._config = config
         self._clock = clock
@@ -116,6 +121,7 @@ class Telemetry:
         self._strangers: set[tuple[int, int]] = set()
         self._twin: int | None = None
         self._observing, self._looking, self._mirroring = Every(OBSERVING), Every(LOOKING), Every(MIRRORING)
+        self._complaining = Every(COMPLAINING)
         self._board = Board()
         component = links.component(config.telemetry.component_id)
         self._outlets = Outlets(self._board, links, component, config.telemetry)
@@ -126,7 +132,7 @@ class Telemetry:
         endpoint = Endpoint(links, component.id)
         self._commands = None if give is None else self._server(endpoint, give, recorder)
         self._settings = None if parameters is None else ParameterServer(endpoint, parameters, changed, self._say)
-        self._files = None if give is None else FileServer(endpoint, files())
+        self._files = None if give is None else FileServer(endpoint, files(), recordings, links.rates)
         self._tlog = None if tlog is None else TlogRecorder(tlog)
         component.tap(self._record)
         component.subscribe(self._hear)
@@ -215,6 +221,8 @@ class Telemetry:
         if twin is not None and self._twin is None:
             self._say(Severity.ERROR, f"somebody else speaks as our component {twin}: change one component_id")
         self._twin = twin
+        if (trouble := self._links.signing_trouble) and self._complaining.due(now):
+            self._say(Severity.WARNING, f"{trouble}: see the log")
         capabilities = None if self._actuator is None else self._actuator.capabilities
         self._condition.look(information(config, capabilities, self._timebase.usec()), self._links.status(), now)
 

@@ -59,9 +59,9 @@ def test_status_says_state_and_health(prompt):
     prompt.read(r"RoSS 1-191  \w+.* heard \d", place)
     prompt.read(r"axis [-\d.]+ deg, from the nose", place)
     place = prompt.type("ross status")
-    while prompt.read(r"microphones +(both|nothing)", place)[1] == "nothing":  # it tells every second
+    while prompt.read(r"microphones +(both|no data)", place)[1] == "no data":  # it tells every second
         place = prompt.type("ross status")
-    prompt.read(r"ok microphones +both hear", place)
+    prompt.read(r"ok microphones +both microphones work", place)
 
 
 def test_a_stop_a_refusal_with_its_reason_and_rearming_are_said(prompt):
@@ -73,7 +73,7 @@ def test_a_stop_a_refusal_with_its_reason_and_rearming_are_said(prompt):
 
 def test_a_mistake_is_one_line(prompt):
     place = prompt.type("ross turn around")
-    prompt.read("ross: found 'around', wanted a number", place)
+    prompt.read("ross: expected a number, got 'around'", place)
 
 
 def test_a_recording_is_begun_and_ended(prompt):

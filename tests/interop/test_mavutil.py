@@ -120,3 +120,22 @@ def test_mavlogdump_prints_a_log_with_names_and_units(tmp_path: Path) -> None:
     assert "state: 3 (ROSS_STATE_EXPLORE_LISTEN)" in done.stdout
     assert "! ROSS_ACTUATOR_FLAGS_FAULT" in done.stdout
     assert "heading: -0.25rad" in done.stdout
+
+
+def test_a_client_of_mavutil_sends_orders_and_common_messages_in_our_dialect(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mavutil, "mavlink", ross)
+    monkeypatch.setenv("MAVLINK20", "1")
+    port, clock, heard = free_port(), SystemClock(), []
+    with Links.open([Link(url=f"udpin:127.0.0.1:{port}")], clock) as links:
+        links.component(191).subscribe(lambda each: heard.append(each.packet.message))
+        ground = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255)
+        ground.mav.heartbeat_send(ross.MAV_TYPE_GCS, ross.MAV_AUTOPILOT_INVALID, 0, 0, 0)
+        ground.mav.command_long_send(1, 191, ross.MAV_CMD_ROSS_STOP, 0, 0, 0, 0, 0, 0, 0, 0)
+        ground.param_fetch_all()
+        end = clock.now() + 10
+        while len(heard) < 3 and clock.now() < end:
+            links.poll()
+            clock.sleep(0.01)
+        ground.close()
+    assert [each.get_type() for each in heard] == ["HEARTBEAT", "COMMAND_LONG", "PARAM_REQUEST_LIST"]
+    assert heard[1].command == ross.MAV_CMD_ROSS_STOP

@@ -47,6 +47,30 @@ def test_nodes_meet_on_a_hub(kind, tmp_path):
             assert process.told["wire"] == wire
 
 
+def test_a_device_joins_the_bus_that_the_file_of_the_payload_names(tmp_path):
+    with ross(tmp_path, "hub", "--listen", "tcp:127.0.0.1:0", "--json") as hub:
+        wire = f"{hub.told['hub']}:bus1"
+        file = tmp_path / "ross.toml"
+        file.write_text(f'[actuator]\nkind = "canopen_drive"\noptions = {{ port = "{wire}" }}\n')
+        with device(tmp_path, "drive", "--config", str(file)) as process:
+            assert process.told["wire"] == wire
+        with device(tmp_path, "drive", "--config", str(file), "--wire", f"{hub.told['hub']}:bus2") as process:
+            assert process.told["wire"] == f"{hub.told['hub']}:bus2"
+
+
+def test_a_device_serves_the_port_at_which_the_file_of_the_payload_looks_for_it(tmp_path):
+    port, link = free_port(), f"udpin:127.0.0.1:{free_port()}"
+    files = {
+        "servo": f'[actuator]\nkind = "dronecan_servo"\noptions = {{ port = "can:tcp:127.0.0.1:{port}" }}\n',
+        "gimbal": f'[actuator]\nkind = "mavlink_gimbal"\n[[links]]\nurl = "{link}"\nrole = "autopilot"\n',
+    }
+    wires = {"servo": f"can:tcp:127.0.0.1:{port}", "gimbal": link}
+    for kind, text in files.items():
+        (tmp_path / f"{kind}.toml").write_text(text)
+        with device(tmp_path, kind, "--config", str(tmp_path / f"{kind}.toml")) as process:
+            assert process.told["wire"] == wires[kind]
+
+
 def test_a_bare_gimbal_is_managed_over_tcp(tmp_path):
 
     wire = f"tcpin:127.0.0.1:{free_port()}"
@@ -66,8 +90,8 @@ def test_faults_happen_on_command_and_are_told(tmp_path):
         one.actuator.command(1.0)
         one.until(lambda: "does not follow" in one.actuator.state().fault)
         assert process.ask("stuck off")["faults"] == []
-        assert "wanted FAULT" in process.ask("be nice please")["error"]
-        assert "there are: corrupt, dup" in process.ask("explode")["error"]
+        assert "expected FAULT" in process.ask("be nice please")["error"]
+        assert "expected one of corrupt, dup" in process.ask("explode")["error"]
         assert process.ask("reboot")["faults"] == []
 
 
@@ -108,16 +132,16 @@ def test_a_signal_ends_it_with_code_0(command, number):
 
 
 BAD = {
-    "the actuator's wire is can:": ["device", "servo", "--wire", "pulses:tcp:127.0.0.1:0"],
-    "wanted tcp:HOST:PORT": ["device", "servo", "--wire", "can:tcp:127.0.0.1"],
+    "expected can:": ["device", "servo", "--wire", "pulses:tcp:127.0.0.1:0"],
+    "expected tcp:HOST:PORT": ["device", "servo", "--wire", "can:tcp:127.0.0.1"],
     "expected udpin:": ["device", "gimbal", "--wire", "can:tcp:127.0.0.1:0"],
     "cannot listen": ["device", "stepper", "--wire", "pulses:tcp:192.0.2.1:0"],
     "cannot join the bus": ["device", "servo", "--wire", "can:socketcand:127.0.0.1:1"],
-    'wanted "FAULT at SECONDS"': ["device", "gimbal", "--fault", "stall soon"],
-    "there are: ": ["device", "gimbal", "--fault", "rust at 3"],
-    "wanted KEY=VALUE": ["device", "gimbal", "--option", "role"],
+    'expected "FAULT at SECONDS"': ["device", "gimbal", "--fault", "stall soon"],
+    "fault: expected one of ": ["device", "gimbal", "--fault", "rust at 3"],
+    "expected KEY=VALUE": ["device", "gimbal", "--option", "role"],
     "expected 'discover', 'client' or 'manager', got 'boss'": ["device", "gimbal", "--option", "role=boss"],
-    "wanted one of them": ["device", "gimbal", "--option", "role=client", "--config", "x.toml"],
+    "expected one of them": ["device", "gimbal", "--option", "role=client", "--config", "x.toml"],
     "--listen": ["hub", "--listen", "29536"],
     "cannot listen:": ["hub", "--listen", "tcp:192.0.2.1:0"],
 }

@@ -46,8 +46,8 @@ def test_a_driver_in_another_process_turns_the_array_of_a_world(kind, tmp_path):
 
 
 BAD = {
-    "wanted tcp:HOST:PORT": ["--pcm", "udp:127.0.0.1:1"],
-    "the actuator's wire is pulses": ["--wire", "ideal:tcp:127.0.0.1:0"],
+    "expected tcp:HOST:PORT": ["--pcm", "udp:127.0.0.1:1"],
+    "--wire: expected pulses": ["--wire", "ideal:tcp:127.0.0.1:0"],
     "not a named pipe": ["--pipe", __file__],
     "unknown": ["party"],
     "expected a scenario without one": ["drone-yaw"],

@@ -61,7 +61,8 @@ def ross(folder: Path, *command: str, before: tuple[str, ...] = ROSS) -> Iterato
 @contextmanager
 def device(folder: Path, kind: str, *more: str) -> Iterator[Process]:
     """Start ``ross device``; a gimbal at a free port."""
-    wire = ("--wire", f"udpout:127.0.0.1:{free_port()}") if kind == "gimbal" and "--wire" not in more else ()
+    free = kind == "gimbal" and "--wire" not in more and "--config" not in more
+    wire = ("--wire", f"udpout:127.0.0.1:{free_port()}") if free else ()
     with ross(folder, "device", kind, "--json", *wire, *more) as process:
         yield process
 

@@ -120,6 +120,27 @@ class Bench:
                 observer.said(event, self.heard)
 
 
+class LatePort:
+    """The wire of an actuator whose far end is switched on some time after the payload."""
+
+    def __init__(self, port: Port, clock: SimClock, begin: float) -> None:
+        self._port, self._clock, self._begin = port, clock, begin
+
+    def send(self, frame: Any) -> None:
+        """Send a frame; before the beginning nobody is there."""
+        if self._clock.now() >= self._begin:
+            self._port.send(frame)
+
+    def receive(self) -> list[Any]:
+        """Return what has arrived."""
+        arrived = self._port.receive()
+        return arrived if self._clock.now() >= self._begin else []
+
+    def close(self) -> None:
+        """Close the wire."""
+        self._port.close()
+
+
 class Living:
     """An observer that lets a script live: a generator that yields when a hop shall pass."""
 
@@ -142,17 +163,24 @@ class Living:
         """What is said goes over the bus."""
 
 
-def payload(tables: dict[str, Any], open_can: Callable[[str], Port] | None, folder: Path) -> Any:
-    """A payload, unless told otherwise with an ideal actuator; without ``open_can`` the bus is the actuator's."""
+def payload(tables: dict[str, Any], open_can: Callable[[str], Port] | None, folder: Path, powered: float = 0.0) -> Any:
+    """A payload, unless told otherwise with an ideal actuator; without ``open_can`` the bus is the actuator's.
+
+    What turns is there from ``powered`` [s] on.
+    """
     config = Config.model_validate({"actuator": {"kind": "ideal"}, "dronecan": {"port": URL}} | tables)
-    return _aboard(config, open_can, folder)
+    return _aboard(config, open_can, folder, powered)
 
 
 @contextmanager
-def _aboard(config: Config, open_can: Callable[[str], Port] | None, folder: Path) -> Iterator[Bench]:
+def _aboard(config: Config, open_can: Callable[[str], Port] | None, folder: Path, powered: float) -> Iterator[Bench]:
     clock, far_end, restarts = SimClock(), far_end_of(config), []
     clock.before_calls(far_end.advance)
-    buses = Buses(lambda url: open_can(url) if open_can and url.startswith("can:") else far_end.port, clock)
+
+    def open_port(url: str) -> Port:
+        return open_can(url) if open_can and url.startswith("can:") else LatePort(far_end.port, clock, powered)
+
+    buses = Buses(open_port, clock)
     with Links.open((), clock, system_id=1, state=folder) as links, Parameters(config, folder / "params.toml") as kept:
         parts = Parts(
             clock=clock,
@@ -180,8 +208,8 @@ def live(bench: Bench, script: Iterator[None]) -> None:
     bench.runner.run()
 
 
-def play(script, open_can, folder, **tables):
+def play(script, open_can, folder, powered=0.0, **tables):
     """Let a script live with a payload; return the bench."""
-    with payload(tables, open_can, folder) as bench:
+    with payload(tables, open_can, folder, powered) as bench:
         live(bench, script(bench))
     return bench

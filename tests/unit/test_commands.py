@@ -309,4 +309,4 @@ def test_a_source_must_be_known_to_be_listened_to(payload):
     assert payload.texts == ["listen refused: no source is known: explore first"]
     assert payload.command(EXPLORE, seconds=6.0)[-1] == ACCEPTED
     assert payload.command(LISTEN, 1, 2, seconds=0.1) == [DENIED]
-    assert payload.texts[-1] == "listen refused: there is no source 2 of 2, counted from 0"
+    assert payload.texts[-1] == "listen refused: source: expected 0 to 1, got 2"

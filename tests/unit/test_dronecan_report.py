@@ -1,5 +1,6 @@
 """What a payload on a bus tells of its mission: status, sources, news, health."""
 
+import os
 import re
 import subprocess
 import sys
@@ -136,9 +137,12 @@ def test_the_table_of_the_guide_is_valid():
     assert validated(Config, tomllib.loads(block("toml")), "the guide").dronecan.node_id == 121
 
 
-def test_the_program_of_the_guide_prints_what_it_says():
+def test_the_program_of_the_guide_prints_what_it_says(tmp_path):
     pytest.importorskip("dronecan")
-    done = subprocess.run([sys.executable, "-c", block("python")], cwd=ROOT, capture_output=True, text=True, check=True)
+    home = os.environ | {"HOME": str(tmp_path)}
+    subprocess.run(["sh", "-ec", block("sh")], cwd=ROOT, env=home, check=True)
+    command = [sys.executable, "-c", block("python")]
+    done = subprocess.run(command, cwd=ROOT, env=home, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == block("python").rpartition("# ")[2].strip()
 
 

@@ -13,7 +13,7 @@ from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
 from ross_protocols.can import CanFrame
 from ross_sim.devices.address import tcp_address
-from ross_sim.devices.hub import MOST_WAITING, Hub
+from ross_sim.devices.hub import MOST_CLIENTS, MOST_WAITING, Hub
 
 can = pytest.importorskip("can")
 CLOCK = SystemClock()
@@ -182,7 +182,7 @@ def test_a_wrong_address_of_a_hub_says_what_was_wanted(rest):
 
 @pytest.mark.parametrize("text", ["tcp:127.0.0.1", "udp:127.0.0.1:1", "tcp:127.0.0.1:99999", "tcp::5", ""])
 def test_a_wrong_address_to_listen_on_says_what_was_wanted(text):
-    with pytest.raises(ConfigError, match="wanted tcp:HOST:PORT"):
+    with pytest.raises(ConfigError, match="expected tcp:HOST:PORT"):
         tcp_address(text, "--listen")
 
 
@@ -226,3 +226,29 @@ def test_a_master_of_the_package_canopen_reads_an_object_there(hub):
             done.set()
             thread.join()
             network.disconnect()
+
+
+def test_a_client_too_many_is_refused_aloud_and_the_others_go_on(hub, caplog):
+    with client(hub) as one, client(hub) as other:
+        crowd = [socket.create_connection(("127.0.0.1", hub.port), 10) for _ in range(MOST_CLIENTS - 2)]
+        for each in crowd:
+            assert each.recv(100) == b"< hi >"
+        for _ in range(3):
+            with socket.create_connection(("127.0.0.1", hub.port), 10) as late:
+                late.settimeout(10)
+                said = b"".join(iter(lambda late=late: late.recv(100), b""))
+                assert said == b"< error clients: expected at most 64, got one more >"
+        lines = [entry.getMessage() for entry in caplog.records]
+        assert lines[0] == "clients: expected at most 64, got one more: refused"
+        one.send(CanFrame(0x123, b"ab"))
+        assert heard(other, 1) == [CanFrame(0x123, b"ab")]
+        for each in crowd:
+            each.close()
+        end = time.monotonic() + 10
+        while not _is_welcome(hub):
+            assert time.monotonic() < end, "the place of a client that has gone is never free"
+
+
+def _is_welcome(hub):
+    with socket.create_connection(("127.0.0.1", hub.port), 10) as again:
+        return again.recv(100) == b"< hi >"

@@ -8,11 +8,12 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from links_bench import HandClock, Wire
-from ross_payload.config import Link
+from ross_payload.config import Config, Link
 from ross_payload.links import Heard, Links
-from ross_protocols.codec import Encoder
+from ross_payload.telemetry.service import Telemetry
+from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.signing import SECOND, is_good, is_signed, link_and_time, timestamp_of
-from ross_protocols.values import Health, Heartbeat
+from ross_protocols.values import Health, Heartbeat, Text
 
 KEY = bytes(range(32))
 OTHER = bytes(32)
@@ -262,3 +263,60 @@ def test_no_thread_is_left_behind(tmp_path: Path, key_file: Path) -> None:
     for thread in begun:
         thread.join(timeout=20)
     assert not any(thread.is_alive() for thread in begun)
+
+
+# ---------------------------------------------------------------------------------------------------- years ahead
+
+YEARS = 20 * 365.25 * 86_400.0  # [s]
+
+
+@pytest.fixture
+def carried_along(tmp_path, key_file):
+    """The state folder of a payload that has heard a key holder whose clock is 20 years ahead, and was switched off."""
+    with Payload(tmp_path, key_file) as payload:
+        ahead = GroundStation(unix=TODAY + YEARS)
+        for _ in range(100):  # the bound is raised in the background
+            if payload.hear(ahead.say()):
+                break
+            payload.settle()
+        else:
+            raise AssertionError("it is never believed")
+    return tmp_path
+
+
+def test_a_clock_years_ahead_is_said_in_the_log_and_to_the_ground(carried_along, key_file, caplog):
+    with Payload(carried_along, key_file) as payload:
+        assert payload.hear(GroundStation().say()) == 0, "nobody is shut out"
+        (line,) = [record.getMessage() for record in caplog.records if "signing time" in record.getMessage()][-1:]
+        assert "20 years ahead of this computer's clock" in line
+        assert f"delete {carried_along / 'signing-time'}, and give all sides a new key" in line
+        texts, ear = [], Decoder()
+        telemetry = Telemetry(Config(), payload.clock, payload.links)
+        for _ in range(130):
+            payload.clock.time += 1.0
+            telemetry.poll()
+            payload.settle()
+            packets = [packet for frame in payload.wire.sent for packet in ear.feed(frame)]
+            texts += [packet.value.text for packet in packets if isinstance(packet.value, Text)]
+            payload.wire.sent.clear()
+        said = [text for text in texts if "signing time is 20 years" in text]
+        assert 2 <= len(said) <= 3, "not once a minute"
+
+
+def test_a_new_key_and_no_signing_time_let_a_station_in_again(carried_along, key_file, caplog):
+    (carried_along / "signing-time").unlink()
+    key_file.write_bytes(OTHER)
+    caplog.clear()
+    with Payload(carried_along, key_file) as payload:
+        assert payload.hear(GroundStation(OTHER).say()) == 1
+        assert payload.links.signing_trouble == ""
+    assert caplog.records == []
+
+
+@pytest.mark.parametrize("unix", [0.0, TODAY - 3600.0], ids=["a clock that was never set", "an hour behind"])
+def test_a_clock_that_was_never_set_or_is_little_behind_is_no_trouble(tmp_path, key_file, unix, caplog):
+    with Payload(tmp_path, key_file) as payload:
+        assert payload.hear(GroundStation().say()) == 1
+    with Payload(tmp_path, key_file, unix) as payload:
+        assert payload.links.signing_trouble == ""
+    assert caplog.records == []

@@ -94,6 +94,55 @@ def test_while_listening_another_task_takes_over():
     assert delivered.groups[delivered.target].members == (1,)
 
 
+def test_an_actuator_that_is_late_at_the_start_is_no_fault_once_it_is_there(bench):
+    bench.fault = "no heartbeat of an autopilot yet"
+    bench.hop()
+    bench.hop()
+    bench.hop()
+    assert bench.state() is State.FAULT
+    bench.fault = ""
+    bench.hop()
+    bench.hop()
+    assert bench.state() is State.IDLE
+    bench.hop(Park(number=1))
+    assert bench.over(1).answer is Answer.DONE
+
+
+def test_an_actuator_that_is_late_does_not_undo_a_stop(bench):
+    bench.fault = "waiting for a node id"
+    bench.hop(Stop())
+    bench.hop()
+    bench.hop()
+    bench.fault = ""
+    bench.hop()
+    bench.hop()
+    assert bench.state() is State.STOPPED
+    bench.hop(Park(number=1))
+    assert bench.over(1).answer is Answer.REFUSED
+
+
+@pytest.mark.parametrize("first", [(), (Home(number=1),)], ids=["it was well before", "it was homed before"])
+def test_a_fault_that_is_not_of_the_start_waits_for_rearm(bench, first):
+    bench.fault = "waiting for a node id" if first else ""
+    bench.hop()
+    bench.hop(*first)
+    if first:
+        bench.over(1)
+    bench.fault = "unplugged"
+    for _ in range(4):
+        bench.hop()
+    assert bench.state() is State.FAULT
+    bench.fault = ""
+    for _ in range(4):
+        bench.hop()
+    assert bench.state() is State.FAULT
+    bench.hop(Rearm(number=2))
+    bench.hop()
+    bench.hop()
+    assert bench.answers(2) == [Answer.ACCEPTED]
+    assert bench.state() is State.IDLE
+
+
 def test_a_fault_ends_the_task_and_forbids_the_next(bench):
     bench.hop(Explore(number=1))
     bench.hops_until(TurnStarted)

@@ -82,7 +82,8 @@ def test_the_module_names_the_rule_that_is_broken(edges: list[Any], rule: str, f
     module = played(edges)
     assert [violation.rule for violation in module.violations] == [rule]
     assert module.violations[0].found == pytest.approx(found, abs=1e-12)
-    assert module.complaints()[0].startswith(f"{rule}: found {found * 1e6:.2f} us, wanted ")
+    assert module.complaints()[0].startswith(f"{rule}: expected ")
+    assert f" us, got {found * 1e6:.2f} us, at " in module.complaints()[0]
 
 
 def test_clean_edges_break_no_rule_in_one_piece_or_in_many() -> None:

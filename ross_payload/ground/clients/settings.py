@@ -112,7 +112,7 @@ class Settings:
         if name not in self._settings:
             raise ValueError(f"expected the name of a parameter of {self.who}, got '{name[:40]}'")
         if not abs(value) <= FLOAT32_MAX:
-            raise ValueError(f"{name}: expected a number that a float can hold, got {str(value)[:40]}")
+            raise ValueError(f"{name}: expected a number that a 32-bit float can hold, got {str(value)[:40]}")
         before = self._settings[name].value
         self._settings[name] = _Setting(before, SENDING, wanted=value)
         self._send_value(name)

@@ -49,26 +49,30 @@ class Desk:
         if isinstance(order, Command):
             meant = [each for each in payloads if order.system_id in (0, each.system)]
             for payload in (each for each in meant if order.component_id in (0, each.component)):
-                self._ask(order, at, who, payload)
+                named = order.system_id == payload.system and order.component_id == payload.component
+                self._ask(order, at, who, payload, to_all=not named and not _is_ours(order.number))
         elif packet.name == "COMMAND_ACK" and who in payloads:
             self._answer(packet.message, at, who)
 
     def asked(self, payload: Who) -> tuple[Asked, ...]:
-        """Return the orders to a payload, the oldest first."""
-        mine = (each for each in self._asked if each["payload"] == payload)
-        return tuple(Asked(**{**each, "answers": tuple(each["answers"])}) for each in mine)
+        """Return the orders to a payload, the oldest first; of those to all components the ones that it answered."""
+        mine = [dict(each) for each in self._asked if each["payload"] == payload]
+        meant = (each for each in mine if not each.pop("to_all") or each["answers"])
+        return tuple(Asked(**{**each, "answers": tuple(each["answers"])}) for each in meant)
 
-    def _ask(self, order: Command, at: float, sender: Who, payload: Who) -> None:
+    def _ask(self, order: Command, at: float, sender: Who, payload: Who, *, to_all: bool) -> None:
         if order.confirmation and self._latest(order.number, payload, sender) is not None:
             return  # said again
         numbers = tuple(order.numbers)
-        self._put(at=at, sender=sender, payload=payload, command=command_name(order.number), numbers=numbers)
+        name = command_name(order.number)
+        self._put(at=at, sender=sender, payload=payload, command=name, numbers=numbers, to_all=to_all)
 
     def _answer(self, message: Any, at: float, payload: Who) -> None:
         asker = Who(message.target_system, message.target_component)
         order = self._latest(message.command, payload, asker if asker.system else None)
         if order is None:
-            order = self._put(at=None, sender=None, payload=payload, command=command_name(message.command), numbers=())
+            name = command_name(message.command)
+            order = self._put(at=None, sender=None, payload=payload, command=name, numbers=(), to_all=False)
         running = message.result == Result.IN_PROGRESS
         known = running and message.progress != UNKNOWN_PROGRESS
         answer = Answer(at, result_name(message.result), message.progress / 100 if known else None)
@@ -87,6 +91,11 @@ class Desk:
             if same and (sender is None or order["sender"] in (None, sender)):
                 return order
         return None
+
+
+def _is_ours(number: int) -> bool:
+    """Whether only a payload obeys a command."""
+    return (word("MAV_CMD", number) or "").startswith("ross_")
 
 
 def command_name(number: int) -> str:

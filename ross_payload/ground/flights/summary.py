@@ -69,7 +69,7 @@ def chosen(flight: Flight, payload: Who | None) -> tuple[Who, ...]:
         return flight.payloads
     if payload not in flight.payloads:
         found = ", ".join(map(str, flight.payloads)) or "none"
-        raise GroundError(f"payload {payload}: not in this flight; found {found}")
+        raise GroundError(f"payload: expected one of {found}, got {payload}")
     return (payload,)
 
 

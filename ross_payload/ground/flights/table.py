@@ -27,7 +27,7 @@ def show(told: Row, console: Console) -> None:
     for payload in told["payloads"]:
         _payload(console, payload)
     if told["others"]:
-        rows = ([each["who"], each["frames"], each["lost"], _kinds(each["kinds"])] for each in told["others"])
+        rows = ([each["who"], each["frames"], _lost(each["lost"]), _kinds(each["kinds"])] for each in told["others"])
         _table(console, "Others", ("who", "frames", "lost", "most of them"), rows, len(told["others"]))
 
 
@@ -50,9 +50,15 @@ def _payload(console: Console, payload: Row) -> None:
     counted = None if payload["earth"] is None else f"angles clockwise {frame(payload['earth'])}"
     way = "inside TUNNEL" if payload["tunnelled"] else None
     words = ", ".join(str(each) for each in (*about, counted, way) if each)
-    _say(console, f"{words}. {payload['frames']} frames, {payload['lost']} lost" if words else "")
+    lost = "loss unknown: they came through a router" if payload["lost"] is None else f"{payload['lost']} lost"
+    _say(console, f"{words}. {payload['frames']} frames, {lost}" if words else "")
     for title, columns, rows in _parts(payload):
         _table(console, title, columns, iter(rows), len(rows))
+
+
+def _lost(count: int | None) -> str:
+    """Write how many frames were lost; None: they came through a router."""
+    return "unknown" if count is None else str(count)
 
 
 def _parts(payload: Row) -> Iterator[tuple[str, tuple[str, ...], list[list[Any]]]]:

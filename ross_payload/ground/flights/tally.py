@@ -1,13 +1,18 @@
-"""What of each component a log holds: frames, rates, losses and silence, counted without reading a message."""
+"""What of each component a log holds: frames, rates, losses, silence; no message but heartbeats is read."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ross_payload.ground.flights.reading import Flight, name_of
+from ross_payload.ground.flights.reading import Flight, name_of, who_of
+from ross_payload.ground.picture.ears import Ear
 from ross_payload.ground.picture.known import Who
+from ross_payload.ground.picture.senders import without_listener
+from ross_protocols.dialect import common
+from ross_protocols.peers import Sender, is_routed
 
 SILENCE = 3.0  # [s] without a frame that are told
 
@@ -37,7 +42,7 @@ class Tally:
     first: float  # [s]
     last: float  # [s]
     frames: int
-    lost: int  # frames that are missing in the sequence
+    lost: int | None  # frames; None: some are missing, and a router may have kept them to itself
     tunnelled: bool  # some came inside TUNNEL
     kinds: tuple[Kind, ...]  # the most frequent first
     gaps: tuple[Gap, ...]
@@ -46,20 +51,36 @@ class Tally:
 def tallies(flight: Flight) -> dict[Who, Tally]:
     """Count the frames of every component."""
     senders = np.unique(flight.index.sender).tolist()
-    return {Who(sender >> 8, sender & 255): _tally(flight, sender) for sender in senders}
+    routed = is_routed(without_listener([divmod(sender, 256) for sender in senders], _stations(flight)))
+    return {who_of(sender): _tally(flight, sender, routed) for sender in senders}
 
 
-def _tally(flight: Flight, sender: int) -> Tally:
+def _stations(flight: Flight) -> set[Sender]:
+    """Return the ground stations of a log, by the first heartbeat of every component."""
+    beats = np.flatnonzero(flight.index.message == common.MAVLINK_MSG_ID_HEARTBEAT)
+    firsts = beats[np.unique(flight.index.sender[beats], return_index=True)[1]]
+    packets = (packet for _, packet in flight.packets(firsts) if packet.message.type == common.MAV_TYPE_GCS)
+    return {(packet.system_id, packet.component_id) for packet in packets}
+
+
+def _missing(sequence: NDArray[np.uint8]) -> int:
+    """Count the frames that are missing in the numbers of a component, which may have come on several links."""
+    if (np.diff(sequence) == 1).all():
+        return 0
+    ear = Ear()
+    return sum(ear.missing(number) for number in sequence.tolist())
+
+
+def _tally(flight: Flight, sender: int, routed: bool) -> Tally:
     which = np.flatnonzero(flight.index.sender == sender)
     at, index = flight.at[which], flight.index
-    missing = np.diff(index.sequence[which].astype(int)) - 1 & 255
-    lost = int(missing[missing < 128].sum())  # more is an order of two links, or a start
+    tunnelled = bool(index.tunnelled[which].any())
+    missing = _missing(index.sequence[which])
+    lost = None if missing and (routed or tunnelled) else missing
     steps = np.diff(at)
     gaps = tuple(Gap(float(at[i]), float(steps[i])) for i in np.flatnonzero(steps > SILENCE))
     names, counts = np.unique(index.message[which], return_counts=True)
     span = float(at[-1] - at[0])
     pairs = sorted(zip(counts.tolist(), names.tolist(), strict=True), key=lambda pair: (-pair[0], pair[1]))
     kinds = (Kind(name_of(name), count, (count - 1) / span if count > 1 and span else None) for count, name in pairs)
-    who = Who(sender >> 8, sender & 255)
-    tunnelled = bool(index.tunnelled[which].any())
-    return Tally(who, float(at[0]), float(at[-1]), len(which), lost, tunnelled, tuple(kinds), gaps)
+    return Tally(who_of(sender), float(at[0]), float(at[-1]), len(which), lost, tunnelled, tuple(kinds), gaps)

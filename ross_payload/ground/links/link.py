@@ -6,6 +6,7 @@ import asyncio
 import errno
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import reduce
 from typing import Any
 
 from ross_payload.extras import install_line
@@ -26,6 +27,7 @@ PRESENT = 10.0  # [s] for which a peer that has sent good frames keeps its place
 SILENCE = 0.2  # [s] after which the rest of a frame is not waited for any longer
 LOOKS = 200  # at what may be a frame, in one go: a flood lets others have their turn
 MOST_LATE = 65536  # bytes of one peer that may wait for such a turn
+_Totals = dict[str, int | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +39,7 @@ class LinkState:
     error: str  # the latest failure, in words
     frames: int
     bytes: int
-    lost: int  # frames that are missing in the senders' counts
+    lost: int | None  # frames, by the senders' counts; None: behind a router nobody can tell
     bad: int  # what began like a frame and had a wrong checksum
     skipped: int  # bytes that belong to no frame
     refused: int  # frames whose signature is missing, wrong or old
@@ -48,7 +50,7 @@ class LinkState:
     last: float | None  # when the last good frame came [s]
     frames_s: float  # over the last seconds [1/s]
     bytes_s: float
-    loss: float  # share of frames lost over the last seconds, 0 to 1
+    loss: float | None  # share of frames lost over the last seconds, 0 to 1; None: as for ``lost``
 
 
 @dataclass(slots=True)
@@ -91,7 +93,7 @@ class Link:
         self._guardian = guardian
         self._ears: dict[Peer, _Ear] = {}
         self._counts = dict.fromkeys(("frames", "bytes", "refused", "signed", "strangers"), 0)
-        self._past = dict.fromkeys(("lost", "bad", "skipped"), 0)  # of peers that are gone
+        self._past: _Totals = dict.fromkeys(("lost", "bad", "skipped"), 0)  # of peers that are gone
         self._last: float | None = None
         self._meter = Meter(self._reading(now()))
 
@@ -167,7 +169,7 @@ class Link:
         """Forget somebody."""
         ear = self._ears.pop(peer, None)
         if ear is not None:
-            self._past = {name: self._past[name] + count for name, count in _totals(ear).items()}
+            self._past = _added(self._past, _totals(ear))
 
     # ------------------------------------------------------------------------------------------ inside
 
@@ -211,12 +213,8 @@ class Link:
             ear.senders.meet(packet, now)
             self._hear(self._number, peer, packet, now)
 
-    def _totals(self) -> dict[str, int]:
-        totals = dict(self._past)
-        for ear in self._ears.values():
-            for name, count in _totals(ear).items():
-                totals[name] += count
-        return totals
+    def _totals(self) -> dict[str, Any]:
+        return reduce(_added, map(_totals, self._ears.values()), self._past)
 
     def _reading(self, now: float) -> Reading:
         return Reading(now, self._counts["frames"], self._counts["bytes"], self._totals()["lost"])
@@ -243,8 +241,14 @@ def port_of(url: str, listener: Listener) -> Port:
             return SerialPort(address, listener)
 
 
-def _totals(ear: _Ear) -> dict[str, int]:
+def _totals(ear: _Ear) -> _Totals:
     return {"lost": ear.senders.lost, "bad": ear.decoder.bad, "skipped": ear.decoder.skipped}
+
+
+def _added(one: _Totals, other: _Totals) -> _Totals:
+    """Add counts of the same names; what is unknown of one is unknown of both."""
+    pairs = ((name, count, other[name]) for name, count in one.items())
+    return {name: None if count is None or more is None else count + more for name, count, more in pairs}
 
 
 def _remedy(error: Exception) -> str:

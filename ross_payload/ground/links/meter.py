@@ -17,7 +17,7 @@ class Reading:
     at: float  # [s]
     frames: int
     size: int  # [bytes]
-    lost: int  # frames
+    lost: int | None  # frames; None: nobody can tell
 
 
 class Meter:
@@ -47,9 +47,11 @@ class Meter:
         span = max(now.at - before.at, PERIOD)
         return (now.frames - before.frames) / span, (now.size - before.size) / span
 
-    def loss(self, now: Reading) -> float:
-        """Return the share of frames that were lost over the last `LOSS_SPAN`, 0 to 1."""
+    def loss(self, now: Reading) -> float | None:
+        """Return the share of frames that were lost over the last `LOSS_SPAN`, 0 to 1; None: nobody can tell."""
         before = self._before(now.at - LOSS_SPAN)
+        if now.lost is None or before.lost is None:
+            return None
         lost, frames = now.lost - before.lost, now.frames - before.frames
         return lost / (lost + frames) if lost else 0.0
 

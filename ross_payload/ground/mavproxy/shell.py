@@ -168,14 +168,14 @@ def asked(what: str, rest: list[str]) -> dict[str, Any]:
         case ("listen", [source]):
             order = {"source": _number(source)}
     if order is None:
-        raise ValueError(f"found '{' '.join([what, *rest])}', wanted: {_usage(what)}")
+        raise ValueError(f"expected {_usage(what)}, got '{' '.join([what, *rest])}'")
     return {"kind": what, **order}
 
 
 def _usage(what: str) -> str:
     """Return the line of the help about a word."""
     lines = (line.split("  ")[0] for line in HELP.splitlines())
-    return next((line for line in lines if what in line.split()[1].split("|")), "see ross help")
+    return next((line for line in lines if what in line.split()[1].split("|")), "a word that ross help lists")
 
 
 def _number(text: str) -> float:

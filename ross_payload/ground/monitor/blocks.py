@@ -150,7 +150,8 @@ def links(states: Sequence[Any]) -> list[Text]:
     rows = []
     for each in states:
         mark, style = MARKS["good" if each.up else "act"]
-        words = f"{each.bytes_s / 1e3:.1f} kB/s, {each.frames_s:.0f} frames/s, {each.lost} lost, {each.bad} bad"
+        lost = "loss unknown" if each.lost is None else f"{each.lost} lost"
+        words = f"{each.bytes_s / 1e3:.1f} kB/s, {each.frames_s:.0f} frames/s, {lost}, {each.bad} bad"
         rows.append(Text(mark, style).append(f"link {each.url} ").append(words if each.up else each.error or "", style))
     return rows
 

@@ -105,10 +105,13 @@ def _apart(heading: float | None, goal: float | None) -> float | None:
 
 
 def _link(link: LinkReport) -> dict[str, Any]:
-    heard = link.received + link.lost
-    share = link.lost / heard if heard else 0.0
-    level = WATCH if not link.up or share > LOSSY else GOOD
-    words = f"{share:.0%} of the messages to the payload lost" if link.up else "not connected"
+    share = _share(link.lost, link.received)
+    level = WATCH if not link.up or (share or 0.0) > LOSSY else GOOD
+    words = "loss unknown: messages reach the payload through a router"
+    if share is not None:
+        words = f"{share:.0%} of the messages to the payload lost"
+    if not link.up:
+        words = "not connected"
     return {
         "level": level,
         "words": words,
@@ -125,12 +128,19 @@ def _link(link: LinkReport) -> dict[str, Any]:
     }
 
 
+def _share(lost: int | None, received: int) -> float | None:
+    """Which share of all frames was lost; None: nobody can tell."""
+    return None if lost is None else lost / max(received + lost, 1)
+
+
 def _reception(known: Payload) -> dict[str, Any]:
     """What reaches the listener; rates are differences of these counts between two looks."""
     counts = known.counts
-    share = counts.lost / max(counts.frames + counts.lost, 1)
+    share = _share(counts.lost, counts.frames)
     if known.twin:
         level, words = ACT, twins(known.who)
+    elif share is None:
+        level, words = GOOD, "loss unknown: its frames come through a router"
     else:
         level, words = (WATCH if share > LOSSY else GOOD), f"{share:.0%} of its messages lost"
     return {

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from heapq import nlargest
 from typing import Any
 
 from ross_payload.ground.picture.ears import SPAN, TWIN_SPAN, Ear, Presence
-from ross_payload.ground.picture.known import Counts, Payload, Who, twins
+from ross_payload.ground.picture.known import Payload, Who, twins
 from ross_payload.ground.picture.learning import flawed, hear_computer, hear_text, is_sane, learn, restarted
+from ross_payload.ground.picture.senders import Senders
 from ross_protocols.codec import Packet
 from ross_protocols.computer import computer_of
 from ross_protocols.tunnel import OURS, unwrap
@@ -51,6 +53,7 @@ class Fleet:
         self.pinned: frozenset[Who] = frozenset()  # who is watched or commanded: they have a place before all others
         self._hidden: dict[Who, Presence] = {}  # who has no place, the latest to be heard last
         self._ears: dict[Who, Ear] = {}
+        self._senders = Senders()
 
     def copy(self) -> Fleet:
         """Return another fleet that knows the same; what either hears next is not the other's business."""
@@ -58,10 +61,12 @@ class Fleet:
         other.payloads, other.vehicles, other.pinned = dict(self.payloads), dict(self.vehicles), self.pinned
         other._hidden = {who: replace(presence) for who, presence in self._hidden.items()}
         other._ears = {who: ear.copy() for who, ear in self._ears.items()}
+        other._senders = self._senders.copy()
         return other
 
-    def hear(self, packet: Packet, at: float) -> None:
-        """Take a packet that came ``at`` a time [s]."""
+    def hear(self, packet: Packet, at: float, way: Hashable = None) -> None:
+        """Take a packet that came ``at`` a time [s] on a ``way``, a link and a peer; None: not told, as in a log."""
+        self._senders.meet(packet, way)
         if packet.component_id == AUTOPILOT:
             self._vehicle(packet, at)
             return
@@ -71,7 +76,7 @@ class Fleet:
         known = self._known(who, told, at)
         if known is None or self._ears[who].frame == packet.frame:
             return  # nobody that we know, or a frame that the network doubled
-        known = self._counted(known, packet, tunnelled=inner is not None)
+        known = self._counted(known, packet, way, tunnelled=inner is not None)
         self.payloads[who] = self._told(known, told, at)
 
     def twin(self, who: Who, at: float) -> None:
@@ -115,12 +120,18 @@ class Fleet:
         del self.payloads[least], self._ears[least]
         return True
 
-    def _counted(self, known: Payload, packet: Packet, *, tunnelled: bool) -> Payload:
+    def _counted(self, known: Payload, packet: Packet, way: Hashable, *, tunnelled: bool) -> Payload:
         ear, before = self._ears[known.who], known.counts
         ear.frame = packet.frame
-        lost = before.lost + ear.missing(packet.sequence)
-        counts = Counts(before.frames + 1, before.size + len(packet.frame), lost, before.malformed)
-        return replace(known, counts=counts, tunnelled=tunnelled or known.tunnelled)
+        tunnelled = tunnelled or known.tunnelled
+        counts = replace(
+            before,
+            frames=before.frames + 1,
+            size=before.size + len(packet.frame),
+            missing=before.missing + ear.missing(packet.sequence),
+            routed=tunnelled or self._senders.is_routed(way),
+        )
+        return replace(known, counts=counts, tunnelled=tunnelled)
 
     def _told(self, known: Payload, told: Packet, at: float) -> Payload:
         ear = self._ears[known.who]

@@ -100,8 +100,14 @@ class Counts:
 
     frames: int = 0
     size: int = 0  # [bytes]
-    lost: int = 0  # frames missing in the sequence
+    missing: int = 0  # frames, in the sequence
     malformed: int = 0  # messages that no payload means: a NaN where a number must be, a source out of range
+    routed: bool = False  # its frames come through somebody who passes on some of them
+
+    @property
+    def lost(self) -> int | None:
+        """Frames that were lost; None: some are missing, and a router may have kept them to itself."""
+        return None if self.routed and self.missing else self.missing
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,5 +22,5 @@ def tcp_address(text: str, option: str) -> tuple[str, int]:
     """
     found = _TCP.fullmatch(text)
     if found is None or int(found["port"]) > 65535:
-        raise ConfigError(f"{option} {text}: wanted tcp:HOST:PORT, an IPv6 host in brackets")
+        raise ConfigError(f"{option}: expected tcp:HOST:PORT, an IPv6 host in brackets, got '{text}'")
     return found["host"].strip("[]"), int(found["port"])

@@ -22,7 +22,11 @@ of JSON. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended by hand, 2 bad input, 1 
 
 @click.command("device", short_help="Simulate one device for a payload in another process.", epilog=EPILOG)
 @click.argument("kind", type=click.Choice(tuple(KINDS)))
-@click.option("--wire", metavar="URL", help="Where to be reached, or what to join; default: a free local port.")
+@click.option(
+    "--wire",
+    metavar="URL",
+    help="Where to be reached, or what to join; default: the configuration's, or a free local port.",
+)
 @click.option("--option", "-o", "options", multiple=True, metavar="KEY=VALUE", help="As in [actuator.options].")
 @click.option("--config", "file", type=click.Path(path_type=Path), help="Take [actuator] from this payload's file.")
 @click.option("--fault", "faults", multiple=True, metavar='"FAULT at S [for S]"', help="Let a fault happen.")
@@ -42,7 +46,7 @@ def command(
     """
     from contextlib import ExitStack
 
-    from ross_sim.devices.device_leads import Lead, connected
+    from ross_sim.devices.device_leads import Lead, configured_wire, connected
     from ross_sim.devices.device_session import live, planned
     from ross_sim.devices.far_end import far_end_of
 
@@ -51,7 +55,7 @@ def command(
     turns = [turn for fault in faults for turn in planned(fault, far_end.faults)]
 
     def connect(epoch: float, stack: ExitStack) -> Lead:
-        connection = connected(config, wire, far_end, epoch=epoch, stack=stack)
+        connection = connected(config, wire or configured_wire(config), far_end, epoch=epoch, stack=stack)
         _tell(config, connection.address, as_json)
         return connection.lead
 
@@ -68,10 +72,10 @@ def _configured(kind: str, options: Sequence[str], file: Path | None) -> Any:
         table = {"actuator": {"kind": kind, "options": dict(_option(text) for text in options)}}
         return validated(Config, table, "--option")
     if options:
-        raise ConfigError("--option and --config: wanted one of them")
+        raise ConfigError("--option and --config: expected one of them, got both")
     config = load(file)
     if config.actuator.kind != kind:
-        raise ConfigError(f"{file}: actuator.kind = '{config.actuator.kind}', wanted '{kind}'")
+        raise ConfigError(f"{file}: actuator.kind: expected '{kind}', got '{config.actuator.kind}'")
     return config
 
 
@@ -83,7 +87,7 @@ def _option(text: str) -> tuple[str, Any]:
 
     key, equals, value = text.partition("=")
     if not (key.strip() and equals):
-        raise ConfigError(f"--option {text}: wanted KEY=VALUE")
+        raise ConfigError(f"--option: expected KEY=VALUE, got '{text}'")
     try:
         return key.strip(), tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:

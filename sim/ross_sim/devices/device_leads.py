@@ -143,7 +143,7 @@ def connected(config: Config, wire: str | None, far_end: FarEnd, *, epoch: float
     scheme = checked_options(config).port.partition(":")[0]
     wire = wire or (PTY if scheme == "serial" else f"{scheme}:tcp:127.0.0.1:0")
     if wire.partition(":")[0] != scheme:
-        raise ConfigError(f"--wire {wire}: the actuator's wire is {scheme}:")
+        raise ConfigError(f"--wire: expected {scheme}:..., got {wire}")
     if wire == PTY or wire.startswith(f"{scheme}:tcp:"):
         return _served(scheme, wire, far_end, epoch, stack)
     outside = open_wire(wire, clock)
@@ -161,6 +161,19 @@ def _served(scheme: str, wire: str, far_end: FarEnd, epoch: float, stack: ExitSt
     server = stack.enter_context(WireServer(host, port, side, clock))
     name = f"[{host}]" if ":" in host else host
     return Connection(side, f"{scheme}:tcp:{name}:{server.port}", lambda: server.used)
+
+
+def configured_wire(config: Config) -> str:
+    """Return the wire that a payload's configuration names, as its device names it; empty: it names none to be shared.
+
+    A device can join a CAN bus and serve a TCP port; a serial line or a pin of this computer has no other end here.
+    """
+    if config.actuator.kind == "mavlink_gimbal":
+        urls = (link.url for link in config.links if link.role == "autopilot")
+        return next((opposite(url) for url in urls if not url.startswith("serial:")), "")
+    options = checked_options(config)
+    named = options.port if "port" in options.model_fields_set else ""
+    return str(named) if named.startswith("can:") or named.partition(":")[2].startswith("tcp:") else ""
 
 
 def opposite(url: str) -> str:

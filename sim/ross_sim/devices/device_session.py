@@ -48,7 +48,7 @@ def planned(text: str, faults: frozenset[Fault]) -> list[Turn]:
     """
     found = _PLANNED.fullmatch(text)
     if found is None:
-        raise ConfigError(f'--fault "{text}": wanted "FAULT at SECONDS" or "FAULT at SECONDS for SECONDS"')
+        raise ConfigError(f'--fault: expected "FAULT at SECONDS" or "FAULT at SECONDS for SECONDS", got "{text}"')
     fault, at = _fault(found["fault"], faults), float(found["at"])
     end = [] if found["time"] is None else [Turn(at + float(found["time"]), fault, False)]
     return [Turn(at, fault, True), *end]
@@ -121,7 +121,7 @@ class DeviceSession:
                 case [name, "off"]:
                     self._turn(_fault(name, self.far_end.faults), False)
                 case _:
-                    raise ConfigError(f'"{" ".join(words)}": wanted FAULT, FAULT off, or status')
+                    raise ConfigError(f'expected FAULT, FAULT off, or status, got "{" ".join(words)}"')
         except ConfigError as error:
             return {"error": str(error)}
         return self.status()
@@ -148,7 +148,7 @@ def _fault(name: str, faults: frozenset[Fault]) -> Fault:
         return checked(Fault(name), faults)
     except ValueError as error:
         there = ", ".join(sorted(faults)) or "none"
-        raise ConfigError(f"fault '{name}' cannot happen to this device; there are: {there}") from error
+        raise ConfigError(f"fault: expected one of {there}, got '{name}'") from error
 
 
 def _descriptor() -> int | None:

@@ -84,5 +84,5 @@ def checked(fault: Fault, faults: frozenset[Fault]) -> Fault:
         When it is not.
     """
     if fault not in faults:
-        raise ValueError(f"a fault '{fault}' makes no sense here: wanted {', '.join(sorted(faults)) or 'none'}")
+        raise ValueError(f"fault: expected one of {', '.join(sorted(faults)) or 'none'}, got '{fault}'")
     return fault

@@ -7,6 +7,7 @@ What a client says that is no frame is counted and otherwise left alone: python-
 from __future__ import annotations
 
 import asyncio
+import logging
 import re
 import socket
 from collections.abc import Callable
@@ -18,7 +19,10 @@ from ross_protocols.can import MOST_DATA
 
 LONGEST = 4096  # that a client may say without an end [bytes]
 MOST_WAITING = 262_144  # for a client that does not read [bytes]
+MOST_CLIENTS = 64  # a bus has no more nodes, and every client takes one of this process's descriptors
+LOUD = 1.0  # [s] between two lines of the log about clients that were refused
 QUIET = 0.1  # [s] after raw mode is granted, so that its answer is read alone; ends with the client's first frame
+log = logging.getLogger(__name__)
 _CHANNEL = re.compile(r"[A-Za-z0-9_.-]{1,16}")
 _NUMBER = re.compile(r"[0-9A-Fa-f]{1,8}")
 
@@ -31,6 +35,7 @@ class Hub:
         self._clients: set[_Client] = set()
         self.refused = 0  # what was no frame
         self.dropped = 0  # clients that did not read
+        self._loud_at = -LOUD  # when the log was told of a refused client [s]
 
     async def serve(self, host: str, port: int, told: Callable[[int], None], ended: asyncio.Event) -> None:
         """Serve until ``ended``; ``told`` is called with the port.
@@ -53,6 +58,9 @@ class Hub:
                 await asyncio.sleep(0)
 
     async def _attend(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        if len(self._clients) >= MOST_CLIENTS:
+            await self._turn_away(writer)
+            return
         client = _Client(writer)
         writer.get_extra_info("socket").setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._clients.add(client)
@@ -68,6 +76,17 @@ class Hub:
             writer.close()
             with suppress(OSError):
                 await writer.wait_closed()
+
+    async def _turn_away(self, writer: asyncio.StreamWriter) -> None:
+        """Refuse a client, and say so to it and in the log."""
+        words = f"clients: expected at most {MOST_CLIENTS}, got one more"
+        if self._clock.now() >= self._loud_at + LOUD:
+            self._loud_at = self._clock.now()
+            log.warning("%s: refused", words)
+        writer.write(f"< error {words} >".encode("ascii"))
+        writer.close()
+        with suppress(OSError):
+            await writer.wait_closed()
 
     def _obey(self, client: _Client, said: bytes) -> None:
         match said.decode("ascii", "replace").strip().removeprefix("<").removesuffix(">").split():

@@ -41,7 +41,7 @@ class Violation:
 
     def __str__(self) -> str:
         """Say it in one line."""
-        return f"{self.rule}: found {self.found * 1e6:.2f} us, wanted {self.wanted * 1e6:.2f} us, at {self.time:.6f} s"
+        return f"{self.rule}: expected {self.wanted * 1e6:.2f} us, got {self.found * 1e6:.2f} us, at {self.time:.6f} s"
 
 
 class OptoInputs:

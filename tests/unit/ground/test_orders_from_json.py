@@ -65,6 +65,6 @@ def test_an_order_is_read_from_json(mapping, order, numbers):
     ],
     ids=repr,
 )
-def test_what_is_no_order_says_what_was_found_and_wanted(mapping):
+def test_what_is_no_order_says_what_was_expected_and_got(mapping):
     with pytest.raises(ValueError, match=r"expected .*, got "):
         order_of(mapping)

@@ -33,6 +33,7 @@ from short_mission import SHORT
 pytestmark = pytest.mark.lockstep
 
 TURN = 54003
+STOP = 54004
 
 
 @pytest.fixture(scope="module")
@@ -165,6 +166,26 @@ def test_orders_are_told_with_their_answers(told):
     assert [each["result"] for each in theirs["answers"]] == ["temporarily_rejected"]
 
 
+def test_orders_hold_nothing_that_is_meant_for_other_components(told):
+    ground, autopilot, payload = Encoder(255, 190), Encoder(1, 1), Encoder(1, 191)
+
+    def command(sender, number, *target):
+        return sender.encode(common.MAVLink_command_long_message(*target, number, 0, *[148.0] + [0.0] * 6))
+
+    (told_of,) = told(
+        (0.0, payload.encode(Status(0, 0.0, 0, True))),
+        (1.0, command(ground, common.MAV_CMD_REQUEST_MESSAGE, 1, 1)),
+        (1.1, command(ground, common.MAV_CMD_REQUEST_MESSAGE, 1, 0)),  # to all, as ground stations ask an autopilot
+        (1.2, command(autopilot, common.MAV_CMD_REQUEST_MESSAGE, 0, 0)),
+        (1.3, command(ground, STOP, 0, 0)),  # only payloads know it
+        (1.4, command(ground, common.MAV_CMD_SET_MESSAGE_INTERVAL, 1, 0)),
+        (1.5, payload.encode(acknowledgement(common.MAV_CMD_SET_MESSAGE_INTERVAL, Result.ACCEPTED, 255, 190))),
+        (1.6, command(ground, common.MAV_CMD_REQUEST_MESSAGE, 1, 191)),
+    )["payloads"]
+    found = [(each["at"], each["command"]) for each in told_of["commands"]]
+    assert found == [(1.3, "stop"), (1.4, "SET_MESSAGE_INTERVAL"), (1.6, "REQUEST_MESSAGE")]
+
+
 def test_answers_to_orders_that_were_not_heard_are_told_too(told):
     one = Encoder(1, 191)
     (payload,) = told(
@@ -225,7 +246,7 @@ def test_one_of_many_can_be_asked_for(tlog, fleet_log):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--payload", "9-191"], "payload 9-191: not in this flight; found 1-191, 2-191"),
+        (["--payload", "9-191"], "payload: expected one of 1-191, 2-191, got 9-191"),
         (["--payload", "x"], "expected system-component, as in 1-191, got 'x'"),
         (["--picture", "a.tlog"], "expected a name that ends with .png or .svg, got a.tlog"),
         (["--mcap", "a.png"], "expected a name that ends with .mcap, got a.png"),

@@ -58,8 +58,8 @@ function reception({ lost, malformed }, { frames, bytes, loss }) {
   return [
     ["Rate", number(frames, 0, " messages/s")],
     ["Bandwidth", known(bytes) ? `${size(bytes)}/s` : DASH],
-    ["Lost recently", share(loss)],
-    ["Lost in total", plural(lost, "message")],
+    ["Lost recently", known(lost) ? share(loss) : "unknown"],
+    ["Lost in total", known(lost) ? plural(lost, "message") : "unknown"],
     malformed ? ["Malformed", plural(malformed, "message")] : null,
   ];
 }
@@ -73,14 +73,14 @@ export function rates(counts) {
   return {
     frames: frames / span,
     bytes: (last.bytes - first.bytes) / span,
-    loss: frames + lost ? lost / (frames + lost) : null,
+    loss: known(last.lost) && frames + lost ? lost / (frames + lost) : null,
   };
 }
 
 function link({ sent, dropped, received, lost, bad, refused, reconnects, autopilot }) {
   return [
     ["Sent / dropped", `${sent} / ${dropped}`],
-    ["Received / lost", `${received} / ${lost}`],
+    ["Received / lost", `${received} / ${known(lost) ? lost : "unknown"}`],
     bad || refused ? ["Bad / rejected", `${bad} / ${refused}`] : null,
     reconnects ? ["Reconnected", plural(reconnects, "time")] : null,
     autopilot ? ["Peer", "autopilot"] : null,

@@ -84,7 +84,7 @@ function links(page, list) {
                 <td data-name="State">${each.up ? "open" : each.error || "not open"}</td>
                 <td data-name="Messages">${number(each.frames_s, 0, " /s")}</td>
                 <td data-name="Bandwidth">${known(each.bytes_s) ? `${size(each.bytes_s)}/s` : DASH}</td>
-                <td data-name="Lost">${share(each.loss)}</td>
+                <td data-name="Lost">${known(each.loss) ? share(each.loss) : "unknown"}</td>
                 <td data-name="Last message">${known(each.last) ? ago(page.now() - each.last) : "never"}</td>
               </tr>`,
           )}
