@@ -22,7 +22,7 @@ from ross_payload.links.address import parse
 from ross_payload.links.echoes import Echoes
 from ross_payload.links.link import Link, LinkStatus
 from ross_payload.links.opening import open_port
-from ross_payload.links.ports import LinkPort
+from ross_payload.links.ports import LinkPort, Peer
 from ross_payload.links.signing import SigningTime, read_key
 from ross_protocols.codec import Decoder, Encoder, Packet, message_of
 from ross_protocols.peers import PRESENT, Sender
@@ -171,8 +171,8 @@ class Links:
             for packet in self._decoder.feed(frame):
                 self._dispatch(Heard(LOCAL, LOCAL, packet, may_order=True), but=sender)
         for link in self._links:
-            for packet in link.receive(self._clock.now()):
-                self._hear(link, packet)
+            for packet, peer in link.receive(self._clock.now()):
+                self._hear(link, packet, peer)
 
     @property
     def twin(self) -> int | None:
@@ -252,14 +252,14 @@ class Links:
             return []
         return [link for link in links if link.peers.knows(system, component)] or links
 
-    def _hear(self, link: Link, packet: Packet) -> None:
+    def _hear(self, link: Link, packet: Packet, peer: Peer) -> None:
         now = self._clock.now()
         if packet.component_id in self._components and self._own(packet.component_id)[0] == packet.system_id:
             if not self._echoes.knows(packet.frame):
                 link.twins += 1
                 self._twin = packet.component_id, now
             return
-        link.peers.meet(packet, now)
+        link.meet(packet, peer, now)
         self._latch(link, packet)
         self._dispatch(Heard(link.config.url, link.config.role, packet, link.may_order(packet)))
 
