@@ -24,7 +24,7 @@ from ross_payload.links import Heard, Links
 from ross_payload.orders import Order
 from ross_payload.parameters import Parameters
 from ross_payload.telemetry import mirrors
-from ross_payload.telemetry.commands import CommandServer
+from ross_payload.telemetry.commands import CommandServer, StopMemory
 from ross_payload.telemetry.condition import Condition
 from ross_payload.telemetry.files import FileServer
 from ross_payload.telemetry.identity import Endpoint
@@ -81,6 +81,8 @@ class Telemetry:
         Tell how the recording, the microphones and the computer are; None: nothing is said of them.
     timebase
         Tells the time; None: time is since the boot.
+    latch
+        Tells when a stop is on the disk, which is acknowledged then; None: nothing outlives this process.
 
     Raises
     ------
@@ -103,6 +105,7 @@ class Telemetry:
         health: Callable[[], AudioHealth] | None = None,
         computer: Callable[[], Computer] | None = None,
         timebase: Timebase | None = None,
+        latch: StopMemory | None = None,
     ) -> None:
         self._config = config
         self._clock = clock
@@ -124,16 +127,18 @@ class Telemetry:
         taping = None if recorder is None else recorder.status
         self._condition = Condition(self._board, self._say, health, taping, computer)
         endpoint = Endpoint(links, component.id)
-        self._commands = None if give is None else self._server(endpoint, give, recorder)
+        self._commands = None if give is None else self._server(endpoint, give, recorder, latch)
         self._settings = None if parameters is None else ParameterServer(endpoint, parameters, changed, self._say)
         self._files = None if give is None else FileServer(endpoint, files())
         self._tlog = None if tlog is None else TlogRecorder(tlog)
         component.tap(self._record)
         component.subscribe(self._hear)
 
-    def _server(self, endpoint: Endpoint, give: Callable[[Order], None], recorder: Recorder | None) -> CommandServer:
+    def _server(
+        self, endpoint: Endpoint, give: Callable[[Order], None], recorder: Recorder | None, latch: StopMemory | None
+    ) -> CommandServer:
         record = no_recorder if recorder is None else recorder.record
-        return CommandServer(endpoint, give, record, self._say, Requests(endpoint, self._outlets))
+        return CommandServer(endpoint, give, record, self._say, Requests(endpoint, self._outlets), latch=latch)
 
     # ------------------------------------------------------------------------------------- from any thread
 
