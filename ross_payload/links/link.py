@@ -8,11 +8,12 @@ from typing import Any
 
 from ross_payload.config import Link as LinkConfig
 from ross_payload.links.budget import Budget
-from ross_payload.links.decoders import Arrival, ManyPeers, SinglePeer
+from ross_payload.links.decoders import ManyPeers, SinglePeer
 from ross_payload.links.ports import LinkPort, Listener, Peer
 from ross_protocols.codec import Encoder, Packet
+from ross_protocols.commands import is_stop
 from ross_protocols.peers import Peers, Sender
-from ross_protocols.signing import SIGNATURE_SIZE, Guardian, is_signed
+from ross_protocols.signing import SIGNATURE_SIZE, Guardian, Trust, is_signed
 
 PATIENCE = 5.0  # with connections that have not shown our key [s]
 SERIAL_SHARE = 0.5  # of a serial line's bytes that we may use
@@ -40,6 +41,16 @@ class LinkStatus:
     twins: int  # frames that somebody else has sent in our name
     reconnects: int
     error: str  # the latest failure of the port, in words
+
+
+@dataclass(frozen=True, slots=True)
+class Arrived:
+    """A packet, where it came from, and how far it is believed."""
+
+    packet: Packet
+    peer: Peer
+    refusal: str = ""  # why nothing that it orders is obeyed; empty: its sender decides
+    fresh: bool = True  # it cannot have been played again
 
 
 class Link:
@@ -81,8 +92,8 @@ class Link:
         self._counts["sent_bytes"] += len(frame)
         return frame
 
-    def receive(self, now: float) -> Iterator[Arrival]:
-        """Give what has arrived and may be believed, and from whom; `meet` what is not an echo of ours."""
+    def receive(self, now: float) -> Iterator[Arrived]:
+        """Give what has arrived and may be believed; `meet` what is not an echo of ours."""
         if self._port.counts.baud != self._baud:  # it was found by listening
             self._baud = self._port.counts.baud
             self._budget = Budget(rate_of(self.config, self._baud), now)
@@ -90,10 +101,11 @@ class Link:
             self._listener.expire(PATIENCE, now)
         for packet, peer in self._decoders.read(now):
             self._counts["received"] += 1
-            if self._guardian is None or self._guardian.believes(packet, now):
-                yield packet, peer
-            else:
+            arrived = Arrived(packet, peer) if self._guardian is None else judged(self._guardian, packet, peer, now)
+            if arrived is None:
                 self._counts["refused"] += 1
+            else:
+                yield arrived
 
     def meet(self, packet: Packet, peer: Peer, now: float) -> None:
         """Note who has sent a packet that is believed; from now on it is answered where it spoke from."""
@@ -101,8 +113,11 @@ class Link:
         if self._guardian is None or is_signed(packet.frame):
             self._decoders.admit(peer, now)
 
-    def may_order(self, packet: Packet) -> bool:
+    def may_order(self, arrived: Arrived) -> bool:
         """Tell whether the sender of a packet may order something."""
+        packet = arrived.packet
+        if arrived.refusal:
+            return False
         accepted = not self.config.accept or packet.system_id in self.config.accept
         return accepted and (self._guardian is None or is_signed(packet.frame))
 
@@ -126,6 +141,22 @@ class Link:
             key = None if self._guardian is None else self._guardian.key
             self._encoders[sender] = Encoder(*sender, key, self._number)
         return self._encoders[sender]
+
+
+def judged(guardian: Guardian, packet: Packet, peer: Peer, now: float) -> Arrived | None:
+    """Return what a signature lets pass; None: nothing.
+
+    A stop needs no time that is on the disk: to play it again harms nobody. That of other orders is their sender's only
+    proof, so while the disk takes none they are refused, aloud.
+    """
+    trust, stop = guardian.judge(packet, now), is_stop(packet.message)
+    if trust is Trust.BELIEVED or (trust is Trust.UNSAVED and stop):
+        return Arrived(packet, peer)
+    if trust is Trust.UNSAVED and guardian.time.trouble:
+        return Arrived(packet, peer, refusal=guardian.time.trouble)
+    if trust is Trust.OLD and stop and guardian.time.trouble:
+        return Arrived(packet, peer, fresh=False)
+    return None
 
 
 def rate_of(config: LinkConfig, baud: int) -> float:

@@ -3,6 +3,9 @@
 One number on disk, the bound, guards both ways: no timestamp above it is ever used or believed. It is raised in steps
 of a minute before it is needed. After a crash we go on above the bound, so that no timestamp is used twice, and
 believe nothing below it, so that nothing that was recorded before can be played to us again.
+
+While the disk takes nothing, time stands still some seconds below the bound: every frame that we sign is 10 us later
+than the one before, so that answers and telemetry go on for hours.
 """
 
 from __future__ import annotations
@@ -19,6 +22,8 @@ from ross_protocols.signing import SECOND, WINDOW, timestamp_of
 
 FILE = "signing-time"  # in the state folder
 STEP = 60 * SECOND  # by which the bound is raised
+RESERVE = 10 * SECOND  # below the bound, for us alone while the disk takes nothing
+HUNG = 2.0  # that the disk may take until it is said [s]
 RETRY = 1.0  # after the disk has refused [s]
 
 
@@ -54,6 +59,8 @@ class SigningTime:
         self._bound = 0
         self._next = now
         self._saving: Future[int] | None = None
+        self._begun = now
+        self.trouble = ""  # why the bound cannot be raised
         try:
             self._bound = self._save(self._latest + STEP)
         except OSError as error:
@@ -63,21 +70,32 @@ class SigningTime:
         """Return a timestamp that was never used, at ``now`` [s]; None while the disk is behind."""
         stamp = max(self._latest + 1, self._origin + int(now * SECOND), timestamp_of(self._unix()))
         if not self.covers(stamp, now):
-            return None
+            stamp = self._latest + 1
+            if not self.trouble or stamp > self._bound:
+                return None
         self._latest = stamp
         return stamp
 
     def covers(self, timestamp: int, now: float) -> bool:
-        """Tell whether a timestamp lies below the bound; sees to it that it soon does."""
-        if self._saving is not None and self._saving.done():
-            saving, self._saving = self._saving, None
-            if saving.exception() is None:
-                self._bound = saving.result()
-            else:
-                self._next = now + RETRY
+        """Tell whether a timestamp lies below the bound and its reserve; sees to it that it soon does."""
+        if self._saving is not None:
+            self._look(self._saving, now)
         if timestamp + STEP // 2 > self._bound and self._saving is None and now >= self._next:
-            self._saving = begin(lambda: self._save(timestamp + STEP))
-        return timestamp <= self._bound
+            self._saving, self._begun = begin(lambda: self._save(timestamp + STEP)), now
+        return timestamp <= self._bound - RESERVE
+
+    def _look(self, saving: Future[int], now: float) -> None:
+        """See what has become of the latest attempt to raise the bound."""
+        if not saving.done():
+            if now - self._begun > HUNG:
+                self.trouble = f"{self._path}: the disk does not answer"
+            return
+        self._saving, error = None, saving.exception()
+        if error is None:
+            self._bound, self.trouble = saving.result(), ""
+        else:
+            self._next = now + RETRY
+            self.trouble = f"{self._path}: {getattr(error, 'strerror', None) or error}"
 
     def behind(self, timestamp: int, now: float) -> bool:
         """Tell whether a timestamp is more than a minute behind ours."""
@@ -109,7 +127,9 @@ class SigningTime:
     def _save(self, bound: int) -> int:
         self._path.parent.mkdir(parents=True, exist_ok=True)
         fresh = self._path.with_suffix(".new")
-        with fresh.open("w", encoding="ascii") as file:
+        descriptor = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+        with os.fdopen(descriptor, "w", encoding="ascii") as file:
+            os.fchmod(file.fileno(), 0o600)  # one that was left behind
             file.write(f"{bound}\n")
             file.flush()
             os.fsync(file.fileno())

@@ -118,6 +118,8 @@ class CommandServer:
         if isinstance(request, CancelRequest):
             if heard.may_order:
                 self._cancel(request, origin.sender)
+            elif heard.refusal and self._texts.take(self._now):
+                self._say(Severity.WARNING, f"cancel refused: {heard.refusal}")
         elif heard.may_order and request.number == STOP:
             self._stop(request, origin)
         elif not self._allowed(origin.sender):
@@ -155,7 +157,7 @@ class CommandServer:
     def _other(self, command: Command, heard: Heard) -> Verdict:
         """Obey a command that is not of our dialect, or refuse one."""
         if not heard.may_order:
-            return Verdict(Result.DENIED)
+            return Verdict(Result.DENIED, heard.refusal)
         if command.number == REBOOT:
             return Verdict(Result.DENIED, "the payload does not restart by command")
         return self._requests.obey(command, heard.link, self._now) or Verdict(Result.UNSUPPORTED)

@@ -74,9 +74,11 @@ class ParameterServer:
     def heard(self, heard: Heard) -> None:
         """Take a packet; what does not ask about our parameters passes by."""
         request = request_of(heard.packet.message)
-        if request is None or not heard.may_order:
+        if request is None or not self._endpoint.meant(request.system_id, request.component_id):
             return
-        if not self._endpoint.meant(request.system_id, request.component_id):
+        if not heard.may_order:
+            if heard.refusal and isinstance(request, SetRequest) and self._texts.take(self._now):
+                self._say(Severity.WARNING, f"{request.name} not set: {heard.refusal}")
             return
         match request:
             case ListRequest():

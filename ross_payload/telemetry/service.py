@@ -118,6 +118,7 @@ class Telemetry:
         self._latest: Input | None = None
         self._strangers: set[tuple[int, int]] = set()
         self._twin: int | None = None
+        self._trouble = ""  # of the signed links
         self._observing, self._looking, self._mirroring = Every(OBSERVING), Every(LOOKING), Every(MIRRORING)
         self._board = Board()
         component = links.component(config.telemetry.component_id)
@@ -220,6 +221,12 @@ class Telemetry:
         if twin is not None and self._twin is None:
             self._say(Severity.ERROR, f"somebody else speaks as our component {twin}: change one component_id")
         self._twin = twin
+        trouble = self._links.trouble
+        if trouble and not self._trouble:
+            self._say(Severity.CRITICAL, f"signed links soon obey nothing but a stop: {trouble}")
+        elif self._trouble and not trouble:
+            self._say(Severity.INFO, "signed links obey again")
+        self._trouble = trouble
         capabilities = None if self._actuator is None else self._actuator.capabilities
         self._condition.look(information(config, capabilities, self._timebase.usec()), self._links.status(), now)
 

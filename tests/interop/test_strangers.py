@@ -1,15 +1,20 @@
-"""A payload in another process, whose signed port strangers talk to without end: its station misses nothing."""
+"""A payload in another process with a signed port: what strangers and a full disk leave to who has the key."""
 
 import subprocess
 import sys
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pytest
 
 import strangers
-from strangers import Station, key_file
+from ross_protocols.codec import Decoder
+from ross_protocols.dialect import common
+from strangers import STOP, Station, key_file
+
+EXPLORE = 54000
+ACCEPTED, DENIED, IN_PROGRESS = 0, 2, 5
 
 NOISE = """
 import sys, time
@@ -56,3 +61,49 @@ def test_a_signed_station_is_told_everything_while_strangers_talk(ross_run, free
     print(f"{rate} strange datagrams/s: {among / seconds:.1f} messages/s, {quiet / seconds:.1f} without")  # noqa: T201
     assert among >= 0.9 * quiet
     assert leaked == 0
+
+
+class Operator(Station):
+    """A station whose commands are answered."""
+
+    def __init__(self, unix, where):
+        super().__init__(unix)
+        self._where, self._answers, self.texts = where, Decoder(), []
+
+    def command(self, number, seconds=20.0):
+        """Send a command once; return its last answer, None when there is none."""
+        self.sock.sendto(self.frame(common.MAVLink_command_long_message(1, 191, number, 0, *[0.0] * 7)), self._where)
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            for result in self.results(number):
+                if result != IN_PROGRESS:
+                    return result
+            time.sleep(0.002)
+        return None
+
+    def results(self, number):
+        """Take in what has arrived; return the answers to a command."""
+        found = []
+        with suppress(BlockingIOError):
+            while True:
+                for packet in self._answers.feed(self.sock.recv(2048)):
+                    if packet.name == "COMMAND_ACK" and packet.message.command == number:
+                        found.append(packet.message.result)
+                    elif packet.name == "STATUSTEXT":
+                        self.texts.append(packet.message.text)
+        return found
+
+
+def test_a_full_disk_leaves_the_stop_to_a_signed_link_and_refuses_the_rest_aloud(ross_run, free_port, until, tmp_path):
+    where = ("127.0.0.1", free_port())
+    key_file(tmp_path)
+    with ross_run(tmp_path, f'url = "udpin:127.0.0.1:{where[1]}"\nkey_file = "key"') as payload, ExitStack() as stack:
+        (tmp_path / "state" / "signing-time.new").mkdir()  # as a full disk does, it lets nothing be written
+        ahead = Operator(time.time() + 90, where)  # beyond what is saved
+        stack.callback(ahead.sock.close)
+        assert [ahead.command(STOP) for _ in range(20)] == [ACCEPTED] * 20
+        until(lambda: any(line.startswith("stopped") for line in payload.lines()))
+        until(lambda: ahead.command(EXPLORE, 0.2) == DENIED)
+        said = "signing-time: Is a directory"
+        until(lambda: ahead.results(0) or (said in "".join(ahead.texts) and "explore refused" in "".join(ahead.texts)))
+        assert (tmp_path / "state" / "stopped").exists()

@@ -17,6 +17,7 @@ from ross_protocols.values import Health, Heartbeat
 KEY = bytes(range(32))
 OTHER = bytes(32)
 BEAT = Heartbeat(Health.ACTIVE, 6)
+STOP, EXPLORE = 54004, 54000
 TODAY = 1_795_000_000.0  # UNIX [s]
 
 
@@ -73,6 +74,14 @@ class GroundStation:
 
     def believes(self, frame: bytes) -> bool:
         return [message.get_type() for message in self.mav.parse_buffer(frame) or []] == ["HEARTBEAT"]
+
+
+class GroundStationWithoutKey(GroundStation):
+    """Signs nothing."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.mav.signing.sign_outgoing = False
 
 
 @pytest.fixture
@@ -227,6 +236,114 @@ def test_the_saved_bound_is_always_above_what_was_used(payload: Payload, tmp_pat
         used = link_and_time(payload.say())[1]
         assert int((tmp_path / "state" / "signing-time").read_text()) >= used
         payload.settle()
+
+
+# ---------------------------------------------------------------------------------------------------- a full disk
+
+
+def order(ground: GroundStation, number: int) -> bytes:
+    return bytes(common.MAVLink_command_long_message(1, 191, number, 0, *[0.0] * 7).pack(ground.mav))
+
+
+@pytest.fixture
+def full(payload: Payload, tmp_path: Path) -> GroundStation:
+    """A ground station of a payload whose disk takes nothing, when the saved time is over."""
+    ground = GroundStation()
+    assert payload.hear(ground.say()) == 1
+    assert ground.believes(payload.say())
+    (tmp_path / "state" / "signing-time.new").mkdir()
+    payload.clock.time += 70.0
+    ground.mav.signing.timestamp += 70 * SECOND
+    payload.links.component(191).send(BEAT)
+    payload.settle()
+    payload.links.component(191).send(BEAT)
+    assert payload.links.trouble.endswith("signing-time: Is a directory")
+    return ground
+
+
+def test_a_stop_is_obeyed_whatever_the_disk_says(payload: Payload, full: GroundStation) -> None:
+    frames = [order(full, STOP) for _ in range(20)]
+    assert payload.hear(*frames) == 20
+    assert all(heard.may_order for heard in payload.heard[-20:])
+
+
+def test_a_stop_that_is_played_again_is_obeyed_while_the_disk_takes_nothing(
+    payload: Payload, full: GroundStation
+) -> None:
+    frame = order(full, STOP)
+    assert payload.hear(*[frame] * 20) == 20
+    assert all(heard.may_order for heard in payload.heard[-20:])
+
+
+def test_a_stop_that_is_played_again_is_nothing_while_the_disk_is_well(payload: Payload) -> None:
+    frame = order(GroundStation(), STOP)
+    assert payload.hear(*[frame] * 20) == 1
+
+
+def test_a_stop_of_a_station_ahead_of_us_does_not_wait_for_the_disk(payload: Payload) -> None:
+    assert payload.hear(order(GroundStation(unix=TODAY + 3600), STOP)) == 1
+    assert payload.heard[-1].may_order
+
+
+def test_other_orders_are_heard_and_refused_while_the_disk_takes_nothing(payload: Payload, full: GroundStation) -> None:
+    assert payload.hear(order(full, EXPLORE), full.say()) == 2
+    assert [heard.may_order for heard in payload.heard[-2:]] == [False, False]
+    assert all("signing-time: Is a directory" in heard.refusal for heard in payload.heard[-2:])
+
+
+def test_what_is_played_again_or_forged_is_nothing_to_a_full_disk_either(payload: Payload, full: GroundStation) -> None:
+    frame = order(full, EXPLORE)
+    assert payload.hear(frame) == 1
+    forged = GroundStation(OTHER, unix=TODAY + 90)
+    assert payload.hear(frame, order(forged, STOP), Encoder(255, 190).encode(BEAT)) == 0
+
+
+def test_answers_are_signed_and_believed_while_the_disk_takes_nothing(payload: Payload, full: GroundStation) -> None:
+    bound = int((payload.links._signing._path).read_text())
+    frames = []
+    for _ in range(500):
+        payload.clock.time += 0.05
+        frames.append(payload.say())
+    assert all(full.believes(frame) for frame in frames)
+    assert link_and_time(frames[-1])[1] <= bound
+
+
+def test_a_disk_with_room_again_ends_it(payload: Payload, full: GroundStation, tmp_path: Path) -> None:
+    (tmp_path / "state" / "signing-time.new").rmdir()
+    for _ in range(3):
+        payload.clock.time += 2.0
+        payload.say()
+        payload.settle()
+    payload.say()
+    assert payload.links.trouble == ""
+    assert payload.hear(order(full, EXPLORE)) == 1
+    assert payload.heard[-1].may_order
+
+
+def flip(frame: bytes, place: int) -> bytes:
+    """Return a frame with one bit changed."""
+    changed = bytearray(frame)
+    changed[place // 8] ^= 1 << place % 8
+    return bytes(changed)
+
+
+def test_of_thousands_of_forged_or_replayed_frames_none_is_believed(payload: Payload) -> None:
+    """Every bit flipped, another key, no signature, and the whole session once more."""
+    ground, other = GroundStation(), GroundStation(OTHER)
+    session = [order(ground, number) for number in (STOP, EXPLORE, 54009) for _ in range(200)]
+    assert sum(payload.hear(frame) for frame in session) == 600
+    unsigned = [order(GroundStationWithoutKey(), STOP) for _ in range(600)]
+    fresh = order(ground, STOP)
+    flipped = [flip(fresh, place) for place in range(8 * len(fresh))]
+    frames = [*session, *(order(other, STOP) for _ in range(600)), *unsigned, *flipped]
+    assert len(frames) >= 2000
+    believed = 0
+    for frame in frames:
+        believed += payload.hear(frame)
+        payload.wire.coming.append(bytes(600))  # ends whatever has begun
+        for _ in range(6):
+            payload.links.poll()
+    assert believed == 0
 
 
 # ---------------------------------------------------------------------------------------------------- frames
