@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import strangers
+from full_disk import lose
 from ross_protocols.codec import Decoder
 from ross_protocols.dialect import common
 from strangers import STOP, Station, key_file
@@ -98,7 +99,7 @@ def test_a_full_disk_leaves_the_stop_to_a_signed_link_and_refuses_the_rest_aloud
     where = ("127.0.0.1", free_port())
     key_file(tmp_path)
     with ross_run(tmp_path, f'url = "udpin:127.0.0.1:{where[1]}"\nkey_file = "key"') as payload, ExitStack() as stack:
-        (tmp_path / "state" / "signing-time.new").mkdir()  # as a full disk does, it lets nothing be written
+        lose(tmp_path / "state" / "signing-time")
         ahead = Operator(time.time() + 90, where)  # beyond what is saved
         stack.callback(ahead.sock.close)
         assert [ahead.command(STOP) for _ in range(20)] == [ACCEPTED] * 20

@@ -1,12 +1,14 @@
 """What a signed link keeps on disk: its key, and how far the signing time went."""
 
 import os
+import threading
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from full_disk import lose
 from ross_payload.config import Link
 from ross_payload.errors import ConfigError
 from ross_payload.links import Links
@@ -95,7 +97,7 @@ def test_a_disk_that_is_behind_holds_signing_up_and_nothing_else(tmp_path: Path)
 def test_while_the_disk_takes_nothing_time_creeps_below_the_bound(tmp_path: Path) -> None:
     time = SigningTime(tmp_path / "state", lambda: TODAY, 0.0)
     bound = int((tmp_path / "state" / "signing-time").read_text())
-    (tmp_path / "state" / "signing-time.new").mkdir()
+    lose(tmp_path / "state" / "signing-time")
     time.stamp(45.0)
     attempted(time)
     stamps = [stamp for now in range(51, 3651) if (stamp := time.stamp(float(now))) is not None]
@@ -106,16 +108,28 @@ def test_while_the_disk_takes_nothing_time_creeps_below_the_bound(tmp_path: Path
     time.close()
 
 
+class HungDisk(SigningTime):
+    """Takes a time only when it is released."""
+
+    released = threading.Event()
+    released.set()
+
+    def _save(self, bound: int) -> int:
+        assert self.released.wait(20)
+        return super()._save(bound)
+
+
 def test_a_disk_that_hangs_is_said(tmp_path: Path) -> None:
-    time = SigningTime(tmp_path / "state", lambda: TODAY, 0.0)
-    os.mkfifo(tmp_path / "state" / "signing-time.new")  # nobody reads it: opening it never ends
+    time = HungDisk(tmp_path / "state", lambda: TODAY, 0.0)
+    time.released = threading.Event()
     time.stamp(45.0)
     assert time.trouble == ""
     time.stamp(48.0)
     assert time.trouble.endswith("signing-time: the disk does not answer")
-    reader = os.open(tmp_path / "state" / "signing-time.new", os.O_RDONLY | os.O_NONBLOCK)
+    time.released.set()
     attempted(time)
-    os.close(reader)
+    time.stamp(48.1)
+    assert time.trouble == ""
 
 
 def test_the_time_is_for_its_owner_alone_also_where_it_was_not(tmp_path: Path) -> None:
