@@ -77,11 +77,13 @@ def check_one_id(config: Config) -> None:
     if config.actuator.kind != "dronecan_servo" or options.port != asked.port:
         return
     if options.node_id == asked.node_id:
-        raise ConfigError(f"actuator.options: node_id = {asked.node_id} is that of [dronecan]: wanted the servo's own")
+        raise ConfigError(
+            f"actuator.options.node_id: expected the servo's own, got {asked.node_id}, that of [dronecan]"
+        )
     own = options.own_node_id if "own_node_id" in options.model_fields_set else asked.node_id
     if own != asked.node_id:
-        found = f"own_node_id = {own} and [dronecan] node_id = {asked.node_id}"
-        raise ConfigError(f"actuator.options: {found} on one bus: wanted the same; own_node_id may be left out")
+        expected = f"expected {asked.node_id}, the node_id of [dronecan] on the same bus"
+        raise ConfigError(f"actuator.options.own_node_id: {expected}, got {own}; it may be left out")
 
 
 class Aboard:

@@ -209,7 +209,7 @@ def test_threads_of_the_library_are_born_urgent_where_that_is_allowed_and_ours_s
 def test_options_that_do_not_fit_pins_are_refused() -> None:
     with pytest.raises(ConfigError, match="wanted at most 40"):
         Bench(ahead_ms=50)
-    with pytest.raises(ConfigError, match="wants a HOME line"):
+    with pytest.raises(ConfigError, match="expected a HOME line"):
         Bench(zero="switch")
 
 
