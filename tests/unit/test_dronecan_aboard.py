@@ -249,14 +249,16 @@ def test_one_payload_with_two_node_ids_on_one_bus_is_refused(tmp_path):
     config = Config.model_validate(
         {"actuator": {"kind": "dronecan_servo", "options": options}, "dronecan": {"port": URL}}
     )
-    with pytest.raises(ConfigError, match=r"own_node_id = 120 and \[dronecan\] node_id = 121 on one bus"):
+    with pytest.raises(
+        ConfigError, match=r"own_node_id: expected 121, the node_id of \[dronecan\] on the same bus, got 120"
+    ):
         node_on_bus(config, None, None, None, None).__enter__()
 
 
 def test_a_servo_with_the_id_of_the_payload_is_refused():
     servo = {"kind": "dronecan_servo", "options": {"port": URL, "node_id": 120}}
     config = Config.model_validate({"actuator": servo, "dronecan": {"port": URL, "node_id": 120}})
-    with pytest.raises(ConfigError, match=r"node_id = 120 is that of \[dronecan\]"):
+    with pytest.raises(ConfigError, match=r"node_id: expected the servo's own, got 120"):
         check_one_id(config)
     check_one_id(config.model_copy(update={"dronecan": config.dronecan.model_copy(update={"node_id": 121})}))
 
