@@ -1,6 +1,7 @@
 # make demo   see it work              make test   run every test
 # make check  ruff, mypy, imports      make bench  the measured tables       make soak  the full figures
 # make docs   build the manual         make protocols  regenerate the MAVLink dialect, C headers, the dissector
+# make hashes pin what a payload runs on, by hash, after a change of constraints.txt
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -10,7 +11,8 @@ BENCH := --settings S1,S2,S3 --talkers ls3005,ls3331,ls2414,ls3080,ls533 --speec
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 COMPILED := PYTHONDONTWRITEBYTECODE=  # hundreds of processes are started
 
-.PHONY: demo test check bench soak docs protocols clean
+HASHED := --extra capture --extra serial --extra can --extra gpio --extra ground
+.PHONY: demo test check bench soak docs protocols hashes clean
 .DELETE_ON_ERROR:
 
 demo: $(VENV)/.demo
@@ -40,6 +42,12 @@ docs: $(VENV)/.dev
 
 protocols: $(VENV)/.dev
 	$(BIN)/python protocols/generate.py
+
+hashes: $(BIN)/python  # of what a payload runs on, for every platform: to be renewed with constraints.txt
+	$(PIP) uv
+	$(BIN)/uv pip compile pyproject.toml $(HASHED) --constraint constraints.txt --python-version 3.11 --universal \
+	  --generate-hashes --no-header --no-annotate --no-emit-index-url --no-emit-find-links --quiet \
+	  --output-file requirements-hashed.txt
 
 clean:
 	rm -rf $(VENV) out docs/_build dist build

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
-from ross_protocols.dialect import common, standard
+from ross_protocols.dialect import common, ross, standard
 from ross_protocols.pairs import clockwise
 
 UNKNOWN_PROGRESS = 255
@@ -61,6 +61,12 @@ class CancelRequest:
 def is_for(request: Command | CancelRequest, system_id: int, component_id: int) -> bool:
     """Tell whether a component is meant, alone or among all."""
     return request.system_id in (ALL, system_id) and request.component_id in (ALL, component_id)
+
+
+def is_stop(message: Any) -> bool:
+    """Tell whether a message commands a stop, of whomever."""
+    command = command_of(message)
+    return isinstance(command, Command) and command.number == ross.MAV_CMD_ROSS_STOP
 
 
 def command_of(message: Any) -> Command | CancelRequest | None:

@@ -10,6 +10,7 @@ import hashlib
 import hmac
 import os
 import stat
+from enum import Enum
 from pathlib import Path
 from typing import Protocol
 
@@ -86,10 +87,20 @@ def timestamp_of(unix: float) -> int:
     return min(max(int((unix - EPOCH) * SECOND), 0), LATEST)
 
 
+class Trust(Enum):
+    """What the signature of a packet is worth."""
+
+    BELIEVED = "believed"
+    UNSAVED = "of a time that is not on the disk yet: after a crash it could be played again"
+    OLD = "signed with our key, and of a time that is over: it may have been played again"
+    REFUSED = "not signed with our key"
+
+
 class Time(Protocol):
     """The local signing time, which never goes back."""
 
     floor: int  # nothing at or below this timestamp is believed
+    trouble: str  # why later timestamps cannot be covered; empty when they can
 
     def stamp(self, now: float) -> int | None:
         """Return a timestamp that was never used, at ``now`` [s]; None while there is none."""
@@ -114,17 +125,23 @@ class Guardian:
 
     def believes(self, packet: Packet, now: float) -> bool:
         """Tell whether a packet is signed with our key and newer than what its stream has brought before."""
+        return self.judge(packet, now) is Trust.BELIEVED
+
+    def judge(self, packet: Packet, now: float) -> Trust:
+        """Return what the signature of a packet is worth at ``now`` [s]."""
         if not is_signed(packet.frame):
-            return packet.name == UNSIGNED
+            return Trust.BELIEVED if packet.name == UNSIGNED else Trust.REFUSED
+        if not is_good(packet.frame, self.key):
+            return Trust.REFUSED
         link, timestamp = link_and_time(packet.frame)
         stream = link, packet.system_id, packet.component_id
         before = self._streams.get(stream)
         if timestamp <= self.time.floor or (before is not None and timestamp <= before):
-            return False
+            return Trust.OLD
         if before is None and (len(self._streams) >= STREAMS or self.time.behind(timestamp, now)):
-            return False
-        if not is_good(packet.frame, self.key) or not self.time.covers(timestamp, now):
-            return False
+            return Trust.OLD
         self._streams[stream] = timestamp
+        if not self.time.covers(timestamp, now):
+            return Trust.UNSAVED
         self.time.learn(timestamp)
-        return True
+        return Trust.BELIEVED

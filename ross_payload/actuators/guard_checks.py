@@ -28,15 +28,16 @@ def guarded(hardware: Capabilities, rules: config.Guard) -> Capabilities:
     if lower >= upper:
         found = f"{rules.lower_deg:g} to {rules.upper_deg:g} deg"
         has = f"{math.degrees(hardware.lower):g} to {math.degrees(hardware.upper):g} deg"
-        raise ConfigError(f"guard: the limits {found} exclude all of the actuator's travel {has}")
+        raise ConfigError(f"guard: expected limits that meet the actuator's travel {has}, got {found}")
     if hardware.resolution >= upper - lower:
         found = f"{math.degrees(hardware.resolution):g} deg"
-        raise ConfigError(f"guard: one step of {found} is no less than the travel that is allowed")
+        raise ConfigError(f"guard: expected limits farther apart than one step of the actuator, got a step of {found}")
     cap = math.radians(rules.max_acceleration_deg_s2)
     if hardware.max_acceleration > cap * (1 + 1e-9):
         found = f"{math.degrees(hardware.max_acceleration):g}"
         raise ConfigError(
-            f"guard: the actuator accelerates at {found} deg/s^2, above the cap of {rules.max_acceleration_deg_s2:g}"
+            f"guard.max_acceleration_deg_s2: expected an actuator with at most {rules.max_acceleration_deg_s2:g}, "
+            f"got one with {found} deg/s^2"
         )
     return replace(
         hardware,
@@ -55,10 +56,10 @@ def _check_sanity(hardware: Capabilities) -> None:
     }
     for name, value in named.items():
         if not (math.isfinite(value) and value > 0):
-            raise ConfigError(f"guard: the actuator tells a {name} of {value:g}, wanted one above 0 and finite")
+            raise ConfigError(f"guard: expected the actuator's {name} to be finite and above 0, got {value:g}")
     if not hardware.lower < hardware.upper:  # NaN is not either
         has = f"{math.degrees(hardware.lower):g} to {math.degrees(hardware.upper):g} deg"
-        raise ConfigError(f"guard: the actuator tells a travel of {has}, wanted the lower limit first")
+        raise ConfigError(f"guard: expected the lower limit of the actuator's travel first, got {has}")
 
 
 def checked_angle(angle: float, able: Capabilities) -> float:
@@ -71,7 +72,7 @@ def checked_angle(angle: float, able: Capabilities) -> float:
     """
     if not able.lower - SLACK <= angle <= able.upper + SLACK or math.isinf(angle):
         found, low, high = (f"{math.degrees(value):.2f}" for value in (angle, able.lower, able.upper))
-        raise LimitError(f"goal {found} deg is not within {low} to {high} deg")
+        raise LimitError(f"goal: expected {low} to {high} deg, got {found} deg")
     half = able.resolution / 2
     return min(max(angle, able.lower + half), able.upper - half)
 
@@ -87,7 +88,7 @@ def checked_rate(rate: float | None, able: Capabilities) -> float:
     if rate is None:
         return able.max_speed
     if not (math.isfinite(rate) and rate > 0):
-        raise LimitError(f"rate {rate} rad/s is not above 0 and finite")
+        raise LimitError(f"rate: expected a finite number above 0, got {rate} rad/s")
     return min(rate, able.max_speed)
 
 

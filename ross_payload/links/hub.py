@@ -20,7 +20,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clock
 from ross_payload.links.address import parse
 from ross_payload.links.echoes import Echoes
-from ross_payload.links.link import Link, LinkStatus
+from ross_payload.links.link import Arrived, Link, LinkStatus
 from ross_payload.links.opening import open_port
 from ross_payload.links.ports import LinkPort
 from ross_payload.links.signing import SigningTime, read_key
@@ -48,6 +48,7 @@ class Heard:
     role: str  # ground, autopilot or local
     packet: Packet
     may_order: bool
+    refusal: str = ""  # why nobody may at present
 
 
 class Component:
@@ -171,8 +172,8 @@ class Links:
             for packet in self._decoder.feed(frame):
                 self._dispatch(Heard(LOCAL, LOCAL, packet, may_order=True), but=sender)
         for link in self._links:
-            for packet in link.receive(self._clock.now()):
-                self._hear(link, packet)
+            for arrived in link.receive(self._clock.now()):
+                self._hear(link, arrived)
 
     @property
     def twin(self) -> int | None:
@@ -182,8 +183,13 @@ class Links:
         return self._twin[0]
 
     @property
-    def signing_trouble(self) -> str:
+    def signing_ahead(self) -> str:
         """Why signed peers may be refused in spite of the right key, in words; empty: nothing is known against it."""
+        return "" if self._signing is None else self._signing.ahead
+
+    @property
+    def trouble(self) -> str:
+        """Why signed links obey nothing but a stop, or soon will; empty when they do not."""
         return "" if self._signing is None else self._signing.trouble
 
     def rates(self) -> dict[str, float]:
@@ -257,16 +263,18 @@ class Links:
             return []
         return [link for link in links if link.peers.knows(system, component)] or links
 
-    def _hear(self, link: Link, packet: Packet) -> None:
-        now = self._clock.now()
+    def _hear(self, link: Link, arrived: Arrived) -> None:
+        now, packet = self._clock.now(), arrived.packet
         if packet.component_id in self._components and self._own(packet.component_id)[0] == packet.system_id:
             if not self._echoes.knows(packet.frame):
                 link.twins += 1
                 self._twin = packet.component_id, now
             return
-        link.peers.meet(packet, now)
+        if arrived.fresh:
+            link.meet(packet, arrived.peer, now)
         self._latch(link, packet)
-        self._dispatch(Heard(link.config.url, link.config.role, packet, link.may_order(packet)))
+        may_order = link.may_order(arrived)
+        self._dispatch(Heard(link.config.url, link.config.role, packet, may_order, arrived.refusal))
 
     def _latch(self, link: Link, packet: Packet) -> None:
         if self.system_id or link.config.role != "autopilot" or packet.component_id != AUTOPILOT:

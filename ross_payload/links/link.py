@@ -8,13 +8,14 @@ from typing import Any
 
 from ross_payload.config import Link as LinkConfig
 from ross_payload.links.budget import Budget
-from ross_payload.links.ports import LinkPort
-from ross_protocols.codec import Decoder, Encoder, Packet
+from ross_payload.links.decoders import ManyPeers, SinglePeer
+from ross_payload.links.ports import LinkPort, Listener, Peer
+from ross_protocols.codec import Encoder, Packet
+from ross_protocols.commands import is_stop
 from ross_protocols.peers import Peers, Sender
-from ross_protocols.signing import SIGNATURE_SIZE, Guardian, is_signed
+from ross_protocols.signing import SIGNATURE_SIZE, Guardian, Trust, is_signed
 
-SILENCE = 0.2  # [s] after which the rest of a frame is not waited for any longer
-LOOKS = 200  # at what may be a frame, in one call: a flood cannot hold up who polls
+PATIENCE = 5.0  # with connections that have not shown our key [s]
 SERIAL_SHARE = 0.5  # of a serial line's bytes that we may use
 BITS_PER_BYTE = 10  # on a serial line: start bit, eight, stop bit
 
@@ -42,6 +43,16 @@ class LinkStatus:
     error: str  # the latest failure of the port, in words
 
 
+@dataclass(frozen=True, slots=True)
+class Arrived:
+    """A packet, where it came from, and how far it is believed."""
+
+    packet: Packet
+    peer: Peer
+    refusal: str = ""  # why nothing that it orders is obeyed; empty: its sender decides
+    fresh: bool = True  # it cannot have been played again
+
+
 class Link:
     """A port with one parser and one voice per local component."""
 
@@ -52,12 +63,14 @@ class Link:
         self._port = port
         self._number = number % 256  # the link id of our signatures
         self._guardian = guardian
-        self._decoder = Decoder()
-        self._heard = now  # when something came last [s]
+        self._listener = port if isinstance(port, Listener) else None
+        self._decoders = SinglePeer(port, now) if self._listener is None else ManyPeers(self._listener)
+        if self._listener is not None and (guardian is not None or not self._listener.connected):
+            self._listener.require_admission()
         self._encoders: dict[Sender, Encoder] = {}
         self._baud = port.counts.baud
         self._budget = Budget(rate_of(config, self._baud), now)
-        self._counts = {"sent": 0, "sent_bytes": 0, "dropped": 0, "received": 0, "received_bytes": 0, "refused": 0}
+        self._counts = {"sent": 0, "sent_bytes": 0, "dropped": 0, "received": 0, "refused": 0}
 
     @property
     def rate(self) -> float:
@@ -79,42 +92,43 @@ class Link:
         self._counts["sent_bytes"] += len(frame)
         return frame
 
-    def receive(self, now: float) -> Iterator[Packet]:
-        """Give what has arrived and may be believed."""
+    def receive(self, now: float) -> Iterator[Arrived]:
+        """Give what has arrived and may be believed; `meet` what is not an echo of ours."""
         if self._port.counts.baud != self._baud:  # it was found by listening
             self._baud = self._port.counts.baud
             self._budget = Budget(rate_of(self.config, self._baud), now)
-        for packet in self._packets(now):
+        if self._listener is not None and self._guardian is not None:
+            self._listener.expire(PATIENCE, now)
+        for packet, peer in self._decoders.read(now):
             self._counts["received"] += 1
-            if self._guardian is None or self._guardian.believes(packet, now):
-                yield packet
-            else:
+            arrived = Arrived(packet, peer) if self._guardian is None else judged(self._guardian, packet, peer, now)
+            if arrived is None:
                 self._counts["refused"] += 1
+            else:
+                yield arrived
 
-    def _packets(self, now: float) -> list[Packet]:
-        """Parse what has arrived; after a silence also what stands behind the beginning of a frame that never ended."""
-        data = b"" if self._decoder.behind else b"".join(self._port.receive())
-        if data:
-            self._heard = now
-            self._counts["received_bytes"] += len(data)
-        if data or self._decoder.behind:
-            return self._decoder.feed(data, LOOKS)
-        if self._decoder.waiting and now - self._heard > SILENCE:
-            return self._decoder.settle()
-        return []
+    def meet(self, packet: Packet, peer: Peer, now: float) -> None:
+        """Note who has sent a packet that is believed; from now on it is answered where it spoke from."""
+        self.peers.meet(packet, now)
+        if self._guardian is None or is_signed(packet.frame):
+            self._decoders.admit(peer, now)
 
-    def may_order(self, packet: Packet) -> bool:
+    def may_order(self, arrived: Arrived) -> bool:
         """Tell whether the sender of a packet may order something."""
+        packet = arrived.packet
+        if arrived.refusal:
+            return False
         accepted = not self.config.accept or packet.system_id in self.config.accept
         return accepted and (self._guardian is None or is_signed(packet.frame))
 
     def status(self, now: float) -> LinkStatus:
         """Return how the link is."""
-        counts, decoder = self._port.counts, self._decoder
+        counts, decoders = self._port.counts, self._decoders.decoders
         mine = self._counts | {"dropped": self._counts["dropped"] + counts.dropped + counts.failed}
         return LinkStatus(
             url=self.config.url, role=self.config.role, up=counts.up, room=self._budget.room(now),
-            peers=self.peers.present(now), lost=self.peers.lost, bad=decoder.bad, unknown=decoder.unknown,
+            peers=self.peers.present(now), lost=self.peers.lost, bad=sum(each.bad for each in decoders),
+            unknown=sum(each.unknown for each in decoders), received_bytes=self._decoders.received_bytes,
             reconnects=counts.reconnects, twins=self.twins, error=counts.error, **mine,
         )  # fmt: skip
 
@@ -127,6 +141,22 @@ class Link:
             key = None if self._guardian is None else self._guardian.key
             self._encoders[sender] = Encoder(*sender, key, self._number)
         return self._encoders[sender]
+
+
+def judged(guardian: Guardian, packet: Packet, peer: Peer, now: float) -> Arrived | None:
+    """Return what a signature lets pass; None: nothing.
+
+    A stop needs no time that is on the disk: to play it again harms nobody. That of other orders is their sender's only
+    proof, so while the disk takes none they are refused, aloud.
+    """
+    trust, stop = guardian.judge(packet, now), is_stop(packet.message)
+    if trust is Trust.BELIEVED or (trust is Trust.UNSAVED and stop):
+        return Arrived(packet, peer)
+    if trust is Trust.UNSAVED and guardian.time.trouble:
+        return Arrived(packet, peer, refusal=guardian.time.trouble)
+    if trust is Trust.OLD and stop and guardian.time.trouble:
+        return Arrived(packet, peer, fresh=False)
+    return None
 
 
 def rate_of(config: LinkConfig, baud: int) -> float:

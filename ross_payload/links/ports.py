@@ -5,11 +5,15 @@ What cannot be sent at once is dropped and counted: the next report is more wort
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol, runtime_checkable
+
+Peer = Any  # what a listening port knows a peer by: a socket address, or the number of a connection
 
 MOST = 8192  # that one call reads: a flood cannot hold up who polls [bytes]
 PEERS = 16  # that one listening port answers
+WAITING = 64  # connections that one listening port keeps besides, until they are admitted
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +46,28 @@ class LinkPort(Protocol):
 
     def close(self) -> None:
         """Give the port back; idempotent."""
+
+
+@runtime_checkable
+class Listener(Protocol):
+    """A port that anybody can speak to: it tells its peers apart, and can be told to answer only some of them."""
+
+    connected: bool  # whether a peer's address is proven by a connection
+
+    def require_admission(self) -> None:
+        """From now on, send to admitted peers only."""
+
+    def receive_from(self, now: float, busy: Collection[Peer]) -> list[tuple[Peer, bytes]]:
+        """Return what has arrived at ``now`` [s], and from whom; nothing of ``busy`` peers. Never waits."""
+
+    def admit(self, peer: Peer) -> None:
+        """Answer a peer from now on; when there are too many, the one unheard for longest has to go."""
+
+    def expire(self, patience: float, now: float) -> None:
+        """Close the connections that were not admitted within ``patience`` [s]."""
+
+    def send(self, frame: bytes) -> None:
+        """Send one frame to every peer that is answered."""
 
 
 def noted(counts: Counts, error: OSError) -> Counts:

@@ -3,6 +3,9 @@
 One number on disk, the bound, guards both ways: no timestamp above it is ever used or believed. It is raised in steps
 of a minute before it is needed. After a crash we go on above the bound, so that no timestamp is used twice, and
 believe nothing below it, so that nothing that was recorded before can be played to us again.
+
+While the disk takes nothing, time stands still some seconds below the bound: every frame that we sign is 10 us later
+than the one before, so that answers and telemetry go on for hours.
 """
 
 from __future__ import annotations
@@ -22,6 +25,8 @@ from ross_protocols.signing import EPOCH, LATEST, SECOND, WINDOW, timestamp_of
 
 FILE = "signing-time"  # in the state folder
 STEP = 60 * SECOND  # by which the bound is raised
+RESERVE = 10 * SECOND  # below the bound, for us alone while the disk takes nothing
+HUNG = 2.0  # that the disk may take until it is said [s]
 RETRY = 1.0  # after the disk has refused [s]
 LONGEST = 64  # file [bytes]
 DAY = 86_400.0  # [s]; a signing time that is farther ahead of the computer's clock is somebody's mistake
@@ -61,6 +66,8 @@ class SigningTime:
         self._bound = 0
         self._next = now
         self._saving: Future[int] | None = None
+        self._begun = now
+        self.trouble = ""  # why the bound cannot be raised
         try:
             self._bound = self._save(self._latest + STEP)
         except OSError as error:
@@ -69,34 +76,45 @@ class SigningTime:
         self._warn()
 
     @property
-    def trouble(self) -> str:
+    def ahead(self) -> str:
         """Why peers that do not follow our time are refused, in words; empty: they are not, as far as is known."""
         clock = self._unix()
-        ahead = (self._latest - timestamp_of(clock)) / SECOND
-        if ahead <= DAY or clock < SET:
+        lead = (self._latest - timestamp_of(clock)) / SECOND
+        if lead <= DAY or clock < SET:
             return ""
-        span = f"{ahead / DAY:.0f} days" if ahead < 1000 * DAY else f"{ahead / DAY / 365.25:.0f} years"
+        span = f"{lead / DAY:.0f} days" if lead < 1000 * DAY else f"{lead / DAY / 365.25:.0f} years"
         return f"signing time is {span} ahead of this computer's clock: peers that do not follow it are refused"
 
     def stamp(self, now: float) -> int | None:
         """Return a timestamp that was never used, at ``now`` [s]; None while the disk is behind."""
         stamp = max(self._latest + 1, self._origin + int(now * SECOND), timestamp_of(self._unix()))
         if not self.covers(stamp, now):
-            return None
+            stamp = self._latest + 1
+            if not self.trouble or stamp > self._bound:
+                return None
         self._latest = stamp
         return stamp
 
     def covers(self, timestamp: int, now: float) -> bool:
-        """Tell whether a timestamp lies below the bound; sees to it that it soon does."""
-        if self._saving is not None and self._saving.done():
-            saving, self._saving = self._saving, None
-            if saving.exception() is None:
-                self._bound = saving.result()
-            else:
-                self._next = now + RETRY
+        """Tell whether a timestamp lies below the bound and its reserve; sees to it that it soon does."""
+        if self._saving is not None:
+            self._look(self._saving, now)
         if timestamp + STEP // 2 > self._bound and self._saving is None and now >= self._next:
-            self._saving = begin(lambda: self._save(timestamp + STEP))
-        return timestamp <= self._bound
+            self._saving, self._begun = begin(lambda: self._save(timestamp + STEP)), now
+        return timestamp <= self._bound - RESERVE
+
+    def _look(self, saving: Future[int], now: float) -> None:
+        """See what has become of the latest attempt to raise the bound."""
+        if not saving.done():
+            if now - self._begun > HUNG:
+                self.trouble = f"{self._path}: the disk does not answer"
+            return
+        self._saving, error = None, saving.exception()
+        if error is None:
+            self._bound, self.trouble = saving.result(), ""
+        else:
+            self._next = now + RETRY
+            self.trouble = f"{self._path}: {getattr(error, 'strerror', None) or error}"
 
     def behind(self, timestamp: int, now: float) -> bool:
         """Tell whether a timestamp is more than a minute behind ours."""
@@ -111,11 +129,11 @@ class SigningTime:
 
     def _warn(self) -> None:
         """Tell the log once, with the remedy."""
-        trouble = self.trouble
-        if trouble and not self._warned:
+        ahead = self.ahead
+        if ahead and not self._warned:
             self._warned = True
             remedy = f"set the clock of whoever is ahead; then stop, delete {self._path}, and give all sides a new key"
-            log.warning("%s; %s", trouble, remedy)
+            log.warning("%s; %s", ahead, remedy)
 
     def close(self) -> None:
         """Save how far the time went, so that we go on from there."""

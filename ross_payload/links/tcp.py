@@ -6,17 +6,21 @@ import errno
 import os
 import select
 import socket
+from collections import Counter
+from collections.abc import Collection
 from concurrent.futures import Future
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import Any
 
 from ross_payload.links.address import Tcp
 from ross_payload.links.background import begin
-from ross_payload.links.ports import MOST, PEERS, Counts
+from ross_payload.links.ports import MOST, PEERS, WAITING, Counts, Peer
 from ross_payload.links.stream import Stream
 from ross_protocols.codec import Framer
 
 CONNECT_TIMEOUT = 3.0  # [s]
+LEAST = 128  # that one client may say in one call [bytes]
 SILENCE = 10  # after which the other side is asked whether it is still there [s]
 IN_PROGRESS = (0, errno.EAGAIN, errno.EINPROGRESS)
 
@@ -81,69 +85,137 @@ class TcpOpener:
             raise OSError(error, os.strerror(error))
 
 
+@dataclass(eq=False, slots=True)
+class _Client:
+    """One connection to a server."""
+
+    descriptor: int
+    stream: Stream
+    host: str
+    since: float  # when it was first looked at [s]
+    framer: Framer = field(default_factory=Framer)
+    admitted: bool = False
+
+
 class TcpServer:
-    """A listening port that talks to several clients; each has its own stream."""
+    """A listening port that talks to several clients; each has its own stream.
+
+    Clients are in the order in which they were admitted or heard; those not admitted come and go among themselves.
+    """
+
+    connected = True
 
     def __init__(self, sock: socket.socket) -> None:
         self._socket = sock
         self._news = select.poll()
         self._news.register(sock, select.POLLIN)
-        self._clients: list[tuple[Stream, Framer]] = []
+        self._clients: dict[int, _Client] = {}  # by their number
+        self._numbers = count(1)
+        self._admission = False
         self.counts = Counts()
 
+    def require_admission(self) -> None:
+        """Send to admitted clients only."""
+        self._admission = True
+
     def send(self, frame: bytes) -> None:
-        """Send one frame to every client that can take it."""
-        for client in tuple(self._clients):
+        """Send one frame to every client that is answered and can take it."""
+        for number, client in tuple(self._clients.items()):
+            if self._admission and not client.admitted:
+                continue
             try:
-                taken = client[0].send(frame)
+                taken = client.stream.send(frame)
             except OSError as error:
-                self._lose(client, error)
+                self._lose(number, error.strerror or str(error))
                 continue
             field = "sent" if taken else "dropped"
             self.counts = replace(self.counts, **{field: getattr(self.counts, field) + 1})
 
     def receive(self) -> list[bytes]:
         """Return the frames that clients have completed; let new clients in."""
-        if self._news.poll(0):
-            self._accept()
-        pieces = [piece for client in tuple(self._clients) if (piece := self._read(client))]
-        if not pieces:
-            return []
-        self.counts = replace(self.counts, received=self.counts.received + sum(map(len, pieces)))
-        return pieces
+        arrivals = self.receive_from(0.0, ())
+        for number, _ in arrivals:
+            self.admit(number)
+        frames = (self._clients[number].framer.whole(data) for number, data in arrivals)
+        return [whole for whole in frames if whole]
+
+    def receive_from(self, now: float, busy: Collection[Peer]) -> list[tuple[Peer, bytes]]:
+        """Return what clients have sent since the last call; let new clients in."""
+        ready = {descriptor for descriptor, _ in self._news.poll(0)}
+        if self._socket.fileno() in ready:
+            ready |= self._accept(now)
+        share = max(MOST // max(len(ready), 1), LEAST)
+        arrivals = [
+            (number, data)
+            for number in tuple(self._clients)
+            if number not in busy and (data := self._read(number, share, ready))
+        ]
+        self.counts = replace(self.counts, received=self.counts.received + sum(len(data) for _, data in arrivals))
+        return arrivals
+
+    def admit(self, peer: Peer) -> None:
+        """Answer a client; when there are too many, the one unheard for longest has to go."""
+        client = self._clients.pop(peer, None)
+        if client is None:  # it has left
+            return
+        client.admitted = True
+        self._clients[peer] = client
+        admitted = [number for number, each in self._clients.items() if each.admitted]
+        if len(admitted) > PEERS:
+            self._lose(admitted[0], "too many clients")
+
+    def expire(self, patience: float, now: float) -> None:
+        """Close the connections that were not admitted within ``patience`` [s]."""
+        late = [n for n, client in self._clients.items() if not client.admitted and now - client.since > patience]
+        for number in late:
+            self._lose(number, f"a client has not shown the key within {patience:g} s")
 
     def close(self) -> None:
         """Close the port and every connection."""
         self._socket.close()
-        for stream, _ in self._clients:
-            stream.close()
-        self._clients = []
+        for client in self._clients.values():
+            client.stream.close()
+        self._clients = {}
 
-    def _accept(self) -> None:
+    def _accept(self, now: float) -> set[int]:
+        """Let new clients in; return their file descriptors: what they have said may be here already."""
+        found: set[int] = set()
         for _ in range(PEERS):
             try:
-                sock, _ = self._socket.accept()
+                sock, (host, *_) = self._socket.accept()
             except OSError:  # nobody, or somebody who has left again
-                return
-            if len(self._clients) >= PEERS:
-                sock.close()
-                self.counts = replace(self.counts, refused=self.counts.refused + 1)
-            else:
-                self._clients.append((Stream(prepared(sock), empty_is_end=True), Framer()))
+                break
+            stream = Stream(prepared(sock), empty_is_end=True)
+            self._clients[next(self._numbers)] = _Client(sock.fileno(), stream, host, now)
+            self._news.register(sock, select.POLLIN)
+            found.add(sock.fileno())
+            self._make_room()
+        return found
 
-    def _read(self, client: tuple[Stream, Framer]) -> bytes:
-        stream, framer = client
+    def _make_room(self) -> None:
+        """Close the oldest connection that is not admitted, of the host that has the most of them, when it is full."""
+        waiting = [(number, client.host) for number, client in self._clients.items() if not client.admitted]
+        if len(waiting) <= WAITING if self._admission else len(self._clients) <= PEERS:
+            return
+        of_host = Counter(host for _, host in waiting)
+        number, _ = max(waiting, key=lambda each: of_host[each[1]])  # the first of the largest is the oldest
+        self._lose(number, "too many clients")
+        self.counts = replace(self.counts, refused=self.counts.refused + 1)
+
+    def _read(self, number: int, most: int, ready: Collection[int]) -> bytes:
+        client = self._clients[number]
         try:
-            stream.flush()
-            return framer.whole(stream.read(MOST // len(self._clients)))
+            client.stream.flush()
+            return client.stream.read(most) if client.descriptor in ready else b""
         except OSError as error:
-            self._lose(client, error)
+            self._lose(number, error.strerror or str(error))
             return b""
 
-    def _lose(self, client: tuple[Stream, Framer], error: OSError) -> None:
-        client[0].close()
-        self._clients.remove(client)
-        self.counts = replace(self.counts, error=error.strerror or str(error))
+    def _lose(self, number: int, why: str) -> None:
+        client = self._clients.pop(number)
+        self._news.unregister(client.descriptor)
+        client.stream.close()
+        self.counts = replace(self.counts, error=why)
 
 
 def open_server(address: Tcp) -> TcpServer:

@@ -4,44 +4,48 @@ from __future__ import annotations
 
 import select
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from concurrent.futures import Future
 from dataclasses import replace
-from typing import Any
 
 from ross_payload.interfaces import Clock
 from ross_payload.links.address import Udp
 from ross_payload.links.background import Backoff, begin
-from ross_payload.links.ports import MOST, PEERS, Counts, noted
+from ross_payload.links.ports import MOST, PEERS, Counts, Peer, noted
 
 LARGEST = 2048  # of one datagram [bytes]
 DATAGRAMS = 256  # at most, of one call
+MOST_OF_ALL = DATAGRAMS * LARGEST  # of one call, where what strangers say is thrown away unread [bytes]
 
 
 class UdpPort:
-    """Datagrams to one peer, or to everybody heard from."""
+    """Datagrams to one peer."""
 
-    def __init__(self, sock: socket.socket, listen: bool) -> None:
+    def __init__(self, sock: socket.socket) -> None:
         self._socket = sock
-        self._listen = listen
         self._news = select.poll()
         self._news.register(sock, select.POLLIN)
-        self._peers: dict[Any, None] = {}  # the latest heard from is last
         self.counts = Counts()
 
     def send(self, frame: bytes) -> None:
-        """Send one datagram to each peer."""
-        if not self._listen:
-            self._try(lambda: self._socket.send(frame))
-        for peer in self._peers:
-            self._try(lambda peer=peer: self._socket.sendto(frame, peer))  # type: ignore[misc]
+        """Send one datagram."""
+        self._try(lambda: self._socket.send(frame))
 
     def receive(self) -> list[bytes]:
         """Return the datagrams that have arrived."""
-        datagrams: list[bytes] = []
+        return [data for _, data in self._datagrams(MOST)]
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+    def _datagrams(self, most: int) -> list[tuple[Peer, bytes]]:
+        """Read datagrams, until they are ``most`` bytes or more."""
+        found: list[tuple[Peer, bytes]] = []
+        size = 0
         if not self._news.poll(0):
-            return datagrams
-        while sum(map(len, datagrams)) < MOST and len(datagrams) < DATAGRAMS:
+            return found
+        while size < most and len(found) < DATAGRAMS:
             try:
                 data, peer = self._socket.recvfrom(LARGEST)
             except BlockingIOError:
@@ -49,21 +53,10 @@ class UdpPort:
             except OSError as error:  # an earlier datagram found nobody
                 self._note(error)
                 break
-            self._meet(peer)
-            datagrams.append(data)
-        self.counts = replace(self.counts, received=self.counts.received + sum(map(len, datagrams)))
-        return datagrams
-
-    def close(self) -> None:
-        """Close the socket."""
-        self._socket.close()
-
-    def _meet(self, peer: Any) -> None:
-        if self._listen:
-            self._peers.pop(peer, None)
-            self._peers[peer] = None
-            if len(self._peers) > PEERS:
-                del self._peers[next(iter(self._peers))]
+            found.append((peer, data))
+            size += len(data)
+        self.counts = replace(self.counts, received=self.counts.received + size)
+        return found
 
     def _try(self, send: Callable[[], int]) -> None:
         for _ in range(2):
@@ -80,6 +73,50 @@ class UdpPort:
 
     def _note(self, error: OSError) -> None:
         self.counts = noted(self.counts, error)
+
+
+class UdpListener(UdpPort):
+    """Datagrams to everybody heard from or, where admission is required, to those admitted."""
+
+    connected = False
+
+    def __init__(self, sock: socket.socket) -> None:
+        super().__init__(sock)
+        self._peers: dict[Peer, None] = {}  # the latest heard from is last
+        self._admission = False
+
+    def require_admission(self) -> None:
+        """Send to admitted peers only."""
+        self._admission = True
+
+    def send(self, frame: bytes) -> None:
+        """Send one datagram to each peer."""
+        for peer in self._peers:
+            self._try(lambda peer=peer: self._socket.sendto(frame, peer))  # type: ignore[misc]
+
+    def receive(self) -> list[bytes]:
+        """Return the datagrams that have arrived."""
+        return [data for _, data in self._met(self._datagrams(MOST))]
+
+    def receive_from(self, now: float, busy: Collection[Peer]) -> list[tuple[Peer, bytes]]:
+        """Return the datagrams that have arrived and their senders; those of ``busy`` peers are dropped."""
+        return [(peer, data) for peer, data in self._met(self._datagrams(MOST_OF_ALL)) if peer not in busy]
+
+    def admit(self, peer: Peer) -> None:
+        """Answer a peer; the one unheard for longest makes room."""
+        self._peers.pop(peer, None)
+        self._peers[peer] = None
+        if len(self._peers) > PEERS:
+            del self._peers[next(iter(self._peers))]
+
+    def expire(self, patience: float, now: float) -> None:
+        """Datagrams have no connection that could be closed."""
+
+    def _met(self, datagrams: list[tuple[Peer, bytes]]) -> list[tuple[Peer, bytes]]:
+        if not self._admission:
+            for peer, _ in datagrams:
+                self.admit(peer)
+        return datagrams
 
 
 class PatientUdpPort:
@@ -147,4 +184,4 @@ def open_udp(address: Udp) -> UdpPort:
     except OSError:
         sock.close()
         raise
-    return UdpPort(sock, address.listen)
+    return UdpListener(sock) if address.listen else UdpPort(sock)

@@ -78,4 +78,4 @@ def ended(reason: str | None) -> str:
     >>> ended("ended by order"), ended(None)
     ('ended by order', 'cut off')
     """
-    return "cut off" if reason is None else reason
+    return "cut off" if reason is None else printable(str(reason))

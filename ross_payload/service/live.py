@@ -77,10 +77,11 @@ def live(config: Config) -> int:
         clock, manager = SystemClock(), Manager.of()
         watchdog = Watchdog(manager, clock, {MISSION: PATIENCE * config.audio.buffer_s})
         latch = StopLatch(state_folder(config) / "stopped")
+        stack.callback(latch.close)
         again = Again()
         parts = stack.enter_context(_parts(config, clock, latch, again))
         pumping = Pumping(clock)
-        runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, pumping, latch)))
+        runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, pumping)))
         stack.callback(clock.every(POLL, lambda: pumping.poll(runner)))
         cancel = watchdog.start()
         if cancel is not None:
@@ -140,7 +141,7 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
             shelf=Shelf(shelf),
             drained=in_background,
             voiceprint=_enrolled(config),
-            stopped=latch.closed,
+            latch=latch,
             state=state,
             computer=ComputerReader(shelf),
             restart=again.ask,

@@ -31,6 +31,7 @@ from ross_payload.recording.recorder import Recorder
 from ross_payload.recording.shelf import Shelf
 from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.dronecan import node_on_bus
+from ross_payload.service.latch import StopLatch
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.telemetry.recordings import Recordings
 from ross_payload.telemetry.service import Telemetry
@@ -59,7 +60,7 @@ class Parts:
     watched: Watched | None = None  # the source, where it tells how it is
     voiceprint: VoicePrint | None = None
     stamp: Callable[[], str] = lambda: ""  # of a new recording
-    stopped: bool = False  # by an order, before it was started again
+    latch: StopLatch | None = None  # what remembers an order to stop over a restart
     state: Path | None = None  # folder of what outlives a restart
     rng: np.random.Generator = field(default_factory=np.random.default_rng)
     computer: Callable[[], Computer] | None = None  # how it is; None: what is said must not depend on the machine
@@ -76,16 +77,17 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         When a part cannot be opened; those before it are closed again.
     """
     config, clock = parts.parameters.config, parts.clock
+    stopped = parts.latch is not None and parts.latch.closed
     with ExitStack() as stack:
         aboard = stack.enter_context(node_on_bus(config, clock, parts.open_port, parts.state, parts.rng))
         actuator = stack.enter_context(open_actuator(config, Services(clock, parts.open_port)))
         stack.enter_context(parts.source)
         recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
         voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
-        session = Session(config, maker(actuator, voiceprint), Memory(stopped=parts.stopped, starting=True))
+        session = Session(config, maker(actuator, voiceprint), Memory(stopped=stopped, starting=True))
         first = FIRST[config.service.autostart]
         mission = session.mission(first() if first is not None else None)
-        runner = Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock)
+        runner = Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
         ears = HealthMonitor(config, parts.watched)
         telemetry = stack.enter_context(_telemetry(parts, actuator, runner, recorder, ears))
         stack.enter_context(recorder)
@@ -93,6 +95,8 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         component = parts.links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.sent(parts.timebase.usec(), frame))
         runner.observers = [ears, telemetry, recorder, *observers]
+        if parts.latch is not None:
+            runner.observers.append(parts.latch)
         if config.gimbal.mode != "off":
             runner.observers.append(stack.enter_context(_gimbal(parts, actuator, runner, recorder)))
         if aboard is not None:
@@ -105,7 +109,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
         stack.callback(clock.every(POLL, runner.poll))
         _wait_for_report(actuator, clock)
-        if parts.stopped:
+        if stopped:
             actuator.stop()
         yield runner
 
@@ -163,4 +167,5 @@ def _telemetry(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder
         computer=parts.computer,
         timebase=parts.timebase,
         recordings=Recordings(parts.shelf.folder, asked.ftp_bytes_s) if asked.offer_ftp else None,
+        latch=parts.latch,
     )

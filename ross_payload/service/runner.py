@@ -28,6 +28,13 @@ class Observer(Protocol):
         """The mission said something; this is the first hop after it."""
 
 
+class OrderLog(Protocol):
+    """Remembers orders beyond the end of this process."""
+
+    def ordered(self, order: Order) -> None:
+        """Note an order; from any thread, never waits."""
+
+
 class Runner:
     """Drives one mission with real or simulated parts; every order passes through it within one hop.
 
@@ -35,13 +42,22 @@ class Runner:
     """
 
     def __init__(
-        self, mission: Mission, source: AudioSource, actuator: Guard, mount: Mount, *, config: Config, clock: Clock
+        self,
+        mission: Mission,
+        source: AudioSource,
+        actuator: Guard,
+        mount: Mount,
+        *,
+        config: Config,
+        clock: Clock,
+        latch: OrderLog | None = None,
     ) -> None:
         self._mission = mission
         self._source = source
         self._actuator = actuator
         self._mount = mount
         self._clock = clock
+        self._latch = latch
         self._hop = config.hop
         self._offset = config.offset
         self._rest_hops = math.ceil(REST_TIMEOUT * source.rate / config.hop)
@@ -58,6 +74,8 @@ class Runner:
             self._actuator.stop()
         elif isinstance(order, Cancel):
             self._actuator.halt()
+        if self._latch is not None:  # after the brakes: no disk delays them
+            self._latch.ordered(order)
         self._orders.put(order)
 
     def poll(self) -> None:

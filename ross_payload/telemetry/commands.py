@@ -2,7 +2,7 @@
 
 ``heard`` takes what arrives, ``said`` what the mission says, ``tick`` the time: all on the thread of the pump. A
 command is answered at once, or within `PATIENCE` when the mission is asked first; what is in progress says so once a
-second.
+second. A stop is obeyed at once and acknowledged when it is on the disk, so that what is acknowledged outlives a crash.
 
 What is sent again is answered again and not obeyed again: a confirmation above 0, a COMMAND_INT while its like goes on,
 a frame that the network doubled or delayed. Only a stop is obeyed whenever it arrives; what its sender had asked before
@@ -16,6 +16,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
+from typing import Protocol
 
 from ross_payload.errors import ConfigError
 from ross_payload.events import Answer, Answered, Event
@@ -34,6 +35,7 @@ from ross_protocols.values import Severity
 PATIENCE = 0.1  # [s] for the mission to answer before the sender hears that it waits
 PROGRESS_PERIOD = 1.0  # [s]
 BURST, RATE = 40, 20.0  # commands of one sender at once, and [1/s]; what is more is not even answered
+STOP_SAVING = 2.0  # [s] that the disk may take until a stop is acknowledged without it
 STOP_PERIOD = 0.1  # [s] between two stops that reach the mission: a flood of them is one
 SENDERS = 64  # that have an allowance of their own
 REBOOT = common.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
@@ -45,6 +47,18 @@ FINAL = {
     Answer.FAILED: Result.FAILED,
     Answer.CANCELLED: Result.CANCELLED,
 }
+
+
+class StopMemory(Protocol):
+    """Has a stop outlive this process."""
+
+    @property
+    def saved(self) -> bool:
+        """Whether the disk has taken, or refused, everything so far."""
+
+    @property
+    def failure(self) -> str:
+        """Why the disk refused the latest; empty when it did not."""
 
 
 class CommandServer:
@@ -62,6 +76,8 @@ class CommandServer:
         Tells an operator something.
     requests
         Obeys the commands that ask for messages.
+    latch
+        Tells when a stop is on the disk: it is acknowledged then. None: at once.
     """
 
     def __init__(
@@ -71,6 +87,8 @@ class CommandServer:
         record: Callable[[bool], str],
         say: Callable[[Severity, str], None],
         requests: Requests,
+        *,
+        latch: StopMemory | None = None,
     ) -> None:
         self._endpoint = endpoint
         self._give = give
@@ -84,6 +102,9 @@ class CommandServer:
         self._numbers = count(1)
         self._now = 0.0
         self._next_stop = -math.inf  # [s]
+        self._latch = latch
+        self._unsaved: dict[Sender, Entry] = {}  # stops that are obeyed and not yet on the disk
+        self._overdue = math.inf  # when their senders hear so [s]
         self._allowances: OrderedDict[Sender, Allowance] = OrderedDict()
         self._texts = Allowance(burst=4, rate=0.5)
 
@@ -97,6 +118,8 @@ class CommandServer:
         if isinstance(request, CancelRequest):
             if heard.may_order:
                 self._cancel(request, origin.sender)
+            elif heard.refusal and self._texts.take(self._now):
+                self._say(Severity.WARNING, f"cancel refused: {heard.refusal}")
         elif heard.may_order and request.number == STOP:
             self._stop(request, origin)
         elif not self._allowed(origin.sender):
@@ -128,11 +151,13 @@ class CommandServer:
         for entry in self._open.values():
             if now >= entry.due:
                 self._tell(entry)
+        if self._latch is not None and self._unsaved:
+            self._tell_of_stops(self._latch, now)
 
     def _other(self, command: Command, heard: Heard) -> Verdict:
         """Obey a command that is not of our dialect, or refuse one."""
         if not heard.may_order:
-            return Verdict(Result.DENIED)
+            return Verdict(Result.DENIED, heard.refusal)
         if command.number == REBOOT:
             return Verdict(Result.DENIED, "the payload does not restart by command")
         return self._requests.obey(command, heard.link, self._now) or Verdict(Result.UNSUPPORTED)
@@ -144,8 +169,32 @@ class CommandServer:
         if self._now >= self._next_stop:
             self._order(Stop())
             self._next_stop = self._now + STOP_PERIOD
-        if self._allowed(origin.sender):
+        if not self._allowed(origin.sender):
+            return
+        if self._latch is None:
             self._send(entry)
+            return
+        if not self._unsaved:
+            self._overdue = self._now + STOP_SAVING
+        first = self._unsaved.get(origin.sender)
+        entry.due = self._now + PATIENCE if first is None else first.due
+        if first is not None or len(self._unsaved) < SENDERS:
+            self._unsaved[origin.sender] = entry
+
+    def _tell_of_stops(self, latch: StopMemory, now: float) -> None:
+        """Acknowledge the stops that are on the disk; those that cannot be are obeyed all the same, and it is said."""
+        if not latch.saved and now < self._overdue:
+            for entry in self._unsaved.values():
+                if now >= entry.due:
+                    entry.due = now + PROGRESS_PERIOD
+                    self._send(replace(entry, result=Result.IN_PROGRESS))
+            return
+        for entry in self._unsaved.values():
+            self._send(entry)
+        self._unsaved.clear()
+        trouble = latch.failure if latch.saved else "the disk does not answer"
+        if trouble:
+            self._say(Severity.CRITICAL, f"stopped, but a restart forgets it: {trouble}")
 
     def _command(self, command: Command, origin: Origin) -> None:
         """Obey or refuse a command of our dialect, unless it is only said again."""

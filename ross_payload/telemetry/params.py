@@ -91,12 +91,14 @@ class ParameterServer:
 
     def heard(self, heard: Heard) -> None:
         """Take a packet; what does not ask about our parameters passes by."""
-        if not heard.may_order:
-            return
-        if heard.packet.name == "HEARTBEAT" and heard.packet.message.type == common.MAV_TYPE_GCS:
+        if heard.may_order and heard.packet.name == "HEARTBEAT" and heard.packet.message.type == common.MAV_TYPE_GCS:
             self._greet(heard)
         request = request_of(heard.packet.message)
         if request is None or not self._endpoint.meant(request.system_id, request.component_id):
+            return
+        if not heard.may_order:
+            if heard.refusal and isinstance(request, SetRequest) and self._texts.take(self._now):
+                self._say(Severity.WARNING, f"{request.name} not set: {heard.refusal}")
             return
         station = self._stations.get(_who(heard))
         if station is not None:

@@ -24,7 +24,7 @@ from ross_payload.links import Heard, Links
 from ross_payload.orders import Order
 from ross_payload.parameters import Parameters
 from ross_payload.telemetry import mirrors
-from ross_payload.telemetry.commands import CommandServer
+from ross_payload.telemetry.commands import CommandServer, StopMemory
 from ross_payload.telemetry.condition import Condition
 from ross_payload.telemetry.files import FileServer
 from ross_payload.telemetry.identity import Endpoint
@@ -85,6 +85,8 @@ class Telemetry:
         Tells the time; None: time is since the boot.
     recordings
         Are offered over MAVLink FTP; None: they are not.
+    latch
+        Tells when a stop is on the disk, which is acknowledged then; None: nothing outlives this process.
 
     Raises
     ------
@@ -108,6 +110,7 @@ class Telemetry:
         computer: Callable[[], Computer] | None = None,
         timebase: Timebase | None = None,
         recordings: Recordings | None = None,
+        latch: StopMemory | None = None,
     ) -> None:
         self._config = config
         self._clock = clock
@@ -120,6 +123,7 @@ class Telemetry:
         self._latest: Input | None = None
         self._strangers: set[tuple[int, int]] = set()
         self._twin: int | None = None
+        self._trouble = ""  # of the signed links
         self._observing, self._looking, self._mirroring = Every(OBSERVING), Every(LOOKING), Every(MIRRORING)
         self._complaining = Every(COMPLAINING)
         self._board = Board()
@@ -130,16 +134,18 @@ class Telemetry:
         taping = None if recorder is None else recorder.status
         self._condition = Condition(self._board, self._say, health, taping, computer)
         endpoint = Endpoint(links, component.id)
-        self._commands = None if give is None else self._server(endpoint, give, recorder)
+        self._commands = None if give is None else self._server(endpoint, give, recorder, latch)
         self._settings = None if parameters is None else ParameterServer(endpoint, parameters, changed, self._say)
         self._files = None if give is None else FileServer(endpoint, files(), recordings, links.rates)
         self._tlog = None if tlog is None else TlogRecorder(tlog)
         component.tap(self._record)
         component.subscribe(self._hear)
 
-    def _server(self, endpoint: Endpoint, give: Callable[[Order], None], recorder: Recorder | None) -> CommandServer:
+    def _server(
+        self, endpoint: Endpoint, give: Callable[[Order], None], recorder: Recorder | None, latch: StopMemory | None
+    ) -> CommandServer:
         record = no_recorder if recorder is None else recorder.record
-        return CommandServer(endpoint, give, record, self._say, Requests(endpoint, self._outlets))
+        return CommandServer(endpoint, give, record, self._say, Requests(endpoint, self._outlets), latch=latch)
 
     # ------------------------------------------------------------------------------------- from any thread
 
@@ -221,8 +227,14 @@ class Telemetry:
         if twin is not None and self._twin is None:
             self._say(Severity.ERROR, f"somebody else speaks as our component {twin}: change one component_id")
         self._twin = twin
-        if (trouble := self._links.signing_trouble) and self._complaining.due(now):
-            self._say(Severity.WARNING, f"{trouble}: see the log")
+        if (ahead := self._links.signing_ahead) and self._complaining.due(now):
+            self._say(Severity.WARNING, f"{ahead}: see the log")
+        trouble = self._links.trouble
+        if trouble and not self._trouble:
+            self._say(Severity.CRITICAL, f"signed links soon obey nothing but a stop: {trouble}")
+        elif self._trouble and not trouble:
+            self._say(Severity.INFO, "signed links obey again")
+        self._trouble = trouble
         capabilities = None if self._actuator is None else self._actuator.capabilities
         self._condition.look(information(config, capabilities, self._timebase.usec()), self._links.status(), now)
 

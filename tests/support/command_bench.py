@@ -57,13 +57,15 @@ class Streams:
 class Payload:
     """Server, session and a turntable of 1 rad/s whose guard latches stops; time moves in hops of 10 ms."""
 
-    def __init__(self, sky):
+    def __init__(self, sky, latch=None):
         self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
         self.given, self.recorded, self.texts, self.waiting = [], [], [], []
         self.disk_full = self.computing = self.stopped = False
         self.fault, self.joint, self.goal, self.hops = "", 0.0, None, 0
         endpoint = Endpoint(self.links, 191)
-        self.server = CommandServer(endpoint, self.give, self.record, self.say, Requests(endpoint, Streams()))
+        self.server = CommandServer(
+            endpoint, self.give, self.record, self.say, Requests(endpoint, Streams()), latch=latch
+        )
         self.links.component(191).subscribe(self.server.heard)
         self.mission = Session(Config(), kit).mission()
         self.output = next(self.mission)

@@ -48,7 +48,7 @@ CONFIGURATIONS = {
         kind="dronecan_servo", port="can:virtual:0", more=", node_id = 5, own_node_id = 5"
     ),
     "expected .*links.*, got none": '[actuator]\nkind = "mavlink_gimbal"\n',
-    "exclude all": '[actuator]\nkind = "ideal"\n[guard]\nlower_deg = 1000\nupper_deg = 1100\npark_deg = 1050\n',
+    "limits that meet": '[actuator]\nkind = "ideal"\n[guard]\nlower_deg = 1000\nupper_deg = 1100\npark_deg = 1050\n',
 }
 
 

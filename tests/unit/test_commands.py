@@ -254,6 +254,52 @@ def test_a_new_listener_takes_the_place_of_the_old_one_while_it_listens(payload)
     assert payload.results(LISTEN, 0.1)[-1] == ACCEPTED
 
 
+class Disk:
+    """What has a stop outlive the process, as a test wants it."""
+
+    def __init__(self):
+        self.saved, self.failure = False, ""
+
+
+@pytest.fixture
+def disk():
+    return Disk()
+
+
+@pytest.fixture
+def lasting(sky, disk):
+    """A payload whose stops outlive its process."""
+    return Payload(sky(), disk)
+
+
+def test_a_stop_is_obeyed_at_once_and_acknowledged_when_it_is_on_the_disk(lasting, disk):
+    assert lasting.command(STOP, seconds=0.05) == []
+    assert lasting.stopped
+    disk.saved = True
+    assert lasting.results(STOP, 0.05) == [ACCEPTED]
+    assert lasting.texts == []
+
+
+def test_the_sender_of_a_stop_hears_that_a_hung_disk_keeps_its_answer_and_later_that_it_is_forgotten(lasting):
+    assert lasting.command(STOP, seconds=1.9) == [IN_PROGRESS]
+    assert lasting.results(STOP, 0.2) == [ACCEPTED], "it is obeyed all the same"
+    assert lasting.texts == ["stopped, but a restart forgets it: the disk does not answer"]
+
+
+def test_a_stop_that_a_full_disk_does_not_take_is_accepted_and_the_disk_is_named(lasting, disk):
+    disk.saved, disk.failure = True, "/var/lib/ross/stopped: No space left on device"
+    assert lasting.command(STOP, seconds=0.05) == [ACCEPTED]
+    assert lasting.texts == ["stopped, but a restart forgets it: /var/lib/ross/stopped: No space left on device"]
+
+
+def test_every_sender_of_a_stop_is_answered(lasting, disk):
+    for _ in range(3):
+        lasting.ground.long(STOP)
+    lasting.wait(0.05)
+    disk.saved = True
+    assert lasting.command(STOP, seconds=0.05) == [ACCEPTED]
+
+
 def _answered(order, answer):
     return Answered(0.0, order.number, Answer[answer])
 

@@ -161,10 +161,10 @@ def test_a_switch_is_read_at_every_look_with_its_pull_up(gpio: FakeLgpio, clock:
 @pytest.mark.parametrize(
     ("url", "words"),
     [
-        (f"{URL},{SWITCH_PIN},5", "wanted pulses:lgpio:CHIP:STEP,DIRECTION,ENABLE"),
-        ("pulses:lgpio:17,27,22", "wanted pulses:lgpio:CHIP"),
+        (f"{URL},{SWITCH_PIN},5", "expected pulses:lgpio:CHIP:STEP,DIRECTION,ENABLE"),
+        ("pulses:lgpio:17,27,22", "expected pulses:lgpio:CHIP"),
         ("pulses:lgpio:0:17,x,22", "all numbers"),
-        ("pulses:lgpio:0:17,27,17", "a line twice"),
+        ("pulses:lgpio:0:17,27,17", "one twice"),
     ],
 )
 def test_a_url_that_names_no_pins_is_one_clear_line(url: str, words: str) -> None:
@@ -205,9 +205,9 @@ def test_threads_of_the_library_are_born_urgent_where_that_is_allowed_and_ours_s
 
 
 def test_options_that_do_not_fit_pins_are_refused() -> None:
-    with pytest.raises(ConfigError, match="wanted at most 40"):
+    with pytest.raises(ConfigError, match="expected at most 40"):
         Bench(ahead_ms=50)
-    with pytest.raises(ConfigError, match="wants a HOME line"):
+    with pytest.raises(ConfigError, match="expected a HOME line"):
         Bench(zero="switch")
 
 

@@ -28,7 +28,7 @@ def test_a_goal_at_the_limit_is_allowed_but_kept_half_a_step_inside() -> None:
 
 
 def test_hardware_that_accelerates_beyond_the_cap_cannot_be_opened() -> None:
-    with pytest.raises(ConfigError, match=r"accelerates at 100 deg/s\^2, above the cap of 50"):
+    with pytest.raises(ConfigError, match=r"expected an actuator with at most 50, got one with 100 deg"):
         bench(max_acceleration_deg_s2=50)
 
 

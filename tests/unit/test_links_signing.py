@@ -1,5 +1,6 @@
 """Signed links: whose frames are believed, that no time is used twice, and that nothing can be played to us again."""
 
+import shutil
 import threading
 from itertools import pairwise
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import common
 
+from full_disk import lose
 from links_bench import HandClock, Wire
 from ross_payload.config import Config, Link
 from ross_payload.links import Heard, Links
@@ -18,6 +20,7 @@ from ross_protocols.values import Health, Heartbeat, Text
 KEY = bytes(range(32))
 OTHER = bytes(32)
 BEAT = Heartbeat(Health.ACTIVE, 6)
+STOP, EXPLORE = 54004, 54000
 TODAY = 1_795_000_000.0  # UNIX [s]
 
 
@@ -74,6 +77,14 @@ class GroundStation:
 
     def believes(self, frame: bytes) -> bool:
         return [message.get_type() for message in self.mav.parse_buffer(frame) or []] == ["HEARTBEAT"]
+
+
+class GroundStationWithoutKey(GroundStation):
+    """Signs nothing."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.mav.signing.sign_outgoing = False
 
 
 @pytest.fixture
@@ -230,6 +241,113 @@ def test_the_saved_bound_is_always_above_what_was_used(payload: Payload, tmp_pat
         payload.settle()
 
 
+# ---------------------------------------------------------------------------------------------------- a full disk
+
+
+def order(ground: GroundStation, number: int) -> bytes:
+    return bytes(common.MAVLink_command_long_message(1, 191, number, 0, *[0.0] * 7).pack(ground.mav))
+
+
+@pytest.fixture
+def full(payload: Payload, tmp_path: Path) -> GroundStation:
+    """A ground station of a payload whose disk takes nothing, when the saved time is over."""
+    ground = GroundStation()
+    assert payload.hear(ground.say()) == 1
+    assert ground.believes(payload.say())
+    lose(tmp_path / "state" / "signing-time")
+    payload.clock.time += 70.0
+    ground.mav.signing.timestamp += 70 * SECOND
+    payload.links.component(191).send(BEAT)
+    payload.settle()
+    payload.links.component(191).send(BEAT)
+    assert payload.links.trouble.endswith("signing-time: Is a directory")
+    return ground
+
+
+def test_a_stop_is_obeyed_whatever_the_disk_says(payload: Payload, full: GroundStation) -> None:
+    frames = [order(full, STOP) for _ in range(20)]
+    assert payload.hear(*frames) == 20
+    assert all(heard.may_order for heard in payload.heard[-20:])
+
+
+def test_a_stop_that_is_played_again_is_obeyed_while_the_disk_takes_nothing(
+    payload: Payload, full: GroundStation
+) -> None:
+    frame = order(full, STOP)
+    assert payload.hear(*[frame] * 20) == 20
+    assert all(heard.may_order for heard in payload.heard[-20:])
+
+
+def test_a_stop_that_is_played_again_is_nothing_while_the_disk_is_well(payload: Payload) -> None:
+    frame = order(GroundStation(), STOP)
+    assert payload.hear(*[frame] * 20) == 1
+
+
+def test_a_stop_of_a_station_ahead_of_us_does_not_wait_for_the_disk(payload: Payload) -> None:
+    assert payload.hear(order(GroundStation(unix=TODAY + 3600), STOP)) == 1
+    assert payload.heard[-1].may_order
+
+
+def test_other_orders_are_heard_and_refused_while_the_disk_takes_nothing(payload: Payload, full: GroundStation) -> None:
+    assert payload.hear(order(full, EXPLORE), full.say()) == 2
+    assert [heard.may_order for heard in payload.heard[-2:]] == [False, False]
+    assert all("signing-time: Is a directory" in heard.refusal for heard in payload.heard[-2:])
+
+
+def test_what_is_played_again_or_forged_is_nothing_to_a_full_disk_either(payload: Payload, full: GroundStation) -> None:
+    frame = order(full, EXPLORE)
+    assert payload.hear(frame) == 1
+    forged = GroundStation(OTHER, unix=TODAY + 90)
+    assert payload.hear(frame, order(forged, STOP), Encoder(255, 190).encode(BEAT)) == 0
+
+
+def test_answers_are_signed_and_believed_while_the_disk_takes_nothing(payload: Payload, full: GroundStation) -> None:
+    frames = []
+    for _ in range(500):
+        payload.clock.time += 0.05
+        frames.append(payload.say())
+    assert all(full.believes(frame) for frame in frames)
+    assert link_and_time(frames[-1])[1] < timestamp_of(TODAY + 60), "nothing beyond what was saved"
+
+
+def test_a_disk_with_room_again_ends_it(payload: Payload, full: GroundStation, tmp_path: Path) -> None:
+    shutil.rmtree(tmp_path / "state" / "signing-time")
+    for _ in range(3):
+        payload.clock.time += 2.0
+        payload.say()
+        payload.settle()
+    payload.say()
+    assert payload.links.trouble == ""
+    assert payload.hear(order(full, EXPLORE)) == 1
+    assert payload.heard[-1].may_order
+
+
+def flip(frame: bytes, place: int) -> bytes:
+    """Return a frame with one bit changed."""
+    changed = bytearray(frame)
+    changed[place // 8] ^= 1 << place % 8
+    return bytes(changed)
+
+
+def test_of_thousands_of_forged_or_replayed_frames_none_is_believed(payload: Payload) -> None:
+    """Every bit flipped, another key, no signature, and the whole session once more."""
+    ground, other = GroundStation(), GroundStation(OTHER)
+    session = [order(ground, number) for number in (STOP, EXPLORE, 54009) for _ in range(200)]
+    assert sum(payload.hear(frame) for frame in session) == 600
+    unsigned = [order(GroundStationWithoutKey(), STOP) for _ in range(600)]
+    fresh = order(ground, STOP)
+    flipped = [flip(fresh, place) for place in range(8 * len(fresh))]
+    frames = [*session, *(order(other, STOP) for _ in range(600)), *unsigned, *flipped]
+    assert len(frames) >= 2000
+    believed = 0
+    for frame in frames:
+        believed += payload.hear(frame)
+        payload.wire.coming.append(bytes(600))  # ends whatever has begun
+        for _ in range(6):
+            payload.links.poll()
+    assert believed == 0
+
+
 # ---------------------------------------------------------------------------------------------------- frames
 
 
@@ -309,7 +427,7 @@ def test_a_new_key_and_no_signing_time_let_a_station_in_again(carried_along, key
     caplog.clear()
     with Payload(carried_along, key_file) as payload:
         assert payload.hear(GroundStation(OTHER).say()) == 1
-        assert payload.links.signing_trouble == ""
+        assert payload.links.signing_ahead == ""
     assert caplog.records == []
 
 
@@ -318,5 +436,5 @@ def test_a_clock_that_was_never_set_or_is_little_behind_is_no_trouble(tmp_path, 
     with Payload(tmp_path, key_file) as payload:
         assert payload.hear(GroundStation().say()) == 1
     with Payload(tmp_path, key_file, unix) as payload:
-        assert payload.links.signing_trouble == ""
+        assert payload.links.signing_ahead == ""
     assert caplog.records == []

@@ -6,7 +6,7 @@ import pytest
 
 from ross_payload.config import Link
 from ross_payload.links import Counts, Heard, Links
-from ross_payload.links.link import SILENCE
+from ross_payload.links.decoders import SILENCE
 from ross_protocols.codec import Encoder
 from ross_protocols.dialect import common
 

@@ -14,7 +14,7 @@ from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.links import Counts, Heard, Links, open_port
-from ross_payload.links.link import LOOKS
+from ross_payload.links.decoders import LOOKS
 from ross_protocols.codec import Decoder, Encoder
 from ross_protocols.dialect import MESSAGES, common
 from ross_protocols.values import Health, Heartbeat

@@ -237,10 +237,32 @@ def test_a_client_that_leaves_makes_room_and_the_others_stay() -> None:
         stays.close()
 
 
-def test_the_seventeenth_client_is_turned_away() -> None:
+def test_the_seventeenth_client_takes_the_place_of_the_oldest_that_has_said_nothing() -> None:
     port = free_port(socket.SOCK_STREAM)
     with links_to(f"tcpin::{port}") as links:
-        clients = joined(links, port, 17)
+        heard = hears(links)
+        clients = joined(links, port, 16)
+        clients[0].sendall(FRAME)
+        until(lambda: links.poll() or heard)
+        clients.append(socket.create_connection(("127.0.0.1", port), timeout=10.0))
+        until(lambda: links.poll() or status(links).error)
+        assert clients[1].recv(10) == b""
+        links.component(191).send(BEAT)
+        assert [len(clients[number].recv(1000)) for number in (0, 2, 16)] == [len(FRAME)] * 3
+        for client in clients:
+            client.close()
+
+
+def test_when_all_sixteen_clients_speak_the_seventeenth_is_turned_away() -> None:
+    port = free_port(socket.SOCK_STREAM)
+    with links_to(f"tcpin::{port}") as links:
+        heard = hears(links)
+        clients = joined(links, port, 16)
+        for client in clients:
+            client.sendall(FRAME)
+        until(lambda: links.poll() or len(heard) == 16)
+        clients.append(socket.create_connection(("127.0.0.1", port), timeout=10.0))
+        until(lambda: links.poll() or status(links).error)
         assert clients[16].recv(10) == b""
         for client in clients:
             client.close()

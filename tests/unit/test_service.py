@@ -289,3 +289,24 @@ def test_a_zero_that_can_be_found_is_looked_for_after_a_slip(bench):
     assert switch.homed == 1
     assert recorder.inputs[-1].heading_end == pytest.approx(0.3 + math.radians(10), abs=1e-6)
     assert far_end.angle() == pytest.approx(0.3, abs=1e-6)
+
+
+class SlowDisk:
+    """Remembers orders; knows whether the brakes were on when it was asked to."""
+
+    def __init__(self):
+        self.asked, self.actuator = [], None
+
+    def ordered(self, order):
+        self.asked.append((type(order), self.actuator.stopped))
+
+
+def test_the_brakes_are_on_before_a_disk_hears_of_a_stop():
+    clock, far_end, disk = SimClock(), far_end_of(CONFIG), SlowDisk()
+    clock.before_calls(far_end.advance)
+    with open_actuator(CONFIG, Services(clock, lambda url: far_end.port)) as actuator:
+        disk.actuator = actuator
+        mission = turns_once(0.5)
+        runner = Runner(mission, Microphones(clock), actuator, FixedMount(None), config=CONFIG, clock=clock, latch=disk)
+        runner.order(Stop())
+    assert disk.asked == [(Stop, True)]

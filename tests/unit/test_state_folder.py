@@ -17,6 +17,7 @@ from ross_payload.bounded_files import set_aside
 from ross_payload.config import Config
 from ross_payload.events import State, StateChanged
 from ross_payload.links.signing import SigningTime
+from ross_payload.orders import Rearm
 from ross_payload.parameters import Parameters
 from ross_payload.service.latch import StopLatch
 from ross_payload.service.live import live
@@ -142,7 +143,9 @@ def test_a_stop_latch_that_is_a_folder_goes_when_the_payload_is_armed_again(tmp_
     (tmp_path / "stopped" / "something").mkdir(parents=True)
     latch = StopLatch(tmp_path / "stopped")
     assert latch.closed
+    latch.ordered(Rearm())
     latch.said(StateChanged(0.0, State.IDLE), None)
+    latch.close()
     assert not latch.closed
     assert (tmp_path / "stopped.unreadable" / "something").is_dir()
 

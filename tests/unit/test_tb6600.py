@@ -156,7 +156,7 @@ def test_segments_that_the_wire_gets_too_late_are_a_fault_that_loses_the_positio
     ],
 )
 def test_a_speed_that_needs_more_pulses_than_the_cap_is_refused(options: dict[str, Any], pulses: int) -> None:
-    with pytest.raises(ConfigError, match=rf"needs {pulses} pulses/s, wanted at most .*max_pulse_rate_hz"):
+    with pytest.raises(ConfigError, match=rf"needs {pulses} pulses/s, expected at most .*max_pulse_rate_hz"):
         Bench(**options)
 
 

@@ -48,7 +48,7 @@ class Options(Table):
         if needed * (self.interface.period - NOISE) > 1 + 1e-9:
             found = f"max_speed_deg_s = {self.max_speed_deg_s:g} needs {needed:.0f} pulses/s"
             cap = f"max_pulse_rate_hz = {self.max_pulse_rate_hz:g} in whole microseconds"
-            raise ValueError(f"{found}, wanted at most {1 / self.interface.period:.0f} ({cap})")
+            raise ValueError(f"{found}, expected at most {1 / self.interface.period:.0f} ({cap})")
         return self
 
     @model_validator(mode="after")
@@ -56,9 +56,9 @@ class Options(Table):
         if not self.port.startswith(SCHEME):
             return self
         if pins_of(self.port).home is None and self.zero == "switch":
-            raise ValueError(f"zero = 'switch' wants a HOME line: {self.port},HOME")
+            raise ValueError(f"port: expected a HOME line for zero = 'switch' ({self.port},HOME), got none")
         if self.ahead_ms > AHEAD * 1e3:
-            raise ValueError(f"ahead_ms = {self.ahead_ms:g}: on pins, wanted at most {AHEAD * 1e3:g}")
+            raise ValueError(f"ahead_ms: expected at most {AHEAD * 1e3:g} on pins, got {self.ahead_ms:g}")
         return self
 
     @property

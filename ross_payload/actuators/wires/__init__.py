@@ -228,6 +228,6 @@ def _check(line: bytes, codec: Codec, clock: Clock, url: str) -> None:
     except (ValueError, TypeError, KeyError) as error:
         raise LinkError(f"wire '{url}': no greeting of a device: {line[:40]!r}") from error
     if (name, version) != (codec.name, VERSION):
-        raise LinkError(f"wire '{url}': found {name} version {version}, wanted {codec.name} version {VERSION}")
+        raise LinkError(f"wire '{url}': expected {codec.name} version {VERSION}, got {name} version {version}")
     if not math.fabs(clock.now() - now) < SAME_CLOCK:
         raise LinkError(f"wire '{url}': its clock is another one; the device must run on this machine")

@@ -58,9 +58,9 @@ def pins_of(url: str) -> Pins:
     chip, _, lines = url.removeprefix(SCHEME).partition(":")
     numbers = lines.split(",")
     if not (chip.isdecimal() and len(numbers) in (3, 4) and all(number.isdecimal() for number in numbers)):
-        raise ConfigError(f"pulse port '{url}': wanted {SCHEME}CHIP:STEP,DIRECTION,ENABLE[,HOME], all numbers")
+        raise ConfigError(f"pulse port '{url}': expected {SCHEME}CHIP:STEP,DIRECTION,ENABLE[,HOME], all numbers")
     if len(set(map(int, numbers))) < len(numbers):
-        raise ConfigError(f"pulse port '{url}': found a line twice, wanted different ones")
+        raise ConfigError(f"pulse port '{url}': expected different lines, got one twice")
     return Pins(int(chip), *map(int, numbers))
 
 

@@ -28,6 +28,7 @@ class SigningTime:
     """The local signing time: the system's clock, never back, and never behind a peer that is believed."""
 
     floor = 0  # nothing is remembered of earlier runs
+    trouble = ""  # nor written
 
     def __init__(self, unix: Callable[[], float]) -> None:
         self._unix = unix

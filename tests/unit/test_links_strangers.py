@@ -1,0 +1,292 @@
+"""Strangers at a listening port: they hear nothing, take nobody's place, and the key holder is heard among them."""
+
+import socket
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from ports import free_port
+from ross_payload.clock import SystemClock
+from ross_payload.config import Link
+from ross_payload.links import Heard, Links
+from ross_protocols.codec import Encoder
+from ross_protocols.dialect import common
+from strangers import BEAT, KEY, STOP, Station, Strangers, key_file, stop_command
+
+TICK = 0.010  # [s] between two polls
+LOCAL = "127.0.0.1"
+
+
+class LeapingClock(SystemClock):
+    """Real time that can be moved on, so that nobody waits."""
+
+    ahead = 0.0
+
+    def now(self) -> float:
+        return super().now() + self.ahead
+
+
+class Payload:
+    """A listening port, signed or not, and what the component behind it hears."""
+
+    def __init__(self, url: str, port: int, folder: Path | None) -> None:
+        self.clock = LeapingClock()
+        self.where = (LOCAL, port)
+        link = Link(url=url, key_file="" if folder is None else str(key_file(folder)))
+        self.links = Links.open([link], self.clock, state=folder)
+        self.heard: list[Heard] = []
+        self.links.component(191).subscribe(self.heard.append)
+
+    def poll(self) -> list[Heard]:
+        self.links.poll()
+        return self.heard
+
+    def say(self) -> bytes:
+        frames: list[bytes] = []
+        self.links.component(191).tap(frames.append)
+        self.links.component(191).send(BEAT)
+        return frames[-1]
+
+    def close(self) -> None:
+        self.links.close()
+
+
+def until(true: Callable[[], object], seconds: float = 20.0) -> None:
+    """Wait for the kernel to deliver."""
+    deadline = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < deadline, "nothing came"
+        time.sleep(0.001)
+
+
+@pytest.fixture
+def listening(tmp_path: Path) -> Iterator[Callable[..., Payload]]:
+    """Open a payload's port; ``signed`` with the key."""
+    with ExitStack() as stack:
+
+        def start(kind: str, *, signed: bool) -> Payload:
+            port = free_port(socket.SOCK_DGRAM if kind == "udpin" else socket.SOCK_STREAM)
+            payload = Payload(f"{kind}:{LOCAL}:{port}", port, tmp_path if signed else None)
+            return stack.enter_context(closing(payload))
+
+        yield start
+
+
+# ---------------------------------------------------------------------------------------------------- datagrams
+
+
+def shares(payload: Payload, rate: float, seconds: float, *, signed: bool) -> tuple[float, float, int]:
+    """Return which shares of its messages a station gets and is heard with, and what strangers got."""
+    strangers, station = Strangers(payload.where), Station(time.time(), key=KEY if signed else None)
+    spoken, told, owed = set(), 0, 0.0
+    with closing(strangers), station.sock:
+        for tick in range(round(seconds / TICK)):
+            if tick % 10 == 0:
+                frame = station.frame()
+                station.sock.sendto(frame, payload.where)
+                spoken.add((tick // 10 % 256, frame))
+            owed += rate * TICK
+            strangers.say(int(owed))
+            owed -= int(owed)
+            payload.poll()
+            if tick % 9 == 0:  # 11 messages a second
+                payload.links.component(191).send(BEAT)
+                told += 1
+            station.listen()
+        ours = [heard for heard in payload.heard if (heard.packet.sequence, heard.packet.frame) in spoken]
+        said = -(-round(seconds / TICK) // 10)
+        return station.listen() / told, len(ours) / said, strangers.heard()
+
+
+@pytest.mark.parametrize("rate", [20, 50, 200, 1000])
+def test_strange_datagrams_take_nothing_from_a_signed_station(listening, rate) -> None:
+    heard, obeyed, leaked = shares(listening("udpin", signed=True), rate, 3.0, signed=True)
+    assert heard >= 0.9
+    assert obeyed >= 0.9
+    assert leaked == 0, "strangers are told nothing"
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("rate", [200, 1000, 5000])
+def test_strange_datagrams_for_long_take_nothing_from_a_signed_station(listening, rate) -> None:
+    heard, obeyed, leaked = shares(listening("udpin", signed=True), rate, 100.0, signed=True)
+    print(f"{rate} strange datagrams/s: {heard:.1%} of the messages arrive, {obeyed:.1%} are heard")  # noqa: T201
+    assert min(heard, obeyed) >= 0.99
+    assert leaked == 0
+
+
+def test_the_noise_of_strangers_stands_between_no_bytes_of_an_unsigned_station(listening) -> None:
+    heard, obeyed, _ = shares(listening("udpin", signed=False), 1000, 3.0, signed=False)
+    assert min(heard, obeyed) >= 0.9
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        pytest.param(b"x", id="one byte"),
+        pytest.param(Encoder(255, 190).encode(BEAT), id="an unsigned frame"),
+        pytest.param(Encoder(255, 190, bytes(32), 1).encode(BEAT, 2**47), id="another key"),
+        pytest.param(
+            Encoder(51, 68).encode(common.MAVLink_radio_status_message(90, 90, 100, 20, 20, 0, 0)), id="a radio"
+        ),
+    ],
+)
+def test_nobody_is_told_anything_before_a_valid_signature(listening, said: bytes) -> None:
+    payload = listening("udpin", signed=True)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        stranger.setblocking(False)
+        for _ in range(3):
+            stranger.sendto(said, payload.where)
+            payload.poll()
+            payload.say()
+        with pytest.raises(BlockingIOError):
+            stranger.recv(2048)
+
+
+def test_who_plays_our_own_or_a_stations_frames_back_is_told_nothing(listening) -> None:
+    payload, station = listening("udpin", signed=True), Station(time.time())
+    with station.sock, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        stranger.setblocking(False)
+        captured = [station.frame()]
+        station.sock.sendto(captured[0], payload.where)
+        until(payload.poll)
+        payload.say()
+        captured.append(station.sock.recv(2048))
+        for frame in captured:
+            stranger.sendto(frame, payload.where)
+            payload.poll()
+            payload.say()
+        with pytest.raises(BlockingIOError):
+            stranger.recv(2048)
+        assert station.listen() == 2, "the station itself is still answered"
+
+
+def test_a_peer_of_an_unsigned_port_is_answered_from_its_first_valid_frame_on(listening) -> None:
+    payload = listening("udpin", signed=False)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
+        peer.setblocking(False)
+        for noise in (b"x", b"\xfd", bytes(300), Encoder(9, 1).encode(BEAT)[:-1] + b"\x00"):
+            peer.sendto(noise, payload.where)
+            payload.poll()
+            payload.say()
+        with pytest.raises(BlockingIOError):
+            peer.recv(2048)
+        peer.sendto(Encoder(9, 1).encode(BEAT), payload.where)
+        until(payload.poll)
+        payload.say()
+        assert len(peer.recv(2048)) > 0
+
+
+def test_frames_that_a_bridge_cuts_into_datagrams_are_heard(listening) -> None:
+    payload, encoder = listening("udpin", signed=False), Encoder(9, 1)
+    stream = b"".join(encoder.encode(BEAT) for _ in range(40))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as bridge:
+        for start in range(0, len(stream), 13):
+            bridge.sendto(stream[start : start + 13], payload.where)
+            payload.poll()
+    assert len(payload.heard) == 40
+
+
+def test_when_there_are_too_many_the_peer_unheard_for_longest_makes_room(listening) -> None:
+    payload, encoder = listening("udpin", signed=False), Encoder(9, 1)
+    with ExitStack() as stack:
+        peers = [stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(17)]
+        for peer in (*peers[:16], peers[0], peers[16]):  # the first is heard again before the last comes
+            peer.setblocking(False)
+            peer.sendto(encoder.encode(BEAT), payload.where)
+            payload.poll()
+        payload.say()
+        told = []
+        for number, peer in enumerate(peers):
+            try:
+                told.append((number, bool(peer.recv(2048))))
+            except BlockingIOError:
+                told.append((number, False))
+    assert [number for number, answered in told if not answered] == [1]
+
+
+# ---------------------------------------------------------------------------------------------------- connections
+
+
+def connected(payload: Payload, stack: ExitStack, count: int) -> list[socket.socket]:
+    """Connect clients, all of which have been let in or turned away."""
+    socks = []
+    for _ in range(count):
+        socks.append(stack.enter_context(socket.create_connection(payload.where, timeout=20.0)))
+        payload.poll()
+    return socks
+
+
+def test_idle_connections_do_not_keep_a_signed_stop_out(listening) -> None:
+    payload, station = listening("tcpin", signed=True), Station(time.time())
+    with ExitStack() as stack, station.sock:
+        idle = connected(payload, stack, 100)
+        (holder,) = connected(payload, stack, 1)
+        holder.sendall(station.frame(stop_command()))
+        until(payload.poll)
+        (heard,) = payload.heard
+        assert (heard.packet.message.command, heard.may_order) == (STOP, True)
+        payload.say()
+        assert len(holder.recv(1000)) > 0
+        for sock in idle[-3:]:
+            sock.setblocking(False)
+            with pytest.raises(BlockingIOError):
+                sock.recv(10)
+
+
+def test_connections_that_show_no_key_are_closed_after_five_seconds(listening) -> None:
+    payload, station = listening("tcpin", signed=True), Station(time.time())
+    with ExitStack() as stack, station.sock:
+        holder, idle, chatty = connected(payload, stack, 3)
+        holder.sendall(station.frame())
+        chatty.sendall(Encoder(255, 190).encode(BEAT))
+        until(payload.poll)
+        until(lambda: payload.poll() and payload.links.status()[0].refused == 1)
+        payload.clock.ahead += 4.5
+        payload.poll()
+        idle.setblocking(False)
+        with pytest.raises(BlockingIOError):
+            idle.recv(10)
+        payload.clock.ahead += 0.6
+        payload.poll()
+        idle.settimeout(20.0)
+        assert idle.recv(10) == b""
+        assert chatty.recv(10) == b""
+        assert payload.links.status()[0].error == "a client has not shown the key within 5 s"
+        holder.sendall(station.frame())
+        until(lambda: len(payload.poll()) == 2)
+
+
+def test_among_seventeen_key_holders_the_one_unheard_for_longest_makes_room(listening) -> None:
+    payload = listening("tcpin", signed=True)
+    stations = [Station(time.time(), system=system) for system in range(200, 217)]
+    with ExitStack() as stack:
+        socks = []
+        for number, station in enumerate(stations, 1):
+            stack.enter_context(station.sock)
+            socks += connected(payload, stack, 1)
+            socks[-1].sendall(station.frame())
+            until(lambda number=number: len(payload.poll()) == number)
+        assert socks[0].recv(10) == b""
+        payload.say()
+        assert all(sock.recv(1000) for sock in socks[1:])
+
+
+def test_a_client_that_takes_a_number_again_begins_anew(listening) -> None:
+    """A half frame of one that has left must not swallow the first frame of the next."""
+    payload, encoder = listening("tcpin", signed=False), Encoder(9, 1)
+    frames = [encoder.encode(BEAT) for _ in range(3)]
+    with ExitStack() as stack:
+        (first,) = connected(payload, stack, 1)
+        first.sendall(frames[0] + frames[1][:9])
+        until(payload.poll)
+        first.close()
+        until(lambda: payload.poll() and payload.links.status()[0].error)
+        (second,) = connected(payload, stack, 1)
+        second.sendall(frames[2])
+        until(lambda: len(payload.poll()) == 2)
+    assert [later.packet.sequence - sooner.packet.sequence for sooner, later in pairwise(payload.heard)] == [2]
