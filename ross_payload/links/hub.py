@@ -269,6 +269,8 @@ class Links:
             if not self._echoes.knows(packet.frame):
                 link.twins += 1
                 self._twin = packet.component_id, now
+                if arrived.fresh:
+                    link.admit(packet, arrived.peer, now)  # it learns from our answers that there are two of us
             return
         if arrived.fresh:
             link.meet(packet, arrived.peer, now)

@@ -110,6 +110,10 @@ class Link:
     def meet(self, packet: Packet, peer: Peer, now: float) -> None:
         """Note who has sent a packet that is believed; from now on it is answered where it spoke from."""
         self.peers.meet(packet, now)
+        self.admit(packet, peer, now)
+
+    def admit(self, packet: Packet, peer: Peer, now: float) -> None:
+        """Answer a peer from now on, where its packet may be believed."""
         if self._guardian is None or is_signed(packet.frame):
             self._decoders.admit(peer, now)
 

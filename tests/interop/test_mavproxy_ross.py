@@ -56,12 +56,12 @@ def test_the_module_is_loaded_and_helps(prompt):
 
 def test_status_says_state_and_health(prompt):
     place = prompt.type("ross status")
-    prompt.read(r"RoSS 1-191  \w+.* heard \d", place)
+    prompt.read(r"RoSS 1-191  \w+.* last telemetry \d", place)
     prompt.read(r"axis [-\d.]+ deg, from the nose", place)
     place = prompt.type("ross status")
     while prompt.read(r"microphones +(both|no data)", place)[1] == "no data":  # it tells every second
         place = prompt.type("ross status")
-    prompt.read(r"ok microphones +both microphones work", place)
+    prompt.read(r"ok microphones +both receive sound", place)
 
 
 def test_a_stop_a_refusal_with_its_reason_and_rearming_are_said(prompt):
@@ -77,8 +77,8 @@ def test_a_mistake_is_one_line(prompt):
 
 
 def test_a_recording_is_begun_and_ended(prompt):
-    prompt.read("RoSS 1-191 start a recording: done", prompt.type("ross record on"))
-    prompt.read("RoSS 1-191 end the recording: done", prompt.type("ross record off"))
+    prompt.read("RoSS 1-191 start recording: done", prompt.type("ross record on"))
+    prompt.read("RoSS 1-191 stop recording: done", prompt.type("ross record off"))
 
 
 def test_behind_an_autopilot_tunnels_are_read_and_orders_arrive(behind):

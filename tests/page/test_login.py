@@ -46,8 +46,8 @@ def test_images_of_another_site_do_not_keep_the_user_out(window, open_page, tmp_
         page = open_page(ground.url)
         page.get_by_label("Token").fill(TOKEN)
         page.get_by_role("button", name="Open").click()
-        sees(page, "No payload is heard", "main")
+        sees(page, "No payload found", "main")
         linked = open_page(f"{ground.url}?token={TOKEN}")
-        sees(linked, "No payload is heard", "main")
+        sees(linked, "No payload found", "main")
         for each in window.context.pages:
             each.close()

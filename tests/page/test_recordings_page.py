@@ -39,7 +39,7 @@ def test_a_payload_is_stopped_and_watched_by_its_id(window, open_page):
     port = free_port()
     with in_background([f"udpin:127.0.0.1:{port}"]) as served, FleetBench(port) as bench:
         page = open_page(served.url)
-        sees(page, "1 payload heard", "main")
+        sees(page, "1 payload found", "main")
         page.get_by_label("A payload by its id").fill("1-191")
         page.get_by_role("button", name="Stop this id").click()
         orders = served.hub.hands.orders

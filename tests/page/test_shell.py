@@ -170,7 +170,7 @@ def test_a_refusal_says_why_in_the_payloads_words(crew, open_page):
     page.get_by_role("button", name="Listen to source 3").first.click()  # its commands know of three: 0, 1 and 2
     latest = page.locator(".order").first
     eventually(page, lambda: latest.get_attribute("data-state") == "refused")
-    expect(latest.locator(".fate")).to_contain_text("no source 3")
+    expect(latest.locator(".fate")).to_contain_text("source: expected 0 to 2")
 
 
 def test_a_heading_that_is_none_is_not_sent(crew, open_page):

@@ -220,7 +220,7 @@ def test_a_short_life_leaves_nothing_behind_and_counts_what_it_did_not_hear(benc
     assert 0.8 * RATE < audio.lost - lost < 6 * RATE
     assert audio.waiting < 1.0
     _, _, threads, files, _, _ = watch.columns()
-    assert threads[-1] == before[2][-1]
+    assert threads[-1] <= before[2][-1] + 1  # the first stop has begun the thread that saves it
     assert files[-1] == before[3][-1]
 
 

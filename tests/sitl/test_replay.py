@@ -130,11 +130,11 @@ def test_a_later_correction_of_the_polarity_is_heard(taped, tmp_path, run):
 @pytest.mark.parametrize(
     ("setting", "words"),
     [
-        ("audio.rate_hz=48000", "was recorded with 16000"),
+        ("audio.rate_hz=48000", "expected 16000, as recorded"),
         ("exploit.bla=1", "unknown key 'exploit.bla'"),
-        ("exploit.run_s", "wanted key=value"),
+        ("exploit.run_s", "expected key=value"),
         ("exploit.run_s=-1", "greater than or equal to 1"),
-        ("seed.deep=1", "not a table"),
+        ("seed.deep=1", "expected a table"),
         ("exploit.separator=karaoke", "'karaoke' is unknown"),
     ],
 )

@@ -66,7 +66,7 @@ def test_a_rerun_gives_the_same_bytes(mission, tmp_path, arguments):
     [
         ("azimuths_deg = []", "azimuths_deg"),
         ("azimuths_deg = [nan, 155, -80]", "finite"),
-        ("azimuths_deg = [40, 40.5]", "apart"),
+        ("azimuths_deg = [40, 40.5]", "between them"),
         ("azimuths_deg = [40]\ntarget = 1", "target"),
         ("azimuths_deg = [0, 50, 100, 150, 200, 250, 300]", "at most 6"),
     ],

@@ -202,7 +202,7 @@ def test_an_empty_folder_of_voices_is_refused(run, tmp_path):
     (tmp_path / "empty").mkdir()
     code, _, err = run("study", "--speech", tmp_path / "empty", "--out", tmp_path / "out")
     assert code == 2
-    assert "no recordings" in err
+    assert "expected one sub-folder or one file" in err
 
 
 FULL = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000)); " + (

@@ -176,8 +176,11 @@ def test_a_fault_of_the_actuator_shows_in_the_attitude_and_the_heartbeat(bench):
 @pytest.mark.parametrize(
     ("tables", "words"),
     [
-        ({"actuator": {"kind": "mavlink_gimbal"}, "gimbal": {"mode": "device"}}, "wanted 'off'"),
-        ({"telemetry": {"component_id": 171}, "gimbal": {"mode": "device", "component_id": 171}}, "another one"),
+        ({"actuator": {"kind": "mavlink_gimbal"}, "gimbal": {"mode": "device"}}, "expected 'off'"),
+        (
+            {"telemetry": {"component_id": 171}, "gimbal": {"mode": "device", "component_id": 171}},
+            "expected another id",
+        ),
     ],
 )
 def test_what_cannot_be_together_is_one_clear_line(tables, words):

@@ -15,7 +15,7 @@ from ross_sim.summary import _groups, _sources
 
 NAMES = ("arthur", "bella", "cedric", "dora", "edgar")
 SOURCES = {
-    "informed": False, "rotations": 12, "k": 5, "k_true": 5, "target": "cedric",
+    "informed": False, "rotations": 12, "k": 5, "k_true": 5, "target": "cedric", "frame": "mount",
     "sources": [
         {"name": name, "azimuth_true_deg": -170.0, "azimuth_deg": -169.9, "azimuth_error_deg": 0.12, "sigma_deg": 12.34,
          "confidence": 0.99, "elevation_true_deg": 0.0, "elevation_deg": None, "front_back_resolved": True}
