@@ -1,0 +1,99 @@
+"""How often the pulses of a stepper run out beside two busy loops, by how far ahead they are handed over and by priority.
+
+The move is then lost, and says so. A busy loop takes a whole core with the priority of everything ordinary.
+"""
+
+import os
+import socket
+import subprocess
+import sys
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+import soundfile
+
+from pulse_rig import HOME, REARM, Rig
+
+ACCEPTED = 0  # MAV_RESULT
+RATE = 16000
+MOVES = int(os.environ.get("ROSS_SOAK_MOVES", "30"))
+SAFE_MS = 100
+SECONDS = 600  # of noise that the payload hears
+BUSY = "while True: pass"
+WITHOUT_RIGHTS = """
+import ctypes, os, resource, sys
+resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
+ctypes.CDLL(None).prctl(24, 23, 0, 0, 0)  # PR_CAPBSET_DROP, CAP_SYS_NICE: as any user
+os.execv(sys.executable, [sys.executable, "-m", "ross_payload.cli", *sys.argv[1:]])
+"""
+NICE = """
+import os
+os.nice(-10)
+from ross_payload import cli
+cli.main()
+"""
+ROUND_ROBIN = """
+import os
+os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(5))
+from ross_payload import cli
+cli.main()
+"""
+PRIORITIES = {
+    "no rights": ("-c", WITHOUT_RIGHTS),
+    "urgent pump": ("-m", "ross_payload.cli"),
+    "urgent pump, Nice=-10": ("-c", NICE),
+    "all round robin": ("-c", ROUND_ROBIN),
+}
+
+
+@contextmanager
+def busy_loops(count=2):
+    """Processes that compute without a pause."""
+    loops = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for loop in loops:
+            loop.kill()
+            loop.wait()
+
+
+@pytest.fixture
+def rig(tmp_path, process, ground_station, free_port):
+    """Make a rig whose payload has some priority and looks so far ahead."""
+    noise = np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16)
+    soundfile.write(tmp_path / "noise.wav", noise, RATE)
+
+    def make(priority, ahead_ms):
+        def start():
+            return process(["run", "ross.toml"], tmp_path, "payload", PRIORITIES[priority])
+
+        return Rig(tmp_path, start, ground_station, free_port(socket.SOCK_DGRAM), ahead_ms)
+
+    return make
+
+
+def lost(payload, moves):
+    """How many of so many moves by 90 degrees ran out of pulses."""
+    count = 0
+    for _ in range(moves):
+        if payload.turn_to_the_end() != ACCEPTED:
+            count += 1
+            told = payload.ground.latest["STATUSTEXT"].text
+            assert "pulses ran out" in told, told
+            assert (payload.ground.order(HOME), payload.ground.order(REARM)) == (ACCEPTED, ACCEPTED)
+    return count
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("ahead_ms", [40, 60, 100])
+@pytest.mark.parametrize("priority", PRIORITIES)
+def test_moves_beside_two_busy_loops_are_counted(rig, capsys, priority, ahead_ms):
+    with rig(priority, ahead_ms) as payload, busy_loops():
+        count = lost(payload, MOVES)
+        late = payload.bench.late
+    with capsys.disabled():
+        print(f"{ahead_ms} ms ahead, {priority}: {count} of {MOVES} moves lost, {late} segments late")  # noqa: T201
+    if ahead_ms >= SAFE_MS:
+        assert count == 0
