@@ -1,26 +1,22 @@
-"""How often the pulses of a stepper run out beside two busy loops, by how far ahead they are handed over and by priority.
+"""How often the pulses of a stepper run out beside two busy loops, by `ahead_ms` and by the priority of the payload.
 
 The move is then lost, and says so. A busy loop takes a whole core with the priority of everything ordinary.
 """
 
 import os
 import socket
-import subprocess
-import sys
-from contextlib import contextmanager
 
 import numpy as np
 import pytest
 import soundfile
 
-from pulse_rig import HOME, REARM, Rig
+from pulse_rig import HOME, REARM, Rig, busy_loops
 
 ACCEPTED = 0  # MAV_RESULT
 RATE = 16000
 MOVES = int(os.environ.get("ROSS_SOAK_MOVES", "30"))
 SAFE_MS = 100
 SECONDS = 600  # of noise that the payload hears
-BUSY = "while True: pass"
 WITHOUT_RIGHTS = """
 import ctypes, os, resource, sys
 resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
@@ -47,18 +43,6 @@ PRIORITIES = {
 }
 
 
-@contextmanager
-def busy_loops(count=2):
-    """Processes that compute without a pause."""
-    loops = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(count)]
-    try:
-        yield
-    finally:
-        for loop in loops:
-            loop.kill()
-            loop.wait()
-
-
 @pytest.fixture
 def rig(tmp_path, process, ground_station, free_port):
     """Make a rig whose payload has some priority and looks so far ahead."""
@@ -72,6 +56,11 @@ def rig(tmp_path, process, ground_station, free_port):
         return Rig(tmp_path, start, ground_station, free_port(socket.SOCK_DGRAM), ahead_ms)
 
     return make
+
+
+def test_a_move_beside_two_busy_loops_arrives_or_says_that_its_pulses_ran_out(rig):
+    with rig("urgent pump", 100) as payload, busy_loops():
+        assert lost(payload, 1) <= 1
 
 
 def lost(payload, moves):

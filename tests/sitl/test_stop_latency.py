@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from pulse_rig import CANCEL, STOP, Rig, deceleration_began, rises, until
+from pulse_rig import CANCEL, STOP, Rig, busy_loops, deceleration_began, rises, until
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.actuators.tb6600.pulses import RecordingPulses
 from ross_payload.clock import SystemClock
@@ -25,7 +25,9 @@ from ross_payload.interfaces import Services
 from ross_sim.clock import SimClock
 
 WANTED = 0.050  # [s]
+BESIDE = 0.050  # [s] that two busy loops may add
 BUSY_COMPUTER = 0.150  # [s] that the test grants a computer which does much else
+ACCEPTED = 0  # MAV_RESULT
 ENDS = {signal.SIGTERM: "SIGTERM", signal.SIGUSR1: "a call of the pump dies"}  # in a process that breaks on request
 RATE = 16000
 SECONDS = 600  # of noise that the payload hears
@@ -85,11 +87,11 @@ def rig(tmp_path, process, ground_station, free_port):
     noise = np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16)
     soundfile.write(tmp_path / "noise.wav", noise, RATE)
 
-    def make(before=("-m", "ross_payload.cli")):
+    def make(before=("-m", "ross_payload.cli"), ahead_ms=40):
         def start():
             return process(["run", "ross.toml"], tmp_path, "payload", before)
 
-        return Rig(tmp_path, start, ground_station, free_port(socket.SOCK_DGRAM))
+        return Rig(tmp_path, start, ground_station, free_port(socket.SOCK_DGRAM), ahead_ms)
 
     return make
 
@@ -116,6 +118,44 @@ def test_a_command_decelerates_soon(rig, command):
         payload.turn(0.3)
         latency = payload.latency(lambda: payload.ground.command(command))
     assert latency is None or latency < BUSY_COMPUTER
+
+
+def acknowledged_stops(payload, moments):
+    """Stops in the middle of moves; how long until each is accepted and until the steps come later, both in s."""
+    answers, latencies = [], []
+
+    def stop():
+        given = time.monotonic()
+        assert payload.ground.order(STOP) == ACCEPTED
+        answers.append(time.monotonic() - given)
+
+    for after in moments:
+        payload.turn(after)
+        latencies.append(payload.latency(stop))
+    return answers, latencies
+
+
+def test_a_stop_beside_two_busy_loops_is_accepted_and_decelerates(rig):
+    with rig() as payload, busy_loops():
+        answers, latencies = acknowledged_stops(payload, [0.3])
+    assert max(answers) < 2.0  # an acknowledgement waits for the disk, at most so long
+    assert latencies[0] is None or latencies[0] < BUSY_COMPUTER + 0.1
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("ahead_ms", [40, 100])
+def test_76_stops_beside_two_busy_loops_are_accepted_and_decelerate(rig, capsys, ahead_ms):
+    with rig(ahead_ms=ahead_ms) as payload, busy_loops():
+        answers, latencies = acknowledged_stops(payload, np.random.default_rng(5).uniform(0.1, 0.7, 76))
+    whole = np.array([latency for latency in latencies if latency is not None])
+    with capsys.disabled():
+        for name, times in (("accepted", np.array(answers)), ("braking", whole)):
+            median, high, most = np.percentile(times, [50, 95, 100]) * 1e3
+            what = f"{ahead_ms} ms ahead, {name}: {times.size} of {len(latencies)}"
+            print(f"{what}, median {median:.1f}, p95 {high:.1f}, max {most:.1f} ms")  # noqa: T201
+    assert len(answers) == 76
+    assert whole.size > 0.9 * len(latencies)
+    assert whole.max() < ahead_ms * 1e-3 + BESIDE
 
 
 @pytest.mark.parametrize("number", ENDS, ids=ENDS.get)

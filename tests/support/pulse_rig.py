@@ -1,8 +1,10 @@
 """`ross run` in a process of its own with a `tb6600`, its ground station, and the far end of its pulses."""
 
 import math
+import subprocess
+import sys
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from ross_payload.actuators.tb6600.pulses import Line, PulseCodec, RecordingPuls
 from ross_payload.clock import SystemClock, hurry
 from ross_sim.devices.wires import WireServer
 
+BUSY = "while True: pass"
 LOOPBACK = "127.0.0.1"
 STEPS = 112.5 / 0.1125  # acceleration [1/s^2] at sixteenth steps
 FASTEST = 225 / 0.1125  # [1/s]
@@ -35,10 +38,12 @@ class Bench:
     def __init__(self):
         self._player = RecordingPulses()
         self._urgent = False
-        self.late = 0  # segments that arrived after their beginning
+        self._end = 0.0
+        self.late = 0  # segments in the middle of a move that arrived when nothing was left to play
 
     def arrived(self, frame, now):
-        self.late += frame.start < now
+        self.late += frame.start == self._end and frame.start < now
+        self._end = frame.end
         self._player.send(frame)
 
     def due(self, now):
@@ -130,3 +135,13 @@ def until(found, seconds=30.0):
         time.sleep(0.005)
 
 
+@contextmanager
+def busy_loops(count=2):
+    """Processes that compute without a pause."""
+    loops = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for loop in loops:
+            loop.kill()
+            loop.wait()
