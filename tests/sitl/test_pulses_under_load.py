@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from pulse_rig import HOME, REARM, Rig, busy_loops
+from pulse_rig import HOME, REARM, Rig, busy_loops, until
 
 ACCEPTED = 0  # MAV_RESULT
 RATE = 16000
@@ -69,8 +69,7 @@ def lost(payload, moves):
     for _ in range(moves):
         if payload.turn_to_the_end() != ACCEPTED:
             count += 1
-            told = payload.ground.latest["STATUSTEXT"].text
-            assert "pulses ran out" in told, told
+            until(lambda told=count: (payload.folder / "payload.log").read_text().count("pulses ran out") >= told)
             assert (payload.ground.order(HOME), payload.ground.order(REARM)) == (ACCEPTED, ACCEPTED)
     return count
 
