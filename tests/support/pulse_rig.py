@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 import numpy as np
 
 from ross_payload.actuators.tb6600.pulses import Line, PulseCodec, RecordingPulses
-from ross_payload.clock import SystemClock, hurry
+from ross_payload.clock import SystemClock
 from ross_sim.devices.wires import WireServer
 
 BUSY = "while True: pass"
@@ -31,25 +31,17 @@ url = "udpin:127.0.0.1:{port}"
 
 
 class Bench:
-    """The far end of the pulses: reports them when they are due, and keeps them; looks in time on a busy computer."""
+    """The far end of the pulses: reports them when they are due, and keeps them."""
 
     codec = PulseCodec
 
     def __init__(self):
         self._player = RecordingPulses()
-        self._urgent = False
-        self._end = 0.0
-        self.late = 0  # segments in the middle of a move that arrived when nothing was left to play
 
     def arrived(self, frame, now):
-        self.late += frame.start == self._end and frame.start < now
-        self._end = frame.end
         self._player.send(frame)
 
     def due(self, now):
-        if not self._urgent:  # on the thread of the wire
-            self._urgent = True
-            hurry()
         self._player.play(now)
         return self._player.receive()
 
