@@ -196,7 +196,7 @@ class Pilot:
         """Give a command once; how long until it is accepted [s], or None after ``patience`` [s]."""
         self._socket.send(self._encoder.encode(common.MAVLink_command_long_message(1, 191, number, 0, *[0.0] * 7)))
         begin = time.monotonic()
-        while (passed := time.monotonic() - begin) < patience:
+        while time.monotonic() - begin < patience:
             try:
                 packets = self._decoder.feed(self._socket.recv(2048))
             except OSError:
@@ -204,7 +204,7 @@ class Pilot:
             acks = [packet.message for packet in packets if packet.name == "COMMAND_ACK"]
             if any(ack.command == number and ack.result == ACCEPTED for ack in acks):
                 return time.monotonic() - begin
-        return None if passed else 0.0
+        return None
 
 
 @pytest.fixture
@@ -218,7 +218,7 @@ def stopped(ross_run, free_port, tmp_path):
         flooded_port, other, frames = free_port(), free_port(), tmp_path / "frames"
         frames.write_bytes(chatter())
         links = [f'url = "udpin:127.0.0.1:{port}"' for port in (flooded_port, other)]
-        seconds = 3 + count * 0.3
+        seconds = 2 + count * 0.3
         command = [sys.executable, "-c", ENDLESS, frames, f"127.0.0.1:{flooded_port}", str(seconds), str(FLOOD)]
         with ross_run(tmp_path, *links) as payload:
             preferred(payload.process.pid)
@@ -241,4 +241,15 @@ def stopped(ross_run, free_port, tmp_path):
 
 @pytest.mark.parametrize("on_the_same_link", [False, True], ids=["other", "same"])
 def test_stops_are_heard_through_a_flood(stopped, on_the_same_link):
-    times, rate = stopped(10, on_the_same_link)
+    times, rate = stopped(5, on_the_same_link)
+    assert rate > 2500, "this computer is too busy to flood"
+    assert None not in times
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("on_the_same_link", [False, True], ids=["other", "same"])
+def test_a_hundred_stops_are_heard_through_a_flood(stopped, on_the_same_link):
+    times, rate = stopped(100, on_the_same_link)
+    assert rate > 0.9 * FLOOD
+    assert None not in times
+    assert max(times) < 0.17

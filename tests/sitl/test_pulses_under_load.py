@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from pulse_rig import HOME, REARM, Rig, busy_loops, until
+from pulse_rig import HOME, REARM, SEPARATING, Rig, busy_loops, until
 
 ACCEPTED = 0  # MAV_RESULT
 RATE = 16000
@@ -40,6 +40,8 @@ PRIORITIES = {
     "urgent pump": ("-m", "ross_payload.cli"),
     "urgent pump, Nice=-10": ("-c", NICE),
     "all round robin": ("-c", ROUND_ROBIN),
+    "separating, urgent pump": ("-c", SEPARATING),
+    "separating, urgent pump, Nice=-10": ("-c", f"import os\nos.nice(-10)\n{SEPARATING}"),
 }
 
 

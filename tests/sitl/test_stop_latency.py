@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from pulse_rig import CANCEL, STOP, Rig, busy_loops, deceleration_began, rises, until
+from pulse_rig import CANCEL, SEPARATING, STOP, Rig, busy_loops, deceleration_began, rises, until
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.actuators.tb6600.pulses import RecordingPulses
 from ross_payload.clock import SystemClock
@@ -31,23 +31,6 @@ ACCEPTED = 0  # MAV_RESULT
 ENDS = {signal.SIGTERM: "SIGTERM", signal.SIGUSR1: "a call of the pump dies"}  # in a process that breaks on request
 RATE = 16000
 SECONDS = 600  # of noise that the payload hears
-SEPARATING = """
-import threading
-import numpy as np
-from ross_payload import cli, plugins
-from ross_payload.dsp.stft import Stft
-from ross_payload.interfaces import Scene
-
-stft = Stft(16000, 2048, 512)
-heard = stft.analyse(np.random.default_rng(0).laplace(size=(2, 160000)).astype(np.float32))
-scene = Scene(stft.frequencies, 0.05, 343.0, 3, np.array([1e-4, -1e-4, 0.0]), None)
-separator = plugins.load("ross_payload.separators", "auto")
-def separate():
-    while True:
-        separator.batch(heard, scene)
-threading.Thread(target=separate, daemon=True).start()
-cli.main()
-"""
 BREAKING = """
 import signal
 import time

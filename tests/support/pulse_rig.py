@@ -28,6 +28,23 @@ state_dir = "state"
 [[links]]
 url = "udpin:127.0.0.1:{port}"
 """
+SEPARATING = """
+import threading
+import numpy as np
+from ross_payload import cli, plugins
+from ross_payload.dsp.stft import Stft
+from ross_payload.interfaces import Scene
+
+stft = Stft(16000, 2048, 512)
+heard = stft.analyse(np.random.default_rng(0).laplace(size=(2, 160000)).astype(np.float32))
+scene = Scene(stft.frequencies, 0.05, 343.0, 3, np.array([1e-4, -1e-4, 0.0]), None)
+separator = plugins.load("ross_payload.separators", "auto")
+def separate():
+    while True:
+        separator.batch(heard, scene)
+threading.Thread(target=separate, daemon=True).start()
+cli.main()
+"""
 
 
 class Bench:
