@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 import numpy as np
 
 from ross_payload.actuators.tb6600.pulses import Line, PulseCodec, RecordingPulses
-from ross_payload.clock import SystemClock
+from ross_payload.clock import SystemClock, hurry
 from ross_sim.devices.wires import WireServer
 
 BUSY = "while True: pass"
@@ -54,11 +54,15 @@ class Bench:
 
     def __init__(self):
         self._player = RecordingPulses()
+        self._urgent = False
 
     def arrived(self, frame, now):
         self._player.send(frame)
 
     def due(self, now):
+        if not self._urgent:  # on the thread of the wire: a module waits for no busy program
+            self._urgent = True
+            hurry()
         self._player.play(now)
         return self._player.receive()
 
