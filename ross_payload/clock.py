@@ -43,10 +43,21 @@ def synchronised_time() -> float | None:
     return None if state in (-1, UNSYNCHRONISED) else time.time()
 
 
-def hurry() -> None:
-    """Give the calling thread real-time priority where the system allows it; elsewhere it goes on as it is."""
+def hurry() -> bool:
+    """Give the calling thread real-time priority, and return whether the system allows it; else it goes on as it is."""
     with suppress(OSError, AttributeError):  # no right to it, not Linux
         os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(URGENCY))
+        return True
+    return False
+
+
+def may_hurry() -> bool:
+    """Return whether the system allows real-time priority; the calling thread keeps its own."""
+    found: list[bool] = []
+    thread = threading.Thread(target=lambda: found.append(hurry()), name="may-hurry")
+    thread.start()
+    thread.join()
+    return found == [True]
 
 
 @dataclass(slots=True, eq=False)

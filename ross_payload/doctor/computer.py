@@ -1,4 +1,4 @@
-"""Checks of the computer itself: Python, clock, heat, power."""
+"""Checks of the computer itself: Python, clock, heat, priority, power."""
 
 from __future__ import annotations
 
@@ -46,6 +46,17 @@ def heat(config: Config, machine: Machine) -> Iterator[Finding]:
         yield warn(
             "temperature", f"{max(readings):.0f} deg C", "fit a heat sink or a fan: the processor slows down when hot"
         )
+
+
+def priority(config: Config, machine: Machine) -> Iterator[Finding]:
+    """Whether pulses, which every other program can delay, may go before other programs."""
+    if config.actuator.kind != "tb6600":
+        return
+    if machine.may_hurry():
+        yield ok("priority", "real-time priority is allowed")
+    else:
+        found = "no right to real-time priority: beside busy programs pulses run out, and the position is lost"
+        yield warn("priority", found, "run as the service, whose unit gives the right; by hand `ulimit -r 20` first")
 
 
 def power(config: Config, machine: Machine) -> Iterator[Finding]:

@@ -14,7 +14,7 @@ from ross_payload.interfaces import Clock
 Check = Callable[[Config, Machine], Iterator[Finding]]
 
 CHECKS: tuple[Check, ...] = (
-    computer.python, computer.clock, computer.heat, computer.power,
+    computer.python, computer.clock, computer.heat, computer.priority, computer.power,
     wires.extras, wires.serial, wires.can, wires.links, wires.identity,
     folders.state, folders.recordings, folders.voice, turning.start,
 )  # fmt: skip

@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ross_payload.clock import may_hurry
+
 TIMEOUT = 5.0  # [s] that a program may take
 
 
@@ -35,6 +37,7 @@ class Machine:
     environment: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
     run: Callable[[Sequence[str]], str | None] = output_of
     may_use: Callable[[Path], bool] = writable
+    may_hurry: Callable[[], bool] = may_hurry
     python: tuple[int, int] = sys.version_info[:2]
     bits: int = 8 * struct.calcsize("P")
 

@@ -14,7 +14,8 @@ from ross_payload.links.background import Backoff, begin
 from ross_payload.links.ports import MOST, PEERS, Counts, Peer, noted
 
 LARGEST = 2048  # of one datagram [bytes]
-DATAGRAMS = 256  # at most, of one call
+DATAGRAMS = 512  # at most, of one call: 50,000 a second, before the system drops what a flood leaves no room for
+WAITING = 1 << 20  # of datagrams that may wait with the system, which may grant less [bytes]
 MOST_OF_ALL = DATAGRAMS * LARGEST  # of one call, where what strangers say is thrown away unread [bytes]
 
 
@@ -180,6 +181,7 @@ def open_udp(address: Udp) -> UdpPort:
     sock = socket.socket(family, kind, protocol)
     try:
         sock.setblocking(False)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, WAITING)
         (sock.bind if address.listen else sock.connect)(where)
     except OSError:
         sock.close()

@@ -19,6 +19,27 @@ def test_a_generated_page_says_what_the_code_says(script, page):
     assert module.tables() in (ROOT / "docs" / "reference" / f"{page}.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("page", ["safety", "links", "actuator-faults"])
+def test_a_promise_names_tests_that_exist(page):
+    tests = list((ROOT / "tests").rglob("test_*.py"))
+    known = {path.stem for path in tests}
+    known |= {name for path in tests for name in re.findall(r"def (test_\w+)", path.read_text(encoding="utf-8"))}
+    text = (ROOT / "docs" / "reference" / f"{page}.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`(?:tests/(?:\w+/)+)?(test_\w+)(?:\.py)?`", text))
+    assert named
+    assert named <= known, sorted(named - known)
+
+
+def test_every_row_of_the_tables_of_promises_names_its_test():
+    text = (ROOT / "docs" / "reference" / "safety.md").read_text(encoding="utf-8")
+    tables = [table.splitlines() for table in re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)]
+    assert len(tables) == 5
+    rows = [row for table in tables for row in table[2:]]
+    assert all(table[0].endswith("| held by the test |") for table in tables)
+    bare = [row for row in rows if "test_" not in row]
+    assert [row.split("|")[1].strip() for row in bare] == ["`ideal`", "your own"]  # no motor; not ours
+
+
 @pytest.fixture(scope="module")
 def manual(tmp_path_factory):
     """The folder of the built manual, and what the build said."""

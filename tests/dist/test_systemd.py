@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from ross_payload import clock
+from ross_payload.actuators.wires import gpio
 from ross_payload.plugins import available
 from ross_payload.service.live import AGAIN
 
@@ -72,6 +74,11 @@ def test_the_program_of_the_unit_is_a_command(service):
 def test_the_watchdog_asks_through_notify(service):
     assert service["Type"] == "notify"
     assert float(service["WatchdogSec"]) >= 10
+
+
+def test_the_pump_and_the_edges_may_have_real_time_priority(service):
+    """Without it moves by pulses are lost on a busy computer."""
+    assert int(service["LimitRTPRIO"]) >= max(clock.URGENCY, gpio.URGENCY)
 
 
 @pytest.mark.parametrize("setting", ["PrivateDevices", "PrivateNetwork", "MemoryDenyWriteExecute", "RestrictRealtime"])

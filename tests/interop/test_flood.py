@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import closing
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,18 +18,22 @@ from ross_protocols.dialect import common
 from ross_protocols.pcm import Header, encode, encode_header
 from ross_protocols.values import Audio, Heartbeat
 
+ACCEPTED = 0  # MAV_RESULT
+STOP = 54004
+FLOOD = 30_000  # frames/s
 RATE, PIECE = 16000, 320  # [Hz], samples
 ENDLESS = """
 import socket, sys, time
 frames, (host, port) = open(sys.argv[1], "rb").read().split(b"|||"), sys.argv[2].split(":")
-count, burst = float(sys.argv[3]) * 5000, 50
+rate = float(sys.argv[4])
+count, burst = float(sys.argv[3]) * rate, 50
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
     begin, sent = time.monotonic(), 0
     while sent < count:
         for _ in range(burst):
             sock.sendto(frames[sent % len(frames)], (host, int(port)))
             sent += 1
-        time.sleep(max(begin + sent / 5000 - time.monotonic(), 0))
+        time.sleep(max(begin + sent / rate - time.monotonic(), 0))
     print(sent / (time.monotonic() - begin))
 """
 
@@ -124,7 +129,7 @@ def ground():
 def flooded(payload, ground, port, frames, seconds):
     """Flood; return how many messages came a second, the longest time without a heartbeat, and the samples lost."""
     preferred(payload.process.pid)
-    command = [sys.executable, "-c", ENDLESS, frames, f"127.0.0.1:{port}", str(seconds)]
+    command = [sys.executable, "-c", ENDLESS, frames, f"127.0.0.1:{port}", str(seconds), "5000"]
     until_heard(ground, 3)
     lost, begun = ground.audio[-1].lost, time.monotonic()
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as peer:
@@ -173,3 +178,78 @@ def test_ten_seconds_of_a_flood(endure):
     assert rate > 4900
     assert lost == 0
     assert gap < 1.5
+
+
+class Pilot:
+    """A ground station that stops, and arms again."""
+
+    def __init__(self, port):
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.connect(("127.0.0.1", port))
+        self._socket.settimeout(0.02)
+        self._encoder, self._decoder = Encoder(255, 190), Decoder()
+
+    def close(self):
+        self._socket.close()
+
+    def answered(self, number, patience):
+        """Give a command once; how long until it is accepted [s], or None after ``patience`` [s]."""
+        self._socket.send(self._encoder.encode(common.MAVLink_command_long_message(1, 191, number, 0, *[0.0] * 7)))
+        begin = time.monotonic()
+        while time.monotonic() - begin < patience:
+            try:
+                packets = self._decoder.feed(self._socket.recv(2048))
+            except OSError:
+                continue
+            acks = [packet.message for packet in packets if packet.name == "COMMAND_ACK"]
+            if any(ack.command == number and ack.result == ACCEPTED for ack in acks):
+                return time.monotonic() - begin
+        return None
+
+
+@pytest.fixture
+def stopped(ross_run, free_port, tmp_path):
+    """Stop a payload so many times while somebody floods a link with 30,000 frames/s.
+
+    How long until each stop was accepted [s], and at what rate the frames came [1/s].
+    """
+
+    def run(count, on_the_same_link):
+        flooded_port, other, frames = free_port(), free_port(), tmp_path / "frames"
+        frames.write_bytes(chatter())
+        links = [f'url = "udpin:127.0.0.1:{port}"' for port in (flooded_port, other)]
+        seconds = 2 + count * 0.3
+        command = [sys.executable, "-c", ENDLESS, frames, f"127.0.0.1:{flooded_port}", str(seconds), str(FLOOD)]
+        with ross_run(tmp_path, *links) as payload:
+            preferred(payload.process.pid)
+            pilot = Pilot(flooded_port if on_the_same_link else other)
+            with closing(pilot), subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as peer:
+                time.sleep(1.0)  # let the buffers fill
+                times = []
+                for _ in range(count):
+                    times.append(pilot.answered(STOP, 1.0))
+                    time.sleep(0.1)
+                rate = float(peer.communicate()[0])
+        heard = sorted(passed for passed in times if passed is not None)
+        where = "on the same link" if on_the_same_link else "on another link"
+        told = f"median {1e3 * heard[len(heard) // 2]:.0f}, max {1e3 * heard[-1]:.0f} ms" if heard else "none"
+        print(f"{rate:.0f} frames/s, stop {where}: {len(heard)} of {count} at the first try, {told}")  # noqa: T201
+        return times, rate
+
+    return run
+
+
+@pytest.mark.parametrize("on_the_same_link", [False, True], ids=["other", "same"])
+def test_stops_are_heard_through_a_flood(stopped, on_the_same_link):
+    times, rate = stopped(5, on_the_same_link)
+    assert rate > 2500, "this computer is too busy to flood"
+    assert None not in times
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("on_the_same_link", [False, True], ids=["other", "same"])
+def test_a_hundred_stops_are_heard_through_a_flood(stopped, on_the_same_link):
+    times, rate = stopped(100, on_the_same_link)
+    assert rate > 0.9 * FLOOD
+    assert None not in times
+    assert max(times) < 0.17

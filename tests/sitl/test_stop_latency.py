@@ -15,52 +15,22 @@ import numpy as np
 import pytest
 import soundfile
 
+from pulse_rig import CANCEL, SEPARATING, STOP, Rig, busy_loops, deceleration_began, rises, until
 from ross_payload.actuators.registry import open_actuator
-from ross_payload.actuators.tb6600.pulses import Line, PulseCodec, RecordingPulses
+from ross_payload.actuators.tb6600.pulses import RecordingPulses
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault
 from ross_payload.interfaces import Services
 from ross_sim.clock import SimClock
-from ross_sim.devices.wires import WireServer
 
-LOOPBACK = "127.0.0.1"
-STEPS = 112.5 / 0.1125  # acceleration [1/s^2] at sixteenth steps
-FASTEST = 225 / 0.1125  # [1/s]
 WANTED = 0.050  # [s]
+BESIDE = 0.050  # [s] that two busy loops may add
 BUSY_COMPUTER = 0.150  # [s] that the test grants a computer which does much else
-TURN, STOP, CANCEL, REARM, HOME = 54003, 54004, 54005, 54009, 54010
+ACCEPTED = 0  # MAV_RESULT
 ENDS = {signal.SIGTERM: "SIGTERM", signal.SIGUSR1: "a call of the pump dies"}  # in a process that breaks on request
 RATE = 16000
 SECONDS = 600  # of noise that the payload hears
-CONFIG = """
-[audio]
-source = "file:noise.wav"
-[actuator]
-kind = "tb6600"
-options = {{ port = "{wire}" }}
-[service]
-state_dir = "state"
-[[links]]
-url = "udpin:127.0.0.1:{port}"
-"""
-SEPARATING = """
-import threading
-import numpy as np
-from ross_payload import cli, plugins
-from ross_payload.dsp.stft import Stft
-from ross_payload.interfaces import Scene
-
-stft = Stft(16000, 2048, 512)
-heard = stft.analyse(np.random.default_rng(0).laplace(size=(2, 160000)).astype(np.float32))
-scene = Scene(stft.frequencies, 0.05, 343.0, 3, np.array([1e-4, -1e-4, 0.0]), None)
-separator = plugins.load("ross_payload.separators", "auto")
-def separate():
-    while True:
-        separator.batch(heard, scene)
-threading.Thread(target=separate, daemon=True).start()
-cli.main()
-"""
 BREAKING = """
 import signal
 import time
@@ -80,49 +50,6 @@ cli.main()
 """
 
 
-class Bench:
-    """The far end of the pulses: reports them when they are due, and keeps them."""
-
-    codec = PulseCodec
-
-    def __init__(self):
-        self._player = RecordingPulses()
-
-    def arrived(self, frame, now):
-        self._player.send(frame)
-
-    def due(self, now):
-        self._player.play(now)
-        return self._player.receive()
-
-    def turning(self, since):
-        return rises(self._player.sent, since).size > 0
-
-    def began(self, since):
-        return deceleration_began(rises(self._player.sent, since))
-
-
-def rises(segments, since):
-    """When the steps of a move that began after ``since`` are due [s]."""
-    times = [segment.start + edges["time"][(edges["line"] == Line.STEP) & edges["level"]]
-             for segment in list(segments) if (edges := segment.edges).size]  # fmt: skip
-    times = np.concatenate([np.empty(0), *times])
-    return times[times >= since]
-
-
-def deceleration_began(steps):
-    """When a move from rest to rest began to decelerate [s].
-
-    A deceleration to rest at T has its steps at T - sqrt(2 n / a); two of them give T. An acceleration from rest at B
-    has its first at B + sqrt(1 / a), because the counter moves half-way. Both rates are the same: in between lies the
-    beginning, or a stretch at full speed.
-    """
-    gap = steps[-1] - steps[-2]
-    end = steps[-1] + (2 / STEPS - gap**2) / (2 * gap)
-    begin = steps[0] - math.sqrt(1 / STEPS)
-    return max((begin + end) / 2, end - FASTEST / STEPS)
-
-
 def test_the_beginning_of_a_deceleration_is_found_in_the_steps_of_a_whole_move():
     clock, config = SimClock(), Config.model_validate({"actuator": {"kind": "tb6600"}})
     port = RecordingPulses(clock.now)
@@ -137,67 +64,19 @@ def test_the_beginning_of_a_deceleration_is_found_in_the_steps_of_a_whole_move()
     assert deceleration_began(steps) == pytest.approx((steps[0] + steps[-1]) / 2, abs=1e-9)  # the move is symmetric
 
 
-class Rig:
-    """`ross run` in a process of its own, its ground station, and the bench."""
-
-    def __init__(self, folder, start, ground_station, port):
-        self.folder, self._start, self._ground_station, self._port = folder, start, ground_station, port
-        self._stack = ExitStack()
-        self.bench = Bench()
-
-    def __enter__(self):
-        server = self._stack.enter_context(WireServer(LOOPBACK, 0, self.bench, SystemClock()))
-        config = CONFIG.format(wire=f"pulses:tcp:{LOOPBACK}:{server.port}", port=self._port)
-        (self.folder / "ross.toml").write_text(config)
-        self.process = self._stack.enter_context(self._start())
-        self.ground = self._stack.enter_context(self._ground_station(self._port))
-        until(lambda: "ROSS_STATUS" in self.ground.latest)
-        return self
-
-    def __exit__(self, *reason):
-        self._stack.__exit__(*reason)
-
-    def turn(self, after):
-        """Begin to turn by 90 degrees; return ``after`` [s] when the first step is out."""
-        here = math.degrees(self.ground.latest["ROSS_STATUS"].heading)
-        self.began = time.monotonic()
-        assert self.ground.order(TURN, here + (90 if here < 0 else -90), wait=0) == 5
-        until(lambda: self.bench.turning(self.began))
-        time.sleep(after)
-
-    def latency(self, give):
-        """How long after ``give`` the steps come later [s]; None: they ran out."""
-        given = time.monotonic()
-        give()
-        until(lambda: self.ground.latest["ROSS_STATUS"].joint_rate == 0 and self.process.poll() is None)
-        time.sleep(0.5)
-        if self.ground.order(REARM) == 0:
-            return self.bench.began(self.began) - given
-        assert (self.ground.order(HOME), self.ground.order(REARM)) == (0, 0)
-        return None
-
-
 @pytest.fixture
 def rig(tmp_path, process, ground_station, free_port):
     """Make a rig whose payload is started in some way."""
     noise = np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16)
     soundfile.write(tmp_path / "noise.wav", noise, RATE)
 
-    def make(before=("-m", "ross_payload.cli")):
+    def make(before=("-m", "ross_payload.cli"), ahead_ms=40):
         def start():
             return process(["run", "ross.toml"], tmp_path, "payload", before)
 
-        return Rig(tmp_path, start, ground_station, free_port(socket.SOCK_DGRAM))
+        return Rig(tmp_path, start, ground_station, free_port(socket.SOCK_DGRAM), ahead_ms)
 
     return make
-
-
-def until(found, seconds=30.0):
-    """Wait until something is so."""
-    end = time.monotonic() + seconds
-    while not found():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.005)
 
 
 @pytest.fixture
@@ -222,6 +101,44 @@ def test_a_command_decelerates_soon(rig, command):
         payload.turn(0.3)
         latency = payload.latency(lambda: payload.ground.command(command))
     assert latency is None or latency < BUSY_COMPUTER
+
+
+def acknowledged_stops(payload, moments):
+    """Stops in the middle of moves; how long until each is accepted and until the steps come later, both in s."""
+    answers, latencies = [], []
+
+    def stop():
+        given = time.monotonic()
+        assert payload.ground.order(STOP) == ACCEPTED
+        answers.append(time.monotonic() - given)
+
+    for after in moments:
+        payload.turn(after)
+        latencies.append(payload.latency(stop))
+    return answers, latencies
+
+
+def test_a_stop_beside_two_busy_loops_is_accepted_and_decelerates(rig):
+    with rig() as payload, busy_loops():
+        answers, latencies = acknowledged_stops(payload, [0.3])
+    assert max(answers) < 2.0  # an acknowledgement waits for the disk, at most so long
+    assert latencies[0] is None or latencies[0] < BUSY_COMPUTER + 0.1
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("ahead_ms", [40, 100])
+def test_76_stops_beside_two_busy_loops_are_accepted_and_decelerate(rig, capsys, ahead_ms):
+    with rig(ahead_ms=ahead_ms) as payload, busy_loops():
+        answers, latencies = acknowledged_stops(payload, np.random.default_rng(5).uniform(0.1, 0.7, 76))
+    whole = np.array([latency for latency in latencies if latency is not None])
+    with capsys.disabled():
+        for name, times in (("accepted", np.array(answers)), ("braking", whole)):
+            median, high, most = np.percentile(times, [50, 95, 100]) * 1e3
+            what = f"{ahead_ms} ms ahead, {name}: {times.size} of {len(latencies)}"
+            print(f"{what}, median {median:.1f}, p95 {high:.1f}, max {most:.1f} ms")  # noqa: T201
+    assert len(answers) == 76
+    assert whole.size > 0.9 * len(latencies)
+    assert whole.max() < ahead_ms * 1e-3 + BESIDE
 
 
 @pytest.mark.parametrize("number", ENDS, ids=ENDS.get)

@@ -57,6 +57,17 @@ def test_a_pi_tells_about_its_supply(tmp_path, answer, verdict, words):
     assert words in found[1]
 
 
+@pytest.mark.parametrize(("allowed", "verdict"), [(True, Verdict.OK), (False, Verdict.WARN)])
+def test_pulses_without_real_time_priority_are_warned_of(tmp_path, allowed, verdict):
+    pulses = config(actuator={"kind": "tb6600"})
+    assert said(computer.priority(pulses, machine(tmp_path, may_hurry=lambda: allowed)))[0] is verdict
+
+
+def test_other_actuators_need_no_priority(tmp_path):
+    others = config(actuator={"kind": "grbl"})
+    assert not list(computer.priority(others, machine(tmp_path, may_hurry=lambda: False)))
+
+
 def test_another_computer_is_not_asked_for_its_supply(tmp_path):
     assert not list(computer.power(config(), machine(tmp_path, {"vcgencmd": "throttled=0x5"})))
 

@@ -3,6 +3,7 @@
 import socket
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 
 import pytest
 
@@ -94,6 +95,20 @@ def test_a_udp_port_that_nobody_listens_on_costs_nothing() -> None:
             late.settimeout(10.0)
             links.component(191).send(BEAT)
             assert late.recv(1000)[4] == 50, "who comes late misses nothing from then on"
+
+
+def test_what_comes_behind_a_burst_of_others_is_heard() -> None:
+    """As many as a flood of 30,000 datagrams/s brings between two polls."""
+    port = free_port()
+    with links_to(f"udpin::{port}") as links, ExitStack() as stack:
+        ear = Ear(links)
+        pilot, flooder = (stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(2))
+        pilot.sendto(FRAME, ("127.0.0.1", port))
+        until(lambda: len(ear.poll()) == 1)
+        for _ in range(400):
+            flooder.sendto(b"noise", ("127.0.0.1", port))
+        pilot.sendto(FRAME, ("127.0.0.1", port))
+        until(lambda: len(ear.poll()) == 2)
 
 
 def test_udpin_answers_everyone_who_has_spoken() -> None:
