@@ -42,6 +42,8 @@ WHERE = [
      r"|ross enroll arthur|ross sitl --speed 1", ELSEWHERE, "tests/sitl/test_documented_pairs.py"),
     (r"ross run", ELSEWHERE, "tests/sitl/test_documented_pairs.py"),
     (r"ross ground --host", ELSEWHERE, "tests/page/test_ground_page.py"),
+    (r"ross ground --map", ELSEWHERE, "tests/page/test_map.py"),
+    (r"(mkdir|cp) .*dronecan_vendor_specific_types", ELSEWHERE, "tests/interop/test_dronecan_vendor_types.py"),
     (r"pulseaudio|PULSE_SERVER|ross world demo --pipe", ELSEWHERE, "tests/interop/test_live_portaudio.py"),
     (r"ross hub|ross device", ELSEWHERE, "tests/sitl/test_device.py"),
     (r"ross devices --tap|ross (actuators probe|doctor) ross.toml", NOT_RUN, "needs the reader's microphones or motor"),
