@@ -29,5 +29,5 @@ class Dronecan(Table):
                 f"node_id: expected none of 100 to 105, which autopilots take for cameras, got {self.node_id}"
             )
         if self.allocator and not self.node_id:
-            raise ValueError("node_id: expected an id of its own, for allocator = true gives ids to others, got 0")
+            raise ValueError("node_id: expected an id of its own, as allocator = true assigns ids to others, got 0")
         return self

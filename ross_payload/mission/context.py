@@ -247,7 +247,7 @@ def _obey(context: Context, order: Order) -> None:
         case Cancel():
             raise Ended(Outcome.STOPPED, "cancelled by command", order)
         case Task() if context.yields:
-            raise Ended(Outcome.STOPPED, "another task was ordered", order)
+            raise Ended(Outcome.STOPPED, "another task was commanded", order)
         case Set():
             context.later.append(order)
         case _:

@@ -14,8 +14,8 @@ array is not where the mission wants it, 2 bad input, 1 the results could not be
 @click.argument("session", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for events, separated voices and replay.json.")
 @click.option("--config", "file", type=click.Path(path_type=Path), help="TOML file instead of the recorded one.")
-@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change one key; may be given again.")
-@click.option("--json", "as_json", is_flag=True, help="Print replay.json, and nothing else.")
+@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change one key; can be repeated.")
+@click.option("--json", "as_json", is_flag=True, help="Print only the contents of replay.json.")
 def command(*, session: Path, out: Path | None, file: Path | None, settings: tuple[str, ...], as_json: bool) -> int:
     """Run the mission of the folder SESSION again: identically, or with another configuration.
 

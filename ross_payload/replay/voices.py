@@ -65,6 +65,6 @@ def sought(session: Session, store: VoiceStore, inputs: Callable[[], int], *, sa
     if synthetic:
         return Sought(restored(kept), f"the synthetic voice '{name}', kept with the session")
     raise ConfigError(
-        f"the session looks for the voice '{name}', which is not enrolled here: "
+        f"the target voice of the session is '{name}', which is not enrolled here: "
         "ross enroll it, or replay the recorded configuration"
     )

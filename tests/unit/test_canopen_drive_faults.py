@@ -181,7 +181,7 @@ def test_a_fault_that_cannot_be_reset_and_a_drive_that_does_not_switch_on_are_to
     axis, watch = Axis(), Watch()
     axis.reset()
     assert watch.trouble(axis, faulty, None, 0.0) == ""
-    assert "cannot be reset: it does not say why" in watch.trouble(axis, faulty, None, 1.01)
+    assert "cannot be reset: no error code" in watch.trouble(axis, faulty, None, 1.01)
     axis.go(0, 1)
     assert watch.trouble(axis, off, None, 2.0) == ""
     found = watch.trouble(axis, off, None, 3.01)

@@ -106,7 +106,7 @@ def test_a_node_with_our_allocated_id_makes_us_ask_for_another_one(wire):
     twin.say(twin.voice.broadcast(NodeStatus(1)))
     node.poll(now)
     assert node.id == 0
-    assert "has our node id 50: asking for another one" in node.trouble
+    assert "has our node id 50: requesting another one" in node.trouble
     alternate(node, allocator, now, until=lambda: node.id)
     assert (node.id, node.trouble) == (51, "")
 

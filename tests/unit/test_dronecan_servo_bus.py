@@ -146,7 +146,7 @@ def test_a_double_that_was_switched_on_with_the_servo_is_noticed():
     rig.clock.sleep(0.2)
     assert rig.state.fault in (
         "another node has the servo's id 50",
-        "the servo restarted after 0 s, or another node has the servo's id: where it stands is in doubt",
+        "the servo restarted after 0 s, or another node has the servo's id: its position is uncertain",
     )
 
 

@@ -75,7 +75,7 @@ def test_a_servo_that_sends_no_status_says_what_to_configure():
     rig = Rig()
     rig.node._next_report = math.inf
     rig.clock.sleep(3.0)
-    fault = "node 50 lives but sends no Status of actuator 1; with feedback = 'model' it need not"
+    fault = "node 50 is online but sends no Status of actuator 1; set feedback = 'model' if it never does"
     assert rig.state.fault == fault
     with pytest.raises(ActuatorFault, match="lives but sends no Status"):
         rig.go(10)

@@ -133,7 +133,7 @@ def test_a_folder_that_is_gone_ends_nothing(tmp_path, caplog):
     with caplog.at_level(logging.ERROR), closing(StopLatch(tmp_path / "missing" / "stopped")) as latch:
         latch.ordered(Stop())
         settled(latch)
-    assert "the stop is not saved: No such file or directory" in caplog.text
+    assert "the stop was not saved: No such file or directory" in caplog.text
 
 
 def test_closing_waits_until_everything_is_saved(tmp_path):

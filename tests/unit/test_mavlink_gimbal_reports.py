@@ -67,7 +67,7 @@ def test_late_reports_count_from_when_they_were_made(feedback):
     report(feedback, 11.0, 0.1, 1.7)
     assert feedback.time == pytest.approx(1.0, abs=0.005)
     assert silence(feedback, 1.7) == "the gimbal's reports come 0.7 s late: the link is overloaded"
-    assert silence(feedback, 2.5) == "the gimbal is silent: no report of its attitude for more than 0.45 s"
+    assert silence(feedback, 2.5) == "no attitude received from the gimbal for more than 0.45 s"
 
 
 @pytest.mark.parametrize(

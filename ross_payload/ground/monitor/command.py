@@ -8,7 +8,7 @@ import click
 
 DEFAULT_URL = "udpin:127.0.0.1:14550"
 SYSTEM_ID = click.IntRange(1, 255)
-EPILOG = "Exit codes: 0 ended by hand, or --once printed the state; 2 bad input, or no telemetry."
+EPILOG = "Exit codes: 0 ended by the user, or --once printed the state; 2 bad input, or no telemetry."
 
 
 @click.command("monitor", short_help="Watch and command a payload in a terminal.", epilog=EPILOG)

@@ -151,7 +151,7 @@ def test_a_payload_that_tells_nothing_about_its_parameters_still_shows_them(scri
         ("ALPHA", 1.0, ""),
         ("BETA", 2.5, ""),
     ]
-    assert script.settings.notes() == ["the payload tells nothing about its parameters"]
+    assert script.settings.notes() == ["the payload provides no parameter metadata"]
 
 
 def test_a_list_that_nobody_answers_is_asked_for_every_five_seconds(script):

@@ -79,7 +79,7 @@ def test_every_order_is_sent_and_said(line, number, numbers):
         ("rearm now", "expected ross park|home|rearm"),
         ("dance", "expected a word that ross help lists, got 'dance'"),
         ("payload x", "expected system-component, as in 1-191, got 'x'"),
-        ("payload 9-191", "9-191 was not heard"),
+        ("payload 9-191", "9-191 was not received"),
     ],
 )
 def test_a_mistake_is_one_line_and_orders_nothing(line, words):
@@ -156,7 +156,7 @@ def test_an_order_that_nobody_answers_is_sent_again_and_given_up():
 def test_another_payload_can_be_chosen():
     prompt = Prompt(2, 5)
     prompt.type("stop")
-    assert "orders go to 5-191" in prompt.type("payload 5-191")
+    assert "commands go to 5-191" in prompt.type("payload 5-191")
     prompt.type("stop")
     assert [str(who) for who, _ in prompt.sent] == ["2-191", "5-191"]
 

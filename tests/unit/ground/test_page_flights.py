@@ -276,7 +276,7 @@ def test_no_more_flights_are_brought_than_there_is_room_for(folder, monkeypatch)
             assert (await bring(served, "a.tlog", data))[0] == 200
             assert (await bring(served, "b.tlog", data))[0] == 200
             assert await bring(served, "c.tlog", data) == (
-                507, {"error": "2 flights were brought already: no more are taken"},
+                507, {"error": "2 flights were brought already: no more are accepted"},
             )  # fmt: skip
 
     monkeypatch.setattr(shelf, "MOST_BROUGHT", 2)
