@@ -112,6 +112,6 @@ class Park(Task):
 
 @dataclass(frozen=True, slots=True)
 class MeasureNoise(Task):
-    """Listen at rest while nobody talks; later tasks use it instead of their own lead-in."""
+    """Listen at rest while no one talks; later tasks use it instead of their own lead-in."""
 
     seconds: float  # [s]

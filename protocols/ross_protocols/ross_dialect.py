@@ -364,7 +364,7 @@ enums["ROSS_STATE"].bitmask = False
 ROSS_STATE_IDLE = 0
 enums["ROSS_STATE"][0] = EnumEntry("ROSS_STATE_IDLE", """Nothing yet.""")
 ROSS_STATE_LEAD_IN = 1
-enums["ROSS_STATE"][1] = EnumEntry("ROSS_STATE_LEAD_IN", """Listens at rest, to measure the noise while nobody talks.""")
+enums["ROSS_STATE"][1] = EnumEntry("ROSS_STATE_LEAD_IN", """Listens at rest, to measure the noise while no one talks.""")
 ROSS_STATE_EXPLORE_TURN = 2
 enums["ROSS_STATE"][2] = EnumEntry("ROSS_STATE_EXPLORE_TURN", """Turns to the next orientation of the exploration.""")
 ROSS_STATE_EXPLORE_LISTEN = 3
@@ -438,7 +438,7 @@ enums["ROSS_ACTUATOR_FLAGS"][2] = EnumEntry("ROSS_ACTUATOR_FLAGS_SETTLED", """At
 ROSS_ACTUATOR_FLAGS_HOMED = 4
 enums["ROSS_ACTUATOR_FLAGS"][4] = EnumEntry("ROSS_ACTUATOR_FLAGS_HOMED", """The zero of the joint is known.""")
 ROSS_ACTUATOR_FLAGS_FAULT = 8
-enums["ROSS_ACTUATOR_FLAGS"][8] = EnumEntry("ROSS_ACTUATOR_FLAGS_FAULT", """The actuator or its guard reports a fault; a STATUSTEXT says which.""")
+enums["ROSS_ACTUATOR_FLAGS"][8] = EnumEntry("ROSS_ACTUATOR_FLAGS_FAULT", """The actuator or its guard reports a fault; the reason is in a STATUSTEXT.""")
 ROSS_ACTUATOR_FLAGS_OPEN_LOOP = 16
 enums["ROSS_ACTUATOR_FLAGS"][16] = EnumEntry("ROSS_ACTUATOR_FLAGS_OPEN_LOOP", """The angle is computed from what was commanded, not measured.""")
 ROSS_ACTUATOR_FLAGS_ENUM_END = 17
@@ -460,7 +460,7 @@ enums["ROSS_SOURCE_FLAGS"][5] = EnumEntry("ROSS_SOURCE_FLAGS_ENUM_END", """""")
 enums["ROSS_ALIGNMENT_RULE"] = Enum()
 enums["ROSS_ALIGNMENT_RULE"].bitmask = False
 ROSS_ALIGNMENT_RULE_UNKNOWN = 0
-enums["ROSS_ALIGNMENT_RULE"][0] = EnumEntry("ROSS_ALIGNMENT_RULE_UNKNOWN", """A rule that this dialect does not know.""")
+enums["ROSS_ALIGNMENT_RULE"][0] = EnumEntry("ROSS_ALIGNMENT_RULE_UNKNOWN", """A rule that this dialect does not define.""")
 ROSS_ALIGNMENT_RULE_BISECTOR = 1
 enums["ROSS_ALIGNMENT_RULE"][1] = EnumEntry("ROSS_ALIGNMENT_RULE_BISECTOR", """The bisector of the interferers.""")
 ROSS_ALIGNMENT_RULE_ARGMAX = 2
@@ -470,7 +470,7 @@ enums["ROSS_ALIGNMENT_RULE"][3] = EnumEntry("ROSS_ALIGNMENT_RULE_STAY", """The p
 ROSS_ALIGNMENT_RULE_GAIN = 4
 enums["ROSS_ALIGNMENT_RULE"][4] = EnumEntry("ROSS_ALIGNMENT_RULE_GAIN", """The heading of the best predicted gain.""")
 ROSS_ALIGNMENT_RULE_LIMITED = 5
-enums["ROSS_ALIGNMENT_RULE"][5] = EnumEntry("ROSS_ALIGNMENT_RULE_LIMITED", """The best heading that the limits leave.""")
+enums["ROSS_ALIGNMENT_RULE"][5] = EnumEntry("ROSS_ALIGNMENT_RULE_LIMITED", """The best heading within the limits.""")
 ROSS_ALIGNMENT_RULE_ENUM_END = 6
 enums["ROSS_ALIGNMENT_RULE"][6] = EnumEntry("ROSS_ALIGNMENT_RULE_ENUM_END", """""")
 
@@ -492,7 +492,7 @@ enums["ROSS_CANDIDATE_STATE"][4] = EnumEntry("ROSS_CANDIDATE_STATE_ENUM_END", ""
 enums["ROSS_SEPARATION_PHASE"] = Enum()
 enums["ROSS_SEPARATION_PHASE"].bitmask = False
 ROSS_SEPARATION_PHASE_CHECK = 1
-enums["ROSS_SEPARATION_PHASE"][1] = EnumEntry("ROSS_SEPARATION_PHASE_CHECK", """The short one that decides whether a candidate holds the target.""")
+enums["ROSS_SEPARATION_PHASE"][1] = EnumEntry("ROSS_SEPARATION_PHASE_CHECK", """The short one that decides whether a candidate contains the target.""")
 ROSS_SEPARATION_PHASE_RUN = 2
 enums["ROSS_SEPARATION_PHASE"][2] = EnumEntry("ROSS_SEPARATION_PHASE_RUN", """The one that delivers the target voice.""")
 ROSS_SEPARATION_PHASE_ENUM_END = 3
@@ -504,7 +504,7 @@ enums["ROSS_GROUP_FLAGS"].bitmask = True
 ROSS_GROUP_FLAGS_ACCEPTED = 1
 enums["ROSS_GROUP_FLAGS"][1] = EnumEntry("ROSS_GROUP_FLAGS_ACCEPTED", """The score is above the criterion.""")
 ROSS_GROUP_FLAGS_TARGET = 2
-enums["ROSS_GROUP_FLAGS"][2] = EnumEntry("ROSS_GROUP_FLAGS_TARGET", """This group is taken for the target.""")
+enums["ROSS_GROUP_FLAGS"][2] = EnumEntry("ROSS_GROUP_FLAGS_TARGET", """This group is identified as the target.""")
 ROSS_GROUP_FLAGS_ENUM_END = 3
 enums["ROSS_GROUP_FLAGS"][3] = EnumEntry("ROSS_GROUP_FLAGS_ENUM_END", """""")
 
@@ -514,13 +514,13 @@ enums["ROSS_AUDIO_TROUBLE"].bitmask = True
 ROSS_AUDIO_TROUBLE_CLIPPING = 1
 enums["ROSS_AUDIO_TROUBLE"][1] = EnumEntry("ROSS_AUDIO_TROUBLE_CLIPPING", """Samples at full scale within the last second.""")
 ROSS_AUDIO_TROUBLE_DEAD_1 = 2
-enums["ROSS_AUDIO_TROUBLE"][2] = EnumEntry("ROSS_AUDIO_TROUBLE_DEAD_1", """Microphone 1 gives digital silence, or far less than the other.""")
+enums["ROSS_AUDIO_TROUBLE"][2] = EnumEntry("ROSS_AUDIO_TROUBLE_DEAD_1", """Microphone 1 is digitally silent, or far weaker than the other.""")
 ROSS_AUDIO_TROUBLE_DEAD_2 = 4
-enums["ROSS_AUDIO_TROUBLE"][4] = EnumEntry("ROSS_AUDIO_TROUBLE_DEAD_2", """Microphone 2 gives digital silence, or far less than the other.""")
+enums["ROSS_AUDIO_TROUBLE"][4] = EnumEntry("ROSS_AUDIO_TROUBLE_DEAD_2", """Microphone 2 is digitally silent, or far weaker than the other.""")
 ROSS_AUDIO_TROUBLE_OFFSET = 8
-enums["ROSS_AUDIO_TROUBLE"][8] = EnumEntry("ROSS_AUDIO_TROUBLE_OFFSET", """A constant part (DC) far above the noise.""")
+enums["ROSS_AUDIO_TROUBLE"][8] = EnumEntry("ROSS_AUDIO_TROUBLE_OFFSET", """A DC offset far above the noise.""")
 ROSS_AUDIO_TROUBLE_IDENTICAL = 16
-enums["ROSS_AUDIO_TROUBLE"][16] = EnumEntry("ROSS_AUDIO_TROUBLE_IDENTICAL", """Both channels are one microphone.""")
+enums["ROSS_AUDIO_TROUBLE"][16] = EnumEntry("ROSS_AUDIO_TROUBLE_IDENTICAL", """Both channels carry the same microphone.""")
 ROSS_AUDIO_TROUBLE_INVERTED = 32
 enums["ROSS_AUDIO_TROUBLE"][32] = EnumEntry("ROSS_AUDIO_TROUBLE_INVERTED", """One microphone has the wrong polarity.""")
 ROSS_AUDIO_TROUBLE_LOST = 64
@@ -548,7 +548,7 @@ enums["ROSS_RECORDING_STATE"][4] = EnumEntry("ROSS_RECORDING_STATE_ENUM_END", ""
 enums["ROSS_LINK_FLAGS"] = Enum()
 enums["ROSS_LINK_FLAGS"].bitmask = True
 ROSS_LINK_FLAGS_UP = 1
-enums["ROSS_LINK_FLAGS"][1] = EnumEntry("ROSS_LINK_FLAGS_UP", """Connected, as far as the payload can know.""")
+enums["ROSS_LINK_FLAGS"][1] = EnumEntry("ROSS_LINK_FLAGS_UP", """Connected, as far as the payload can determine.""")
 ROSS_LINK_FLAGS_AUTOPILOT = 2
 enums["ROSS_LINK_FLAGS"][2] = EnumEntry("ROSS_LINK_FLAGS_AUTOPILOT", """It leads to the autopilot: ROSS_* messages are sent inside TUNNEL there.""")
 ROSS_LINK_FLAGS_ENUM_END = 3
@@ -558,7 +558,7 @@ enums["ROSS_LINK_FLAGS"][3] = EnumEntry("ROSS_LINK_FLAGS_ENUM_END", """""")
 enums["ROSS_TUNNEL_TYPE"] = Enum()
 enums["ROSS_TUNNEL_TYPE"].bitmask = False
 ROSS_TUNNEL_TYPE_FRAME = 54000
-enums["ROSS_TUNNEL_TYPE"][54000] = EnumEntry("ROSS_TUNNEL_TYPE_FRAME", """One whole, unsigned MAVLink 2 frame of one ROSS_* message, telemetry only.""")
+enums["ROSS_TUNNEL_TYPE"][54000] = EnumEntry("ROSS_TUNNEL_TYPE_FRAME", """One complete, unsigned MAVLink 2 frame of one ROSS_* message, telemetry only.""")
 ROSS_TUNNEL_TYPE_ENUM_END = 54001
 enums["ROSS_TUNNEL_TYPE"][54001] = EnumEntry("ROSS_TUNNEL_TYPE_ENUM_END", """""")
 
@@ -587,7 +587,7 @@ enums["MAV_CMD"][54000].param[5] = """Reserved (default:0)"""
 enums["MAV_CMD"][54000].param[6] = """Reserved (default:0)"""
 enums["MAV_CMD"][54000].param[7] = """Reserved (default:0)"""
 MAV_CMD_ROSS_LISTEN = 54001
-enums["MAV_CMD"][54001] = EnumEntry("MAV_CMD_ROSS_LISTEN", """Turn so that one voice comes out clean, and keep listening until cancelled.""")
+enums["MAV_CMD"][54001] = EnumEntry("MAV_CMD_ROSS_LISTEN", """Turn so that one voice can be separated, and keep listening until cancelled.""")
 enums["MAV_CMD"][54001].param[1] = """Whom to listen to."""
 enums["MAV_CMD"][54001].label[1] = """Mode"""
 enums["MAV_CMD"][54001].param[2] = """Index of the source, ROSS_SOURCE.source (mode SOURCE)."""
@@ -652,7 +652,7 @@ enums["MAV_CMD"][54006].param[5] = """Reserved (default:0)"""
 enums["MAV_CMD"][54006].param[6] = """Reserved (default:0)"""
 enums["MAV_CMD"][54006].param[7] = """Reserved (default:0)"""
 MAV_CMD_ROSS_MEASURE_NOISE = 54007
-enums["MAV_CMD"][54007] = EnumEntry("MAV_CMD_ROSS_MEASURE_NOISE", """Listen at rest while nobody talks, to measure the noise for later tasks.""")
+enums["MAV_CMD"][54007] = EnumEntry("MAV_CMD_ROSS_MEASURE_NOISE", """Listen at rest while no one talks, to measure the noise for later tasks.""")
 enums["MAV_CMD"][54007].param[1] = """How long. 0: as long as the lead-in of the configuration."""
 enums["MAV_CMD"][54007].label[1] = """Time"""
 enums["MAV_CMD"][54007].param[2] = """Reserved (default:0)"""
@@ -1726,7 +1726,7 @@ class MAVLink(object):
         elevation                 : Elevation, up is positive. NaN: not estimated. [rad] (type:float)
         confidence                : Probability that there is a source here, 0 to 1. (type:float)
         weight                    : Share of the evidence, 0 to 1. (type:float)
-        score                     : How much it sounds like the enrolled voice when heard alone (log-likelihood ratio). NaN: not compared. (type:float)
+        score                     : How much it sounds like the enrolled voice when separated (log-likelihood ratio). NaN: not compared. (type:float)
         estimate                  : Number of the estimate; wraps. (type:uint16_t)
         source                    : Index of the source in the estimate, from 0. (type:uint8_t)
         count                     : Number of sources in the estimate (K). (type:uint8_t)
@@ -1750,7 +1750,7 @@ class MAVLink(object):
         elevation                 : Elevation, up is positive. NaN: not estimated. [rad] (type:float)
         confidence                : Probability that there is a source here, 0 to 1. (type:float)
         weight                    : Share of the evidence, 0 to 1. (type:float)
-        score                     : How much it sounds like the enrolled voice when heard alone (log-likelihood ratio). NaN: not compared. (type:float)
+        score                     : How much it sounds like the enrolled voice when separated (log-likelihood ratio). NaN: not compared. (type:float)
         estimate                  : Number of the estimate; wraps. (type:uint16_t)
         source                    : Index of the source in the estimate, from 0. (type:uint8_t)
         count                     : Number of sources in the estimate (K). (type:uint8_t)

@@ -60,7 +60,7 @@ class Settings:
     rotation: float  # one step of the exploration [rad]
     min_rotations: int
     max_rotations: int
-    pipelined: bool  # go to promising alignments before the exploration ends
+    pipelined: bool  # try promising alignments before the exploration ends
     check: float  # T_check [s]
     run: float  # T_run [s]
     runs: int  # how many T_run until done, 0: until stopped

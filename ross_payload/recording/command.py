@@ -12,7 +12,7 @@ from ross_payload.bounded_files import printable
 FOLDER = click.option(
     "--folder",
     type=click.Path(path_type=Path),
-    help="Of the sessions; default: as `ross run` without a file keeps them.",
+    help="Folder of the sessions; default: that of `ross run`.",
 )
 
 
@@ -60,7 +60,7 @@ def delete(shelf: Any, names: tuple[str, ...]) -> None:
 @click.argument("folder", metavar="SESSION", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def check(folder: Path, as_json: bool) -> None:
-    """Tell what is in the folder SESSION, and whether it is whole."""
+    """Show what the folder SESSION contains, and whether it is complete."""
     import json
     from dataclasses import asdict
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 EPILOG = """Exit codes: 0 replayed as far as the mission or the recording goes, 3 it ended early because the recorded
-array is not where the mission wants it, 2 bad input, 1 the results could not be written."""
+array is not where the mission needs it, 2 bad input, 1 the results could not be written."""
 
 
 @click.command("replay", short_help="Run a recorded mission again.", epilog=EPILOG)
@@ -19,8 +19,8 @@ array is not where the mission wants it, 2 bad input, 1 the results could not be
 def command(*, session: Path, out: Path | None, file: Path | None, settings: tuple[str, ...], as_json: bool) -> int:
     """Run the mission of the folder SESSION again: identically, or with another configuration.
 
-    The mission hears what was recorded with the headings of then: the array does not turn differently. Where another
-    configuration wants it elsewhere, that is said, and the replay goes on as long as the recorded headings serve.
+    The mission processes the recorded audio and headings: the array does not turn differently. Where another
+    configuration needs another heading, the replay reports it and continues as long as the recorded headings fit.
     """
     import json
 

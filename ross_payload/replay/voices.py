@@ -21,7 +21,7 @@ class Sought:
     """Whom the mission looks for, and how it is told."""
 
     voiceprint: VoicePrint | None
-    how: str  # in words, empty: nobody is sought
+    how: str  # in words, empty: no target
 
 
 class Answers:

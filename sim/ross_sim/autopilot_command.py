@@ -36,7 +36,7 @@ def command(
     gps: bool,
     with_gimbal: bool,
 ) -> None:
-    """Simulate what a payload notices of an ArduPilot: attitude, time, a gimbal, and how it passes messages on.
+    """Simulate what a payload receives from an ArduPilot: attitude, time, a gimbal, and how it passes messages on.
 
     Messages that it does not know, among them all of ours, it drops; what has a target goes only where that component
     was heard; nothing goes back to where it came from.

@@ -49,7 +49,7 @@ def command(
     out: Path | None,
     as_json: bool,
 ) -> int:
-    """Simulate a room and what turns the array in real time; a payload in another process hears and turns it.
+    """Simulate a room and the actuator in real time; a payload in another process hears and turns it.
 
     SCENARIO is the name of a built-in scenario or a TOML file.
     """

@@ -93,7 +93,7 @@ class Link:
             self._booted, self.running, self._started = None, False, math.inf
             self._note(f"the drive at node {self._node} has restarted")
         if self.running and now > self.heard + SILENCE:
-            self._note(f"node {self._node} has been silent for {now - self.heard:.2f} s{self._crowded(now)}")
+            self._note(f"node {self._node} has sent nothing for {now - self.heard:.2f} s{self._crowded(now)}")
 
     @property
     def awaits(self) -> bool:

@@ -101,7 +101,7 @@ class Track:
 
     def _strange(self, report: Report) -> str:
         if report.state in (State.RUN, State.CHECK):
-            return f"another controller runs a program: grbl says {report.state}"
+            return f"another controller runs a program: grbl reports {report.state}"
         if report.state in (State.HOLD, State.DOOR):
             return f"grbl has stopped: {report.doing}"
         if not self.ours and (report.state is State.JOG or self.count != self._rest):

@@ -23,7 +23,7 @@ ross stop                             stop now; nothing moves before ross rearm
 ross cancel                           end the current task
 ross park|home|rearm                  go to the parking position; find the zero; accept moves again after a stop
 ross record on|off                    record a session on the payload's disk
-ross noise [SECONDS]                  measure the noise while nobody talks
+ross noise [SECONDS]                  measure the noise while no one talks
 ross payload [ID]                     list payloads, or choose one, such as 2-191
 ross help                             show this text
 DEG: compass degrees, clockwise, from north or from the nose, as in ross status"""

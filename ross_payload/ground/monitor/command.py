@@ -43,7 +43,7 @@ def command(
 ) -> None:
     """Watch payloads on each URL (default: udpin:127.0.0.1:14550), until Ctrl-C.
 
-    On a terminal it draws the state and obeys keys; elsewhere it prints one line per change.
+    On a terminal it shows the state and accepts keys; elsewhere it prints one line per change.
     """
     from ross_payload.ground.monitor.running import Wanted, run
     from ross_payload.ground.picture.known import Who

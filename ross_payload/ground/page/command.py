@@ -43,7 +43,7 @@ def command(
     map_file: Path | None,
     open_page: bool,
 ) -> None:
-    """Serve the page, with what is heard at each URL (default: udpin:127.0.0.1:14550), until Ctrl-C."""
+    """Serve the page, with what is received on each URL (default: udpin:127.0.0.1:14550), until Ctrl-C."""
     try:
         from ross_payload.ground.page.running import Wanted, run
     except ModuleNotFoundError as error:

@@ -40,9 +40,9 @@ def command(
     faults: Sequence[str],
     as_json: bool,
 ) -> int:
-    """Simulate one device with real dynamics, in real time: what a driver of RoSS or of others turns.
+    """Simulate one device with real dynamics, in real time, for a driver of RoSS or of others.
 
-    It tells where it is, not where it was told to be.
+    It reports where it is, not where it was commanded to be.
     """
     from contextlib import ExitStack
 

@@ -7,7 +7,7 @@ import json
 import click
 
 EPILOG = """Who can reach the port can use it: keep it on the loopback. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended
-by hand, 2 bad input. Port 0: any free port."""
+by the user, 2 bad input. Port 0: any free port."""
 
 
 @click.command("hub", short_help="Provide a CAN bus between processes, without a kernel driver.", epilog=EPILOG)
