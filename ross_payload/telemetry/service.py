@@ -216,8 +216,7 @@ class Telemetry:
             return
         if len(self._strangers) < STRANGERS:
             self._strangers.add(who)
-            version = f"version {told.dialect_version} of the dialect, ours is {DIALECT_VERSION}"
-            self._say(Severity.WARNING, f"payload {who[0]}/{who[1]} uses {version}")
+            self._say(Severity.WARNING, f"payload {who[0]}/{who[1]}: dialect {told.dialect_version}, expected {DIALECT_VERSION}")
 
     def _look(self, now: float) -> None:
         """Look at the payload itself."""

@@ -156,7 +156,7 @@ def test_a_node_without_an_id_says_nothing_but_its_wish(wire, stranger):
     assert {type(each.message) for each in said} == {Allocation}
     assert {each.node for each in said} == {0}
     assert 10 <= len(said) <= 17  # every 0.6 to 1 s
-    assert "nobody on the bus gives one" in node.trouble
+    assert "no allocator on the bus answers" in node.trouble
 
 
 def test_an_id_meant_for_somebody_else_is_not_ours(wire, stranger):

@@ -228,5 +228,5 @@ def test_a_slow_line_delivers_late():
 @pytest.mark.parametrize("fault", [Fault.NOISY, Fault.SATURATED, Fault.DUPLICATE])
 def test_a_fault_that_makes_no_sense_is_refused(fault):
     end: GrblFarEnd = far_end.make(Options())
-    with pytest.raises(ValueError, match="makes no sense"):
+    with pytest.raises(ValueError, match="expected one of"):
         end.afflict(fault)

@@ -195,7 +195,7 @@ def test_stopping_again_and_again_gives_no_more_time_to_stop() -> None:
     for _ in range(60):
         on.guard.halt()
         on.clock.sleep(0.1)
-    assert "still turns" in on.guard.state().fault
+    assert "still turning" in on.guard.state().fault
 
 
 def test_one_that_came_to_rest_after_a_stop_may_be_turned_by_hand_later() -> None:

@@ -176,7 +176,7 @@ def test_a_hub_that_goes_is_said_and_one_that_is_not_there_too(hub):
 
 @pytest.mark.parametrize("rest", ["", "127.0.0.1", "127.0.0.1:0", "127.0.0.1:99999", "127.0.0.1:1:a b"])
 def test_a_wrong_address_of_a_hub_says_what_was_wanted(rest):
-    with pytest.raises(ConfigError, match=r"wanted can:socketcand:HOST:PORT"):
+    with pytest.raises(ConfigError, match=r"expected can:socketcand:HOST:PORT"):
         open_wire(f"can:socketcand:{rest}", CLOCK)
 
 

@@ -119,7 +119,7 @@ def test_a_disk_that_takes_no_file_is_logged_once_and_tried_again(latch, disk, t
         latch.ordered(Stop())
         latch.said(STOPPED, None)
         assert settled(latch).failure == f"{tmp_path / 'stopped'}: No space left on device"
-        assert caplog.text.count("the stop is not saved") == 1
+        assert caplog.text.count("the stop was not saved") == 1
         disk.error = None
         end = time.monotonic() + 20
         while latch.failure:

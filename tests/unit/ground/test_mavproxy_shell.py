@@ -94,7 +94,7 @@ def test_a_mistake_is_one_line_and_orders_nothing(line, words):
 @pytest.mark.parametrize("line", ["explore", "status", "sources", "payload"])
 def test_without_a_payload_it_says_what_to_check(line):
     prompt = Prompt()
-    assert "heard yet" in prompt.type(line)
+    assert "received yet" in prompt.type(line)
     assert prompt.sent == []
 
 
@@ -165,7 +165,7 @@ def test_the_status_bar_says_state_and_silence():
     prompt = Prompt(1)
     assert prompt.shell.summary() == ("RoSS 1-191 run K 3", "good")
     prompt.wait(3.0)
-    assert prompt.shell.summary() == ("RoSS 1-191 not heard", "act")
+    assert prompt.shell.summary() == ("RoSS 1-191 no data", "act")
     assert Prompt().shell.summary() == ("RoSS -", "unknown")
 
 
