@@ -216,7 +216,8 @@ class Telemetry:
             return
         if len(self._strangers) < STRANGERS:
             self._strangers.add(who)
-            self._say(Severity.WARNING, f"payload {who[0]}/{who[1]}: dialect {told.dialect_version}, expected {DIALECT_VERSION}")
+            versions = f"dialect {told.dialect_version}, expected {DIALECT_VERSION}"
+            self._say(Severity.WARNING, f"payload {who[0]}/{who[1]}: {versions}")
 
     def _look(self, now: float) -> None:
         """Look at the payload itself."""

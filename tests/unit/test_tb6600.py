@@ -136,7 +136,7 @@ def test_segments_that_the_wire_gets_too_late_are_a_fault_that_loses_the_positio
     bench.far.afflict(Fault.SATURATED)
     bench.clock.sleep(0.2)
     state = bench.guard.state()
-    assert state.fault.startswith("pulse underrun: edges came too late")
+    assert state.fault.startswith("pulse underrun: edges arrived too late")
     assert not state.homed
     bench.far.afflict(Fault.SATURATED, on=False)
     bench.clock.sleep(0.5)
