@@ -163,8 +163,8 @@ class ServoClient:
         if not silent or now - self._alive > ALIVE:
             return ""
         what = f"{'gimbal' if self._options.command == 'gimbal' else 'actuator'} {self._options.number}"
-        silent = f"node {self._options.node_id} is online but sends no Status of {what}"
-        return f"{silent}; set feedback = 'model' if it never does"
+        quiet = f"node {self._options.node_id} is online but sends no Status of {what}"
+        return f"{quiet}; set feedback = 'model' if it never does"
 
     def command(self, joint: float) -> None:
         """Tell the servo its joint angle [rad].
