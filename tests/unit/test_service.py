@@ -163,7 +163,7 @@ def test_a_goal_outside_the_limits_is_a_fault_and_no_motion(bench):
     runner, _, far_end = bench(obeys_stop(100.0))
     result = runner.run()
     assert result.outcome is Outcome.FAULT
-    assert "not within" in result.reason
+    assert "expected -200.00 to 200.00 deg" in result.reason
     assert far_end.angle() == 0.0
 
 

@@ -212,7 +212,7 @@ def test_a_device_that_does_not_read_is_given_up():
 
 GREETINGS = {
     "no greeting of a device": b"SSH-2.0-OpenSSH\n",
-    "found ideal version 1, wanted pulses": greeting(IdealCodec(), CLOCK),
+    "expected pulses version 1, got ideal version 1": greeting(IdealCodec(), CLOCK),
     "it uses a different clock": b'{"ross_wire": "pulses", "version": 1, "now": -1000.0}\n',
     "closed without a greeting": b"",
 }
