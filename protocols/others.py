@@ -101,7 +101,7 @@ def dissector(folder: Path, mavgen: Callable[[str, Path, Path], None]) -> None:
     lines = "".join(f"{line.rstrip()}\n" for line in path.read_text(encoding="utf-8").rstrip().splitlines())
     for found in (UNKNOWN, BIND):
         if lines.count(found) != 1:
-            raise SystemExit(f"mavgen's dissector has changed: wanted once\n{found}")
+            raise SystemExit(f"mavgen's dissector has changed: expected exactly once\n{found}")
     lines = lines.replace(UNKNOWN, ANOTHER).replace(BIND, inner + BIND)
     path.write_text(READS.sub(_read, FIELDS.sub(_field, lines)), encoding="utf-8")
     xml.unlink()

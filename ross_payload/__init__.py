@@ -1,3 +1,3 @@
-"""The RoSS payload: it listens, turns until interferers pose as one, and separates the target voice."""
+"""The RoSS payload: it listens, turns until interferers have the same delay, and separates the target voice."""
 
 __version__ = "0.1.0"

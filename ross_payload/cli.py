@@ -15,7 +15,7 @@ from ross_payload.errors import ActuatorError, OutputError, PluginError, RossErr
 
 COMMANDS = "ross_payload.commands"
 LONGEST = 1500  # line about a mistake [characters]: a file may hold a name of a megabyte
-EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand."
+EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by the user."
 
 
 class _WithPlugins(click.Group):
@@ -55,7 +55,7 @@ def _broken(name: str, why: str) -> click.Command:
 @click.group(cls=_WithPlugins, epilog=EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="ross")
 def ross() -> None:
-    """Hear several talkers, turn until interferers pose as one, and separate the target voice."""
+    """Hear several talkers, turn until interferers have the same delay, and separate the target voice."""
 
 
 @ross.group()

@@ -105,7 +105,7 @@ class SystemClock:
             From the first exception of a periodic call.
         """
         if self._failure is not None:
-            raise RuntimeError(f"a periodic call died: {self._failure!r}") from self._failure
+            raise RuntimeError(f"a periodic call failed: {self._failure!r}") from self._failure
 
     def every(self, period: float, call: Callable[[], None]) -> Callable[[], None]:
         """Call ``call`` every ``period`` [s] on the pump thread until the returned function is called.

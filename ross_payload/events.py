@@ -30,7 +30,7 @@ class State(IntEnum):
     DONE = 7
     STOPPED = 8
     FAULT = 9
-    TURN = 10  # to a heading that somebody asked for
+    TURN = 10  # to a commanded heading
     NOISE = 11  # measures the noise on request
 
 

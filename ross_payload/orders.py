@@ -75,7 +75,7 @@ class ListenAt(Task):
 
 @dataclass(frozen=True, slots=True)
 class Informed(Task):
-    """Seek the enrolled voice among sources that are told from outside, without exploring."""
+    """Find the enrolled voice among sources that are told from outside, without exploring."""
 
     azimuths: tuple[float, ...]  # [rad]
     first: int | None = None  # which of them is visited first
@@ -112,6 +112,6 @@ class Park(Task):
 
 @dataclass(frozen=True, slots=True)
 class MeasureNoise(Task):
-    """Listen at rest while nobody talks; later tasks use it instead of their own lead-in."""
+    """Listen at rest while no one talks; later tasks use it instead of their own lead-in."""
 
     seconds: float  # [s]

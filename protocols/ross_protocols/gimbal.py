@@ -32,7 +32,7 @@ FAILURES = {
     64: "software",
     128: "communication inside the gimbal",
     CALIBRATING: "calibrating",
-    NO_MANAGER: "it hears no manager",
+    NO_MANAGER: "no data from its manager",
 }
 
 

@@ -364,13 +364,13 @@ enums["ROSS_STATE"].bitmask = False
 ROSS_STATE_IDLE = 0
 enums["ROSS_STATE"][0] = EnumEntry("ROSS_STATE_IDLE", """Nothing yet.""")
 ROSS_STATE_LEAD_IN = 1
-enums["ROSS_STATE"][1] = EnumEntry("ROSS_STATE_LEAD_IN", """Listens at rest, to measure the noise while nobody talks.""")
+enums["ROSS_STATE"][1] = EnumEntry("ROSS_STATE_LEAD_IN", """Listens at rest, to measure the noise while no one talks.""")
 ROSS_STATE_EXPLORE_TURN = 2
 enums["ROSS_STATE"][2] = EnumEntry("ROSS_STATE_EXPLORE_TURN", """Turns to the next orientation of the exploration.""")
 ROSS_STATE_EXPLORE_LISTEN = 3
 enums["ROSS_STATE"][3] = EnumEntry("ROSS_STATE_EXPLORE_LISTEN", """Listens at one orientation of the exploration.""")
 ROSS_STATE_ALIGN_TURN = 4
-enums["ROSS_STATE"][4] = EnumEntry("ROSS_STATE_ALIGN_TURN", """Turns to a heading where interferers pose as one.""")
+enums["ROSS_STATE"][4] = EnumEntry("ROSS_STATE_ALIGN_TURN", """Turns to a heading where the interferers have the same delay.""")
 ROSS_STATE_CHECK = 5
 enums["ROSS_STATE"][5] = EnumEntry("ROSS_STATE_CHECK", """Listens at a candidate, separates and compares voices with the enrolled one.""")
 ROSS_STATE_RUN = 6
@@ -382,7 +382,7 @@ enums["ROSS_STATE"][8] = EnumEntry("ROSS_STATE_STOPPED", """An operator stopped 
 ROSS_STATE_FAULT = 9
 enums["ROSS_STATE"][9] = EnumEntry("ROSS_STATE_FAULT", """A fault ended the mission.""")
 ROSS_STATE_TURN = 10
-enums["ROSS_STATE"][10] = EnumEntry("ROSS_STATE_TURN", """Turns to a heading that somebody asked for.""")
+enums["ROSS_STATE"][10] = EnumEntry("ROSS_STATE_TURN", """Turns to a commanded heading.""")
 ROSS_STATE_NOISE = 11
 enums["ROSS_STATE"][11] = EnumEntry("ROSS_STATE_NOISE", """Listens at rest, to measure the noise on request.""")
 ROSS_STATE_ENUM_END = 12
@@ -398,7 +398,7 @@ enums["ROSS_OUTCOME"][1] = EnumEntry("ROSS_OUTCOME_FAULT", """A fault ended the 
 ROSS_OUTCOME_NO_TARGET = 3
 enums["ROSS_OUTCOME"][3] = EnumEntry("ROSS_OUTCOME_NO_TARGET", """No voice sounded like the target.""")
 ROSS_OUTCOME_COMPLETED = 4
-enums["ROSS_OUTCOME"][4] = EnumEntry("ROSS_OUTCOME_COMPLETED", """A task that looks for nobody has done what was asked.""")
+enums["ROSS_OUTCOME"][4] = EnumEntry("ROSS_OUTCOME_COMPLETED", """A task without a target voice has completed.""")
 ROSS_OUTCOME_STOPPED = 130
 enums["ROSS_OUTCOME"][130] = EnumEntry("ROSS_OUTCOME_STOPPED", """An operator stopped the mission.""")
 ROSS_OUTCOME_ENUM_END = 131
@@ -420,7 +420,7 @@ enums["ROSS_STATUS_FLAGS"].bitmask = True
 ROSS_STATUS_FLAGS_NOISE_MEASURED = 1
 enums["ROSS_STATUS_FLAGS"][1] = EnumEntry("ROSS_STATUS_FLAGS_NOISE_MEASURED", """The lead-in was quiet: the noise was measured.""")
 ROSS_STATUS_FLAGS_CERTAIN = 2
-enums["ROSS_STATUS_FLAGS"][2] = EnumEntry("ROSS_STATUS_FLAGS_CERTAIN", """Enough was heard to be certain of the number of sources and their azimuths.""")
+enums["ROSS_STATUS_FLAGS"][2] = EnumEntry("ROSS_STATUS_FLAGS_CERTAIN", """The number of sources and their azimuths are certain.""")
 ROSS_STATUS_FLAGS_TARGET_FOUND = 4
 enums["ROSS_STATUS_FLAGS"][4] = EnumEntry("ROSS_STATUS_FLAGS_TARGET_FOUND", """A voice sounds like the target.""")
 ROSS_STATUS_FLAGS_TIME_UNIX = 8
@@ -438,7 +438,7 @@ enums["ROSS_ACTUATOR_FLAGS"][2] = EnumEntry("ROSS_ACTUATOR_FLAGS_SETTLED", """At
 ROSS_ACTUATOR_FLAGS_HOMED = 4
 enums["ROSS_ACTUATOR_FLAGS"][4] = EnumEntry("ROSS_ACTUATOR_FLAGS_HOMED", """The zero of the joint is known.""")
 ROSS_ACTUATOR_FLAGS_FAULT = 8
-enums["ROSS_ACTUATOR_FLAGS"][8] = EnumEntry("ROSS_ACTUATOR_FLAGS_FAULT", """The actuator or its guard reports a fault; a STATUSTEXT says which.""")
+enums["ROSS_ACTUATOR_FLAGS"][8] = EnumEntry("ROSS_ACTUATOR_FLAGS_FAULT", """The actuator or its guard reports a fault; the reason is in a STATUSTEXT.""")
 ROSS_ACTUATOR_FLAGS_OPEN_LOOP = 16
 enums["ROSS_ACTUATOR_FLAGS"][16] = EnumEntry("ROSS_ACTUATOR_FLAGS_OPEN_LOOP", """The angle is computed from what was commanded, not measured.""")
 ROSS_ACTUATOR_FLAGS_ENUM_END = 17
@@ -448,7 +448,7 @@ enums["ROSS_ACTUATOR_FLAGS"][17] = EnumEntry("ROSS_ACTUATOR_FLAGS_ENUM_END", """
 enums["ROSS_SOURCE_FLAGS"] = Enum()
 enums["ROSS_SOURCE_FLAGS"].bitmask = True
 ROSS_SOURCE_FLAGS_RESOLVED = 1
-enums["ROSS_SOURCE_FLAGS"][1] = EnumEntry("ROSS_SOURCE_FLAGS_RESOLVED", """Front is told from back. When not set, the source may be at azimuth_mirror instead.""")
+enums["ROSS_SOURCE_FLAGS"][1] = EnumEntry("ROSS_SOURCE_FLAGS_RESOLVED", """Front/back ambiguity is resolved. When not set, the source may be at azimuth_mirror instead.""")
 ROSS_SOURCE_FLAGS_TARGET = 2
 enums["ROSS_SOURCE_FLAGS"][2] = EnumEntry("ROSS_SOURCE_FLAGS_TARGET", """This source sounds like the target.""")
 ROSS_SOURCE_FLAGS_FINAL = 4
@@ -460,7 +460,7 @@ enums["ROSS_SOURCE_FLAGS"][5] = EnumEntry("ROSS_SOURCE_FLAGS_ENUM_END", """""")
 enums["ROSS_ALIGNMENT_RULE"] = Enum()
 enums["ROSS_ALIGNMENT_RULE"].bitmask = False
 ROSS_ALIGNMENT_RULE_UNKNOWN = 0
-enums["ROSS_ALIGNMENT_RULE"][0] = EnumEntry("ROSS_ALIGNMENT_RULE_UNKNOWN", """A rule that this dialect does not know.""")
+enums["ROSS_ALIGNMENT_RULE"][0] = EnumEntry("ROSS_ALIGNMENT_RULE_UNKNOWN", """A rule that this dialect does not define.""")
 ROSS_ALIGNMENT_RULE_BISECTOR = 1
 enums["ROSS_ALIGNMENT_RULE"][1] = EnumEntry("ROSS_ALIGNMENT_RULE_BISECTOR", """The bisector of the interferers.""")
 ROSS_ALIGNMENT_RULE_ARGMAX = 2
@@ -470,7 +470,7 @@ enums["ROSS_ALIGNMENT_RULE"][3] = EnumEntry("ROSS_ALIGNMENT_RULE_STAY", """The p
 ROSS_ALIGNMENT_RULE_GAIN = 4
 enums["ROSS_ALIGNMENT_RULE"][4] = EnumEntry("ROSS_ALIGNMENT_RULE_GAIN", """The heading of the best predicted gain.""")
 ROSS_ALIGNMENT_RULE_LIMITED = 5
-enums["ROSS_ALIGNMENT_RULE"][5] = EnumEntry("ROSS_ALIGNMENT_RULE_LIMITED", """The best heading that the limits leave.""")
+enums["ROSS_ALIGNMENT_RULE"][5] = EnumEntry("ROSS_ALIGNMENT_RULE_LIMITED", """The best heading within the limits.""")
 ROSS_ALIGNMENT_RULE_ENUM_END = 6
 enums["ROSS_ALIGNMENT_RULE"][6] = EnumEntry("ROSS_ALIGNMENT_RULE_ENUM_END", """""")
 
@@ -492,7 +492,7 @@ enums["ROSS_CANDIDATE_STATE"][4] = EnumEntry("ROSS_CANDIDATE_STATE_ENUM_END", ""
 enums["ROSS_SEPARATION_PHASE"] = Enum()
 enums["ROSS_SEPARATION_PHASE"].bitmask = False
 ROSS_SEPARATION_PHASE_CHECK = 1
-enums["ROSS_SEPARATION_PHASE"][1] = EnumEntry("ROSS_SEPARATION_PHASE_CHECK", """The short one that decides whether a candidate holds the target.""")
+enums["ROSS_SEPARATION_PHASE"][1] = EnumEntry("ROSS_SEPARATION_PHASE_CHECK", """The short one that decides whether a candidate contains the target.""")
 ROSS_SEPARATION_PHASE_RUN = 2
 enums["ROSS_SEPARATION_PHASE"][2] = EnumEntry("ROSS_SEPARATION_PHASE_RUN", """The one that delivers the target voice.""")
 ROSS_SEPARATION_PHASE_ENUM_END = 3
@@ -504,7 +504,7 @@ enums["ROSS_GROUP_FLAGS"].bitmask = True
 ROSS_GROUP_FLAGS_ACCEPTED = 1
 enums["ROSS_GROUP_FLAGS"][1] = EnumEntry("ROSS_GROUP_FLAGS_ACCEPTED", """The score is above the criterion.""")
 ROSS_GROUP_FLAGS_TARGET = 2
-enums["ROSS_GROUP_FLAGS"][2] = EnumEntry("ROSS_GROUP_FLAGS_TARGET", """This group is taken for the target.""")
+enums["ROSS_GROUP_FLAGS"][2] = EnumEntry("ROSS_GROUP_FLAGS_TARGET", """This group is identified as the target.""")
 ROSS_GROUP_FLAGS_ENUM_END = 3
 enums["ROSS_GROUP_FLAGS"][3] = EnumEntry("ROSS_GROUP_FLAGS_ENUM_END", """""")
 
@@ -514,13 +514,13 @@ enums["ROSS_AUDIO_TROUBLE"].bitmask = True
 ROSS_AUDIO_TROUBLE_CLIPPING = 1
 enums["ROSS_AUDIO_TROUBLE"][1] = EnumEntry("ROSS_AUDIO_TROUBLE_CLIPPING", """Samples at full scale within the last second.""")
 ROSS_AUDIO_TROUBLE_DEAD_1 = 2
-enums["ROSS_AUDIO_TROUBLE"][2] = EnumEntry("ROSS_AUDIO_TROUBLE_DEAD_1", """Microphone 1 gives digital silence, or far less than the other.""")
+enums["ROSS_AUDIO_TROUBLE"][2] = EnumEntry("ROSS_AUDIO_TROUBLE_DEAD_1", """Microphone 1 is digitally silent, or far weaker than the other.""")
 ROSS_AUDIO_TROUBLE_DEAD_2 = 4
-enums["ROSS_AUDIO_TROUBLE"][4] = EnumEntry("ROSS_AUDIO_TROUBLE_DEAD_2", """Microphone 2 gives digital silence, or far less than the other.""")
+enums["ROSS_AUDIO_TROUBLE"][4] = EnumEntry("ROSS_AUDIO_TROUBLE_DEAD_2", """Microphone 2 is digitally silent, or far weaker than the other.""")
 ROSS_AUDIO_TROUBLE_OFFSET = 8
-enums["ROSS_AUDIO_TROUBLE"][8] = EnumEntry("ROSS_AUDIO_TROUBLE_OFFSET", """A constant part (DC) far above the noise.""")
+enums["ROSS_AUDIO_TROUBLE"][8] = EnumEntry("ROSS_AUDIO_TROUBLE_OFFSET", """A DC offset far above the noise.""")
 ROSS_AUDIO_TROUBLE_IDENTICAL = 16
-enums["ROSS_AUDIO_TROUBLE"][16] = EnumEntry("ROSS_AUDIO_TROUBLE_IDENTICAL", """Both channels are one microphone.""")
+enums["ROSS_AUDIO_TROUBLE"][16] = EnumEntry("ROSS_AUDIO_TROUBLE_IDENTICAL", """Both channels carry the same microphone.""")
 ROSS_AUDIO_TROUBLE_INVERTED = 32
 enums["ROSS_AUDIO_TROUBLE"][32] = EnumEntry("ROSS_AUDIO_TROUBLE_INVERTED", """One microphone has the wrong polarity.""")
 ROSS_AUDIO_TROUBLE_LOST = 64
@@ -538,9 +538,9 @@ enums["ROSS_RECORDING_STATE"][0] = EnumEntry("ROSS_RECORDING_STATE_OFF", """Noth
 ROSS_RECORDING_STATE_ON = 1
 enums["ROSS_RECORDING_STATE"][1] = EnumEntry("ROSS_RECORDING_STATE_ON", """Records a session.""")
 ROSS_RECORDING_STATE_FULL = 2
-enums["ROSS_RECORDING_STATE"][2] = EnumEntry("ROSS_RECORDING_STATE_FULL", """Stopped: the disk or its share is full.""")
+enums["ROSS_RECORDING_STATE"][2] = EnumEntry("ROSS_RECORDING_STATE_FULL", """Stopped: the disk or the recording quota is full.""")
 ROSS_RECORDING_STATE_BROKEN = 3
-enums["ROSS_RECORDING_STATE"][3] = EnumEntry("ROSS_RECORDING_STATE_BROKEN", """Stopped: the disk is gone.""")
+enums["ROSS_RECORDING_STATE"][3] = EnumEntry("ROSS_RECORDING_STATE_BROKEN", """Stopped: the disk failed.""")
 ROSS_RECORDING_STATE_ENUM_END = 4
 enums["ROSS_RECORDING_STATE"][4] = EnumEntry("ROSS_RECORDING_STATE_ENUM_END", """""")
 
@@ -548,9 +548,9 @@ enums["ROSS_RECORDING_STATE"][4] = EnumEntry("ROSS_RECORDING_STATE_ENUM_END", ""
 enums["ROSS_LINK_FLAGS"] = Enum()
 enums["ROSS_LINK_FLAGS"].bitmask = True
 ROSS_LINK_FLAGS_UP = 1
-enums["ROSS_LINK_FLAGS"][1] = EnumEntry("ROSS_LINK_FLAGS_UP", """Connected, as far as the payload can know.""")
+enums["ROSS_LINK_FLAGS"][1] = EnumEntry("ROSS_LINK_FLAGS_UP", """Connected, as far as the payload can determine.""")
 ROSS_LINK_FLAGS_AUTOPILOT = 2
-enums["ROSS_LINK_FLAGS"][2] = EnumEntry("ROSS_LINK_FLAGS_AUTOPILOT", """It leads to the autopilot: ROSS_* messages ride in TUNNEL there.""")
+enums["ROSS_LINK_FLAGS"][2] = EnumEntry("ROSS_LINK_FLAGS_AUTOPILOT", """It leads to the autopilot: ROSS_* messages are sent inside TUNNEL there.""")
 ROSS_LINK_FLAGS_ENUM_END = 3
 enums["ROSS_LINK_FLAGS"][3] = EnumEntry("ROSS_LINK_FLAGS_ENUM_END", """""")
 
@@ -558,7 +558,7 @@ enums["ROSS_LINK_FLAGS"][3] = EnumEntry("ROSS_LINK_FLAGS_ENUM_END", """""")
 enums["ROSS_TUNNEL_TYPE"] = Enum()
 enums["ROSS_TUNNEL_TYPE"].bitmask = False
 ROSS_TUNNEL_TYPE_FRAME = 54000
-enums["ROSS_TUNNEL_TYPE"][54000] = EnumEntry("ROSS_TUNNEL_TYPE_FRAME", """One whole, unsigned MAVLink 2 frame of one ROSS_* message, telemetry only.""")
+enums["ROSS_TUNNEL_TYPE"][54000] = EnumEntry("ROSS_TUNNEL_TYPE_FRAME", """One complete, unsigned MAVLink 2 frame of one ROSS_* message, telemetry only.""")
 ROSS_TUNNEL_TYPE_ENUM_END = 54001
 enums["ROSS_TUNNEL_TYPE"][54001] = EnumEntry("ROSS_TUNNEL_TYPE_ENUM_END", """""")
 
@@ -566,11 +566,11 @@ enums["ROSS_TUNNEL_TYPE"][54001] = EnumEntry("ROSS_TUNNEL_TYPE_ENUM_END", """"""
 enums["ROSS_LISTEN_MODE"] = Enum()
 enums["ROSS_LISTEN_MODE"].bitmask = False
 ROSS_LISTEN_MODE_VOICE = 0
-enums["ROSS_LISTEN_MODE"][0] = EnumEntry("ROSS_LISTEN_MODE_VOICE", """The enrolled voice: explore when nothing is known, recognise, keep listening.""")
+enums["ROSS_LISTEN_MODE"][0] = EnumEntry("ROSS_LISTEN_MODE_VOICE", """The enrolled voice: explore if needed, recognise, keep listening.""")
 ROSS_LISTEN_MODE_SOURCE = 1
 enums["ROSS_LISTEN_MODE"][1] = EnumEntry("ROSS_LISTEN_MODE_SOURCE", """A source of the latest estimate.""")
 ROSS_LISTEN_MODE_AZIMUTH = 2
-enums["ROSS_LISTEN_MODE"][2] = EnumEntry("ROSS_LISTEN_MODE_AZIMUTH", """Whoever is at an azimuth.""")
+enums["ROSS_LISTEN_MODE"][2] = EnumEntry("ROSS_LISTEN_MODE_AZIMUTH", """The source at an azimuth.""")
 ROSS_LISTEN_MODE_ENUM_END = 3
 enums["ROSS_LISTEN_MODE"][3] = EnumEntry("ROSS_LISTEN_MODE_ENUM_END", """""")
 
@@ -587,7 +587,7 @@ enums["MAV_CMD"][54000].param[5] = """Reserved (default:0)"""
 enums["MAV_CMD"][54000].param[6] = """Reserved (default:0)"""
 enums["MAV_CMD"][54000].param[7] = """Reserved (default:0)"""
 MAV_CMD_ROSS_LISTEN = 54001
-enums["MAV_CMD"][54001] = EnumEntry("MAV_CMD_ROSS_LISTEN", """Turn so that one voice comes out clean, and keep listening until cancelled.""")
+enums["MAV_CMD"][54001] = EnumEntry("MAV_CMD_ROSS_LISTEN", """Turn so that one voice can be separated, and keep listening until cancelled.""")
 enums["MAV_CMD"][54001].param[1] = """Whom to listen to."""
 enums["MAV_CMD"][54001].label[1] = """Mode"""
 enums["MAV_CMD"][54001].param[2] = """Index of the source, ROSS_SOURCE.source (mode SOURCE)."""
@@ -599,7 +599,7 @@ enums["MAV_CMD"][54001].param[5] = """Reserved (default:0)"""
 enums["MAV_CMD"][54001].param[6] = """Reserved (default:0)"""
 enums["MAV_CMD"][54001].param[7] = """Reserved (default:0)"""
 MAV_CMD_ROSS_INFORM = 54002
-enums["MAV_CMD"][54002] = EnumEntry("MAV_CMD_ROSS_INFORM", """Seek the enrolled voice among at most six sources at these azimuths, without exploring. Needs COMMAND_LONG.""")
+enums["MAV_CMD"][54002] = EnumEntry("MAV_CMD_ROSS_INFORM", """Find the enrolled voice among at most six sources at these azimuths, without exploring. Needs COMMAND_LONG.""")
 enums["MAV_CMD"][54002].param[1] = """Index of the source to visit first, -1: no preference."""
 enums["MAV_CMD"][54002].label[1] = """First"""
 enums["MAV_CMD"][54002].param[2] = """Azimuth of source 0."""
@@ -625,7 +625,7 @@ enums["MAV_CMD"][54003].param[5] = """Reserved (default:0)"""
 enums["MAV_CMD"][54003].param[6] = """Reserved (default:0)"""
 enums["MAV_CMD"][54003].param[7] = """Reserved (default:0)"""
 MAV_CMD_ROSS_STOP = 54004
-enums["MAV_CMD"][54004] = EnumEntry("MAV_CMD_ROSS_STOP", """Decelerate now, end what is going on, and refuse to move until MAV_CMD_ROSS_REARM.""")
+enums["MAV_CMD"][54004] = EnumEntry("MAV_CMD_ROSS_STOP", """Decelerate now, end the current task, and refuse to move until MAV_CMD_ROSS_REARM.""")
 enums["MAV_CMD"][54004].param[1] = """Reserved (default:0)"""
 enums["MAV_CMD"][54004].param[2] = """Reserved (default:0)"""
 enums["MAV_CMD"][54004].param[3] = """Reserved (default:0)"""
@@ -634,7 +634,7 @@ enums["MAV_CMD"][54004].param[5] = """Reserved (default:0)"""
 enums["MAV_CMD"][54004].param[6] = """Reserved (default:0)"""
 enums["MAV_CMD"][54004].param[7] = """Reserved (default:0)"""
 MAV_CMD_ROSS_CANCEL = 54005
-enums["MAV_CMD"][54005] = EnumEntry("MAV_CMD_ROSS_CANCEL", """End what is going on. For ground stations that cannot send COMMAND_CANCEL.""")
+enums["MAV_CMD"][54005] = EnumEntry("MAV_CMD_ROSS_CANCEL", """End the current task. For ground stations that cannot send COMMAND_CANCEL.""")
 enums["MAV_CMD"][54005].param[1] = """Reserved (default:0)"""
 enums["MAV_CMD"][54005].param[2] = """Reserved (default:0)"""
 enums["MAV_CMD"][54005].param[3] = """Reserved (default:0)"""
@@ -652,7 +652,7 @@ enums["MAV_CMD"][54006].param[5] = """Reserved (default:0)"""
 enums["MAV_CMD"][54006].param[6] = """Reserved (default:0)"""
 enums["MAV_CMD"][54006].param[7] = """Reserved (default:0)"""
 MAV_CMD_ROSS_MEASURE_NOISE = 54007
-enums["MAV_CMD"][54007] = EnumEntry("MAV_CMD_ROSS_MEASURE_NOISE", """Listen at rest while nobody talks, to measure the noise for what comes later.""")
+enums["MAV_CMD"][54007] = EnumEntry("MAV_CMD_ROSS_MEASURE_NOISE", """Listen at rest while no one talks, to measure the noise for later tasks.""")
 enums["MAV_CMD"][54007].param[1] = """How long. 0: as long as the lead-in of the configuration."""
 enums["MAV_CMD"][54007].label[1] = """Time"""
 enums["MAV_CMD"][54007].param[2] = """Reserved (default:0)"""
@@ -681,7 +681,7 @@ enums["MAV_CMD"][54009].param[5] = """Reserved (default:0)"""
 enums["MAV_CMD"][54009].param[6] = """Reserved (default:0)"""
 enums["MAV_CMD"][54009].param[7] = """Reserved (default:0)"""
 MAV_CMD_ROSS_HOME = 54010
-enums["MAV_CMD"][54010] = EnumEntry("MAV_CMD_ROSS_HOME", """Find the zero of the joint, or declare that it stands there.""")
+enums["MAV_CMD"][54010] = EnumEntry("MAV_CMD_ROSS_HOME", """Find the zero of the joint, or set it at the current position.""")
 enums["MAV_CMD"][54010].param[1] = """Reserved (default:0)"""
 enums["MAV_CMD"][54010].param[2] = """Reserved (default:0)"""
 enums["MAV_CMD"][54010].param[3] = """Reserved (default:0)"""
@@ -709,8 +709,8 @@ MAVLINK_MSG_ID_ROSS_LINK = 54009
 
 class MAVLink_ross_information_message(MAVLink_message):
     """
-    Who the payload is and what it can do. Sent at start and every 5
-    s.
+    Identity and capabilities of the payload. Sent at start and every
+    5 s.
     """
 
     id = MAVLINK_MSG_ID_ROSS_INFORMATION
@@ -820,7 +820,7 @@ class MAVLink_ross_source_message(MAVLink_message):
     """
     One source of an estimate; one message per source. Sent with every
     estimate, on change, and repeated every 5 s. The sources of one
-    estimate share estimate and count; forget those of an older
+    estimate share estimate and count; discard those of an older
     estimate. K = 0 shows in ROSS_STATUS.
     """
 
@@ -871,9 +871,9 @@ setattr(MAVLink_ross_source_message, "name", mavlink_msg_deprecated_name_propert
 
 class MAVLink_ross_alignment_message(MAVLink_message):
     """
-    One heading at which interferers pose as one; one message per
-    candidate, in order of travel. Sent when planned, when the state
-    of the candidate changes, and repeated every 5 s.
+    One heading at which interferers have the same delay; one message
+    per candidate, in order of travel. Sent when planned, when the
+    state of the candidate changes, and repeated every 5 s.
     """
 
     id = MAVLINK_MSG_ID_ROSS_ALIGNMENT
@@ -976,7 +976,7 @@ setattr(MAVLink_ross_separation_message, "name", mavlink_msg_deprecated_name_pro
 
 class MAVLink_ross_audio_message(MAVLink_message):
     """
-    How the microphones are. Sent every second and when the trouble
+    State of the microphones. Sent every second and when the trouble
     changes.
     """
 
@@ -1022,7 +1022,7 @@ setattr(MAVLink_ross_audio_message, "name", mavlink_msg_deprecated_name_property
 
 class MAVLink_ross_recording_message(MAVLink_message):
     """
-    What the recorder does. Sent every 5 s and when its state changes.
+    State of the recorder. Sent every 5 s and when its state changes.
     """
 
     id = MAVLINK_MSG_ID_ROSS_RECORDING
@@ -1067,10 +1067,9 @@ setattr(MAVLink_ross_recording_message, "name", mavlink_msg_deprecated_name_prop
 
 class MAVLink_ross_density_message(MAVLink_message):
     """
-    What one orientation of the exploration heard: the density of time
-    differences of arrival; one message per orientation. Sent when
-    heard and repeated every 8 s; forget those of an older
-    exploration.
+    Density of time differences of arrival at one orientation of the
+    exploration; one message per orientation. Sent when measured and
+    repeated every 8 s; discard those of an older exploration.
     """
 
     id = MAVLINK_MSG_ID_ROSS_DENSITY
@@ -1161,8 +1160,8 @@ setattr(MAVLink_ross_isolation_message, "name", mavlink_msg_deprecated_name_prop
 
 class MAVLink_ross_link_message(MAVLink_message):
     """
-    How one link of the payload is, and what went through it since the
-    start; one message per link. Sent every 5 s.
+    State of one link of the payload, and its traffic since the start;
+    one message per link. Sent every 5 s.
     """
 
     id = MAVLINK_MSG_ID_ROSS_LINK
@@ -1619,7 +1618,7 @@ class MAVLink(object):
 
     def ross_information_encode(self, time_usec: int, dialect_version: int, spacing: float, speed_of_sound: float, axis_offset: float, joint_min: float, joint_max: float, joint_rate_max: float, orientation_time: float, sample_rate: int, k_max: int, software_version: bytes, actuator: bytes) -> MAVLink_ross_information_message:
         """
-        Who the payload is and what it can do. Sent at start and every 5 s.
+        Identity and capabilities of the payload. Sent at start and every 5 s.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         dialect_version           : Version of this dialect; grows with every change. (type:uint16_t)
@@ -1631,7 +1630,7 @@ class MAVLink(object):
         joint_rate_max            : Greatest speed of the joint. [rad/s] (type:float)
         orientation_time          : Listening time at one orientation of the exploration (T_unit). [s] (type:float)
         sample_rate               : Sampling rate. [Hz] (type:uint32_t)
-        k_max                     : The greatest number of sources that can be told apart (K max). (type:uint8_t)
+        k_max                     : Greatest number of sources that can be resolved (K max). (type:uint8_t)
         software_version          : Software version. (type:char)
         actuator                  : Name of the actuator. (type:char)
 
@@ -1640,7 +1639,7 @@ class MAVLink(object):
 
     def ross_information_send(self, time_usec: int, dialect_version: int, spacing: float, speed_of_sound: float, axis_offset: float, joint_min: float, joint_max: float, joint_rate_max: float, orientation_time: float, sample_rate: int, k_max: int, software_version: bytes, actuator: bytes, force_mavlink1: bool = False) -> None:
         """
-        Who the payload is and what it can do. Sent at start and every 5 s.
+        Identity and capabilities of the payload. Sent at start and every 5 s.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         dialect_version           : Version of this dialect; grows with every change. (type:uint16_t)
@@ -1652,7 +1651,7 @@ class MAVLink(object):
         joint_rate_max            : Greatest speed of the joint. [rad/s] (type:float)
         orientation_time          : Listening time at one orientation of the exploration (T_unit). [s] (type:float)
         sample_rate               : Sampling rate. [Hz] (type:uint32_t)
-        k_max                     : The greatest number of sources that can be told apart (K max). (type:uint8_t)
+        k_max                     : Greatest number of sources that can be resolved (K max). (type:uint8_t)
         software_version          : Software version. (type:char)
         actuator                  : Name of the actuator. (type:char)
 
@@ -1665,14 +1664,14 @@ class MAVLink(object):
         every change.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
-        mission_time              : Audio heard since the mission began. [ms] (type:uint32_t)
+        mission_time              : Duration of audio processed since the mission began. [ms] (type:uint32_t)
         state                     : What the mission is doing. (type:uint8_t, values:ROSS_STATE)
         outcome                   : How the mission ended. UINT8_MAX: it has not. (type:uint8_t, values:ROSS_OUTCOME)
         frame                     : What heading and heading_goal are relative to. (type:uint8_t, values:ROSS_FRAME)
         flags                     : What the mission knows. (type:uint8_t, values:ROSS_STATUS_FLAGS)
-        actuator_flags            : How the actuator is. (type:uint16_t, values:ROSS_ACTUATOR_FLAGS)
+        actuator_flags            : State of the actuator. (type:uint16_t, values:ROSS_ACTUATOR_FLAGS)
         heading                   : Where the axis from microphone 1 to microphone 2 points. Two microphones have no front: draw the axis both ways. [rad] (type:float)
-        heading_goal              : Where the axis is turning to. NaN: nowhere. [rad] (type:float)
+        heading_goal              : Where the axis is turning to. NaN: not turning. [rad] (type:float)
         joint                     : Joint angle, clockwise, not wrapped. [rad] (type:float)
         joint_rate                : Joint rate, clockwise. [rad/s] (type:float)
         mount_yaw                 : Yaw of the base from north. NaN: not known. [rad] (type:float)
@@ -1680,7 +1679,7 @@ class MAVLink(object):
         criterion                 : A voice above this score is accepted. (type:float)
         rotation                  : Rotations made in this exploration (r); 0 at its first orientation. (type:uint8_t)
         rotation_max              : Rotations of an exploration at most (R). (type:uint8_t)
-        k                         : The number of sources believed in (K). UINT8_MAX: no estimate yet. (type:uint8_t)
+        k                         : Estimated number of sources (K). UINT8_MAX: no estimate yet. (type:uint8_t)
         target                    : The source that sounds like the target, an index of ROSS_SOURCE. UINT8_MAX: none. (type:uint8_t)
 
         """
@@ -1692,14 +1691,14 @@ class MAVLink(object):
         every change.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
-        mission_time              : Audio heard since the mission began. [ms] (type:uint32_t)
+        mission_time              : Duration of audio processed since the mission began. [ms] (type:uint32_t)
         state                     : What the mission is doing. (type:uint8_t, values:ROSS_STATE)
         outcome                   : How the mission ended. UINT8_MAX: it has not. (type:uint8_t, values:ROSS_OUTCOME)
         frame                     : What heading and heading_goal are relative to. (type:uint8_t, values:ROSS_FRAME)
         flags                     : What the mission knows. (type:uint8_t, values:ROSS_STATUS_FLAGS)
-        actuator_flags            : How the actuator is. (type:uint16_t, values:ROSS_ACTUATOR_FLAGS)
+        actuator_flags            : State of the actuator. (type:uint16_t, values:ROSS_ACTUATOR_FLAGS)
         heading                   : Where the axis from microphone 1 to microphone 2 points. Two microphones have no front: draw the axis both ways. [rad] (type:float)
-        heading_goal              : Where the axis is turning to. NaN: nowhere. [rad] (type:float)
+        heading_goal              : Where the axis is turning to. NaN: not turning. [rad] (type:float)
         joint                     : Joint angle, clockwise, not wrapped. [rad] (type:float)
         joint_rate                : Joint rate, clockwise. [rad/s] (type:float)
         mount_yaw                 : Yaw of the base from north. NaN: not known. [rad] (type:float)
@@ -1707,7 +1706,7 @@ class MAVLink(object):
         criterion                 : A voice above this score is accepted. (type:float)
         rotation                  : Rotations made in this exploration (r); 0 at its first orientation. (type:uint8_t)
         rotation_max              : Rotations of an exploration at most (R). (type:uint8_t)
-        k                         : The number of sources believed in (K). UINT8_MAX: no estimate yet. (type:uint8_t)
+        k                         : Estimated number of sources (K). UINT8_MAX: no estimate yet. (type:uint8_t)
         target                    : The source that sounds like the target, an index of ROSS_SOURCE. UINT8_MAX: none. (type:uint8_t)
 
         """
@@ -1717,17 +1716,17 @@ class MAVLink(object):
         """
         One source of an estimate; one message per source. Sent with every
         estimate, on change, and repeated every 5 s. The sources of
-        one estimate share estimate and count; forget those of an
+        one estimate share estimate and count; discard those of an
         older estimate. K = 0 shows in ROSS_STATUS.
 
         time_usec                 : Timestamp of the estimate (time since boot, or UNIX time). [us] (type:uint64_t)
         azimuth                   : Where the source is. [rad] (type:float)
-        azimuth_mirror            : Where it may be instead, mirrored at the axis. NaN: front is told from back, or no one axis was heard at. [rad] (type:float)
+        azimuth_mirror            : Where it may be instead, mirrored at the axis. NaN: front/back ambiguity resolved, or the axis was not at one heading while listening. [rad] (type:float)
         azimuth_sigma             : One standard deviation of the azimuth. [rad] (type:float)
         elevation                 : Elevation, up is positive. NaN: not estimated. [rad] (type:float)
         confidence                : Probability that there is a source here, 0 to 1. (type:float)
         weight                    : Share of the evidence, 0 to 1. (type:float)
-        score                     : How much it sounds like the enrolled voice when heard alone (log-likelihood ratio). NaN: not compared. (type:float)
+        score                     : How much it sounds like the enrolled voice when separated (log-likelihood ratio). NaN: not compared. (type:float)
         estimate                  : Number of the estimate; wraps. (type:uint16_t)
         source                    : Index of the source in the estimate, from 0. (type:uint8_t)
         count                     : Number of sources in the estimate (K). (type:uint8_t)
@@ -1741,17 +1740,17 @@ class MAVLink(object):
         """
         One source of an estimate; one message per source. Sent with every
         estimate, on change, and repeated every 5 s. The sources of
-        one estimate share estimate and count; forget those of an
+        one estimate share estimate and count; discard those of an
         older estimate. K = 0 shows in ROSS_STATUS.
 
         time_usec                 : Timestamp of the estimate (time since boot, or UNIX time). [us] (type:uint64_t)
         azimuth                   : Where the source is. [rad] (type:float)
-        azimuth_mirror            : Where it may be instead, mirrored at the axis. NaN: front is told from back, or no one axis was heard at. [rad] (type:float)
+        azimuth_mirror            : Where it may be instead, mirrored at the axis. NaN: front/back ambiguity resolved, or the axis was not at one heading while listening. [rad] (type:float)
         azimuth_sigma             : One standard deviation of the azimuth. [rad] (type:float)
         elevation                 : Elevation, up is positive. NaN: not estimated. [rad] (type:float)
         confidence                : Probability that there is a source here, 0 to 1. (type:float)
         weight                    : Share of the evidence, 0 to 1. (type:float)
-        score                     : How much it sounds like the enrolled voice when heard alone (log-likelihood ratio). NaN: not compared. (type:float)
+        score                     : How much it sounds like the enrolled voice when separated (log-likelihood ratio). NaN: not compared. (type:float)
         estimate                  : Number of the estimate; wraps. (type:uint16_t)
         source                    : Index of the source in the estimate, from 0. (type:uint8_t)
         count                     : Number of sources in the estimate (K). (type:uint8_t)
@@ -1763,12 +1762,12 @@ class MAVLink(object):
 
     def ross_alignment_encode(self, time_usec: int, aliased: int, heading: float, joint: float, isolation: float, plan: int, candidate: int, count: int, source: int, rule: int, state: int, frame: int, gain: float = 0) -> MAVLink_ross_alignment_message:
         """
-        One heading at which interferers pose as one; one message per
+        One heading at which interferers have the same delay; one message per
         candidate, in order of travel. Sent when planned, when the
         state of the candidate changes, and repeated every 5 s.
 
         time_usec                 : Timestamp of the plan (time since boot, or UNIX time). [us] (type:uint64_t)
-        aliased                   : The interferers that pose as one: bit i stands for source i. (type:uint32_t)
+        aliased                   : The interferers with the same delay: bit i stands for source i. (type:uint32_t)
         heading                   : Where the axis from microphone 1 to microphone 2 is to point. [rad] (type:float)
         joint                     : The joint angle for it, clockwise, not wrapped. [rad] (type:float)
         isolation                 : Predicted distance in time difference of arrival between the isolated source and its nearest neighbour. [us] (type:float)
@@ -1777,7 +1776,7 @@ class MAVLink(object):
         count                     : Number of candidates in the plan. (type:uint8_t)
         source                    : The source that is isolated, an index of ROSS_SOURCE. (type:uint8_t)
         rule                      : Why this heading. (type:uint8_t, values:ROSS_ALIGNMENT_RULE)
-        state                     : What became of it. (type:uint8_t, values:ROSS_CANDIDATE_STATE)
+        state                     : State of the candidate. (type:uint8_t, values:ROSS_CANDIDATE_STATE)
         frame                     : What heading is relative to. (type:uint8_t, values:ROSS_FRAME)
         gain                      : Predicted improvement of the scale-invariant signal-to-distortion ratio. 0: not predicted. [dB] (type:float)
 
@@ -1786,12 +1785,12 @@ class MAVLink(object):
 
     def ross_alignment_send(self, time_usec: int, aliased: int, heading: float, joint: float, isolation: float, plan: int, candidate: int, count: int, source: int, rule: int, state: int, frame: int, gain: float = 0, force_mavlink1: bool = False) -> None:
         """
-        One heading at which interferers pose as one; one message per
+        One heading at which interferers have the same delay; one message per
         candidate, in order of travel. Sent when planned, when the
         state of the candidate changes, and repeated every 5 s.
 
         time_usec                 : Timestamp of the plan (time since boot, or UNIX time). [us] (type:uint64_t)
-        aliased                   : The interferers that pose as one: bit i stands for source i. (type:uint32_t)
+        aliased                   : The interferers with the same delay: bit i stands for source i. (type:uint32_t)
         heading                   : Where the axis from microphone 1 to microphone 2 is to point. [rad] (type:float)
         joint                     : The joint angle for it, clockwise, not wrapped. [rad] (type:float)
         isolation                 : Predicted distance in time difference of arrival between the isolated source and its nearest neighbour. [us] (type:float)
@@ -1800,7 +1799,7 @@ class MAVLink(object):
         count                     : Number of candidates in the plan. (type:uint8_t)
         source                    : The source that is isolated, an index of ROSS_SOURCE. (type:uint8_t)
         rule                      : Why this heading. (type:uint8_t, values:ROSS_ALIGNMENT_RULE)
-        state                     : What became of it. (type:uint8_t, values:ROSS_CANDIDATE_STATE)
+        state                     : State of the candidate. (type:uint8_t, values:ROSS_CANDIDATE_STATE)
         frame                     : What heading is relative to. (type:uint8_t, values:ROSS_FRAME)
         gain                      : Predicted improvement of the scale-invariant signal-to-distortion ratio. 0: not predicted. [dB] (type:float)
 
@@ -1855,14 +1854,14 @@ class MAVLink(object):
 
     def ross_audio_encode(self, time_usec: int, lost: int, level: Sequence[float], peak: Sequence[float], waiting: float, rate: float, reopened: int, trouble: int) -> MAVLink_ross_audio_message:
         """
-        How the microphones are. Sent every second and when the trouble
+        State of the microphones. Sent every second and when the trouble
         changes.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         lost                      : Samples lost since the source was opened. (type:uint32_t)
         level                     : Level of microphones 1 and 2 over the last second, re full scale. [dB] (type:float)
         peak                      : Peak of microphones 1 and 2 over the last second, re full scale. [dB] (type:float)
-        waiting                   : Audio heard but not yet used. [s] (type:float)
+        waiting                   : Audio received but not yet processed. [s] (type:float)
         rate                      : Sampling rate, measured. NaN: not yet. [Hz] (type:float)
         reopened                  : Times that the source was opened again; wraps. (type:uint16_t)
         trouble                   : What is wrong. 0: nothing. (type:uint16_t, values:ROSS_AUDIO_TROUBLE)
@@ -1872,14 +1871,14 @@ class MAVLink(object):
 
     def ross_audio_send(self, time_usec: int, lost: int, level: Sequence[float], peak: Sequence[float], waiting: float, rate: float, reopened: int, trouble: int, force_mavlink1: bool = False) -> None:
         """
-        How the microphones are. Sent every second and when the trouble
+        State of the microphones. Sent every second and when the trouble
         changes.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         lost                      : Samples lost since the source was opened. (type:uint32_t)
         level                     : Level of microphones 1 and 2 over the last second, re full scale. [dB] (type:float)
         peak                      : Peak of microphones 1 and 2 over the last second, re full scale. [dB] (type:float)
-        waiting                   : Audio heard but not yet used. [s] (type:float)
+        waiting                   : Audio received but not yet processed. [s] (type:float)
         rate                      : Sampling rate, measured. NaN: not yet. [Hz] (type:float)
         reopened                  : Times that the source was opened again; wraps. (type:uint16_t)
         trouble                   : What is wrong. 0: nothing. (type:uint16_t, values:ROSS_AUDIO_TROUBLE)
@@ -1889,12 +1888,12 @@ class MAVLink(object):
 
     def ross_recording_encode(self, time_usec: int, duration: float, free: float, state: int, name: bytes, reason: bytes) -> MAVLink_ross_recording_message:
         """
-        What the recorder does. Sent every 5 s and when its state changes.
+        State of the recorder. Sent every 5 s and when its state changes.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         duration                  : Recorded in this session. [s] (type:float)
         free                      : Left on the disk. NaN: not known. [MiB] (type:float)
-        state                     : What it does. (type:uint8_t, values:ROSS_RECORDING_STATE)
+        state                     : State of the recorder. (type:uint8_t, values:ROSS_RECORDING_STATE)
         name                      : Name of the session folder. (type:char)
         reason                    : Why it stopped, in words. (type:char)
 
@@ -1903,12 +1902,12 @@ class MAVLink(object):
 
     def ross_recording_send(self, time_usec: int, duration: float, free: float, state: int, name: bytes, reason: bytes, force_mavlink1: bool = False) -> None:
         """
-        What the recorder does. Sent every 5 s and when its state changes.
+        State of the recorder. Sent every 5 s and when its state changes.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         duration                  : Recorded in this session. [s] (type:float)
         free                      : Left on the disk. NaN: not known. [MiB] (type:float)
-        state                     : What it does. (type:uint8_t, values:ROSS_RECORDING_STATE)
+        state                     : State of the recorder. (type:uint8_t, values:ROSS_RECORDING_STATE)
         name                      : Name of the session folder. (type:char)
         reason                    : Why it stopped, in words. (type:char)
 
@@ -1917,10 +1916,9 @@ class MAVLink(object):
 
     def ross_density_encode(self, time_usec: int, heading: float, itd_first: float, itd_last: float, exploration: int, rotation: int, frame: int, density: Sequence[int]) -> MAVLink_ross_density_message:
         """
-        What one orientation of the exploration heard: the density of time
-        differences of arrival; one message per orientation. Sent when
-        heard and repeated every 8 s; forget those of an older
-        exploration.
+        Density of time differences of arrival at one orientation of the
+        exploration; one message per orientation. Sent when measured
+        and repeated every 8 s; discard those of an older exploration.
 
         time_usec                 : Timestamp of the end of listening (time since boot, or UNIX time). [us] (type:uint64_t)
         heading                   : Where the axis from microphone 1 to microphone 2 pointed. [rad] (type:float)
@@ -1936,10 +1934,9 @@ class MAVLink(object):
 
     def ross_density_send(self, time_usec: int, heading: float, itd_first: float, itd_last: float, exploration: int, rotation: int, frame: int, density: Sequence[int], force_mavlink1: bool = False) -> None:
         """
-        What one orientation of the exploration heard: the density of time
-        differences of arrival; one message per orientation. Sent when
-        heard and repeated every 8 s; forget those of an older
-        exploration.
+        Density of time differences of arrival at one orientation of the
+        exploration; one message per orientation. Sent when measured
+        and repeated every 8 s; discard those of an older exploration.
 
         time_usec                 : Timestamp of the end of listening (time since boot, or UNIX time). [us] (type:uint64_t)
         heading                   : Where the axis from microphone 1 to microphone 2 pointed. [rad] (type:float)
@@ -1989,20 +1986,20 @@ class MAVLink(object):
 
     def ross_link_encode(self, time_usec: int, sent: int, dropped: int, received: int, lost: int, bad: int, refused: int, reconnects: int, link: int, count: int, flags: int, url: bytes) -> MAVLink_ross_link_message:
         """
-        How one link of the payload is, and what went through it since the
-        start; one message per link. Sent every 5 s.
+        State of one link of the payload, and its traffic since the start; one
+        message per link. Sent every 5 s.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         sent                      : Frames sent; wraps, like all counts here. (type:uint32_t)
-        dropped                   : Frames that had no room or no connection. (type:uint32_t)
+        dropped                   : Frames dropped: queue full or no connection. (type:uint32_t)
         received                  : Frames received. (type:uint32_t)
-        lost                      : Frames lost, by the sequence numbers of those heard. Invalid: some are missing, but a router may have kept them to itself. (type:uint32_t)
-        bad                       : What began like a frame and had a wrong checksum. (type:uint32_t)
+        lost                      : Frames lost, by the sequence numbers of those received. Invalid: some are missing, but a router may not have forwarded them. (type:uint32_t)
+        bad                       : Frames with a wrong checksum. (type:uint32_t)
         refused                   : Frames whose signature is missing, wrong or old. (type:uint32_t)
         reconnects                : Connections after the first one; wraps. (type:uint16_t)
         link                      : Index of the link in the configuration, from 0. (type:uint8_t)
         count                     : Number of links. (type:uint8_t)
-        flags                     : How it is. (type:uint8_t, values:ROSS_LINK_FLAGS)
+        flags                     : State of the link. (type:uint8_t, values:ROSS_LINK_FLAGS)
         url                       : Its URL. (type:char)
 
         """
@@ -2010,20 +2007,20 @@ class MAVLink(object):
 
     def ross_link_send(self, time_usec: int, sent: int, dropped: int, received: int, lost: int, bad: int, refused: int, reconnects: int, link: int, count: int, flags: int, url: bytes, force_mavlink1: bool = False) -> None:
         """
-        How one link of the payload is, and what went through it since the
-        start; one message per link. Sent every 5 s.
+        State of one link of the payload, and its traffic since the start; one
+        message per link. Sent every 5 s.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
         sent                      : Frames sent; wraps, like all counts here. (type:uint32_t)
-        dropped                   : Frames that had no room or no connection. (type:uint32_t)
+        dropped                   : Frames dropped: queue full or no connection. (type:uint32_t)
         received                  : Frames received. (type:uint32_t)
-        lost                      : Frames lost, by the sequence numbers of those heard. Invalid: some are missing, but a router may have kept them to itself. (type:uint32_t)
-        bad                       : What began like a frame and had a wrong checksum. (type:uint32_t)
+        lost                      : Frames lost, by the sequence numbers of those received. Invalid: some are missing, but a router may not have forwarded them. (type:uint32_t)
+        bad                       : Frames with a wrong checksum. (type:uint32_t)
         refused                   : Frames whose signature is missing, wrong or old. (type:uint32_t)
         reconnects                : Connections after the first one; wraps. (type:uint16_t)
         link                      : Index of the link in the configuration, from 0. (type:uint8_t)
         count                     : Number of links. (type:uint8_t)
-        flags                     : How it is. (type:uint8_t, values:ROSS_LINK_FLAGS)
+        flags                     : State of the link. (type:uint8_t, values:ROSS_LINK_FLAGS)
         url                       : Its URL. (type:char)
 
         """

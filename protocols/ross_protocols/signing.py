@@ -91,8 +91,8 @@ class Trust(Enum):
     """What the signature of a packet is worth."""
 
     BELIEVED = "believed"
-    UNSAVED = "of a time that is not on the disk yet: after a crash it could be played again"
-    OLD = "signed with our key, and of a time that is over: it may have been played again"
+    UNSAVED = "its timestamp is not saved to disk yet: after a crash it could be replayed"
+    OLD = "signed with our key, but its timestamp is old: it may be a replay"
     REFUSED = "not signed with our key"
 
 

@@ -134,7 +134,7 @@ class Guard:
         state = self.state()
         if not state.healthy:
             self._fault = state.fault
-            raise ActuatorFault(f"still not well: {state.fault}")
+            raise ActuatorFault(f"still at fault: {state.fault}")
 
     def home(self) -> None:
         """Begin to find (or declare) the zero; also what clears a lost position after a fault.

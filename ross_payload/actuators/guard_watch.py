@@ -101,14 +101,14 @@ class Watch:
             wanted = "homed" if self.doing == HOMING else "at rest at the goal"
             return f"at {math.degrees(state.angle):.2f} deg, not {wanted} after {self._rules.max_move_s:g} s"
         if now > self._rest_by:
-            return f"told to stop, it still turns at {math.degrees(state.rate):.1f} deg/s"
+            return f"still turning after a stop, at {math.degrees(state.rate):.1f} deg/s"
         return ""
 
     def _straying(self, state: ActuatorState, able: Capabilities) -> str:
         if self.goal is None:
             return ""
         if beyond(self.goal, able):
-            return f"the goal {math.degrees(self.goal):.2f} deg is outside the travel that the device tells"
+            return f"the goal {math.degrees(self.goal):.2f} deg is outside the travel that the device reports"
         if beyond(state.angle, able) > self._room:
             return f"at {math.degrees(state.angle):.2f} deg, beyond its limits"
         return ""

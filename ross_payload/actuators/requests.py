@@ -26,7 +26,7 @@ class Ask(Enum):
     RELEASE = "release"
     TAKE_CONTROL = "take control"
     RELEASE_CONTROL = "release control"
-    BRAKE = "brake what others turn"
+    BRAKE = "decelerate a motion of another controller"
 
 
 class Requests:

@@ -9,21 +9,21 @@ from pathlib import Path
 import click
 
 
-@click.command("devices", short_help="List microphones, and find out which is which.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON, and nothing else.")
+@click.command("devices", short_help="List microphones, or identify them by tapping.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON only.")
 @click.option(
     "--tap",
     "config",
     type=click.Path(path_type=Path),
     metavar="CONFIG",
-    help="Instead, ask you to tap both microphones of a configuration: are they swapped?",
+    help="Check by tapping whether the microphones of a configuration are swapped.",
 )
 @click.option(
     "--wait",
     "awaited",
     type=click.Path(path_type=Path),
     metavar="CONFIG",
-    help="Instead, wait a minute at most until the microphones of a configuration can be opened.",
+    help="Wait up to a minute until the microphones of a configuration can be opened.",
 )
 def command(*, as_json: bool, config: Path | None, awaited: Path | None) -> None:
     """List the devices that can record, and the preset ([audio] preset) that fits the name of each.
@@ -49,4 +49,4 @@ def command(*, as_json: bool, config: Path | None, awaited: Path | None) -> None
     elif found:
         Console().print(table(found))
     else:
-        click.echo("No device can record. Is it plugged in, and may you use it (group 'audio')?")
+        click.echo("No device can record. Is it plugged in, and is this user in the group 'audio'?")

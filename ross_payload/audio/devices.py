@@ -83,7 +83,7 @@ def device_named(module: Any, name: str) -> Device:
         raise AudioError(f"audio.source: no microphones named '{name}'; there are: {_listed(there)}")
     if len(chosen) > 1:
         raise AudioError(
-            f"audio.source: '{name}' matches more than one device: {_listed(chosen)}; give more of the name"
+            f"audio.source: '{name}' matches more than one device: {_listed(chosen)}; use a longer part of the name"
         )
     return chosen[0]
 

@@ -84,7 +84,7 @@ class Keeper:
             return
         if self._feed is not None and self._feed.alive and now - self._heard[1] < STALE:
             return
-        self._say(self.trouble or "the microphones are gone")
+        self._say(self.trouble or "the microphones were disconnected")
         self._busy = True
         self._worker = self._start(self._attempt)
 
@@ -113,7 +113,7 @@ class Keeper:
         if trouble and trouble != before:
             log.warning("%s", trouble)
         elif before and not trouble:
-            log.info("the microphones are back")
+            log.info("the microphones recovered")
 
     def _drop(self) -> None:
         feed, self._feed = self._feed, None

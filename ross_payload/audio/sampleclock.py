@@ -34,7 +34,7 @@ class SampleClock:
     Parameters
     ----------
     rate
-        As asked of the sound card [Hz].
+        As requested from the sound card [Hz].
     time
         Of sample 0 [s].
     """

@@ -45,7 +45,7 @@ class Config(Table):
     def _one_gimbal(self) -> Config:
         mode, number = self.gimbal.mode, self.gimbal.component_id
         if mode != "off" and self.actuator.kind == "mavlink_gimbal":
-            raise ValueError(f"gimbal.mode: expected 'off', for a mavlink_gimbal shows itself, got '{mode}'")
+            raise ValueError(f"gimbal.mode: expected 'off', as a mavlink_gimbal announces itself, got '{mode}'")
         if mode != "off" and number == self.telemetry.component_id:
             raise ValueError(
                 f"gimbal.component_id: expected another id than telemetry.component_id, got {number} for both"

@@ -1,4 +1,4 @@
-"""The tables of what hears and what turns: array, audio, actuator, guard, mount."""
+"""The tables of microphones and actuator: array, audio, actuator, guard, mount."""
 
 from __future__ import annotations
 
@@ -35,16 +35,16 @@ class Audio(Table):
     )
     gain_db: tuple[Decibels, Decibels] = (0.0, 0.0)  # added to microphones 1 and 2
     invert: tuple[bool, bool] = (False, False)  # a microphone whose polarity is wrong
-    latency_ms: Annotated[float, Field(gt=0, le=1000)] = 50.0  # asked of the sound card
+    latency_ms: Annotated[float, Field(gt=0, le=1000)] = 50.0  # requested from the sound card
     buffer_s: Annotated[float, Field(ge=1, le=600)] = 60.0  # audio that waits while a separation computes
     rate_hz: Annotated[int, Field(ge=16000, le=48000)] = 16000  # of both microphones [Hz]
-    hop_ms: Annotated[int, Field(ge=1, le=20)] = 10  # one step of the mission: a stop is obeyed within it [ms]
+    hop_ms: Annotated[int, Field(ge=1, le=20)] = 10  # one step of the mission: a stop takes effect within it [ms]
     frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] = 2048  # STFT frame of the separation [samples]
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of neighbouring frames, as a share of the frame
 
 
 class Actuator(Table):
-    """[actuator]: what turns the array; options are the back end's own."""
+    """[actuator]: the actuator that turns the array; options belong to the back end."""
 
     kind: str = "tb6600"  # back end, see `ross actuators`
     options: dict[str, Any] = Field(default_factory=dict)  # a table of the back end's own
@@ -53,8 +53,8 @@ class Actuator(Table):
 class Guard(Table):
     """[guard]: limits and what to do on a fault."""
 
-    lower_deg: Degrees = -200.0  # lowest joint angle, never below the hardware's own
-    upper_deg: Degrees = 200.0  # highest joint angle, never above the hardware's own
+    lower_deg: Degrees = -200.0  # lowest joint angle, never below the hardware's
+    upper_deg: Degrees = 200.0  # highest joint angle, never above the hardware's
     max_speed_deg_s: Positive = 225.0  # no move is faster
     max_acceleration_deg_s2: Positive = 112.5  # no move accelerates or brakes harder
     max_move_s: Positive = 30.0  # a move that takes longer is a fault [s]
@@ -82,5 +82,5 @@ class Mount(Table):
     yaw_deg: Degrees | None = (
         None  # of a fixed base, clockwise from north as on a compass; absent: unknown, mount frame
     )
-    fresh_s: Positive = 0.5  # an attitude that is older is not known
-    follow_deg: Annotated[float, Field(ge=0.1, le=45)] = 2.0  # while listening, turn when the heading is off by more
+    fresh_s: Positive = 0.5  # an older attitude counts as unknown
+    follow_deg: Annotated[float, Field(ge=0.1, le=45)] = 2.0  # while listening, turn at a larger heading error

@@ -10,13 +10,13 @@ from ross_payload.config.base import Table
 
 
 class Dronecan(Table):
-    """[dronecan]: the payload as a node on a DroneCAN bus; whoever is on the bus may talk to it."""
+    """[dronecan]: the payload as a node on a DroneCAN bus; every node on the bus can command it."""
 
     port: Annotated[str, Field(pattern="^(can:.+)?$")] = ""  # can:INTERFACE:CHANNEL[:BITRATE]; empty: no node
     node_id: Annotated[int, Field(ge=0, le=125)] = (
         121  # nobody else may have it; 0: asked of an allocator on the bus, mostly the autopilot
     )
-    allocator: bool = False  # give ids to nodes that ask for one; only where nobody else on the bus does
+    allocator: bool = False  # assign ids to nodes that request one; only if no other node does
     may_set: bool = True  # other nodes may set parameters, not only read them
     may_restart: bool = False  # other nodes may restart the payload while no task runs
     status_hz: Annotated[float, Field(gt=0, le=20)] = 5.0  # ross.Status
@@ -29,5 +29,5 @@ class Dronecan(Table):
                 f"node_id: expected none of 100 to 105, which autopilots take for cameras, got {self.node_id}"
             )
         if self.allocator and not self.node_id:
-            raise ValueError("node_id: expected an id of its own, for allocator = true gives ids to others, got 0")
+            raise ValueError("node_id: expected an id of its own, as allocator = true assigns ids to others, got 0")
         return self

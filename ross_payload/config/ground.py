@@ -12,21 +12,21 @@ SystemId = Annotated[int, Field(ge=1, le=255)]
 
 
 class Link(Table):
-    """[[links]]: one way to the outside; each has its own parser, writer and budget."""
+    """[[links]]: one MAVLink connection; each has its own parser, writer and budget."""
 
     url: str  # udpin:, udpout:, tcp: or tcpin:host:port, serial:device:baud or serial:device:auto
     role: Literal["ground", "autopilot"] = (
         "ground"  # autopilot: attitude and system id come from it; ROSS_* ride in TUNNEL
     )
-    key_file: str = ""  # 32 bytes or 64 hex digits, mode 0600: sign what is sent, hear only what is signed with it
-    accept: tuple[SystemId, ...] = ()  # system ids that may order something, others are heard only; empty: all
+    key_file: str = ""  # 32 bytes or 64 hex digits, mode 0600: sign what is sent, accept only what is signed with it
+    accept: tuple[SystemId, ...] = ()  # system ids that may send commands, others are only received; empty: all
     max_bytes_s: Annotated[int, Field(ge=0)] = (
         0  # budget of what is sent [bytes/s]; 0: half of a serial baud rate, else none
     )
 
 
 class Telemetry(Table):
-    """[telemetry]: who we are on MAVLink and how often we speak."""
+    """[telemetry]: identity and rates on MAVLink."""
 
     system_id: Annotated[int, Field(ge=0, le=255)] = 1  # of the vehicle; 0: taken from the autopilot's heartbeat
     component_id: Annotated[int, Field(ge=2, le=255)] = 191  # 191: onboard computer; 1 is the autopilot
@@ -35,20 +35,20 @@ class Telemetry(Table):
 
 
 class Gimbal(Table):
-    """[gimbal]: the array as a MAVLink gimbal, which shows where it points and may be pointed by hand."""
+    """[gimbal]: the array as a MAVLink gimbal, which reports where it points and can be pointed by the pilot."""
 
     mode: Literal["off", "standalone", "device"] = (
         "off"  # standalone: we are its manager, too; device: the autopilot is; with mavlink_gimbal only off
     )
-    component_id: Literal[0, 154, 171, 172, 173, 174, 175] = 0  # 0: 154, or the next one that nobody has
+    component_id: Literal[0, 154, 171, 172, 173, 174, 175] = 0  # 0: 154, or the next free one
 
 
 class Service(Table):
-    """[service]: how `ross run` lives."""
+    """[service]: start and state of `ross run`."""
 
     state_dir: str = ""  # parameters set in flight, signing time; empty: $STATE_DIRECTORY, else ~/.local/state/ross
-    autostart: Literal["nothing", "explore", "seek"] = "nothing"  # what to do at start without being asked
-    target: str = ""  # name of the enrolled voice; empty: nobody is sought
+    autostart: Literal["nothing", "explore", "seek"] = "nothing"  # what to do at start without a command
+    target: str = ""  # name of the enrolled voice; empty: no target
     log_level: Literal["debug", "info", "warning", "error"] = "info"
     log_format: Literal["text", "json"] = "text"
 
@@ -57,9 +57,9 @@ class Recording(Table):
     """[recording]: sessions on disk; personal data, so only on request."""
 
     folder: str = ""  # empty: recordings below the state folder
-    always: bool = False  # record from start to end without being asked
+    always: bool = False  # record from start to end without a command
     max_gb: Annotated[float, Field(gt=0, le=10_000)] = 4.0  # of all sessions together; the oldest go first
     max_days: Annotated[float, Field(gt=0, le=3650)] = 30.0  # older sessions are deleted
     min_free_gb: Annotated[float, Field(ge=0, le=10_000)] = 0.5  # left on the disk, else recording stops
-    offer_ftp: bool = False  # let peers that may order read recordings over MAVLink FTP
+    offer_ftp: bool = False  # let peers that may send commands read recordings over MAVLink FTP
     ftp_bytes_s: Annotated[float, Field(ge=100, le=1_000_000)] = 50_000.0  # at most, and half of the link's budget

@@ -24,12 +24,12 @@ class Explore(Table):
         None  # STFT frame [samples]; absent: about 43 ms
     )
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of these frames, as a share of the frame
-    lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listened to before anything turns, for the noise
+    lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listening time before the first turn, to measure the noise
     unit_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_unit
     step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation
-    min_rotations: Annotated[int, Field(ge=1, le=24)] = 4  # at least so many, however certain the explorer is
-    max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # at most so many
-    pipelined: bool = False  # go to promising alignments before the exploration ends
+    min_rotations: Annotated[int, Field(ge=1, le=24)] = 4  # minimum number, even if the explorer is certain earlier
+    max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # maximum number
+    pipelined: bool = False  # try promising alignments before the exploration ends
 
     @model_validator(mode="after")
     def _ordered(self) -> Explore:
@@ -41,7 +41,7 @@ class Explore(Table):
 
 
 class Informed(Table):
-    """[informed]: where the sources are, told from outside; the mission begins without exploring."""
+    """[informed]: given directions of the sources; the mission begins without exploring."""
 
     azimuths_deg: Azimuths  # frame of the mount, as in a scenario
     elevations_deg: tuple[Elevation, ...] | None = None  # one for each azimuth; absent: level with the array

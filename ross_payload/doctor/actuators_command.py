@@ -7,12 +7,12 @@ from pathlib import Path
 import click
 
 CODES = {"ok": 0, "warn": 1, "fail": 2}
-EPILOG = """Ctrl-C stops it at any moment. Exit codes: 0 all is well, 1 with warnings, 2 something must be fixed or bad
-input, 130 stopped by hand."""
+EPILOG = """Ctrl-C stops it at any moment. Exit codes: 0 no problems, 1 with warnings, 2 something must be fixed or bad
+input, 130 stopped by the user."""
 
 
 @click.group("actuators", invoke_without_command=True, short_help="List the actuator back ends, or probe one.")
-@click.option("--json", "as_json", is_flag=True, help="For machines.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.pass_context
 def command(context: click.Context, as_json: bool) -> None:
     """List the actuator back ends and whether they can be used here."""
@@ -31,12 +31,12 @@ def command(context: click.Context, as_json: bool) -> None:
         click.echo(listed(f"{row.name:<16} {'usable' if row.usable else 'not usable':<11} ", row.about))
 
 
-@command.command("probe", short_help="Look at what turns the array: the first thing to do with it.", epilog=EPILOG)
+@command.command("probe", short_help="Check the actuator: do this first with new hardware.", epilog=EPILOG)
 @click.argument("config", type=click.Path(path_type=Path))
-@click.option("--move", is_flag=True, help="Also turn it by 5 deg and back, slowly; you are asked before.")
+@click.option("--move", is_flag=True, help="Also turn it by 5 deg and back, slowly, after a confirmation.")
 @click.option("--home", is_flag=True, help="Also have it find or declare its zero; it may turn.")
-@click.option("--yes", is_flag=True, help="Do not ask.")
-@click.option("--json", "as_json", is_flag=True, help="For machines.")
+@click.option("--yes", is_flag=True, help="Do not ask for confirmation.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def probe_command(*, config: Path, move: bool, home: bool, yes: bool, as_json: bool) -> int:
     """Open the actuator of a payload's TOML file CONFIG and tell what it is, what it reports, and how well it moves.
 

@@ -11,7 +11,7 @@ EPILOG = "Exit codes: 0 it will run, perhaps with warnings; 2 something must be 
 
 @click.command("doctor", short_help="Can this computer run a configuration? What to do if not.", epilog=EPILOG)
 @click.argument("config", type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="For machines.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(config: Path, as_json: bool) -> int:
     """Check devices, permissions, links, clock, disk and speed for a payload's TOML file CONFIG; nothing moves.
 

@@ -44,7 +44,7 @@ def start(config: Config, machine: Machine) -> Iterator[Finding]:
 
 
 def _closed(url: str) -> NoReturn:
-    raise ActuatorError(f"the doctor opens no wire, got '{url}'")
+    raise ActuatorError(f"the doctor does not open wires, got '{url}'")
 
 
 def _travel(config: Config, capabilities: Capabilities) -> Iterator[Finding]:

@@ -75,7 +75,7 @@ def can(config: Config, machine: Machine) -> Iterator[Finding]:
 def links(config: Config, machine: Machine) -> Iterator[Finding]:
     """Whether every link can be opened: address, free port, key; and who may talk to it."""
     if not config.links:
-        yield warn("links", "none: nobody receives telemetry or can command the payload", "add [[links]]")
+        yield warn("links", "none: no telemetry is sent and no commands are received", "add [[links]]")
     for link in config.links:
         try:
             address = parse(link.url)

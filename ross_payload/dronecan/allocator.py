@@ -66,7 +66,7 @@ class Allocator:
     def _meet(self, rival: int) -> None:
         """Two allocators would give one id to two nodes: we give way."""
         if self._rival is None:
-            log.warning("DroneCAN: node %d gives node ids too: we give none any more", rival)
+            log.warning("DroneCAN: node %d allocates node ids, too: our allocator stops", rival)
         self._rival = rival
 
     def _take(self, asked: Allocation, now: float) -> None:
@@ -78,11 +78,11 @@ class Allocator:
         self._so_far, self._heard_at = self._so_far + asked.unique_id, now
         given = self._id_for(self._so_far, asked.node_id, now) if len(self._so_far) == UNIQUE else 0
         if given is None:
-            log.warning("DroneCAN: a node asks for an id, and all are in use")
+            log.warning("DroneCAN: a node requests an id, but all are in use")
             return
         self._node.send(Allocation(given, self._so_far))
         if given:
-            log.info("DroneCAN: gave node id %d to %s", given, self._so_far.hex())
+            log.info("DroneCAN: assigned node id %d to %s", given, self._so_far.hex())
             self._so_far = b""
 
     def _id_for(self, unique_id: bytes, wanted: int, now: float) -> int | None:

@@ -82,7 +82,7 @@ def _write(path: Path, text: str) -> None:
     try:
         replace_file(path, text)
     except OSError as error:
-        log.warning("%s: cannot be written: %s; other nodes will not know us again", path, error.strerror)
+        log.warning("%s: cannot be written: %s; a restart will look like a new node", path, error.strerror)
 
 
 def _found(path: Path) -> tuple[bytes, int, dict[bytes, int]] | None:
@@ -95,7 +95,7 @@ def _found(path: Path) -> tuple[bytes, int, dict[bytes, int]] | None:
         why = f"cannot be read: {error.strerror}"
     except (ValueError, KeyError, TypeError, AttributeError):
         why = "damaged"
-    log.warning("%s: %s; %s; other nodes take us for a new one", path, why, set_aside(path, "unreadable"))
+    log.warning("%s: %s; %s; other nodes take this payload for a new one", path, why, set_aside(path, "unreadable"))
     return None
 
 

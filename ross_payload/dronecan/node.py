@@ -187,7 +187,7 @@ class Node:
             if given is not None:
                 self._take_id(given)
                 self._allocated(given)
-                log.info("DroneCAN: node %d gave us node id %d", heard.node, given)
+                log.info("DroneCAN: node %d assigned us node id %d", heard.node, given)
         for call in self._calls:
             call(heard, self._now)
 
@@ -222,16 +222,16 @@ class Node:
             self._asked += 1
             self._out([ask.asked(allocatee.discriminator, self._asked)])
         if self._now - self._asking_since > PATIENCE:
-            self._note("id", "no node id yet: nobody on the bus gives one")
+            self._note("id", "no node id yet: no allocator on the bus answers")
 
     def _clash(self) -> None:
         """Somebody else has our id: take another one where that is ours to do, else be silent while he is there."""
         if not self._identity.node_id:
-            self._note("id", f"another node on the bus has our node id {self._id}: asking for another one")
+            self._note("id", f"another node on the bus has our node id {self._id}: requesting another one")
             self._take_id(0)
             self._ask_for_id(0, self._now)
             return
-        self._note("id", f"another node on the bus has our node id {self._id}: silent until it has gone")
+        self._note("id", f"another node on the bus has our node id {self._id}: not transmitting until it leaves")
         self._clash_until = self._now + QUIET
 
     # ------------------------------------------------------------------------------------- out
@@ -261,4 +261,4 @@ class Node:
         if trouble and trouble != before:
             log.warning("DroneCAN: %s", trouble)
         elif before and not trouble:
-            log.info("DroneCAN: over: %s", before)
+            log.info("DroneCAN: resolved: %s", before)

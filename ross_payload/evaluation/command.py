@@ -32,7 +32,7 @@ axis, as long as all do. Exit codes: 0 done, 2 bad input, 1 the results could no
 @click.option("--separator", "-p", help="Separator, instead of the configuration's (auto).")
 @click.option("--config", "file", type=click.Path(path_type=Path), help="The payload's TOML file: array, rate, frames.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the separated voices and report.json.")
-@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON, and nothing else.")
+@click.option("--json", "as_json", is_flag=True, help="Print only the report, as JSON.")
 def command(
     *,
     mixture: Path,

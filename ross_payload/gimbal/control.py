@@ -51,5 +51,5 @@ def _named(system: float, component: float, who: Address, before: Address) -> Ad
     if system == component and system in meanings:
         return meanings[int(system)]
     if not all(0 <= number <= LARGEST_ID and number % 1 == 0 for number in (system, component)):
-        raise ConfigError(f"found {system:g}/{component:g}, wanted two ids, or twice -1, -2 or -3")
+        raise ConfigError(f"expected two ids, or twice -1, -2 or -3, got {system:g}/{component:g}")
     return int(system), int(component)

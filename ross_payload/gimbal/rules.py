@@ -110,7 +110,7 @@ class Rules:
             if self._watch.busy:
                 self._watch.cancelled(self._hand.cancel())
         if control.primary != self._control.primary:
-            log.info("%s is in control, as %d/%d wished", _named(control.primary), *who)
+            log.info("%s is in control, as %d/%d requested", _named(control.primary), *who)
             if self._watch.hand or self._hand.aim is not None:
                 self._hand.still()
         self._control = control
@@ -138,7 +138,7 @@ class Rules:
     def _forbidden(self, who: Address) -> str:
         if self._watch.busy:
             return "a task of the mission runs: take control first"
-        return "" if self._control.allows(who) else "somebody else is in control"
+        return "" if self._control.allows(who) else "another component is in control"
 
 
 def _named(who: Address) -> str:

@@ -65,7 +65,7 @@ class Gimbal:
         tap: Callable[[bytes], None] = lambda frame: None,
     ) -> None:
         if config.gimbal.mode == "device" and not any(link.role == "autopilot" for link in links.status()):
-            raise ConfigError('gimbal.mode = "device": wanted a link of role "autopilot", found none')
+            raise ConfigError('gimbal.mode = "device": expected a link with role "autopilot", got none')
         self._config = config
         self._tap = tap
         self._clock = clock

@@ -107,7 +107,7 @@ class SigningTime:
         """See what has become of the latest attempt to raise the bound."""
         if not saving.done():
             if now - self._begun > HUNG:
-                self.trouble = f"{self._path}: the disk does not answer"
+                self.trouble = f"{self._path}: the disk does not respond"
             return
         self._saving, error = None, saving.exception()
         if error is None:
@@ -132,7 +132,7 @@ class SigningTime:
         ahead = self.ahead
         if ahead and not self._warned:
             self._warned = True
-            remedy = f"set the clock of whoever is ahead; then stop, delete {self._path}, and give all sides a new key"
+            remedy = f"correct the clock that is ahead; then stop, delete {self._path}, and give all sides a new key"
             log.warning("%s; %s", ahead, remedy)
 
     def close(self) -> None:
@@ -159,7 +159,7 @@ class SigningTime:
             written = os.lstat(self._path).st_mtime if os.path.lexists(self._path) else 0.0
             bound = max(timestamp_of(self._unix()), timestamp_of(written) + STEP)
             where = set_aside(self._path, "unreadable")
-            log.warning("%s: damaged; %s; what was signed before now is not believed", self._path, where)
+            log.warning("%s: damaged; %s; messages signed before now are rejected", self._path, where)
         return bound
 
     def _save(self, bound: int) -> int:

@@ -52,7 +52,7 @@ class TcpOpener:
         try:
             done = _connected(self._socket)
             if not done and now > self._deadline:
-                raise TimeoutError(0, "nobody answers")
+                raise TimeoutError(0, "no answer")
         except OSError:
             self.close()
             raise
@@ -168,7 +168,7 @@ class TcpServer:
         """Close the connections that were not admitted within ``patience`` [s]."""
         late = [n for n, client in self._clients.items() if not client.admitted and now - client.since > patience]
         for number in late:
-            self._lose(number, f"a client has not shown the key within {patience:g} s")
+            self._lose(number, f"a client has sent nothing signed with the key within {patience:g} s")
 
     def close(self) -> None:
         """Close the port and every connection."""

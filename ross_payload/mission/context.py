@@ -60,7 +60,7 @@ class Settings:
     rotation: float  # one step of the exploration [rad]
     min_rotations: int
     max_rotations: int
-    pipelined: bool  # go to promising alignments before the exploration ends
+    pipelined: bool  # try promising alignments before the exploration ends
     check: float  # T_check [s]
     run: float  # T_run [s]
     runs: int  # how many T_run until done, 0: until stopped
@@ -247,7 +247,7 @@ def _obey(context: Context, order: Order) -> None:
         case Cancel():
             raise Ended(Outcome.STOPPED, "cancelled by command", order)
         case Task() if context.yields:
-            raise Ended(Outcome.STOPPED, "another task was ordered", order)
+            raise Ended(Outcome.STOPPED, "another task was commanded", order)
         case Set():
             context.later.append(order)
         case _:

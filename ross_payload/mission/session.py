@@ -137,7 +137,7 @@ class Session:
         if heard.fault:
             self._answer(order, Answer.REFUSED, heard.fault)
         else:
-            self._enter(State.IDLE, "armed again")
+            self._enter(State.IDLE, "re-armed")
             self._answer(order, Answer.ACCEPTED)
 
     def _task(self, task: Task) -> Step[Order | None]:

@@ -13,7 +13,7 @@ from ross_payload.mission.slips import survey
 
 
 def mission(settings: Settings, tools: Tools, informed: Estimate | None = None, target: int | None = None) -> Mission:
-    """Find the target, turn so that its interferers pose as one, and keep listening.
+    """Find the target, turn so that its interferers have the same delay, and keep listening.
 
     Prime it with ``next``; then send one Input for every Output. It returns a Result, and its last Output carries the
     Finished event and asks for a stop of the motion.

@@ -49,7 +49,7 @@ class Memory:
     earth: bool = False  # the frame of its azimuths
     explored: bool = False  # it was heard, not told
     noise: Samples | None = None  # heard at rest while nobody talked, (2, n)
-    stopped: bool = False  # by an order, and not armed again
+    stopped: bool = False  # by an order, and not re-armed
     samples: int = 0  # heard since the session began
     starting: bool = False  # nothing was ordered yet, and the actuator has not been well yet
 

@@ -134,15 +134,15 @@ def recall(config: Config, kept: Mapping[str, Kept]) -> tuple[Config, dict[str, 
     notes = []
     for name, entry in kept.items():
         if name not in TABLE:
-            notes.append(f"{name}: this version has no such parameter: dropped")
+            notes.append(f"{name}: this version has no such parameter: discarded")
         elif (said := value_of(config, name)) == entry.replaced:
             held[name] = entry
         elif said != entry.value:
             notes.append(
-                f"{name}: the configuration says {said:g}, no longer {entry.replaced:g}: {entry.value:g} is dropped"
+                f"{name}: the configuration says {said:g}, no longer {entry.replaced:g}: {entry.value:g} is discarded"
             )
     config, refused = _together(config, {name: entry.value for name, entry in held.items()})
-    notes += [f"{reason}: dropped" for reason in refused.values()]
+    notes += [f"{reason}: discarded" for reason in refused.values()]
     return config, {name: entry for name, entry in held.items() if name not in refused}, notes
 
 

@@ -49,18 +49,18 @@ def _table(*rows: Parameter) -> dict[str, Parameter]:
 
 
 TABLE = _table(
-    Parameter("EXP_LEAD_IN", "explore.lead_in_s", 0, 60, "s", "Listened to before anything turns, for the noise."),
+    Parameter("EXP_LEAD_IN", "explore.lead_in_s", 0, 60, "s", "Listening time before the first turn (noise)."),
     Parameter("EXP_UNIT", "explore.unit_s", 0.5, 60, "s", "Listening time at one orientation (T_unit)."),
     Parameter("EXP_STEP", "explore.step_deg", 1, 90, "deg", "One rotation of the exploration."),
-    Parameter("EXP_MIN_ROT", "explore.min_rotations", 1, 24, "", "At least so many rotations.", whole=True),
-    Parameter("EXP_MAX_ROT", "explore.max_rotations", 1, 24, "", "At most so many rotations.", whole=True),
-    Parameter("EXP_PIPELINED", "explore.pipelined", 0, 1, "", "1: go to promising headings early.", whole=True),
+    Parameter("EXP_MIN_ROT", "explore.min_rotations", 1, 24, "", "Minimum number of rotations.", whole=True),
+    Parameter("EXP_MAX_ROT", "explore.max_rotations", 1, 24, "", "Maximum number of rotations.", whole=True),
+    Parameter("EXP_PIPELINED", "explore.pipelined", 0, 1, "", "1: visit promising headings early.", whole=True),
     Parameter("XPL_CHECK", "exploit.check_s", 0.5, 60, "s", "Listening time at a candidate (T_check)."),
     Parameter("XPL_RUN", "exploit.run_s", 1, 600, "s", "Listening time of one delivered voice (T_run)."),
-    Parameter("XPL_RUNS", "exploit.runs", 0, 10000, "", "How many T_run; 0: until stopped.", whole=True),
+    Parameter("XPL_RUNS", "exploit.runs", 0, 10000, "", "Number of T_run; 0: until stopped.", whole=True),
     Parameter("XPL_CRITERION", "exploit.criterion", -50, 50, "", "A voice above this score is the target."),
-    Parameter("XPL_RESTARTS", "exploit.max_restarts", 0, 100, "", "New starts when the target is lost.", whole=True),
-    Parameter("MNT_FOLLOW", "mount.follow_deg", 0.1, 45, "deg", "Turn when the heading is off by more."),
+    Parameter("XPL_RESTARTS", "exploit.max_restarts", 0, 100, "", "Restarts after the target is lost.", whole=True),
+    Parameter("MNT_FOLLOW", "mount.follow_deg", 0.1, 45, "deg", "Turn when the heading error exceeds this."),
     Parameter("TLM_STATUS_HZ", "telemetry.status_hz", 0.1, 50, "Hz", "Rate of ROSS_STATUS."),
     Parameter("TLM_MIRROR_HZ", "telemetry.mirror_hz", 0, 10, "Hz", "Rate of NAMED_VALUE_FLOAT; 0: never."),
 )  # by name, in the order of their indices on the wire

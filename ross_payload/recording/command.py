@@ -12,13 +12,13 @@ from ross_payload.bounded_files import printable
 FOLDER = click.option(
     "--folder",
     type=click.Path(path_type=Path),
-    help="Of the sessions; default: as `ross run` without a file keeps them.",
+    help="Folder of the sessions; default: that of `ross run`.",
 )
 
 
 @click.group("sessions", short_help="List, check and delete recorded sessions.", invoke_without_command=True)
 @FOLDER
-@click.option("--json", "as_json", is_flag=True, help="For machines.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.pass_context
 def command(context: click.Context, folder: Path | None, as_json: bool) -> None:
     """List recorded sessions, the oldest first.
@@ -58,9 +58,9 @@ def delete(shelf: Any, names: tuple[str, ...]) -> None:
 
 @command.command("check")
 @click.argument("folder", metavar="SESSION", type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="For machines.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def check(folder: Path, as_json: bool) -> None:
-    """Tell what is in the folder SESSION, and whether it is whole."""
+    """Show what the folder SESSION contains, and whether it is complete."""
     import json
     from dataclasses import asdict
 
@@ -74,7 +74,7 @@ def check(folder: Path, as_json: bool) -> None:
         return
     click.echo(
         printable(
-            f"{known.kind}, {f'looks for {known.voice}' if known.voice else 'looks for nobody'}, {ended(known.end)}"
+            f"{known.kind}, {f'target voice {known.voice}' if known.voice else 'no target voice'}, {ended(known.end)}"
         )
     )
     click.echo(f"{found.inputs} Inputs, {found.seconds:.2f} s, {found.orders} orders, {found.events} events")

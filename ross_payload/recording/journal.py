@@ -92,8 +92,8 @@ def order_of(values: Mapping[str, Any]) -> Order:
     kind = ORDERS.get(str(rest.pop("order", None)))
     try:
         if kind is None:
-            raise ConfigError(f"the recording holds an order that this program does not know: {values}")
+            raise ConfigError(f"the recording contains a command that this program does not know: {values}")
         order: Order = TypeAdapter(kind).validate_python(rest)
     except ValidationError as error:
-        raise ConfigError(f"the recording holds an order that this program does not understand: {values}") from error
+        raise ConfigError(f"the recording contains a command that this program cannot read: {values}") from error
     return order

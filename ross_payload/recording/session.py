@@ -157,7 +157,7 @@ class Session:
         if known.version != manifest.VERSION:
             yield f"session.json: expected version {manifest.VERSION}, got {known.version}: read as far as it goes"
         if known.end is None:
-            yield "cut off: nothing says how it ended; at most the last second is missing"
+            yield "cut off: its end was not recorded; at most the last second is missing"
         for name, read in (("inputs.jsonl", found.inputs), ("events.jsonl", found.events)):
             lines = sum(1 for _ in _lines(self.path / name))
             if lines > read:
@@ -165,7 +165,7 @@ class Session:
         if length < samples:
             yield f"audio.wav: {(samples - length) / rate:.2f} s shorter than the Inputs"
         elif length > samples:
-            yield f"audio.wav: {(length - samples) / rate:.2f} s longer than the Inputs, which nobody needs"
+            yield f"audio.wav: {(length - samples) / rate:.2f} s longer than the Inputs: the excess is not used"
         for name in ("config.json", "events.jsonl", "audio.wav", "inputs.jsonl"):
             if not (self.path / name).is_file():
                 yield f"{name}: missing"

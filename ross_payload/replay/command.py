@@ -7,20 +7,20 @@ from pathlib import Path
 import click
 
 EPILOG = """Exit codes: 0 replayed as far as the mission or the recording goes, 3 it ended early because the recorded
-array is not where the mission wants it, 2 bad input, 1 the results could not be written."""
+array is not where the mission needs it, 2 bad input, 1 the results could not be written."""
 
 
 @click.command("replay", short_help="Run a recorded mission again.", epilog=EPILOG)
 @click.argument("session", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for events, separated voices and replay.json.")
 @click.option("--config", "file", type=click.Path(path_type=Path), help="TOML file instead of the recorded one.")
-@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change one key; may be given again.")
-@click.option("--json", "as_json", is_flag=True, help="Print replay.json, and nothing else.")
+@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="Change one key; can be repeated.")
+@click.option("--json", "as_json", is_flag=True, help="Print only the contents of replay.json.")
 def command(*, session: Path, out: Path | None, file: Path | None, settings: tuple[str, ...], as_json: bool) -> int:
     """Run the mission of the folder SESSION again: identically, or with another configuration.
 
-    The mission hears what was recorded with the headings of then: the array does not turn differently. Where another
-    configuration wants it elsewhere, that is said, and the replay goes on as long as the recorded headings serve.
+    The mission processes the recorded audio and headings: the array does not turn differently. Where another
+    configuration needs another heading, the replay reports it and continues as long as the recorded headings fit.
     """
     import json
 

@@ -54,7 +54,7 @@ def _recorded(session: Session, file: Path | None) -> Config:
         return session.configuration()
     except ConfigError as error:
         if file is None:
-            raise ConfigError(f"{error}; --config FILE can take its place") from error
+            raise ConfigError(f"{error}; --config FILE can replace it") from error
         return load(file)
 
 
@@ -81,7 +81,7 @@ def in_words(values: dict[str, Any]) -> Iterator[str]:
     if values["without_effect"]:
         yield f"no effect in a replay, the recorded value is used: {', '.join(values['without_effect'])}"
     if values["voice"]:
-        yield f"looked for {values['voice']}"
+        yield f"target voice {values['voice']}"
     if values["parted"]:
         yield f"the replay diverges from the recording: {values['parted']}"
     if values["ended_early"]:

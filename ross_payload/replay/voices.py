@@ -21,7 +21,7 @@ class Sought:
     """Whom the mission looks for, and how it is told."""
 
     voiceprint: VoicePrint | None
-    how: str  # in words, empty: nobody is sought
+    how: str  # in words, empty: no target
 
 
 class Answers:
@@ -65,6 +65,6 @@ def sought(session: Session, store: VoiceStore, inputs: Callable[[], int], *, sa
     if synthetic:
         return Sought(restored(kept), f"the synthetic voice '{name}', kept with the session")
     raise ConfigError(
-        f"the session looks for the voice '{name}', which is not enrolled here: "
+        f"the target voice of the session is '{name}', which is not enrolled here: "
         "ross enroll it, or replay the recorded configuration"
     )

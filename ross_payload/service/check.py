@@ -126,4 +126,4 @@ def _at(key: str, call: Callable[[], Any]) -> None:
 
 
 def _refused(url: str) -> NoReturn:
-    raise ConfigError(f"{url}: a driver that opens its wire before it is entered cannot be checked")
+    raise ConfigError(f"{url}: a driver that opens its wire in open() cannot be checked")

@@ -10,9 +10,9 @@ import click
 @click.command("run", short_help="Run the payload that a TOML file describes.")
 @click.argument("file", type=click.Path(path_type=Path))
 def command(file: Path) -> int:
-    """Run the payload that a TOML FILE describes until Ctrl-C or SIGTERM: it hears, obeys orders and reports.
+    """Run the payload that a TOML FILE describes until Ctrl-C or SIGTERM: it listens, accepts commands and reports.
 
-    Nothing turns before it is ordered, unless the file says so ([service] autostart).
+    Nothing turns before a command, unless the file says so ([service] autostart).
     """
     from ross_payload.service.check import loaded
     from ross_payload.service.live import live

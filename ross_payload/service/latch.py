@@ -21,7 +21,7 @@ log = logging.getLogger(__name__)
 
 
 class StopLatch:
-    """An observer that keeps a file from an order to stop until the payload is armed again.
+    """An observer that keeps a file from an order to stop until the payload is re-armed.
 
     The file is written by a thread of its own: a disk that is slow, full or hung holds up nobody who brakes. `saved`
     tells when it is safe; what cannot be saved is logged, told by `failure`, and tried again every second.
@@ -54,7 +54,7 @@ class StopLatch:
 
     @property
     def closed(self) -> bool:
-        """Whether the payload was stopped and not armed again; in doubt it was, whatever lies in the file's place."""
+        """Whether the payload was stopped and not re-armed; in doubt it was, whatever lies in the file's place."""
         try:
             self._path.lstat()
         except (FileNotFoundError, NotADirectoryError):
@@ -80,7 +80,7 @@ class StopLatch:
         """Hops do not stop anything."""
 
     def said(self, event: Event, heard: Input) -> None:
-        """Keep the file while stopped; remove it when armed again, unless another stop is on its way."""
+        """Keep the file while stopped; remove it when re-armed, unless another stop is on its way."""
         if isinstance(event, StateChanged) and event.state is State.STOPPED:
             self._wish(keep=True)
         elif isinstance(event, StateChanged) and event.state is State.IDLE and self._rearmed:
@@ -120,7 +120,7 @@ class StopLatch:
             self._write(keep=keep)
         except OSError as error:
             if not self.failure:
-                log.error("%s: the stop is not saved: %s", self._path, error.strerror)
+                log.error("%s: the stop was not saved: %s", self._path, error.strerror)
             self.failure = f"{self._path}: {error.strerror}"
         else:
             if self.failure:

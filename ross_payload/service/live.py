@@ -157,7 +157,7 @@ def _enrolled(config: Config) -> VoicePrint | None:
         voice = store.load(config.service.target)
     except Damaged as error:  # whoever flies it can still turn, listen and stop
         where = set_aside(store.path(config.service.target), "unreadable")
-        log.error("%s; %s; nobody is sought until the voice is enrolled again", error, where)
+        log.error("%s; %s; there is no target until the voice is enrolled again", error, where)
         return None
     at_rate(np.zeros(1), config.audio.rate_hz)  # what resampling needs is loaded now, not while something turns
     return voice

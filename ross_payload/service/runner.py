@@ -125,7 +125,7 @@ class Runner:
         return heard
 
     def _move(self, output: Output) -> None:
-        """Obey an Output; what cannot be obeyed is a fault until the payload is armed again."""
+        """Obey an Output; what cannot be obeyed is a fault until the payload is re-armed."""
         if output.stop:
             self._actuator.stop()
         if output.halt:

@@ -192,9 +192,9 @@ class CommandServer:
         for entry in self._unsaved.values():
             self._send(entry)
         self._unsaved.clear()
-        trouble = latch.failure if latch.saved else "the disk does not answer"
+        trouble = latch.failure if latch.saved else "the disk does not respond"
         if trouble:
-            self._say(Severity.CRITICAL, f"stopped, but a restart forgets it: {trouble}")
+            self._say(Severity.CRITICAL, f"stopped, but a restart clears it: {trouble}")
 
     def _command(self, command: Command, origin: Origin) -> None:
         """Obey or refuse a command of our dialect, unless it is only said again."""
@@ -228,7 +228,7 @@ class CommandServer:
             reason = self._record(wanted.on)
             return Verdict(Result.FAILED, reason) if reason else ACCEPTED
         if self._ledger.before(entry.origin, STOP, self._now):
-            return Verdict(Result.TEMPORARILY_REJECTED, "asked before the stop")
+            return Verdict(Result.TEMPORARILY_REJECTED, "sent before the stop")
         return self._posture.refusal(wanted) or self._hand_over(entry, wanted)
 
     def _hand_over(self, entry: Entry, wanted: Order) -> Verdict | None:

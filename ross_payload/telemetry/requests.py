@@ -117,7 +117,7 @@ class Requests:
             wanted = f"{NEVER}, {USUAL}, or at least {SHORTEST} us"
             return Verdict(Result.DENIED, f"interval: expected {wanted}, got {interval:g}")
         if message_id == common.MAVLINK_MSG_ID_HEARTBEAT and interval == NEVER:
-            return Verdict(Result.DENIED, "the heartbeat cannot be silenced")
+            return Verdict(Result.DENIED, "the heartbeat cannot be disabled")
         done = self._streams.set_period(link, message_id, periods.get(int(interval), interval / 1e6))
         return ACCEPTED if done else Verdict(Result.DENIED)
 

@@ -216,8 +216,8 @@ class Telemetry:
             return
         if len(self._strangers) < STRANGERS:
             self._strangers.add(who)
-            version = f"version {told.dialect_version} of the dialect, ours is {DIALECT_VERSION}"
-            self._say(Severity.WARNING, f"payload {who[0]}/{who[1]} speaks {version}")
+            versions = f"dialect {told.dialect_version}, expected {DIALECT_VERSION}"
+            self._say(Severity.WARNING, f"payload {who[0]}/{who[1]}: {versions}")
 
     def _look(self, now: float) -> None:
         """Look at the payload itself."""
@@ -225,15 +225,15 @@ class Telemetry:
         self._outlets.renew(config.telemetry)
         twin = self._links.twin
         if twin is not None and self._twin is None:
-            self._say(Severity.ERROR, f"somebody else speaks as our component {twin}: change one component_id")
+            self._say(Severity.ERROR, f"another sender uses our component id {twin}: change one")
         self._twin = twin
         if (ahead := self._links.signing_ahead) and self._complaining.due(now):
             self._say(Severity.WARNING, f"{ahead}: see the log")
         trouble = self._links.trouble
         if trouble and not self._trouble:
-            self._say(Severity.CRITICAL, f"signed links soon obey nothing but a stop: {trouble}")
+            self._say(Severity.CRITICAL, f"signed links will soon accept only a stop: {trouble}")
         elif self._trouble and not trouble:
-            self._say(Severity.INFO, "signed links obey again")
+            self._say(Severity.INFO, "signed links accept commands again")
         self._trouble = trouble
         capabilities = None if self._actuator is None else self._actuator.capabilities
         self._condition.look(information(config, capabilities, self._timebase.usec()), self._links.status(), now)

@@ -131,7 +131,7 @@ class VoiceStore:
             When nobody of that name is enrolled; says who is.
         """
         if not os.path.lexists(self.path(name)):
-            known = ", ".join(self.names()) or "nobody is"
+            known = ", ".join(self.names()) or "none"
             raise ConfigError(f"no voice '{name}' is enrolled; enrolled: {known}{near(name, self.names())}")
 
     def forget(self, name: str) -> None:

@@ -16,7 +16,7 @@ PERIOD = 0.002  # [s] between two looks at the links
 
 @click.command("autopilot", short_help="Simulate an autopilot between a payload and the ground.", epilog=EPILOG)
 @click.option(
-    "--link", "urls", metavar="URL", multiple=True, required=True, help="A link; may be given more than once."
+    "--link", "urls", metavar="URL", multiple=True, required=True, help="A link; can be given more than once."
 )
 @click.option("--system-id", type=click.IntRange(1, 255), default=1, show_default=True, help="Of the vehicle.")
 @click.option("--yaw", "yaw_deg", type=float, default=0.0, show_default=True, help="Clockwise from north [deg].")
@@ -24,8 +24,8 @@ PERIOD = 0.002  # [s] between two looks at the links
               help="It yaws by this to either side [deg].")  # fmt: skip
 @click.option("--rate", "rate_deg_s", type=click.FloatRange(0, 360, min_open=True), default=10.0, show_default=True,
               help="How fast it yaws [deg/s].")  # fmt: skip
-@click.option("--gps", is_flag=True, help="Know the UNIX time.")
-@click.option("--gimbal", "with_gimbal", is_flag=True, help="Carry a simulated gimbal, and be its manager.")
+@click.option("--gps", is_flag=True, help="Send the UNIX time.")
+@click.option("--gimbal", "with_gimbal", is_flag=True, help="Add a simulated gimbal and be its gimbal manager.")
 def command(
     *,
     urls: Sequence[str],
@@ -36,7 +36,7 @@ def command(
     gps: bool,
     with_gimbal: bool,
 ) -> None:
-    """Simulate what a payload notices of an ArduPilot: attitude, time, a gimbal, and how it passes messages on.
+    """Simulate what a payload receives from an ArduPilot: attitude, time, a gimbal, and how it passes messages on.
 
     Messages that it does not know, among them all of ours, it drops; what has a target goes only where that component
     was heard; nothing goes back to where it came from.

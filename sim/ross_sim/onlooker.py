@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from ross_payload.ground.page.server import Served
 
 PORT = 8765  # if nobody has it
-SCRIPTED = "this mission runs by itself and obeys stop and cancel; one that obeys everything: ross sitl --serve --page"
+SCRIPTED = "this mission runs by itself and accepts only stop and cancel; for all commands: ross sitl --serve --page"
 POLL = 0.010  # [s]
 WAITING = 0.2  # [s]
 ENDED = "The simulation has ended."

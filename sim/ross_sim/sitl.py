@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from ross_sim.onlooker import Onlooker
 
 INTERRUPTED = 130
-SERVE = "Obey commands from --telemetry until Ctrl-C (default, without --page: udpout:127.0.0.1:14550)."
-EPILOG = """Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by hand.
+SERVE = "Accept commands from --telemetry until Ctrl-C (default, without --page: udpout:127.0.0.1:14550)."
+EPILOG = """Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by the user.
 
 URLs are udpin:host:port, udpout:host:port, tcp:host:port or serial:device:baud."""
 
@@ -49,13 +49,13 @@ def _folder(context: click.Context, parameter: click.Parameter, value: str | Non
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of everything random.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
 @click.option("--target", help="Name of the talker to look for, or of an enrolled voice.")
-@click.option("--telemetry", "urls", multiple=True, help="URL to send MAVLink to; may be given more than once.")
+@click.option("--telemetry", "urls", multiple=True, help="URL to send MAVLink to; can be given more than once.")
 @click.option("--serve", "serving", is_flag=True, is_eager=True, help=SERVE)
-@click.option("--page", is_flag=True, is_eager=True, help="Serve the ground's page until Ctrl-C.")
+@click.option("--page", is_flag=True, is_eager=True, help="Serve the ground station's page until Ctrl-C.")
 @click.option("--speed", callback=_speed, help="max, or times real time; default: max, with --page 4, with --serve 1.")
 @click.option("--out", callback=_folder, help="Folder for report, audio, picture and logs.")
 @click.option("--record", callback=_folder, help="Record from start to end, in this folder, for `ross replay`.")
-@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON, and nothing else.")
+@click.option("--json", "as_json", is_flag=True, help="Print only the report, as JSON.")
 def command(
     *,
     scenario: str,

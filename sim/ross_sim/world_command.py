@@ -8,8 +8,8 @@ import click
 
 NO_CHANGES = dict.fromkeys(("paper", "separator", "urls", "informed", "target"))
 FORMATS = ("s16le", "s24le", "f32le")  # those of ross_protocols.pcm, which needs numpy
-EPILOG = """Ctrl-C or SIGTERM ends it; what was true is then written to --out. Exit codes: 0 ended by hand, 2 bad
-input, 1 the results could not be written. Port 0 means: one that is free."""
+EPILOG = """Ctrl-C or SIGTERM ends it; the ground truth is then written to --out. Exit codes: 0 ended by the user, 2 bad
+input, 1 the results could not be written. Port 0: any free port."""
 
 
 def _folder(context: click.Context, parameter: click.Parameter, value: str | None) -> Path | None:
@@ -27,12 +27,12 @@ def _folder(context: click.Context, parameter: click.Parameter, value: str | Non
 @click.option("--actuator", "-a", help="Actuator back end, instead of the scenario's.")
 @click.option("--start", type=click.Choice(["connect", "now"]), default="connect", show_default=True,
               help="When the scenario begins: with the first listener of --pcm, else of --wire; or now.")  # fmt: skip
-@click.option("--quiet", type=click.FloatRange(0, 600), default=0.0, help="Noise alone before the scenario [s].")
+@click.option("--quiet", type=click.FloatRange(0, 600), default=0.0, help="Only noise before the scenario [s].")
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of everything random.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
 @click.option("--enrolment", type=click.Path(path_type=Path), help="Write clean speech of the target to this WAV file.")
-@click.option("--out", callback=_folder, help="Folder for the truth: directions, headings, every talker alone.")
-@click.option("--json", "as_json", is_flag=True, help="Tell the addresses as one line of JSON.")
+@click.option("--out", callback=_folder, help="Folder for the ground truth: directions, headings, every talker alone.")
+@click.option("--json", "as_json", is_flag=True, help="Print the addresses as one line of JSON.")
 def command(
     *,
     scenario: str,
@@ -49,7 +49,7 @@ def command(
     out: Path | None,
     as_json: bool,
 ) -> int:
-    """Simulate a room and what turns the array in real time; a payload in another process hears and turns it.
+    """Simulate a room and the actuator in real time; a payload in another process hears and turns it.
 
     SCENARIO is the name of a built-in scenario or a TOML file.
     """

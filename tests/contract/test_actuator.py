@@ -191,7 +191,7 @@ def test_it_is_never_settled_on_stale_feedback_and_the_guard_says_so(rig: Rig) -
     assert rig.state.fault
     with pytest.raises(ActuatorFault, match="re-arm"):
         rig.actuator.command(0.0)
-    with pytest.raises(ActuatorFault, match="still not well"):
+    with pytest.raises(ActuatorFault, match="still at fault"):
         rig.actuator.rearm()
 
 

@@ -185,9 +185,9 @@ def test_each_change_is_logged_once(listen, make_card, moments, caplog):
         moments.at(moments.now() + 8, lambda: card.plug("Card"))
         read(source, 20)
     said = [record.message for record in caplog.records]
-    assert said[0] == "the microphones are gone"
+    assert said[0] == "the microphones were disconnected"
     assert said[1].startswith("audio.source: no microphones named 'card'")
-    assert said[2:] == ["the microphones are back"]
+    assert said[2:] == ["the microphones recovered"]
 
 
 def test_attempts_to_open_become_rarer(listen, make_card, moments):

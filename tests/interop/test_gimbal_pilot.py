@@ -79,7 +79,7 @@ def test_an_autopilot_that_freezes_in_mid_move_is_named_and_home_brings_all_back
     autopilot, before = pilot.autopilot, len(pilot.faults())
     begin_a_move(pilot)
     autopilot.freeze()
-    named(pilot, before, "the autopilot is silent")
+    named(pilot, before, "no data from the autopilot")
     autopilot.go_on()
     pilot.hears_the_payload()
     assert pilot.ground.obeyed(HOME) == ACCEPTED
@@ -93,7 +93,7 @@ def test_after_a_reboot_of_the_autopilot_in_mid_move_a_rival_stays_in_control_un
     autopilot, before = pilot.autopilot, len(pilot.faults())
     begin_a_move(pilot)
     autopilot.kill()
-    named(pilot, before, "the autopilot is silent")
+    named(pilot, before, "no data from the autopilot")
     autopilot.start()
     pilot.hears_the_payload()
     assert pilot.primary() == FREE

@@ -62,10 +62,10 @@ def switch(ground):
 def test_two_payloads_with_one_component_id_go_on_and_both_say_it(ross_run, ground, switch, until, tmp_path):
     link = f'url = "udpout:{LOOPBACK}:{switch.port}"'
     with ross_run(tmp_path / "one", link) as one, ross_run(tmp_path / "other", link) as other:
-        until(lambda: len(said(ground, "RoSS: somebody else speaks as our component 191")) == 2)
+        until(lambda: len(said(ground, "RoSS: another sender uses our component id 191")) == 2)
         beats = len(ground.of("HEARTBEAT"))
         until(lambda: len(ground.of("HEARTBEAT")) >= beats + 8)
-        assert len(said(ground, "RoSS: somebody else")) == 2, "once each"
+        assert len(said(ground, "RoSS: another sender")) == 2, "once each"
         ground.command(STOP)
         for payload in (one, other):
             until(lambda payload=payload: "stopped: stopped by command" in payload.lines())
@@ -79,7 +79,7 @@ def test_payloads_with_their_own_component_ids_have_nothing_to_say(ross_run, gro
         assert ground.order(STOP) == ACCEPTED
         until(lambda: "stopped: stopped by command" in one.lines())
         assert "stopped: stopped by command" not in other.lines(), "only one of them was meant"
-        assert not said(ground, "RoSS: somebody else")
+        assert not said(ground, "RoSS: another sender")
 
 
 def test_another_version_of_the_dialect_is_named_once(ross_run, ground, switch, until, tmp_path):

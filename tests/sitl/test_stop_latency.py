@@ -148,7 +148,7 @@ def test_an_end_of_the_process_decelerates_soon(rig, number):
 
 def ended(rig, number, after):
     """The latency of a signal in the middle of a move, or of the death that it brings [s]."""
-    died = pytest.raises(AssertionError, match="periodic call died") if number == signal.SIGUSR1 else nullcontext()
+    died = pytest.raises(AssertionError, match="periodic call failed") if number == signal.SIGUSR1 else nullcontext()
     with died, rig(("-c", BREAKING)) as payload:
         payload.turn(after)
         given = time.monotonic()

@@ -49,7 +49,7 @@ def isolations(azimuths: Sequence[float]) -> list[dict[str, Any]]:
 
 
 def candidate(index: int, alone: int, heading: float, aliased: Sequence[int], state: str) -> dict[str, Any]:
-    """One heading at which interferers pose as one."""
+    """One heading at which interferers have the same delay."""
     return {"candidate": index, "source": alone, "heading": heading, "joint": heading, "isolation_us": 90.0,
             "gain": 8.5, "aliased": list(aliased), "rule": "bisector",
             "rule_meaning": "The bisector of the interferers.", "state": state}  # fmt: skip

@@ -114,8 +114,8 @@ def test_a_drive_that_is_switched_on_late_is_found_by_homing():
 @pytest.mark.parametrize(
     ("item", "value", "fault"),
     [
-        (cia402.LOWEST, 5, "the drive's software limits are absurd: 5 to 5 counts"),
-        (cia402.LOWEST, 9, "the drive's software limits are absurd: 9 to 5 counts"),
+        (cia402.LOWEST, 5, "the drive's software limits are invalid: 5 to 5 counts"),
+        (cia402.LOWEST, 9, "the drive's software limits are invalid: 9 to 5 counts"),
         (cia402.MAX_MOTOR_SPEED, 0, "max_speed_deg_s = 225 is beyond the drive's own 0 deg/s"),
         (cia402.MAX_MOTOR_SPEED, 600, "max_speed_deg_s = 225 is beyond the drive's own 180 deg/s"),
         (cia402.SUPPORTED_MODES, 0x4, "the drive lacks a mode: expected 0x1, got 0x4"),

@@ -54,7 +54,7 @@ def test_a_program_that_pauses_finds_the_drive_stopped_and_knows_why():
     bench.clock.sleep(1.5)
     bench.clock.every(QUANTUM, lambda: bench.actuator.poll(bench.clock.now()))
     bench.clock.sleep(0.1)
-    assert "has left 'operation enabled' by itself" in bench.fault
+    assert "left 'operation enabled' unexpectedly" in bench.fault
     assert bench.fault.endswith("; it reports heartbeat or life guard missed (0x8130)")
 
 
@@ -181,7 +181,7 @@ def test_a_fault_that_cannot_be_reset_and_a_drive_that_does_not_switch_on_are_to
     axis, watch = Axis(), Watch()
     axis.reset()
     assert watch.trouble(axis, faulty, None, 0.0) == ""
-    assert "cannot be reset: it does not say why" in watch.trouble(axis, faulty, None, 1.01)
+    assert "cannot be reset: no error code" in watch.trouble(axis, faulty, None, 1.01)
     axis.go(0, 1)
     assert watch.trouble(axis, off, None, 2.0) == ""
     found = watch.trouble(axis, off, None, 3.01)
@@ -193,7 +193,7 @@ def test_a_drive_that_is_switched_off_in_a_move_is_not_switched_on_again():
     bench.go(120, 0.8)
     bench.drive.axis.obey(0)  # its safety input
     bench.clock.sleep(2.0)
-    assert "has left 'operation enabled' by itself: it is in 'switch on disabled'" in bench.fault
+    assert "left 'operation enabled' unexpectedly: it is in 'switch on disabled'" in bench.fault
     assert bench.drive_state is State.SWITCH_ON_DISABLED
 
 
@@ -217,7 +217,7 @@ def test_a_place_that_cannot_be_is_not_told():
     damaged = struct.pack("<Hib", State.OPERATION_ENABLED.bits, 2**30, 1)
     bench.wire.brought.append(CanFrame(0x180 + NODE, damaged, extended=False))
     bench.clock.sleep(QUANTUM)
-    assert "cannot be true: it jumps by" in bench.fault
+    assert "implausible position from the drive: it jumps by" in bench.fault
     assert bench.state.angle == pytest.approx(bench.far_end.angle(), abs=math.radians(3))
 
 

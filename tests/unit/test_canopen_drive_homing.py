@@ -79,7 +79,7 @@ def test_a_homing_error_is_told():
     bench.set(cia402.HOMING_METHOD, 1)  # which the drive does not have
     bench.actuator.home()
     bench.clock.sleep(0.5)
-    assert bench.fault == "the drive has not found home: it reports a homing error"
+    assert bench.fault == "homing failed: the drive reports a homing error"
 
 
 @pytest.mark.parametrize(("homing", "known"), [("none", True), ("here", False)])

@@ -21,7 +21,7 @@ RPDO1, RPDO2 = 0x200 + NODE, 0x300 + NODE
         (CanFrame(RPDO2, bytes(4), extended=False), "another master on the bus commands node 5"),
         (request(NODE, Write(0x6081, 0, bytes(4))), "another master on the bus commands node 5"),
         (heartbeat(OWN, NmtState.OPERATIONAL), "another node on the bus has our node id 127"),
-        (heartbeat(NODE, NmtState.STOPPED), "the drive at node 5 is stopped and obeys no set-points"),
+        (heartbeat(NODE, NmtState.STOPPED), "the drive at node 5 is stopped and accepts no set-points"),
         (CanFrame(0x180 + NODE, bytes(3), extended=False), "frames of node 5 arrive damaged: a report of 3 bytes"),
         (CanFrame(0x580 + NODE, bytes(8), extended=False), "two devices have node id 5: both answer"),
     ],

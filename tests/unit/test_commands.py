@@ -283,13 +283,13 @@ def test_a_stop_is_obeyed_at_once_and_acknowledged_when_it_is_on_the_disk(lastin
 def test_the_sender_of_a_stop_hears_that_a_hung_disk_keeps_its_answer_and_later_that_it_is_forgotten(lasting):
     assert lasting.command(STOP, seconds=1.9) == [IN_PROGRESS]
     assert lasting.results(STOP, 0.2) == [ACCEPTED], "it is obeyed all the same"
-    assert lasting.texts == ["stopped, but a restart forgets it: the disk does not answer"]
+    assert lasting.texts == ["stopped, but a restart clears it: the disk does not respond"]
 
 
 def test_a_stop_that_a_full_disk_does_not_take_is_accepted_and_the_disk_is_named(lasting, disk):
     disk.saved, disk.failure = True, "/var/lib/ross/stopped: No space left on device"
     assert lasting.command(STOP, seconds=0.05) == [ACCEPTED]
-    assert lasting.texts == ["stopped, but a restart forgets it: /var/lib/ross/stopped: No space left on device"]
+    assert lasting.texts == ["stopped, but a restart clears it: /var/lib/ross/stopped: No space left on device"]
 
 
 def test_every_sender_of_a_stop_is_answered(lasting, disk):

@@ -141,7 +141,7 @@ def test_two_payloads_of_one_id_name_the_other_and_are_silent(wire, peer, tmp_pa
         assert peer.all == []
 
     play(script, wire.open, tmp_path)
-    assert "another node on the bus has our node id 121: silent until it has gone" in caplog.text
+    assert "another node on the bus has our node id 121: not transmitting until it leaves" in caplog.text
 
 
 def test_an_operator_on_mavlink_hears_of_a_clash_once(wire, peer, tmp_path):
@@ -153,7 +153,7 @@ def test_an_operator_on_mavlink_hears_of_a_clash_once(wire, peer, tmp_path):
 
     texts = play(script, wire.open, tmp_path).texts
     assert [text for text in texts if "CAN: " in text] == [
-        "RoSS: CAN: another node on the bus has our node id 121: silent until it has gone"
+        "RoSS: CAN: another node on the bus has our node id 121: not transmitting until it leaves"
     ]
 
 
@@ -168,7 +168,7 @@ def test_a_bus_that_goes_and_comes_back_does_not_end_the_mission(wire, peer, tmp
     caplog.set_level("INFO")
     play(script, wire.open, tmp_path)
     assert "DroneCAN: the bus is down" in caplog.text
-    assert "DroneCAN: over: " in caplog.text
+    assert "DroneCAN: resolved: " in caplog.text
 
 
 def test_driver_and_node_on_one_bus_are_one_node(tmp_path):

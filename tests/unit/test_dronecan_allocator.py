@@ -138,7 +138,7 @@ def test_we_give_way_to_another_allocator(bus, caplog):
     with caplog.at_level(logging.WARNING):
         rival.say(rival.voice.broadcast(Allocation(0, b"abcdef")))
         bus.run(2.0)
-    assert "node 10 gives node ids too" in caplog.text
+    assert "node 10 allocates node ids, too" in caplog.text
     assert bus.ask(OTHER) is None
 
 

@@ -106,7 +106,7 @@ def test_a_node_with_our_allocated_id_makes_us_ask_for_another_one(wire):
     twin.say(twin.voice.broadcast(NodeStatus(1)))
     node.poll(now)
     assert node.id == 0
-    assert "has our node id 50: asking for another one" in node.trouble
+    assert "has our node id 50: requesting another one" in node.trouble
     alternate(node, allocator, now, until=lambda: node.id)
     assert (node.id, node.trouble) == (51, "")
 
@@ -156,7 +156,7 @@ def test_a_node_without_an_id_says_nothing_but_its_wish(wire, stranger):
     assert {type(each.message) for each in said} == {Allocation}
     assert {each.node for each in said} == {0}
     assert 10 <= len(said) <= 17  # every 0.6 to 1 s
-    assert "nobody on the bus gives one" in node.trouble
+    assert "no allocator on the bus answers" in node.trouble
 
 
 def test_an_id_meant_for_somebody_else_is_not_ours(wire, stranger):

@@ -43,8 +43,8 @@ class Liar:
 @pytest.mark.parametrize(
     ("position", "words"),
     [
-        (math.nan, "does not say where it is"),
-        (math.inf, "does not say where it is"),
+        (math.nan, "reports no position"),
+        (math.inf, "reports no position"),
         (65504.0, "reports 3.7531e+06 deg, which is outside its travel"),
         (-4.5, "outside its travel"),
     ],
@@ -75,9 +75,9 @@ def test_a_servo_that_sends_no_status_says_what_to_configure():
     rig = Rig()
     rig.node._next_report = math.inf
     rig.clock.sleep(3.0)
-    fault = "node 50 lives but sends no Status of actuator 1; with feedback = 'model' it need not"
+    fault = "node 50 is online but sends no Status of actuator 1; set feedback = 'model' if it never does"
     assert rig.state.fault == fault
-    with pytest.raises(ActuatorFault, match="lives but sends no Status"):
+    with pytest.raises(ActuatorFault, match="is online but sends no Status"):
         rig.go(10)
 
 

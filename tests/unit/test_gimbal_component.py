@@ -177,10 +177,7 @@ def test_a_fault_of_the_actuator_shows_in_the_attitude_and_the_heartbeat(bench):
     ("tables", "words"),
     [
         ({"actuator": {"kind": "mavlink_gimbal"}, "gimbal": {"mode": "device"}}, "expected 'off'"),
-        (
-            {"telemetry": {"component_id": 171}, "gimbal": {"mode": "device", "component_id": 171}},
-            "expected another id",
-        ),
+        ({"telemetry": {"component_id": 171}, "gimbal": {"mode": "device", "component_id": 171}}, "another id"),
     ],
 )
 def test_what_cannot_be_together_is_one_clear_line(tables, words):
@@ -190,6 +187,6 @@ def test_what_cannot_be_together_is_one_clear_line(tables, words):
 
 def test_a_device_needs_a_link_to_its_manager(bench):
     one = bench()
-    with Links(one.clock) as links, pytest.raises(ConfigError, match="wanted a link of role"):
+    with Links(one.clock) as links, pytest.raises(ConfigError, match="expected a link with role"):
         config = Config.model_validate({"actuator": {"kind": "ideal"}, "gimbal": {"mode": "device"}})
         Gimbal(config, one.clock, links, one.actuator, one.base, give=one.runner.order)

@@ -56,7 +56,7 @@ def peace(bench, mode):
 
 
 def stops(bench):
-    """The times [s] at which it was stopped, and armed again or the end."""
+    """The times [s] at which it was stopped, and re-armed or the end."""
     states = [(event.time, event.state) for event in bench.events if isinstance(event, StateChanged)]
     begin = None
     for time, state in states:

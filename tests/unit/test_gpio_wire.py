@@ -174,7 +174,7 @@ def test_a_url_that_names_no_pins_is_one_clear_line(url: str, words: str) -> Non
 
 def test_no_chip_and_a_line_that_is_taken_are_one_clear_line_and_leave_nothing_open(clock: SimClock) -> None:
     gpio = FakeLgpio(clock, taken=(22, SWITCH_PIN))
-    with pytest.raises(LinkError, match=r"/dev/gpiochip3: can not open gpiochip: is it there"):
+    with pytest.raises(LinkError, match=r"/dev/gpiochip3: can not open gpiochip: does it exist"):
         GpioPulses(gpio, pins_of("pulses:lgpio:3:17,27,22"), clock)
     with pytest.raises(LinkError, match="/dev/gpiochip0: GPIO busy"):
         GpioPulses(gpio, pins_of(f"{URL},{SWITCH_PIN}"), clock)

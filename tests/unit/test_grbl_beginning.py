@@ -66,7 +66,7 @@ def test_an_axis_that_grbl_does_not_have_is_named():
     bench = Bench()
     bench.actuator = Grbl(Options(axis="A"), Services(bench.clock, lambda url: bench.wire))
     bench.open()
-    assert "$103: has it an axis A" in bench.state.fault
+    assert "$103: does it have an axis A" in bench.state.fault
 
 
 def test_a_grbl_that_is_slower_than_the_options_is_told_in_the_log(caplog):
@@ -87,7 +87,7 @@ def test_where_nobody_answers_that_is_said_after_five_seconds():
     bench.open(seconds=4.9)
     assert bench.state.fault == ""
     bench.clock.sleep(0.2)
-    assert "nobody answers on serial:/dev/ttyUSB0:115200 as grbl 1.1 does" in bench.state.fault
+    assert "no response from grbl 1.1 on serial:/dev/ttyUSB0:115200" in bench.state.fault
 
 
 def test_a_wrong_baud_rate_is_suspected():

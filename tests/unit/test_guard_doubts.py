@@ -94,7 +94,7 @@ def test_limits_told_in_a_move_that_exclude_its_goal_end_it() -> None:
     on.device.capabilities = replace(ABLE, upper=0.5)
     on.clock.sleep(0.02)
     assert on.device.asked[-1] == "stop"
-    assert on.guard.state().fault == "the goal 57.30 deg is outside the travel that the device tells"
+    assert on.guard.state().fault == "the goal 57.30 deg is outside the travel that the device reports"
 
 
 def test_absurd_limits_told_in_a_move_end_it_and_stay_a_fault_until_they_are_sane() -> None:
@@ -104,7 +104,7 @@ def test_absurd_limits_told_in_a_move_end_it_and_stay_a_fault_until_they_are_san
     on.clock.sleep(0.02)
     assert on.device.asked[-1] == "stop"
     assert "travel first, got" in on.guard.state().fault
-    with pytest.raises(ActuatorFault, match="still not well: guard: expected the lower limit of the actuator's travel"):
+    with pytest.raises(ActuatorFault, match="still at fault: guard: expected the lower limit of the actuator's travel"):
         on.guard.rearm()
     on.device.capabilities = ABLE
     on.clock.sleep(0.02)
@@ -184,7 +184,7 @@ def test_a_device_that_does_not_obey_a_stop_is_a_fault_and_is_told_again() -> No
     on.clock.sleep(braking - 0.02)
     assert on.guard.state().healthy
     on.clock.sleep(0.05)
-    assert on.guard.state().fault == "told to stop, it still turns at 57.3 deg/s"
+    assert on.guard.state().fault == "still turning after a stop, at 57.3 deg/s"
     assert on.device.asked[1:] == ["stop", "stop"]
 
 
@@ -195,7 +195,7 @@ def test_stopping_again_and_again_gives_no_more_time_to_stop() -> None:
     for _ in range(60):
         on.guard.halt()
         on.clock.sleep(0.1)
-    assert "still turns" in on.guard.state().fault
+    assert "still turning" in on.guard.state().fault
 
 
 def test_one_that_came_to_rest_after_a_stop_may_be_turned_by_hand_later() -> None:

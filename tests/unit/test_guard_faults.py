@@ -171,7 +171,7 @@ def test_a_fault_without_words_gets_some() -> None:
 def test_a_rearm_that_was_refused_must_be_asked_for_again() -> None:
     on = bench()
     on.device.now = replace(on.device.now, healthy=False, fault="hot")
-    with pytest.raises(ActuatorFault, match="still not well: hot"):
+    with pytest.raises(ActuatorFault, match="still at fault: hot"):
         on.guard.rearm()
     on.device.now = replace(on.device.now, healthy=True, fault="")
     with pytest.raises(ActuatorFault, match="hot; re-arm first"):

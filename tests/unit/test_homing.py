@@ -128,7 +128,7 @@ def test_a_wire_that_tells_nothing_of_a_switch_is_a_fault_before_anything_moves(
         report for report in receive() if not isinstance(report, Level)
     ]
     bench.home()
-    assert "no word of the home switch for 0.5" in bench.guard.state().fault
+    assert "no state of the home switch received for 0.5" in bench.guard.state().fault
     assert bench.true_deg == 0.0
 
 

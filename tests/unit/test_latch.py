@@ -119,7 +119,7 @@ def test_a_disk_that_takes_no_file_is_logged_once_and_tried_again(latch, disk, t
         latch.ordered(Stop())
         latch.said(STOPPED, None)
         assert settled(latch).failure == f"{tmp_path / 'stopped'}: No space left on device"
-        assert caplog.text.count("the stop is not saved") == 1
+        assert caplog.text.count("the stop was not saved") == 1
         disk.error = None
         end = time.monotonic() + 20
         while latch.failure:
@@ -133,7 +133,7 @@ def test_a_folder_that_is_gone_ends_nothing(tmp_path, caplog):
     with caplog.at_level(logging.ERROR), closing(StopLatch(tmp_path / "missing" / "stopped")) as latch:
         latch.ordered(Stop())
         settled(latch)
-    assert "the stop is not saved: No such file or directory" in caplog.text
+    assert "the stop was not saved: No such file or directory" in caplog.text
 
 
 def test_closing_waits_until_everything_is_saved(tmp_path):

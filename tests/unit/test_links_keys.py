@@ -126,7 +126,7 @@ def test_a_disk_that_hangs_is_said(tmp_path: Path) -> None:
     time.stamp(45.0)
     assert time.trouble == ""
     time.stamp(48.0)
-    assert time.trouble.endswith("signing-time: the disk does not answer")
+    assert time.trouble.endswith("signing-time: the disk does not respond")
     time.released.set()
     attempted(time)
     time.stamp(48.1)

@@ -256,7 +256,7 @@ def test_connections_that_show_no_key_are_closed_after_five_seconds(listening) -
         idle.settimeout(20.0)
         assert idle.recv(10) == b""
         assert chatty.recv(10) == b""
-        assert payload.links.status()[0].error == "a client has not shown the key within 5 s"
+        assert payload.links.status()[0].error == "a client has sent nothing signed with the key within 5 s"
         holder.sendall(station.frame())
         until(lambda: len(payload.poll()) == 2)
 

@@ -155,7 +155,7 @@ def test_opening_does_not_wait_for_a_server_that_never_answers() -> None:
                 time.sleep(0.002)
             clock.ahead += 4.0
             links.poll()
-            assert status(links).error == "nobody answers"
+            assert status(links).error == "no answer"
         assert slowest < 0.05
         for sock in crowd:
             sock.close()

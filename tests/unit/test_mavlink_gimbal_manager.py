@@ -236,7 +236,7 @@ def test_a_manager_that_refuses_control_is_named_and_nothing_moves():
     assert rig.fault == ""
     rig.actuator.command(0.5)
     rig.clock.sleep(1.0)
-    assert "component 1 of system 1, refuses us control" in rig.fault
+    assert "component 1 of system 1, denies control" in rig.fault
     with pytest.raises(ActuatorFault):
         rig.actuator.command(0.5)
     assert far_end.angle() == 0.0
@@ -251,7 +251,7 @@ def test_a_manager_that_never_names_us_in_control_is_a_fault_after_two_seconds_a
     assert rig.fault == ""
     assert not rig.actuator.state().settled
     rig.clock.sleep(0.2)
-    assert "component 1 of system 1, does not put us in control" in rig.fault
+    assert "component 1 of system 1, does not grant control" in rig.fault
     rig.clock.sleep(1.0)
     assert far_end.angle() == 0.0
 

@@ -67,7 +67,10 @@ def test_late_reports_count_from_when_they_were_made(feedback):
     report(feedback, 11.0, 0.1, 1.7)
     assert feedback.time == pytest.approx(1.0, abs=0.005)
     assert silence(feedback, 1.7) == "the gimbal's reports come 0.7 s late: the link is overloaded"
-    assert silence(feedback, 2.5) == "the gimbal is silent: no report of its attitude for more than 0.45 s"
+    assert silence(feedback, 2.5) == "no attitude received from the gimbal for more than 0.45 s"
+
+
+SILENT = {"gimbal": "no attitude received from the gimbal", "autopilot": "no data from the autopilot"}
 
 
 @pytest.mark.parametrize(
@@ -79,7 +82,7 @@ def test_silence_is_judged_by_arrival_and_lateness_by_the_stamp(feedback, manage
         report(feedback, 10.0 + n * PERIOD - (0.003, 0.001)[n % 2], 0.0, n * PERIOD)
     assert silence(feedback, 2.428, manager) == ""
     for now in (2.431, 2.433, 2.6, 4.0):
-        assert silence(feedback, now, manager).startswith(f"the {who} is silent")
+        assert silence(feedback, now, manager).startswith(SILENT[who])
 
 
 def test_clocks_that_drift_apart_make_no_report_late(feedback):
@@ -99,7 +102,7 @@ def test_a_trembling_sensor_is_told_and_a_single_jump_is_not(feedback):
         report(feedback, 1.0 + n * PERIOD, 0.5 + chance.normal(0.0, math.radians(3)), n * PERIOD)
         n += 1
     assert n < 150
-    assert "jumps to and fro" in contradiction(feedback)
+    assert "jumps" in contradiction(feedback)
     feedback.pardon()
     assert contradiction(feedback) == ""
 
@@ -108,7 +111,7 @@ def test_two_gimbals_switched_on_together_are_told_by_their_angles(feedback):
     for n in range(50):
         report(feedback, 1.0 + n * PERIOD, 0.0, n * PERIOD)
         report(feedback, 1.0 + n * PERIOD + 0.01, 1.0, n * PERIOD + 0.01)
-    assert "two gimbals with one id" in contradiction(feedback)
+    assert "two gimbals with the same id" in contradiction(feedback)
 
 
 def test_a_fast_gimbal_whose_reports_are_lost_now_and_then_does_not_jump(feedback):

@@ -150,7 +150,7 @@ def test_the_configuration_wins_when_it_has_changed_since_and_says_so(file, tmp_
         assert again.value("EXP_UNIT") == 5.0
         assert again.value("EXP_STEP") == 30
         (note,) = again.notes
-    assert note == "EXP_UNIT: the configuration says 5, no longer 3: 2.5 is dropped"
+    assert note == "EXP_UNIT: the configuration says 5, no longer 3: 2.5 is discarded"
 
 
 def test_setting_back_what_the_configuration_says_leaves_nothing_in_the_file(file):

@@ -241,7 +241,7 @@ def test_a_server_that_goes_is_an_error(clock):
                 return str(error)
             return ""
 
-        assert "closed the wire" in until(gone)
+        assert "closed the connection" in until(gone)
         wire.close()
 
 

@@ -95,7 +95,7 @@ def test_while_listening_another_task_takes_over():
 
 
 def test_an_actuator_that_is_late_at_the_start_is_no_fault_once_it_is_there(bench):
-    bench.fault = "no heartbeat of an autopilot yet"
+    bench.fault = "no heartbeat received from an autopilot"
     bench.hop()
     bench.hop()
     bench.hop()

@@ -184,7 +184,7 @@ def test_counts_of_tasks_are_products_of_the_axes():
         ({"explorers": ("fancy",)}, "fancy"),
         ({"separators": (), "explorers": ()}, "neither"),
         ({"k": (6,)}, "expected at most 5"),
-        ({"tell_k": True, "explorers": ("joint", "markov")}, "told K"),
+        ({"tell_k": True, "explorers": ("joint", "markov")}, "use a known K"),
         ({"paper_layout": False, "layouts": 0}, "layouts: expected at least one"),
         ({"k": (3, 3)}, "twice"),
         ({"rotations": ("sometimes",)}, "sometimes"),

@@ -121,7 +121,7 @@ def test_pulses_that_run_out_in_mid_move_are_a_fault_that_loses_the_position() -
     bench.clock.sleep(0.2)
     bench.guard.poll(bench.clock.now())
     state = bench.guard.state()
-    assert "pulses ran out" in state.fault
+    assert "pulse underrun" in state.fault
     assert not state.homed
     assert not state.settled
     with pytest.raises(ActuatorFault):
@@ -136,7 +136,7 @@ def test_segments_that_the_wire_gets_too_late_are_a_fault_that_loses_the_positio
     bench.far.afflict(Fault.SATURATED)
     bench.clock.sleep(0.2)
     state = bench.guard.state()
-    assert state.fault.startswith("pulses ran out: edges came too late")
+    assert state.fault.startswith("pulse underrun: edges arrived too late")
     assert not state.homed
     bench.far.afflict(Fault.SATURATED, on=False)
     bench.clock.sleep(0.5)

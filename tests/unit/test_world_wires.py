@@ -176,7 +176,7 @@ def test_a_device_that_goes_is_said_after_its_last_frame():
         connections[0].close()
         got = []
         until(lambda: got.extend(wire.receive()) or got)
-        with pytest.raises(LinkError, match="closed the wire"):
+        with pytest.raises(LinkError, match="closed the connection"):
             until(wire.receive)
         wire.send(Segment(0.0, 0.01, EDGES))  # lost, not raised: whoever sends on the way out must not fall over it
         wire.close()
@@ -213,7 +213,7 @@ def test_a_device_that_does_not_read_is_given_up():
 GREETINGS = {
     "no greeting of a device": b"SSH-2.0-OpenSSH\n",
     "expected pulses version 1, got ideal version 1": greeting(IdealCodec(), CLOCK),
-    "its clock is another one": b'{"ross_wire": "pulses", "version": 1, "now": -1000.0}\n',
+    "it uses a different clock": b'{"ross_wire": "pulses", "version": 1, "now": -1000.0}\n',
     "closed without a greeting": b"",
 }
 

@@ -67,7 +67,7 @@ class CanopenDrive:
         if self._fault:
             raise ActuatorFault(self._fault)
         if not self._state.homed:
-            raise NotHomed("where the drive stands is not known: home first")
+            raise NotHomed("the drive's position is not known: home first")
         self._requests.put(Move(angle, min(rate or math.inf, self.capabilities.max_speed)))
 
     def state(self) -> ActuatorState:
@@ -187,7 +187,7 @@ class CanopenDrive:
         if self._axis.mode is Mode.HOMING:
             self._places.clear()  # the drive will count from elsewhere
         jump = self._places.take(joint, rate, time)
-        self._latch(f"the drive's position cannot be true: it {jump}" if jump else "")
+        self._latch(f"implausible position from the drive: it {jump}" if jump else "")
 
     def _latch(self, fault: str) -> None:
         """Keep the first fault and let the drive stop and switch off."""
@@ -213,7 +213,7 @@ class CanopenDrive:
 
     def _end_homing(self, homing: Homing) -> None:
         if homing is Homing.FAILED:
-            self._latch("the drive has not found home: it reports a homing error")
+            self._latch("homing failed: the drive reports a homing error")
         elif homing is Homing.DONE:
             self._homing, self._known, self._sent = False, True, None
             self._axis.mode = Mode.PROFILE_POSITION

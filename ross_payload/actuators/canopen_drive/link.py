@@ -93,7 +93,7 @@ class Link:
             self._booted, self.running, self._started = None, False, math.inf
             self._note(f"the drive at node {self._node} has restarted")
         if self.running and now > self.heard + SILENCE:
-            self._note(f"node {self._node} has been silent for {now - self.heard:.2f} s{self._crowded(now)}")
+            self._note(f"node {self._node} has sent nothing for {now - self.heard:.2f} s{self._crowded(now)}")
 
     @property
     def awaits(self) -> bool:
@@ -192,7 +192,7 @@ class Link:
             self._damaged(f"a report of {len(data)} bytes")
         elif self._booted is not None:
             self._booted = None
-            self._note(f"two devices have node id {self._node}: one has just started, one goes on")
+            self._note(f"two devices have node id {self._node}: one has just booted, the other kept running")
         else:
             status, position, mode = values
             self.report = Report(status, position, mode, now)
@@ -209,7 +209,7 @@ class Link:
         if self._owed == 0:
             self._note(f"two devices have node id {self._node}: both answer")
         elif answer is None:
-            self._damaged(f"an answer that is none: {data.hex()}")
+            self._damaged(f"an invalid SDO response: {data.hex()}")
         else:
             self._owed -= 1
             self.answers.append(answer)
@@ -217,12 +217,12 @@ class Link:
     def _take_state(self, data: bytes, now: float) -> None:
         state = state_of(data)
         if state is None:
-            self._damaged(f"a heartbeat that is none: {data.hex()}")
+            self._damaged(f"an invalid heartbeat: {data.hex()}")
         elif state is NmtState.BOOT_UP:
             self.restarted, self._booted = True, now if self.running else None
         elif self._booted is None and now > self._started + SILENCE and state is not NmtState.OPERATIONAL:
             self.restarted = True
-            self._note(f"the drive at node {self._node} is {state.words} and obeys no set-points")
+            self._note(f"the drive at node {self._node} is {state.words} and accepts no set-points")
 
     def _take_emergency(self, data: bytes) -> None:
         emergency = emergency_of(data)

@@ -186,7 +186,7 @@ def _check(options: Options) -> Steps:
 
 def _check_travel(options: Options, lowest: int, highest: int) -> None:
     if lowest >= highest:
-        raise ActuatorFault(f"the drive's software limits are absurd: {lowest} to {highest} counts")
+        raise ActuatorFault(f"the drive's software limits are invalid: {lowest} to {highest} counts")
     lower, upper = options.travel
     if lower < lowest or upper > highest:
         raise ActuatorFault(

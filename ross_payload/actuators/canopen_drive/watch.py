@@ -35,7 +35,7 @@ class Watch:
             trouble = self._not_enabled(report, state, now) if axis.wanted is State.OPERATION_ENABLED else ""
             return f"{trouble}; it reports {emergency}" if trouble and emergency else trouble
         self._faulty = min(self._faulty, now)
-        why = emergency or "it does not say why"
+        why = emergency or "no error code"
         if axis.resetting:
             return f"the drive's fault cannot be reset: {why}" if now >= self._since + ENABLE else ""
         return f"the drive is in fault: {why}" if emergency or now >= self._faulty + EXPLAIN else ""
@@ -57,7 +57,7 @@ class Watch:
             self._late = min(self._late, now) if late else math.inf
             return "the drive does not follow: it reports a following error" if now >= self._late + BEHIND else ""
         if self._enabled:
-            return f"the drive has left 'operation enabled' by itself: {words(report)}"
+            return f"the drive left 'operation enabled' unexpectedly: {words(report)}"
         return f"the drive does not switch on: {words(report)}" if now >= self._since + ENABLE else ""
 
 
@@ -68,6 +68,6 @@ def words(report: Report) -> str:
     "it is in 'switch on disabled', without voltage at its motor, not under remote control"
     """
     state = cia402.state_of(report.status)
-    found = f"it is in '{state.words}'" if state else f"its statusword 0x{report.status:04X} is none"
+    found = f"it is in '{state.words}'" if state else f"its statusword 0x{report.status:04X} is not a valid one"
     voltage = "" if report.status & cia402.VOLTAGE else ", without voltage at its motor"
     return found + voltage + ("" if report.status & cia402.REMOTE else ", not under remote control")

@@ -72,7 +72,7 @@ class DronecanServo:
         if self._fault:
             raise ActuatorFault(self._fault)
         if not self._state.homed:
-            raise NotHomed("where the servo stands is not known: home first")
+            raise NotHomed("the servo's position is not known: home first")
         self._requests.put(Move(angle, min(rate or math.inf, self.capabilities.max_speed)))
 
     def state(self) -> ActuatorState:
@@ -152,12 +152,12 @@ class DronecanServo:
         """Return a place, without its angle when that cannot be; latch why."""
         margin = math.radians(self._options.max_lag_deg)
         if math.isnan(place.joint):
-            self._latch("the servo does not say where it is; with feedback = 'model' it need not")
+            self._latch("the servo reports no position; set feedback = 'model' if it has no sensor")
         elif not self.capabilities.lower - margin <= place.joint <= self.capabilities.upper + margin:
             self._latch(f"the servo reports {math.degrees(place.joint):.6g} deg, which is outside its travel")
             return replace(place, joint=math.nan)
         elif self._tremble.fed(place.joint, place.count) > max(TREMBLE, 1.2 * self.capabilities.resolution):
-            self._latch("the position that the servo reports trembles: look at its encoder and its cables")
+            self._latch("the reported position of the servo is noisy: check its encoder and its cables")
         return place
 
     def _check_lag(self, joint: float, now: float) -> None:
@@ -169,7 +169,7 @@ class DronecanServo:
         self._behind = self._behind + 1 if behind else 0
         if self._behind >= 2:
             here, there = math.degrees(joint), math.degrees(wanted)
-            self._latch(f"the servo does not follow: at {here:.1f} deg when told {there:.1f} deg")
+            self._latch(f"the servo does not follow: at {here:.1f} deg, commanded {there:.1f} deg")
             self._hold(joint, now)
 
     def _latch(self, fault: str) -> None:

@@ -163,7 +163,8 @@ class ServoClient:
         if not silent or now - self._alive > ALIVE:
             return ""
         what = f"{'gimbal' if self._options.command == 'gimbal' else 'actuator'} {self._options.number}"
-        return f"node {self._options.node_id} lives but sends no Status of {what}; with feedback = 'model' it need not"
+        quiet = f"node {self._options.node_id} is online but sends no Status of {what}"
+        return f"{quiet}; set feedback = 'model' if it never does"
 
     def command(self, joint: float) -> None:
         """Tell the servo its joint angle [rad].
@@ -230,13 +231,13 @@ class ServoClient:
     def _take_status(self, status: NodeStatus) -> None:
         if self._uptime is not None and status.uptime < self._uptime:
             what = f"the servo restarted after {self._uptime} s, or another node has the servo's id"
-            self.event, self.lost = f"{what}: where it stands is in doubt", True
+            self.event, self.lost = f"{what}: its position is uncertain", True
         self._uptime = status.uptime
         self.condition = ""
         if status.mode is not Mode.OPERATIONAL or status.health >= Health.ERROR:
             health, mode = (word.name.lower().replace("_", " ") for word in (status.health, status.mode))
             code = f", code {status.vendor_code}" if status.vendor_code else ""
-            self.condition = f"the servo says: health {health}, mode {mode}{code}"
+            self.condition = f"the servo reports: health {health}, mode {mode}{code}"
 
 
 def _own_node(options: Options, port: Port, now: float) -> Node:

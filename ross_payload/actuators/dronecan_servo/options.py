@@ -52,7 +52,7 @@ class Options(Table):
                 raise ValueError("position commands follow from gear_ratio; at_lower and at_upper are for the others")
             if self.command == "gimbal" and abs(self.gear_ratio) != 1:
                 raise ValueError(
-                    f"gear_ratio: expected 1 or -1, for a gimbal does not count turns, got {self.gear_ratio:g}"
+                    f"gear_ratio: expected 1 or -1, because a gimbal does not count turns, got {self.gear_ratio:g}"
                 )
         else:
             self._check_ends(*RANGES[self.command])

@@ -51,7 +51,7 @@ def complaint(settings: dict[int, float], options: Options) -> str:
     needed = (IDLE_DELAY, REPORT_MASK, INCHES, HOMING, steps, speed, acceleration)
     for number in needed:
         if number not in settings:
-            return f"grbl does not tell ${number}: has it an axis {options.axis}, and version 1.1?"
+            return f"grbl does not report ${number}: does it have an axis {options.axis}, and is it version 1.1?"
     for number in (steps, speed, acceleration):
         if settings[number] < PLAUSIBLE:
             return f"grbl's ${number} is {settings[number]:g}: expected a value above 0"
@@ -71,7 +71,7 @@ def _complaint_of_modes(settings: dict[int, float]) -> str:
         found = f"grbl's $1 is {settings[IDLE_DELAY]:g}"
         return f"{found}: the motor would lose its torque at rest and the position with it: set $1=255"
     if not int(settings[REPORT_MASK]) & 1:
-        return f"grbl's $10 is {settings[REPORT_MASK]:g}: it would not tell machine positions: set $10=1"
+        return f"grbl's $10 is {settings[REPORT_MASK]:g}: it would not report machine positions: set $10=1"
     if settings[INCHES]:
         return "grbl's $13 is 1: it would report in inches: set $13=0"
     return ""

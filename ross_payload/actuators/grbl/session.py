@@ -124,7 +124,7 @@ class Session:
             if self._now > until:
                 noise = self._dialogue.noise(self._now)
                 hint = f" ({noise}: is the baud rate right?)" if noise else ""
-                raise ActuatorFault(f"nobody answers on {self._options.port} as grbl 1.1 does{hint}")
+                raise ActuatorFault(f"no response from grbl 1.1 on {self._options.port}{hint}")
             yield
         yield from self.come_to_rest()
 
@@ -173,7 +173,7 @@ class Session:
         if here is None or abs(here - count) > NEAR or self.doing is not State.IDLE:
             found, wanted = (math.degrees((each or 0) * self._options.resolution) for each in (here, count))
             raise ActuatorFault(
-                f"somebody else stopped grbl: {self.doing} at machine position {found:.2f} deg, not {wanted:.2f}"
+                f"another controller stopped grbl: {self.doing} at machine position {found:.2f} deg, not {wanted:.2f}"
             )
 
     def find_switch(self) -> Script:

@@ -58,7 +58,7 @@ class Track:
         """Take in a report made at ``time`` [s]; say what is strange about it."""
         count, before = self.count_of(report), self.count
         if count is None:
-            return "grbl tells no machine position of this axis"
+            return "grbl reports no machine position of this axis"
         moved = 0 if before is None else count - before
         if moved:
             self.direction = 1 if moved > 0 else -1
@@ -101,16 +101,16 @@ class Track:
 
     def _strange(self, report: Report) -> str:
         if report.state in (State.RUN, State.CHECK):
-            return f"somebody else runs a program: grbl says {report.state}"
+            return f"another controller runs a program: grbl reports {report.state}"
         if report.state in (State.HOLD, State.DOOR):
             return f"grbl has stopped: {report.doing}"
         if not self.ours and (report.state is State.JOG or self.count != self._rest):
-            return "somebody else moves grbl"
+            return "another controller moves grbl"
         if self.goal is None or self.count is None:
             return ""
         away = abs(self.goal - self.count)
         if away > self._nearest + TREMBLE:
-            return "somebody else moves grbl: it goes away from our goal"
+            return "another controller moves grbl: away from the goal"
         self._nearest = min(self._nearest, away)
         return self._slowed(report.speed or 0.0, away * self._resolution)
 
@@ -119,5 +119,5 @@ class Track:
         self._peak = max(self._peak, speed)
         needed = speed**2 / (2 * self.acceleration) + LATENESS * speed + MARGIN
         if speed < SLOWED * self._peak and away > needed:
-            return f"somebody else slows grbl down, {math.degrees(away):.1f} deg before our goal"
+            return f"another controller slows grbl down, {math.degrees(away):.1f} deg before the goal"
         return ""

@@ -21,7 +21,7 @@ CONTROL_TIMEOUT_S = 2.0  # in which a manager must put us in control
 RELEASES = 5  # times that control is released, until the manager says that it is
 SILENT = 3.5  # [s] without a word of a manager after which it may have restarted; its heartbeat comes once a second
 CLOCKED = ("ATTITUDE", "SYSTEM_TIME", "GIMBAL_MANAGER_STATUS")  # messages of a manager that show its clock
-TAKE_AGAIN = "home takes it again, or rearm and the next order"
+TAKE_AGAIN = "to take it back: home, or rearm and the next command"
 WANTED = 50.0  # [Hz] of attitudes
 ENOUGH = 30.0  # [Hz]: what flows at this rate is not asked for again
 ACCEPTED, IN_PROGRESS = 0, 5  # MAV_RESULT
@@ -200,9 +200,9 @@ class Client:
         if self.wanted is None or self.ready:
             return ""
         if self.refused:
-            return f"the gimbal manager, {name_of(self.manager)}, refuses us control"
+            return f"the gimbal manager, {name_of(self.manager)}, denies control"
         late = now - self.wanted > CONTROL_TIMEOUT_S
-        return f"the gimbal manager, {name_of(self.manager)}, does not put us in control" if late else ""
+        return f"the gimbal manager, {name_of(self.manager)}, does not grant control" if late else ""
 
     def trouble(self) -> str:
         """Say how control was lost, if it was."""
@@ -211,7 +211,7 @@ class Client:
         if self.primary is None:
             return f"the gimbal manager, {name_of(self.manager)}, has restarted: control is lost; {TAKE_AGAIN}"
         if self.primary == (0, 0):
-            return f"the gimbal manager, {name_of(self.manager)}, no longer names us in control; {TAKE_AGAIN}"
+            return f"the gimbal manager, {name_of(self.manager)}, no longer reports us in control; {TAKE_AGAIN}"
         return f"{name_of(self.primary)} has taken control of the gimbal; {TAKE_AGAIN}"
 
 

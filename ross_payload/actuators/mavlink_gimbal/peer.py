@@ -18,9 +18,9 @@ from ross_protocols.vehicle import AUTOPILOT
 ALONE = 3.0  # [s] after which a gimbal without an autopilot has none
 NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID
 MISSING = {
-    "client": "no heartbeat of an autopilot yet",
-    "manager": "no heartbeat of a gimbal device yet",
-    "discover": "no heartbeat of an autopilot or a gimbal device yet",
+    "client": "no heartbeat received from an autopilot",
+    "manager": "no heartbeat received from a gimbal device",
+    "discover": "no heartbeat received from an autopilot or a gimbal device",
 }
 
 

@@ -20,9 +20,9 @@ UNMANAGED = 2.0  # [s] in which a device must notice that we manage it
 def contradiction(seen: GimbalFeedback) -> str:
     """Say when reports cannot all be true: then nobody knows where the gimbal is."""
     if seen.twins:
-        return "two gimbals report with one component id; give one of them another, then home and rearm"
+        return "two gimbals have the same component id; change one of them, then home and rearm"
     if seen.trembles:
-        return "the gimbal's attitude jumps to and fro: its sensor, or two gimbals with one id; home and rearm"
+        return "the gimbal's attitude jumps: faulty sensor, or two gimbals with the same id; home and rearm"
     return ""
 
 
@@ -65,8 +65,8 @@ def silence(seen: GimbalFeedback, now: float, manager: float | None = None) -> s
     if seen.arrived == -math.inf:
         return "the gimbal has not reported its attitude yet"
     if manager is not None and manager <= seen.arrived + LATE:
-        return f"the autopilot is silent: no word of it, nor of the gimbal, for more than {STALE:g} s"
-    return f"the gimbal is silent: no report of its attitude for more than {STALE:g} s"
+        return f"no data from the autopilot or the gimbal for more than {STALE:g} s"
+    return f"no attitude received from the gimbal for more than {STALE:g} s"
 
 
 def failures(seen: GimbalFeedback, managed_for: float) -> str:
@@ -82,7 +82,7 @@ def travel_trouble(travel: GimbalTravel | None, options: Options) -> str:
         return ""
     lower, upper = math.degrees(travel.lower), math.degrees(travel.upper)
     if not lower < upper:
-        return f"the limits of the gimbal: expected lower < upper, got {lower:.0f} to {upper:.0f} deg; it is not moved"
+        return f"the limits of the gimbal: expected lower < upper, got {lower:.0f} to {upper:.0f} deg; not moving it"
     slack = options.resolution_deg
     if lower - slack <= options.lower_deg and options.upper_deg <= upper + slack:
         return ""

@@ -210,7 +210,7 @@ class Tb6600:
     def _take_in(self, now: float) -> None:
         for report in self._feed.take_in():
             if not isinstance(report, Level):
-                self._lose("pulses ran out: edges came too late for the wire to play them; the position is lost")
+                self._lose("pulse underrun: edges arrived too late to be played; the position is lost")
                 self._rest(self._from(now))
             elif report.line is Line.HOME:
                 self._seeker.take(report)
@@ -222,7 +222,7 @@ class Tb6600:
         rate = self._motions[-1].at(self._feed.committed)[1]
         if rate:
             late = (now - self._feed.committed) * 1e3
-            self._lose(f"pulses ran out for {late:.0f} ms at {math.degrees(rate):.1f} deg/s: the position is lost")
+            self._lose(f"pulse underrun for {late:.0f} ms at {math.degrees(rate):.1f} deg/s: the position is lost")
             self._rest(now)
 
     def _lose(self, why: str) -> None:

@@ -153,7 +153,7 @@ class Seeker:
             When the search fails or the wire does not tell of a switch.
         """
         if now - self._heard > SILENCE:
-            raise ActuatorFault(f"no word of the home switch for {now - self._heard:.2f} s")
+            raise ActuatorFault(f"no state of the home switch received for {now - self._heard:.2f} s")
         if self._procedure is None or not self._contact.known:
             return None
         try:

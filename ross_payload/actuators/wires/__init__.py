@@ -158,7 +158,7 @@ class TcpWire:
                 del self._waiting[: self._connection.send(self._waiting)]
         except BlockingIOError:
             if len(self._waiting) > MOST_WAITING:
-                self._gone = "the other end does not read"
+                self._gone = "the other side does not read"
         except OSError as error:
             self._gone = error.strerror or str(error)
 
@@ -169,7 +169,7 @@ class TcpWire:
                 some = self._connection.recv(65536)
                 data += some
                 if not some:
-                    self._gone = "the other end has closed the wire"
+                    self._gone = "the other side closed the connection"
         except BlockingIOError:
             pass
         except OSError as error:
@@ -217,7 +217,7 @@ def _first_line(connection: socket.socket, url: str) -> bytes:
                 raise LinkError(f"wire '{url}': closed without a greeting")
             line += some
     except OSError as error:
-        raise LinkError(f"wire '{url}': no greeting in {PATIENCE:g} s; does it serve somebody else?") from error
+        raise LinkError(f"wire '{url}': no greeting in {PATIENCE:g} s; is it serving another client?") from error
     return line
 
 
@@ -230,4 +230,4 @@ def _check(line: bytes, codec: Codec, clock: Clock, url: str) -> None:
     if (name, version) != (codec.name, VERSION):
         raise LinkError(f"wire '{url}': expected {codec.name} version {VERSION}, got {name} version {version}")
     if not math.fabs(clock.now() - now) < SAME_CLOCK:
-        raise LinkError(f"wire '{url}': its clock is another one; the device must run on this machine")
+        raise LinkError(f"wire '{url}': it uses a different clock; the device must run on this machine")

@@ -172,7 +172,7 @@ class GpioPulses:
             with _urgent():
                 return int(self._call(self._gpio.gpiochip_open, self._pins.chip))
         except LinkError as error:
-            raise LinkError(f"{error}: is it there, and are you in its group (gpio)?") from error
+            raise LinkError(f"{error}: does it exist, and is this user in its group (gpio)?") from error
 
     def _claim(self, segment: Segment) -> None:
         """Take the outputs; STEP and DIRECTION low."""

@@ -112,7 +112,7 @@ class SerialPort:
             self._leave(error.strerror or str(error))
             return b""
         if not data and not Path(self._address.device).exists():
-            self._leave("the device has vanished")
+            self._leave("the device was disconnected")
         return data
 
     def _flush(self, line: serial.Serial) -> None:
@@ -121,7 +121,7 @@ class SerialPort:
                 del self._waiting[: os.write(line.fileno(), self._waiting)]
         except BlockingIOError:
             if len(self._waiting) > MOST_WAITING:
-                self._leave("the device does not take what is sent")
+                self._leave("the device does not accept data")
         except OSError as error:
             self._leave(error.strerror or str(error))
 

@@ -118,7 +118,7 @@ class Noise(Order):
 
 @dataclass(frozen=True, slots=True)
 class Stop(Order):
-    """Decelerate now and refuse to move until armed again."""
+    """Decelerate now and refuse to move until re-armed."""
 
     number = ross.MAV_CMD_ROSS_STOP
     name = "stop"
@@ -145,7 +145,7 @@ class Rearm(Order):
 
 @dataclass(frozen=True, slots=True)
 class Record(Order):
-    """Start or end a recording on the payload's disk."""
+    """Start or end record a session on the payload's disk."""
 
     number = ross.MAV_CMD_ROSS_RECORD
     name = "record"

@@ -26,7 +26,7 @@ TYPE_PARAMETER = 1  # COMP_METADATA_TYPE
 AGAIN, TIMES = 2.0, 5  # [s] between two requests, and how many
 READ = 3  # times that a file with a wrong checksum is read
 MOST_PARAMETERS, MOST_TEXT = 1000, 500
-NOTHING_TOLD = "the payload tells nothing about its parameters"
+NOTHING_TOLD = "the payload provides no parameter metadata"
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +168,7 @@ def described_in(content: bytes) -> tuple[dict[str, Described], str]:
     told = _json(content)
     rows = told.get("parameters") if isinstance(told, dict) else None
     if not isinstance(rows, list):
-        return {}, "what the payload tells about its parameters cannot be read"
+        return {}, "the parameter metadata of the payload cannot be read"
     named = {row["name"]: row for row in rows if isinstance(row, dict) and isinstance(row.get("name"), str)}
     kept = list(named.items())[:MOST_PARAMETERS]
     left_out = len(rows) - len(kept)

@@ -236,7 +236,7 @@ class Orders:
         self._change(one, NO_ANSWER, UNHEARD if one.heard is None else SILENCE)
 
     def _trusted(self, peer: _Peer, order: Order) -> float:
-        """Return from when on a final answer is one to this order; a stop is only in doubt after it was armed again."""
+        """Return from when on a final answer is one to this order; a stop is only in doubt after it was re-armed."""
         ended = peer.ended.get(order.number, -math.inf)
         armed = peer.sent.get(Rearm.number, -math.inf) >= ended > -math.inf
         return ended + DOUBT if armed or not isinstance(order, Stop) else -math.inf

@@ -35,12 +35,12 @@ TIMES = 5  # that a value is sent
 EXPLAINED = 1.5  # [s] around a refusal, in which the payload says why
 PREFIX = "RoSS: "  # of the payload's texts
 KNOWN, SENDING, SET, REFUSED, NO_ANSWER = "known", "sending", "set", "refused", "no_answer"
-UNHEARD = "no answer: is it in reach, and may this station set it ([[links]] accept)?"
+UNHEARD = "no answer: is it in range, and may this station set it ([[links]] accept)?"
 UNSTEADY = "its parameters keep changing: do two payloads use the same id?"
 ERRORS = {
     ParamError.DOES_NOT_EXIST: "there is no such parameter",
     ParamError.VALUE_OUT_OF_RANGE: "out of range",
-    ParamError.PERMISSION_DENIED: "not by this station",
+    ParamError.PERMISSION_DENIED: "not permitted for this station",
     ParamError.COMPONENT_NOT_FOUND: "there is no such component",
     ParamError.READ_ONLY: "it cannot be changed",
 }
@@ -164,7 +164,7 @@ class Settings:
     def _told(self, told: Told) -> None:
         named = told.name.isascii() and told.name.isprintable() and told.name != ""
         if not math.isfinite(told.value) or not named:
-            self.note = "a parameter was left out: its value is no number, or its name no name"
+            self.note = "a parameter was left out: invalid value or name"
             return
         count = min(told.count, MOST_PARAMETERS)
         other_name = told.index is not None and self._names.get(told.index, told.name) != told.name

@@ -44,12 +44,12 @@ class _WhoType(click.ParamType["Who"]):
             self.fail(str(error), param, ctx)
 
 
-@click.command("tlog", short_help="Look at a flight: a telemetry log or a session folder.", epilog=EPILOG)
+@click.command("tlog", short_help="Summarize a flight: a telemetry log or a session folder.", epilog=EPILOG)
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--payload", type=_WhoType(), help="Of this one only, as in 1-191.")
-@click.option("--picture", type=_Ending(".png", ".svg"), help="Draw the flight here.")
-@click.option("--mcap", type=_Ending(".mcap"), help="Write the flight here for Foxglove and other MCAP readers.")
-@click.option("--json", "as_json", is_flag=True, help="For machines.")
+@click.option("--payload", type=_WhoType(), help="Only this payload, such as 1-191.")
+@click.option("--picture", type=_Ending(".png", ".svg"), help="Draw the flight into this file.")
+@click.option("--mcap", type=_Ending(".mcap"), help="Write an MCAP file for Foxglove and other readers.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(*, file: Path, payload: Who | None, picture: Path | None, mcap: Path | None, as_json: bool) -> None:
     """Tell what a telemetry log (.tlog of RoSS, Mission Planner, QGroundControl or MAVProxy) or a session folder holds.
 

@@ -67,7 +67,7 @@ def figure_of(told: Told) -> Figure:
 
 def _title(told: Told, shown: int) -> str:
     left = len(told.payloads) - shown
-    return _plain(told.flight.name) + (f" (and {left} more payloads: --payload shows one)" if left else "")
+    return _plain(told.flight.name) + (f" (and {left} more payloads: select one with --payload)" if left else "")
 
 
 def _row(row: Any, told: Told, who: Who) -> None:
@@ -167,6 +167,6 @@ def _events(axes: Any, told: Told, who: Who) -> None:
     texts = told.texts[who]
     lines = [f"{said.at:8.1f} s  {said.text.removeprefix('RoSS: ')}" for said in texts[-MOST_TEXTS:]]
     left = len(texts) - len(lines)
-    earlier = [f"{left} earlier ones: --json tells all"] if left else []
-    words = "\n".join(_plain(part) for line in [*earlier, *lines] for part in wrap(line, WIDTH)) or "none were said"
+    earlier = [f"{left} earlier ones: --json lists all"] if left else []
+    words = "\n".join(_plain(part) for line in [*earlier, *lines] for part in wrap(line, WIDTH)) or "none"
     axes.text(0, 1, words, va="top", ha="left", transform=axes.transAxes, linespacing=1.6)

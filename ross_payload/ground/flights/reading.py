@@ -158,7 +158,7 @@ def _manifest(log: Path) -> tuple[dict[str, Any], list[str]]:
     except (GroundError, ValueError, RecursionError):
         return {}, ["session.json cannot be read"]
     if not isinstance(manifest, dict):
-        return {}, ["session.json is no session's"]
+        return {}, ["session.json does not describe a session"]
     return manifest, ["the session was cut off"] if manifest.get("end") is None else []
 
 
@@ -191,7 +191,7 @@ def _strange(index: Index, payloads: tuple[Who, ...]) -> list[str]:
         return notes
     systems = sorted({sender >> 8 for sender in np.unique(index.sender).tolist()})
     whose = f"system{'s' if len(systems) > 1 else ''} {', '.join(map(str, systems[:MOST_NAMES]))}"
-    return [f"nothing of ours: this is a log of {whose}: {_listed(found)}", *notes]
+    return [f"no messages of a payload: this is a log of {whose}: {_listed(found)}", *notes]
 
 
 def _listed(found: Counter[int]) -> str:

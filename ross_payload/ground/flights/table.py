@@ -105,7 +105,7 @@ def _order(order: Row) -> list[Any]:
     answers = ", ".join(
         f"{_words(answer['result'])} at {span(answer['at'])}" for answer in order["answers"]
     )  # fmt: skip
-    at = "not heard" if order["at"] is None else span(order["at"])
+    at = "not received" if order["at"] is None else span(order["at"])
     return [at, order["from"] or "", f"{order['command']} {numbers}".strip(), answers or "none"]
 
 
@@ -121,7 +121,7 @@ def _table(console: Console, title: str, columns: tuple[str, ...], rows: Iterabl
     console.print()
     console.print(with_whole_words(table))
     if count > MOST:
-        _say(console, f"and {count - MOST} more: --json tells all")
+        _say(console, f"and {count - MOST} more: --json lists all")
 
 
 def _say(console: Console, words: str, style: str = "") -> None:

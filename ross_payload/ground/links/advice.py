@@ -12,7 +12,7 @@ PATIENCE = 5.0  # [s] before something is said of what is missing
 QUIET = 10.0  # [s] after which a payload counts as silent
 AUTOPILOT = 1  # component id
 LOOPBACKS = (LOOPBACK, "localhost", "::1")
-NO_KEY = "the payload signs its messages, and obeys only stations with its key (--mavlink-key)"
+NO_KEY = "the payload signs its messages, and accepts commands only from stations with its key (--mavlink-key)"
 SAME_KEY = "both sides need the same key, and clocks that agree within a minute"
 TUNNEL = 'behind ArduPilot, set role = "autopilot" in the [[links]] table of the payload'
 

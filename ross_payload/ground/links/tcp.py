@@ -105,7 +105,7 @@ class TcpCaller:
             async with asyncio.timeout(CONNECT_TIMEOUT):
                 sock = await self._socket()
         except TimeoutError as error:
-            raise TimeoutError(0, "nobody answers") from error
+            raise TimeoutError(0, "no answer") from error
         _, connection = await loop.create_connection(lambda: Connection(HERE, self._crowd, self._listener), sock=sock)
         return connection
 

@@ -67,7 +67,7 @@ class Line:
         if data:
             self._came(data)
         elif hung_up(self._device.fileno()):
-            self._lose(ConnectionResetError(0, "the device is gone"))
+            self._lose(ConnectionResetError(0, "the device was disconnected"))
 
     def _write(self) -> None:
         fd = self._device.fileno()
@@ -182,7 +182,7 @@ def _is_heard(device: Device, decoder: Decoder) -> bool:
     except BlockingIOError:
         return False
     if not data and hung_up(device.fileno()):
-        raise ConnectionResetError(0, "the device is gone")
+        raise ConnectionResetError(0, "the device was disconnected")
     return any(packet.name == "HEARTBEAT" for packet in decoder.feed(data))
 
 

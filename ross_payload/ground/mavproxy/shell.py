@@ -15,17 +15,17 @@ from ross_protocols.codec import Packet
 
 HELP = """\
 ross status                           what the payload does, and its health
-ross sources                          who talks, and where to turn
-ross explore                          find out who talks, and where
-ross listen voice|SOURCE|azimuth DEG  listen to the enrolled voice, a source, or whoever is there
+ross sources                          the sources, and where to turn
+ross explore                          find the number of sources and their azimuths
+ross listen voice|SOURCE|azimuth DEG  listen to the enrolled voice, a source, or an azimuth
 ross turn DEG                         point the axis to a heading
 ross stop                             stop now; nothing moves before ross rearm
-ross cancel                           end what it does
-ross park|home|rearm                  parking position; zero of the joint; move again after a stop
-ross record on|off                    a recording on the payload's disk
-ross noise [SECONDS]                  measure the noise while nobody talks
+ross cancel                           end the current task
+ross park|home|rearm                  go to the parking position; find the zero; accept moves again after a stop
+ross record on|off                    record a session on the payload's disk
+ross noise [SECONDS]                  measure the noise while no one talks
 ross payload [ID]                     list payloads, or choose one, such as 2-191
-ross help                             this
+ross help                             show this text
 DEG: compass degrees, clockwise, from north or from the nose, as in ross status"""
 COMPLETIONS = [
     "<status|sources|explore|stop|cancel|park|home|rearm|noise|turn|payload|help>",
@@ -78,7 +78,7 @@ class Shell:
         if known is None:
             return "RoSS -", "unknown"
         if self._now - known.last > blocks.SILENT:
-            return f"RoSS {known.who} not heard", "act"
+            return f"RoSS {known.who} no data", "act"
         picture = self._picture(known)
         k = picture["mission"]["k"]
         state = (picture["standing"]["state"] or "?").replace("_", " ")
@@ -106,7 +106,7 @@ class Shell:
         known = self.payload
         if known is None:
             who = "no payload" if self._who is None else f"{self._who} not"
-            raise ValueError(f"{who} heard yet: is it on, and does its [[links]] lead here?")
+            raise ValueError(f"{who} received yet: is it on, and do its [[links]] lead here?")
         return known
 
     def _show(self, what: str) -> None:
@@ -122,10 +122,10 @@ class Shell:
         if rest:
             who = Who.parse(rest[0])
             if who not in self.fleet.payloads:
-                raise ValueError(f"{who} was not heard")
+                raise ValueError(f"{who} was not received")
             self._who = who
-        self._say("payloads: " + (", ".join(map(str, sorted(self.fleet.payloads))) or "none heard yet"))
-        self._say(f"orders go to {self._known().who}")
+        self._say("payloads: " + (", ".join(map(str, sorted(self.fleet.payloads))) or "none received yet"))
+        self._say(f"commands go to {self._known().who}")
 
     @staticmethod
     def _picture(known: Payload) -> dict[str, Any]:

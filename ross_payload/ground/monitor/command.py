@@ -8,7 +8,7 @@ import click
 
 DEFAULT_URL = "udpin:127.0.0.1:14550"
 SYSTEM_ID = click.IntRange(1, 255)
-EPILOG = "Exit codes: 0 ended by hand, or --once printed the state; 2 bad input, or no telemetry."
+EPILOG = "Exit codes: 0 ended by the user, or --once printed the state; 2 bad input, or no telemetry."
 
 
 @click.command("monitor", short_help="Watch and command a payload in a terminal.", epilog=EPILOG)
@@ -43,7 +43,7 @@ def command(
 ) -> None:
     """Watch payloads on each URL (default: udpin:127.0.0.1:14550), until Ctrl-C.
 
-    On a terminal it draws the state and obeys keys; elsewhere it prints one line per change.
+    On a terminal it shows the state and accepts keys; elsewhere it prints one line per change.
     """
     from ross_payload.ground.monitor.running import Wanted, run
     from ross_payload.ground.picture.known import Who

@@ -36,7 +36,7 @@ class Wanted:
 
 
 def run(wanted: Wanted) -> None:
-    """Watch until ended by hand, or as long as one look takes.
+    """Watch until ended by the user, or as long as one look takes.
 
     Raises
     ------

@@ -12,20 +12,20 @@ from ross_payload.extras import install_line
 DEFAULT_URL = "udpin:127.0.0.1:14550"
 PORT = 8765
 SYSTEM_ID = click.IntRange(1, 255)
-EPILOG = "Exit codes: 0 ended by hand, 2 bad input."
+EPILOG = "Exit codes: 0 ended by the user, 2 bad input."
 
 
-@click.command("ground", short_help="A page to watch and command payloads.", epilog=EPILOG)
+@click.command("ground", short_help="Serve a web page to watch and command payloads.", epilog=EPILOG)
 @click.argument("urls", metavar="[URL]...", nargs=-1)
-@click.option("--port", type=click.IntRange(0, 65535), default=PORT, show_default=True, help="0: a free one.")
-@click.option("--host", default="127.0.0.1", show_default=True, help="Others than 127.0.0.1 need a token.")
+@click.option("--port", type=click.IntRange(0, 65535), default=PORT, show_default=True, help="TCP port; 0: any.")
+@click.option("--host", default="127.0.0.1", show_default=True, help="Other addresses need a token.")
 @click.option("--token-file", type=click.Path(path_type=Path), help="File with the token, mode 0600; else one is made.")
-@click.option("--certificate", type=click.Path(path_type=Path), help="PEM file, for TLS.")
+@click.option("--certificate", type=click.Path(path_type=Path), help="Certificate for TLS (PEM file).")
 @click.option("--key", type=click.Path(path_type=Path), help="PEM file with the certificate's private key.")
-@click.option("--mavlink-key", type=click.Path(path_type=Path), help="File with the key that signs, as of the payload.")
-@click.option("--system-id", type=SYSTEM_ID, default=254, show_default=True, help="Ours; another program has another.")
-@click.option("--log", type=click.Path(path_type=Path), help="Folder for a tlog of all that is heard.")
-@click.option("--flights", type=click.Path(path_type=Path), help="Folder of past flights (default: that of --log).")
+@click.option("--mavlink-key", type=click.Path(path_type=Path), help="File with the signing key of the payload.")
+@click.option("--system-id", type=SYSTEM_ID, default=254, show_default=True, help="MAVLink id of this program.")
+@click.option("--log", type=click.Path(path_type=Path), help="Folder for a tlog of everything received.")
+@click.option("--flights", type=click.Path(path_type=Path), help="Folder of recorded flights (default: that of --log).")
 @click.option("--map", "map_file", type=click.Path(path_type=Path), help="MBTiles file with PNG or JPEG tiles.")
 @click.option("--open", "open_page", is_flag=True, help="Open the page in a browser.")
 def command(
@@ -43,7 +43,7 @@ def command(
     map_file: Path | None,
     open_page: bool,
 ) -> None:
-    """Serve the page, with what is heard at each URL (default: udpin:127.0.0.1:14550), until Ctrl-C."""
+    """Serve the page, with what is received on each URL (default: udpin:127.0.0.1:14550), until Ctrl-C."""
     try:
         from ross_payload.ground.page.running import Wanted, run
     except ModuleNotFoundError as error:

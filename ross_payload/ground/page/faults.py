@@ -16,7 +16,7 @@ MOST_TRACEBACKS = 20  # of different faults; a fault is shown with its place onc
 
 def report(error: Exception) -> None:
     """Tell of a fault of the program on the terminal."""
-    words = {"message": "a fault of the page; please report it", "exception": error, "ours": True}
+    words = {"message": "an internal error of the page; please report it", "exception": error, "ours": True}
     asyncio.get_running_loop().call_exception_handler(words)
 
 

@@ -20,10 +20,10 @@ from aiohttp.typedefs import Handler, Middleware
 from ross_payload.ground.page.connections import HEADER_TIMEOUT, Connections
 from ross_payload.ground.page.security import Gate, host_fits, origin_fits, shown
 
-WANTED = "This page needs the token that its terminal shows, or that its token file holds."
+WANTED = "This page needs the token that the terminal shows, or the one in the token file."
 WRONG = "The token is wrong."
-LINKED = "Another site led here: press Open to log in."
-LOCKED_LINK = "Too many wrong tokens came in the address of this page; here the token is still taken."
+LINKED = "You come from another site: press Open to log in."
+LOCKED_LINK = "Too many wrong tokens in the address of this page; you can still enter the token here."
 FORM = "application/x-www-form-urlencoded"
 MOST_FIELDS = 10
 ELSEWHERE = ("cross-site", "same-site")  # of Sec-Fetch-Site: what a page of another origin causes
@@ -37,7 +37,7 @@ def guard(gate: Gate, connections: Connections, *, loopback: bool) -> Middleware
         if loopback and not host_fits(request.host):
             raise web.HTTPMisdirectedRequest(text=f"host: expected this computer, got {shown(request.host)}\n")
         if not origin_fits(request.headers.get("Origin"), request.host) or _intrudes(request):
-            raise web.HTTPForbidden(text="a page of another origin asks: refused\n")
+            raise web.HTTPForbidden(text="request from another origin: refused\n")
         if not gate.lets_in(request.cookies.get(_cookie_name(request), "")):
             return await _stranger(gate, request)
         with connections.answering(request.protocol, lasting=request.path == "/live"):

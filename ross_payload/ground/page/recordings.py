@@ -55,7 +55,7 @@ async def deleted(store: RecordingStore | None, name: str) -> web.Response:
             raise LookupError(name)
         await asyncio.to_thread(store.delete, name)
     except LookupError as error:
-        raise web.HTTPNotFound(text=f"recording {name[:80]}: there is none of that name\n") from error
+        raise web.HTTPNotFound(text=f"recording {name[:80]}: not found\n") from error
     except GroundError as error:
         return web.json_response({"error": error.message}, status=409)
     return web.json_response({"deleted": name})
@@ -107,7 +107,7 @@ async def _files(store: RecordingStore | None, name: str) -> Mapping[str, Path]:
             raise LookupError(name)
         return await asyncio.to_thread(store.files, name)
     except LookupError as error:
-        raise web.HTTPNotFound(text=f"recording {name[:80]}: there is none of that name\n") from error
+        raise web.HTTPNotFound(text=f"recording {name[:80]}: not found\n") from error
 
 
 def _attached(name: str) -> dict[str, str]:

@@ -145,14 +145,14 @@ def _who(message: Message) -> Who:
 
 def _live(session: Session, message: Message) -> Who:
     if not session.hub.live:
-        raise ValueError("a past flight takes no orders")
+        raise ValueError("a recorded flight accepts no commands")
     return _who(message)
 
 
 def _known(session: Session, message: Message) -> Who:
     who = _live(session, message)
     if who not in session.hub.station.fleet.payloads:
-        raise ValueError(f"id: expected a payload that is heard, got {who}")
+        raise ValueError(f"id: expected a payload that was received, got {who}")
     return who
 
 

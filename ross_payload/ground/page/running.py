@@ -93,7 +93,7 @@ def _announce(served: Served, wanted: Wanted, token: str | None) -> None:
     url = f"{served.url}?token={token}" if made else served.url
     click.echo(f"ross ground: {url}  (Ctrl-C ends it)")
     if wanted.certificate is None and not is_loopback(wanted.host):
-        _warn("without --certificate the token and all else travel in CLEAR TEXT: whoever listens can give orders")
+        _warn("without --certificate all is sent in CLEAR TEXT: who reads the token can send commands")
     if wanted.open_page:
         webbrowser.open(url)
 

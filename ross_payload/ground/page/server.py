@@ -68,7 +68,7 @@ async def serve(
         When the port cannot be had, or others could reach the page without a token.
     """
     if token is None and not is_loopback(host):
-        raise GroundError(f"--host {host}: others reach it: expected a token, got none")
+        raise GroundError(f"--host {host}: reachable from other computers: expected a token, got none")
     with listener or bound(host, port) as listening, flights or Flights(None) as shelf:
         browsers, connections = Browsers(Hub(station or Silence(), shelf, recordings)), Connections()
         browsers.hub.tiles = tiles
@@ -91,7 +91,7 @@ async def _protocols(site: web.Application) -> AsyncIterator[web.Server]:
     )
     await runner.setup()
     if runner.server is None:
-        raise RuntimeError("the web server did not begin")
+        raise RuntimeError("the web server did not start")
     runner.server.request_handler = tolerant(runner.server.request_handler)
     try:
         yield runner.server
@@ -142,7 +142,7 @@ def bound(host: str, port: int) -> socket.socket:
 
 def _why(host: str, port: int, error: OSError) -> str:
     if error.errno == errno.EADDRINUSE:
-        return f"--port {port}: expected a free one, got one that is taken; --port 0 takes any"
+        return f"--port {port}: expected a free port, got one in use; --port 0 takes any"
     if error.errno == errno.EADDRNOTAVAIL:
         return f"--host {host}: expected an address of this computer"
     return f"{host}:{port}: {error.strerror}"

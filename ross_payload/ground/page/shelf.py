@@ -73,7 +73,7 @@ class Flights:
         """
         found = dict(self._named()).get(name)
         if found is None:
-            raise GroundError(f"flight {name[:80]}: there is none of that name")
+            raise GroundError(f"flight {name[:80]}: not found")
         return found
 
     def known(self) -> list[dict[str, Any]]:
@@ -111,7 +111,7 @@ class Flights:
         folder = Path(self._brought.name)
         here = {path.name.removesuffix(PART) for path in folder.iterdir()}
         if len(here) >= MOST_BROUGHT:
-            raise Refused(507, f"{MOST_BROUGHT} flights were brought already: no more are taken")
+            raise Refused(507, f"{MOST_BROUGHT} flights were brought already: no more are accepted")
         stem = _UNWANTED.sub("_", name.replace("\\", "/").rsplit("/", 1)[-1])[: -len(SUFFIX)].strip(". ")[-80:]
         taken = here | {name for name, _ in self._named()}
         marks = chain([""], (f" {number}" for number in count(2)))

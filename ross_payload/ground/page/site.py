@@ -84,7 +84,7 @@ def tolerant(handle: Handle) -> Handle:
             raise web.HTTPBadRequest(text=f"request: {shown(str(error))}\n") from error
         except Exception as error:
             report(error)
-            raise web.HTTPInternalServerError(text="a fault of the page: the terminal says which\n") from error
+            raise web.HTTPInternalServerError(text="an internal error of the page: see the terminal\n") from error
 
     return handled
 
@@ -146,7 +146,7 @@ async def _chunks(request: web.Request) -> AsyncIterator[bytes]:
             async with asyncio.timeout(STALL):
                 chunk = await request.content.read(CHUNK)
         except TimeoutError as error:
-            raise Refused(408, f"nothing came for {STALL:.0f} s") from error
+            raise Refused(408, f"no data received for {STALL:.0f} s") from error
         if not chunk:
             return
         yield chunk

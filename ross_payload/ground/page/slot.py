@@ -103,7 +103,7 @@ class Slot:
             refuse(error.message)
         except Exception as error:
             report(error)
-            refuse("it cannot be played: the terminal says why")
+            refuse("it cannot be played: see the terminal")
 
     async def _play(self, playback: Playback) -> None:
         """Do what is due, and show what is known after it, until cancelled."""

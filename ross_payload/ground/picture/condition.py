@@ -87,7 +87,7 @@ def _actuator(known: Payload) -> dict[str, Any]:
     if status.fault:
         level, words = ACT, "fault: see the events, then home or rearm"
     elif not status.homed:
-        level, words = ACT, "not homed: send home"
+        level, words = ACT, "not homed: command home"
     else:
         level, words = GOOD, "settled" if status.settled else "turning"
     return {

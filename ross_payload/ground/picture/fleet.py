@@ -143,7 +143,7 @@ class Fleet:
         if value is None:
             return replace(known, last=at)
         if not is_sane(value):
-            return flawed(replace(known, last=at), f"{told.name} with a number that is none (NaN or infinite)")
+            return flawed(replace(known, last=at), f"{told.name} with a number that is NaN or infinite")
         if isinstance(value, Text):
             for said in ear.texts.heard(value, at):
                 known = hear_text(known, said)

@@ -16,8 +16,8 @@ KINDS = {
     "grbl": "grbl",
     "stepper": "tb6600",
 }
-EPILOG = """While it lives it obeys lines on its standard input: FAULT, FAULT off, status; it answers each with one line
-of JSON. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended by hand, 2 bad input, 1 the wire was lost."""
+EPILOG = """It accepts commands on its standard input: FAULT, FAULT off, status; it answers each with one line
+of JSON. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended by the user, 2 bad input, 1 the wire was lost."""
 
 
 @click.command("device", short_help="Simulate one device for a payload in another process.", epilog=EPILOG)
@@ -25,12 +25,12 @@ of JSON. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended by hand, 2 bad input, 1 
 @click.option(
     "--wire",
     metavar="URL",
-    help="Where to be reached, or what to join; default: the configuration's, or a free local port.",
+    help="Address to listen on, or bus to join; default: the configuration's, or a free local port.",
 )
 @click.option("--option", "-o", "options", multiple=True, metavar="KEY=VALUE", help="As in [actuator.options].")
 @click.option("--config", "file", type=click.Path(path_type=Path), help="Take [actuator] from this payload's file.")
-@click.option("--fault", "faults", multiple=True, metavar='"FAULT at S [for S]"', help="Let a fault happen.")
-@click.option("--json", "as_json", is_flag=True, help="Tell the address as one line of JSON.")
+@click.option("--fault", "faults", multiple=True, metavar='"FAULT at S [for S]"', help="Inject a fault.")
+@click.option("--json", "as_json", is_flag=True, help="Print the address as one line of JSON.")
 def command(
     *,
     kind: str,
@@ -40,9 +40,9 @@ def command(
     faults: Sequence[str],
     as_json: bool,
 ) -> int:
-    """Simulate one device with real dynamics, in real time: what a driver of RoSS or of others turns.
+    """Simulate one device with real dynamics, in real time, for a driver of RoSS or of others.
 
-    It tells where it is, not where it was told to be.
+    It reports where it is, not where it was commanded to be.
     """
     from contextlib import ExitStack
 

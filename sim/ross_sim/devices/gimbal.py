@@ -204,7 +204,7 @@ class GimbalFarEnd:
             else (message.angular_velocity_y, message.angular_velocity_z)
         )
         if any(map(math.isfinite, rates)):
-            self.words.append(f"{packet.name} with rates, which nobody stops")
+            self.words.append(f"{packet.name} with rates, which never end")
 
 
 class GimbalFarEndPlugin:

@@ -6,13 +6,13 @@ import json
 
 import click
 
-EPILOG = """Whoever reaches the port may use it: keep it on the loopback. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended
-by hand, 2 bad input. Port 0 means: one that is free."""
+EPILOG = """Who can reach the port can use it: keep it on the loopback. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended
+by the user, 2 bad input. Port 0: any free port."""
 
 
-@click.command("hub", short_help="Be a CAN bus between processes, without a kernel driver.", epilog=EPILOG)
+@click.command("hub", short_help="Provide a CAN bus between processes, without a kernel driver.", epilog=EPILOG)
 @click.option("--listen", default="tcp:127.0.0.1:29536", show_default=True, metavar="tcp:HOST:PORT")
-@click.option("--json", "as_json", is_flag=True, help="Tell the address as one line of JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print the address as one line of JSON.")
 def command(*, listen: str, as_json: bool) -> int:
     """Be a CAN bus between processes, without a kernel driver: a socketcand server with any number of channels.
 

@@ -12,7 +12,7 @@ from ross_payload.extras import install_line
 
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
-Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by hand."""
+Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by the user."""
 
 
 class _Names(click.ParamType[Any]):

@@ -218,7 +218,7 @@ def check_names(study: Study) -> None:
         plugins.load("ross_payload.explorers", name)
     if study.tell_k and set(study.explorers) - {"joint"}:
         raise ConfigError(
-            f"tell_k: expected the explorer joint alone, which can be told K, got {', '.join(study.explorers)}"
+            f"tell_k: expected only the explorer joint, which can use a known K, got {', '.join(study.explorers)}"
         )
     if not study.separators and not study.explorers:
         raise ConfigError("expected at least one separator or explorer, got neither")

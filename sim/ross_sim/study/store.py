@@ -128,7 +128,7 @@ class Store:
             raise ConfigError(f"{path}: cannot be read, so the journal beside it may be another study's") from error
         other = difference(found, wanted)
         if other:
-            raise ConfigError(f"--out {self.folder}: holds another study ({other}); name another folder")
+            raise ConfigError(f"--out {self.folder}: holds another study ({other}); choose another folder")
 
     def add(self, result: Result) -> None:
         """Write down a result; when this returns it is on the disk.

@@ -131,7 +131,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, help="folder of talkers; default: the synthetic voices")
-    parser.add_argument("--talkers", nargs="*", default=list(OUTSIDE), help="of that folder; nobody named: all")
+    parser.add_argument("--talkers", nargs="*", default=list(OUTSIDE), help="of that folder; default: all")
     parser.add_argument("--background", type=Path, help="another background model (.npz) than the one shipped")
     parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S1"], help=f"such as {' '.join(ROOMS)}")
     parser.add_argument("--draws", type=int, default=20, help="mixtures in every room")

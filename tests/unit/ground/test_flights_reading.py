@@ -129,7 +129,7 @@ def test_messages_that_nobody_here_knows_are_named_and_kept_out_of_the_way(opene
 def test_a_log_without_us_says_whose_it_is(opened):
     (note,) = opened(log_of(vehicle_frames(system=7))).notes
     begin, names = note.rsplit(": ", 1)
-    assert begin == "nothing of ours: this is a log of system 7"
+    assert begin == "no messages of a payload: this is a log of system 7"
     assert set(names.split(", ")) == {"HEARTBEAT x 10", "ATTITUDE x 10", "GLOBAL_POSITION_INT x 10"}
 
 

@@ -88,7 +88,7 @@ def test_mirrors_alone_mean_that_an_autopilot_drops_the_rest() -> None:
 
 
 def test_who_signs_is_told_to_who_does_not() -> None:
-    words = "the payload signs its messages, and obeys only stations with its key (--mavlink-key)"
+    words = "the payload signs its messages, and accepts commands only from stations with its key (--mavlink-key)"
     assert says(replace(TALKING, signed=3), PAYLOAD) == f"{URL}: {words}"
 
 

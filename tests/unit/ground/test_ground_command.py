@@ -103,7 +103,7 @@ def test_a_taken_port_is_told_in_one_line():
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         told = mistake(link(), "--port", str(port))
-    assert told == f"ross: --port {port}: expected a free one, got one that is taken; --port 0 takes any"
+    assert told == f"ross: --port {port}: expected a free port, got one in use; --port 0 takes any"
 
 
 def test_an_address_of_another_computer_is_told():

@@ -238,7 +238,7 @@ def test_a_payload_that_denies_the_request_is_not_asked_again(result):
     teller = Teller()
     teller.say(acknowledgement(512, result, *US))
     assert (teller.metadata.over, len(teller.asked)) == (True, 1)
-    assert teller.metadata.note == "the payload tells nothing about its parameters"
+    assert teller.metadata.note == "the payload provides no parameter metadata"
 
 
 @pytest.mark.parametrize(

@@ -63,7 +63,7 @@ def test_an_azimuth_that_is_none_is_left_out_counted_and_named(ground):
     ground.say(source(0, 0.5), source(1, math.nan))
     assert [entry.source for entry in ground.known.sources] == [0]
     assert ground.known.counts.malformed == 1
-    assert ground.known.flaws == ("ROSS_SOURCE with a number that is none (NaN or infinite)",)
+    assert ground.known.flaws == ("ROSS_SOURCE with a number that is NaN or infinite",)
 
 
 def test_a_payload_that_says_nothing_but_nonsense_is_there_all_the_same(ground):

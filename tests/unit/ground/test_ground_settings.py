@@ -151,7 +151,7 @@ def test_a_payload_that_tells_nothing_about_its_parameters_still_shows_them(scri
         ("ALPHA", 1.0, ""),
         ("BETA", 2.5, ""),
     ]
-    assert script.settings.notes() == ["the payload tells nothing about its parameters"]
+    assert script.settings.notes() == ["the payload provides no parameter metadata"]
 
 
 def test_a_list_that_nobody_answers_is_asked_for_every_five_seconds(script):
@@ -205,14 +205,14 @@ def test_no_more_than_a_thousand_are_kept(script):
 def test_a_value_that_is_no_number_is_left_out_with_a_note(script, value):
     script.tell({"ALPHA": value, "BETA": 2.5})
     assert script.settings.values == {"BETA": 2.5}
-    assert any("no number" in note for note in script.settings.notes())
+    assert any("invalid value or name" in note for note in script.settings.notes())
 
 
 @pytest.mark.parametrize("name", [b"", b"\xff\xfe", b"A\x1b[31m"])
 def test_a_name_that_is_none_is_left_out_with_a_note(script, name):
     script.say(common.MAVLink_param_value_message(name, 1.0, common.MAV_PARAM_TYPE_REAL32, 1, 0))
     assert script.settings.values == {}
-    assert any("no name" in note for note in script.settings.notes())
+    assert any("invalid value or name" in note for note in script.settings.notes())
 
 
 def test_a_value_without_an_index_changes_what_is_known(script):

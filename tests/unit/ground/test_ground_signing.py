@@ -111,7 +111,7 @@ def test_a_payload_that_signs_does_not_obey_a_station_without_its_key(tmp_path: 
             await until(lambda: aboard.links.status()[0].refused)
             assert station.links()[0].signed > 0
             assert aboard.heard == []
-            assert "obeys only stations with its key" in station.advice()
+            assert "accepts commands only from stations with its key" in station.advice()
 
     run(claim)
 

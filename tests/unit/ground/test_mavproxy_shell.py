@@ -79,7 +79,7 @@ def test_every_order_is_sent_and_said(line, number, numbers):
         ("rearm now", "expected ross park|home|rearm"),
         ("dance", "expected a word that ross help lists, got 'dance'"),
         ("payload x", "expected system-component, as in 1-191, got 'x'"),
-        ("payload 9-191", "9-191 was not heard"),
+        ("payload 9-191", "9-191 was not received"),
     ],
 )
 def test_a_mistake_is_one_line_and_orders_nothing(line, words):
@@ -94,7 +94,7 @@ def test_a_mistake_is_one_line_and_orders_nothing(line, words):
 @pytest.mark.parametrize("line", ["explore", "status", "sources", "payload"])
 def test_without_a_payload_it_says_what_to_check(line):
     prompt = Prompt()
-    assert "heard yet" in prompt.type(line)
+    assert "received yet" in prompt.type(line)
     assert prompt.sent == []
 
 
@@ -156,7 +156,7 @@ def test_an_order_that_nobody_answers_is_sent_again_and_given_up():
 def test_another_payload_can_be_chosen():
     prompt = Prompt(2, 5)
     prompt.type("stop")
-    assert "orders go to 5-191" in prompt.type("payload 5-191")
+    assert "commands go to 5-191" in prompt.type("payload 5-191")
     prompt.type("stop")
     assert [str(who) for who, _ in prompt.sent] == ["2-191", "5-191"]
 
@@ -165,7 +165,7 @@ def test_the_status_bar_says_state_and_silence():
     prompt = Prompt(1)
     assert prompt.shell.summary() == ("RoSS 1-191 run K 3", "good")
     prompt.wait(3.0)
-    assert prompt.shell.summary() == ("RoSS 1-191 not heard", "act")
+    assert prompt.shell.summary() == ("RoSS 1-191 no data", "act")
     assert Prompt().shell.summary() == ("RoSS -", "unknown")
 
 

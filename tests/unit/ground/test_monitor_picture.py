@@ -187,7 +187,7 @@ def test_too_many_sources_are_counted():
 
 def test_a_message_with_a_number_that_is_none_is_odd():
     [*_, source] = [value for value in full(30.0, 3, 1) if isinstance(value, Source)]
-    assert "WARNING: ROSS_SOURCE with a number that is none" in text(replace(source, azimuth=math.nan))
+    assert "WARNING: ROSS_SOURCE with a number that is NaN" in text(replace(source, azimuth=math.nan))
 
 
 def test_limits_are_read_from_what_the_payload_tells():

@@ -125,7 +125,7 @@ def test_a_stop_is_sent_to_a_payload_that_was_not_heard_yet():
         async with page(station) as served, browser(served.url) as one:
             await one.say(type="order", id="1-191", order={"kind": "stop"})
             await one.say(type="order", id="1-191", order=TURN)
-            assert "expected a payload that is heard, got" in (await one.next("refused"))["reason"]
+            assert "expected a payload that was received, got" in (await one.next("refused"))["reason"]
             assert set(commands(station)) == {ross.MAV_CMD_ROSS_STOP}
 
     asyncio.run(run())
@@ -178,7 +178,7 @@ def test_nobody_takes_the_id_of_a_browser_that_is_there():
         ),
         ({"id": "1-191", "order": {"kind": ["stop"]}}, "kind: expected one of"),
         ({"id": "1-191", "order": "stop"}, "order: expected an object with a kind, got stop"),
-        ({"id": "3-191", "order": TURN}, "id: expected a payload that is heard, got 3-191"),
+        ({"id": "3-191", "order": TURN}, "id: expected a payload that was received, got 3-191"),
     ],
 )
 def test_an_order_that_cannot_be_meant_reaches_no_payload_and_takes_no_control(message, reason):

@@ -48,7 +48,7 @@ def test_the_flights_of_the_folder_are_listed_with_what_is_odd_about_them(folder
             known = {each["name"]: each for each in told["known"]}
             assert set(known) == {"two.tlog", "session", "other.tlog", "text.tlog"}
             assert "got a text" in known["text.tlog"]["notes"][0]
-            assert "nothing of ours" in known["other.tlog"]["notes"][0]
+            assert "no messages of a payload" in known["other.tlog"]["notes"][0]
 
     for path in folder.rglob("*.tlog"):
         make_old(path)
@@ -183,8 +183,8 @@ def test_two_flights_play_apart(folder):
     [
         ({"slot": "c", "open": "two.tlog"}, "slot: expected one of a, b, got c"),
         ({"slot": ["a"], "open": "two.tlog"}, "slot: expected one of a, b, got "),
-        ({"slot": "a", "open": "../flights/two.tlog"}, "there is none of that name"),
-        ({"slot": "a", "open": "/etc/passwd"}, "there is none of that name"),
+        ({"slot": "a", "open": "../flights/two.tlog"}, "not found"),
+        ({"slot": "a", "open": "/etc/passwd"}, "not found"),
         ({"slot": "a", "open": "text.tlog"}, "got a text"),
         ({"slot": "b", "seek": 1}, "no flight is open in b"),
         ({"slot": "a", "seek": "1"}, "seek: expected a number from 0"),
@@ -276,7 +276,7 @@ def test_no_more_flights_are_brought_than_there_is_room_for(folder, monkeypatch)
             assert (await bring(served, "a.tlog", data))[0] == 200
             assert (await bring(served, "b.tlog", data))[0] == 200
             assert await bring(served, "c.tlog", data) == (
-                507, {"error": "2 flights were brought already: no more are taken"},
+                507, {"error": "2 flights were brought already: no more are accepted"},
             )  # fmt: skip
 
     monkeypatch.setattr(shelf, "MOST_BROUGHT", 2)

@@ -95,7 +95,7 @@ def test_a_deleted_recording_is_gone_and_the_others_stay(catalog):
 
     status, again, why, (_, left, _) = visited(catalog, visit)
     assert (status, again) == (200, 404)
-    assert b"there is none of that name" in why
+    assert b"not found" in why
     assert b"0002" in left
     assert b"0001" not in left
     assert not (catalog.folder / "0001").exists()

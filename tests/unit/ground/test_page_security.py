@@ -81,7 +81,7 @@ def test_the_token_in_the_form_opens_the_page_and_a_wrong_one_does_not():
 
 def test_nobody_serves_the_page_to_others_without_a_token():
     async def run():
-        with pytest.raises(GroundError, match="others reach it: expected a token, got none"):
+        with pytest.raises(GroundError, match="reachable from other computers: expected a token, got none"):
             async with page(HandStation(), host="0.0.0.0"):  # noqa: S104
                 pass
 

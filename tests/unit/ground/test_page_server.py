@@ -197,7 +197,7 @@ def test_a_link_that_goes_down_is_told():
         ('{"type": ["watch"]}', "type: expected one of "),
         ('{"type": "watch", "id": "1-999"}', "expected system-component, as in 1-191, got '1-999'"),
         ('{"type": "watch"}', "expected system-component, as in 1-191, got 'None'"),
-        ('{"type": "place", "id": "9-9", "lat": 0, "lon": 0}', "id: expected a payload that is heard, got 9-9"),
+        ('{"type": "place", "id": "9-9", "lat": 0, "lon": 0}', "id: expected a payload that was received, got 9-9"),
         ('{"type": "place", "id": "1-191", "lat": 91, "lon": 0}', "lat: expected a number from -90 to 90, got 91"),
         ('{"type": "place", "id": "1-191", "lat": NaN, "lon": 0}', "lat: expected a number from -90 to 90, got nan"),
         ('{"type": "place", "id": "1-191", "lat": true, "lon": 0}', "lat: expected a number from -90 to 90, got True"),
@@ -235,7 +235,7 @@ def test_without_a_station_the_page_plays_past_flights_only():
             assert hello["mode"] == "flight"
             assert not hello["may_order"]
             await one.say(type="order", id="1-191", order={"kind": "stop"})
-            assert (await one.next("refused"))["reason"] == "a past flight takes no orders"
+            assert (await one.next("refused"))["reason"] == "a recorded flight accepts no commands"
 
     asyncio.run(run())
 

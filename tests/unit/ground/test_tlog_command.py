@@ -265,7 +265,7 @@ def test_a_log_of_somebody_else_is_told_but_not_drawn(tlog, tmp_path):
     path.write_bytes(b"".join(record(UNIX, frame) for frame in vehicle_frames()))
     code, out, _ = tlog(path)
     assert code == 0
-    assert "nothing of ours: this is a log of system 1" in out
+    assert "no messages of a payload: this is a log of system 1" in out
     code, _, err = tlog(path, "--picture", tmp_path / "a.png")
     assert code == 2
     assert "expected a payload for a picture" in err

@@ -87,8 +87,8 @@ def test_a_payload_with_another_dialect_is_named_once(aloft) -> None:
             sky.ports[0].call(None, Encoder(2, 191).encode(stranger))
             sky.ports[0].call(None, Encoder(3, 191).encode(information(Config(), None, 0)))
             sky.live(0.5)
-    said = [text for text in sky.ports[0].texts() if "speaks" in text]
-    assert said == ["RoSS: payload 2/191 speaks version 99 of the diale"]
+    said = [text for text in sky.ports[0].texts() if "dialect" in text]
+    assert said == [f"RoSS: payload 2/191: dialect 99, expected {v.DIALECT_VERSION}"]
 
 
 def test_somebody_else_with_our_component_id_is_said_once(aloft) -> None:
@@ -98,7 +98,7 @@ def test_somebody_else_with_our_component_id_is_said_once(aloft) -> None:
             sky.ports[0].call(None, twin.encode(v.Heartbeat(v.Health.ACTIVE, 6)))
             sky.live(1.0)
     said = "".join(sky.ports[0].texts())
-    assert said == "RoSS: somebody else speaks as our component 191: change one component_id"
+    assert said == "RoSS: another sender uses our component id 191: change one"
 
 
 # ---------------------------------------------------------------------------------------------------- how things stand

@@ -88,7 +88,7 @@ function control(page) {
     ? "You have control"
     : held.holder
       ? `${held.name ?? held.holder} has control`
-      : "Nobody has control";
+      : "No browser has control";
   const take = () => page.send({ type: "control", take: !held.yours });
   return html`<p class="control">
     <span>${who}</span>

@@ -10,7 +10,7 @@ export function recordings(page) {
   return html`<section class="card" aria-label="Recordings">
     <h2>Recordings</h2>
     <p class="soft">
-      Kept in <code>${told.folder}</code>. What people said is in them: download and keep only what you may.
+      Kept in <code>${told.folder}</code>. They contain speech of people: download and keep them only if you are allowed to.
     </p>
     ${page.ui.recordingError ? html`<p class="bad" role="alert">${page.ui.recordingError}</p>` : nothing}
     ${
@@ -41,7 +41,7 @@ function row(page, { name, bytes, seconds, state, running }) {
 const addressOf = (name, suffix = "") => `/recordings/${encodeURIComponent(name)}${suffix}`;
 
 async function remove(page, name) {
-  if (!confirm(`Delete recording ${name}? It cannot be brought back.`)) return;
+  if (!confirm(`Delete recording ${name}? This cannot be undone.`)) return;
   const answer = await fetch(addressOf(name), { method: "DELETE" }).catch(() => null);
   const told = answer?.ok ? {} : await answer?.json().catch(() => ({}));
   page.change({ recordingError: answer?.ok ? null : `${name}: ${told?.error ?? "it was not deleted"}` });

@@ -32,8 +32,8 @@ export function helpPanel(page) {
     </p>
     <h3>Control</h3>
     <p>
-      One browser at a time sends commands. The first to send one takes control while nobody has it. Another can take
-      control; both are told.
+      One browser at a time sends commands. The first to send one takes control while no other browser has it. Another can take
+      control; both are notified.
     </p>
     <h3>Terms</h3>
     <p>

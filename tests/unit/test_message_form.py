@@ -1,0 +1,95 @@
+"""How the product words what a user reads: a wrong value is `expected Y, got X`, in standard terms."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PRODUCT = ("ross_payload", "protocols", "sim")
+GENERATED = {
+    "ross_dialect.py",
+    "standard_dialect.py",
+}  # pymavlink's code around our descriptions, which are in ross.xml
+WORDS = re.compile(r"\bwanted\b|\bfound\b.*\bwanted\b", re.IGNORECASE)
+TERMS = re.compile(
+    r"\b(nobody else|somebody|everybody|nobody (answers|gives|listens|is sought)|looks for nobody|"
+    r"says who it is|told from outside|well again|still not well|no word of|to and fro|(ended|stopped) by hand)\b"
+)
+KEYS = {  # names of arrays and parameters in files, not words for a user: (file, text)
+    ("sim/ross_sim/study/train_refiner.py", "wanted"),
+}
+PROSE = {"sim/ross_sim/texts.py"}  # what synthetic voices read aloud
+
+
+def product() -> list[Path]:
+    """Every Python file of the product that is written by hand."""
+    return sorted(path for room in PRODUCT for path in (ROOT / room).rglob("*.py") if path.name not in GENERATED)
+
+
+def texts(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Yield line and text of every string literal that is no docstring; a formatted one as a whole, {} for a value."""
+    silent = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.JoinedStr):
+            silent |= {id(part) for part in node.values}
+            yield (
+                node.lineno,
+                "".join(str(part.value) if isinstance(part, ast.Constant) else "{}" for part in node.values),
+            )
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in silent:
+            yield node.lineno, node.value
+
+
+def found(pattern: re.Pattern[str], source: str, name: str) -> list[str]:
+    """The lines of a source whose texts match, but for the named exceptions."""
+    if name in PROSE:
+        return []
+    return [
+        f"{name}:{line}: {text}"
+        for line, text in texts(ast.parse(source))
+        if pattern.search(text) and (name, text) not in KEYS
+    ]
+
+
+def everywhere(pattern: re.Pattern[str]) -> list[str]:
+    return [
+        line
+        for path in product()
+        for line in found(pattern, path.read_text(encoding="utf-8"), path.relative_to(ROOT).as_posix())
+    ]
+
+
+def test_no_message_says_found_and_wanted():
+    assert everywhere(WORDS) == []
+
+
+def test_messages_use_the_terms_of_the_field():
+    assert everywhere(TERMS) == []
+
+
+@pytest.mark.parametrize("path", ["protocols/mavlink/ross.xml", "protocols/dronecan/ross/20854.Status.uavcan"])
+def test_descriptions_of_messages_use_the_terms_of_the_field(path):
+    text = (ROOT / path).read_text(encoding="utf-8")
+    assert not WORDS.search(text)
+    assert not TERMS.search(text)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        'raise ValueError(f"found {x}, wanted {y}")',
+        'say("2 found, 3 wanted")',
+        'x = f"port: {n:g} found" f", wanted 1"',
+    ],
+)
+def test_the_old_form_would_be_noticed(source):
+    assert found(WORDS, source, "any.py")
+
+
+@pytest.mark.parametrize("source", ['"""The wanted rate."""', "wanted = found = 1", 'x = "target found"'])
+def test_names_docstrings_and_other_words_are_free(source):
+    assert found(WORDS, source, "any.py") == []
