@@ -115,6 +115,9 @@ def main() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # the same clean end as Ctrl-C, also while setting up
     try:
         code = ross.main(standalone_mode=False)
+    except click.exceptions.NoArgsIsHelpError as error:  # `ross` alone, or `ross config`: what it says is the help
+        error.show()
+        code = error.exit_code
     except click.ClickException as error:
         _complain(error.format_message())
         code = error.exit_code
