@@ -115,6 +115,9 @@ def main() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # the same clean end as Ctrl-C, also while setting up
     try:
         code = ross.main(standalone_mode=False)
+    except click.exceptions.NoArgsIsHelpError as error:  # `ross` alone, or `ross config`: what it says is the help
+        error.show()
+        code = error.exit_code
     except click.ClickException as error:
         _complain(error.format_message())
         code = error.exit_code
@@ -127,9 +130,22 @@ def main() -> None:
     except RossError as error:
         _complain(str(error))
         code = 2
+    except ModuleNotFoundError as error:
+        _complain(_lacking(error))
+        code = 2
     except BrokenPipeError:
         code = 1
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _lacking(error: ModuleNotFoundError) -> str:
+    """Say which extra brings a package that a command needs; raise the error again when none does."""
+    from ross_payload.extras import EXTRA_OF, install_line
+
+    package = (error.name or "").partition(".")[0]
+    if package not in EXTRA_OF:
+        raise error
+    return f"this command needs the package {package}: {install_line(EXTRA_OF[package])}"
 
 
 def _complain(text: str) -> None:

@@ -40,6 +40,7 @@ from ross_protocols.values import (
 )
 
 SAME_ANGLE = 1e-6  # [rad]
+FOUND = {Outcome.TARGET_FOUND: True, Outcome.NO_TARGET: False}  # other ends leave it as it was
 
 
 class Reporter:
@@ -107,7 +108,7 @@ class Reporter:
             case ScoreDropped():
                 self._know(target_found=False, target=None, score=event.value)
             case Finished():
-                found = event.outcome is Outcome.TARGET_FOUND
+                found = FOUND.get(event.outcome, self._status.target_found)
                 self._know(outcome=int(event.outcome), target_found=found, heading_goal=None)
 
     def _enter(self, event: StateChanged) -> None:

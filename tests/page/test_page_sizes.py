@@ -20,6 +20,12 @@ IN_SIGHT = """selector => {
     document.elementFromPoint(left + (right - left) / 4, y)?.closest(selector) !== element);
   return covered ? "covered" : "in sight";
 }"""
+APART = """selectors => {
+  const [one, other] = selectors.map((each) => document.querySelector(each)?.getBoundingClientRect());
+  if (!one || !other) return "not there";
+  const aside = one.right <= other.left || other.right <= one.left;
+  return aside || one.bottom <= other.top || other.bottom <= one.top ? "apart" : "one covers the other";
+}"""
 HIDDEN_COLUMNS = """() => [...document.querySelectorAll(".scroll")]
   .filter((each) => each.scrollWidth > each.clientWidth + 1).map((each) => each.getAttribute("aria-label"))"""
 SMALLEST = """() => {
@@ -62,6 +68,21 @@ def test_a_refusal_is_in_sight_at_every_width_and_wherever_the_page_is_scrolled(
         for place in ("document.body.scrollHeight", "0"):
             page.evaluate(f"scrollTo(0, {place})")
             assert page.evaluate(IN_SIGHT, "#failure") == "in sight", f"{width} x {height}, scrolled to {place}"
+
+
+def test_what_became_of_a_stop_does_not_cover_a_refusal(crew, open_page):
+    page = watch(open_page, crew.url, width=SIZES[0][0], height=SIZES[0][1])
+    page.get_by_role("button", name="Take control").click()
+    page.get_by_role("button", name="Stop 1-191").click()
+    page.locator(".stop-fate").wait_for()
+    page.locator("table.sources").get_by_role("button", name="Source 3").click()
+    page.get_by_role("button", name="Listen to source 3").first.click()
+    page.locator("#failure").wait_for()
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        page.evaluate("scrollTo(0, document.body.scrollHeight)")
+        assert page.evaluate(APART, [".stop-fate", "#failure"]) == "apart", f"{width} x {height}"
+        assert page.evaluate(IN_SIGHT, ".stop-fate") == "in sight", f"{width} x {height}"
 
 
 def test_no_table_hides_columns_on_the_smallest_phone(crew, open_page):

@@ -107,6 +107,36 @@ def test_actuators_are_listed_for_people_and_machines(run):
     assert {"ideal", "tb6600"} <= {row["name"] for row in rows if row["usable"]}
 
 
+LACKING = """
+import sys
+sys.modules["pyroomacoustics"] = None  # as if the extra were not installed
+from ross_payload.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize("command", ["sitl", "world"])
+def test_a_command_without_its_extra_says_what_to_install(tmp_path, command):
+    ended = subprocess.run(
+        [sys.executable, "-c", LACKING, command], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 2
+    assert "needs the package pyroomacoustics: " in ended.stderr
+    assert "pip install " in ended.stderr
+    assert len(ended.stderr.splitlines()) == 1
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("arguments", [(), ("config",)])
+def test_a_command_that_is_missing_is_answered_with_the_help(run, arguments):
+    code, out, err = run(*arguments)
+    assert code == 2
+    assert not out
+    assert err.startswith("Usage: ")
+    assert "\\n" not in err
+    assert len(err.splitlines()) > 5
+
+
 def test_an_unknown_command_or_option_is_exit_code_2(run):
     assert run("sing")[0] == 2
     assert run("sitl", "--loudly")[0] == 2

@@ -8,8 +8,10 @@ from ross_payload.events import (
     AlignmentPlanned,
     Checked,
     Estimate,
+    Finished,
     GroupScore,
     OrientationHeard,
+    Outcome,
     ScoreDropped,
     Separated,
     SourceEstimate,
@@ -116,6 +118,13 @@ def test_a_run_tells_the_score_of_the_running_target(ground) -> None:
     assert ground.latest(Status).score == 2.0
     assert [group.phase for group in ground.all(Separation)] == [Phase.RUN, Phase.RUN]
     assert [group.target for group in ground.all(Separation)] == [True, False]
+
+
+@pytest.mark.parametrize("outcome", [Outcome.STOPPED, Outcome.COMPLETED, Outcome.FAULT])
+def test_a_recognised_target_stays_recognised_when_the_task_ends_early(ground, outcome: Outcome) -> None:
+    ground.say(THREE, separated(0, GroupScore((1,), 2.0, True)), Finished(0.0, outcome, "for a reason"))
+    status = ground.latest(Status)
+    assert (status.target, status.target_found, status.outcome) == (1, True, outcome)
 
 
 def test_a_dropped_score_takes_the_target_back(ground) -> None:
