@@ -27,6 +27,7 @@ from ross_payload.orders import Cancel, MeasureNoise, Order, Point, Rearm, Set, 
 from ross_payload.parameters import changed
 
 FREE = Output(hold=False)  # no task needs the actuator
+WELL = 1.0  # [s] without the fault, after which one that was there while nothing turned is over
 ANSWERS = {Outcome.FAULT: Answer.FAILED, Outcome.NO_TARGET: Answer.FAILED, Outcome.STOPPED: Answer.CANCELLED}
 
 
@@ -61,6 +62,9 @@ class Session:
         self._stopped, self._starting = self._memory.stopped, self._memory.starting
         self._make = make
         self._fault = ""
+        self._ill: float | None = None  # when a fault was last there that goes away with its cause [s]
+        self._broken = False  # a fault has ended a task: it waits for Rearm, or for a task in spite of it
+        self._pending = False  # the task to begin with waits for the actuator
         self._waiting: list[Order] = []  # came while no task was going on
         kit = make(config)
         self._context = Context(kit.settings, kit.tools, samples=self._memory.samples)
@@ -69,32 +73,54 @@ class Session:
     def memory(self) -> Memory:
         """What a session that goes on from here must know, between tasks."""
         samples = self._context.samples
-        return replace(self._memory, stopped=self._stopped, starting=self._starting, samples=samples)
+        known = replace(self._memory, stopped=self._stopped, starting=self._starting, pending=self._pending)
+        return replace(known, samples=samples)
 
     def mission(self, first: Task | None = None) -> Mission:
         """Obey orders until `Shutdown`; nothing turns before a task is ordered.
 
         Prime it with ``next``; then send one Input for every Output. It returns a Result. ``first`` is a task to
-        begin with, without being asked.
+        begin with, without being asked, as soon as the actuator is ready; not when something is ordered before.
         """
         self._rest()
-        order: Order | None = first
-        if first is not None:
-            yield from self._hop()
+        order: Order | None = None if first is None else (yield from self._first(first))
         while not isinstance(order, Shutdown):
             order = (yield from self._task(order)) if isinstance(order, Task) else (yield from self._idle())
         self._answer(order, Answer.ACCEPTED)
         yield Output(tuple(self._context.pending), stop=True)
         return Result(Outcome.STOPPED, "shut down")
 
+    def _first(self, task: Task) -> Step[Task | None]:
+        """Wait until the actuator has been found; return the task to begin with, None when it is not to begin."""
+        self._pending = True
+        yield from self._hop()
+        while self._starting and self._fault and not self._ordered():
+            yield from self._hop(FREE)
+        self._pending = False
+        if self._ordered() and not self._stopped:
+            self._answer(task, Answer.REFUSED, "something else was ordered before it began")
+            return None
+        return task
+
+    def _ordered(self) -> bool:
+        """Obey changes of settings; tell whether anything else is ordered, or a stop was before."""
+        settings = [order for order in self._waiting if isinstance(order, Set)]
+        self._waiting = [order for order in self._waiting if not isinstance(order, Set)]
+        for order in settings:
+            self._change(order)
+        return self._stopped or bool(self._waiting)
+
     def _hop(self, wish: Output = NOTHING) -> Step[Input]:
         """Hear one hop between tasks; what it orders waits for its turn."""
         heard = yield from exchange(self._context, wish)
         self._waiting += heard.orders
-        if heard.fault and heard.fault != self._fault:
-            self._enter(State.FAULT, heard.fault)
-        elif self._starting and self._fault and not heard.fault:
-            self._rest("the actuator is ready")  # it had to be waited for; any later fault waits for Rearm
+        if heard.fault:
+            if heard.fault != self._fault:
+                self._enter(State.FAULT, heard.fault)
+            self._ill = None if self._broken else self._context.time
+        elif self._ill is not None and (self._starting or self._context.time - self._ill >= WELL):
+            self._ill = None
+            self._rest("the actuator is ready")  # nothing was turned: what is latched is still a fault
         self._starting = self._starting and bool(heard.fault)
         self._fault = heard.fault
         return heard
@@ -137,6 +163,7 @@ class Session:
         if heard.fault:
             self._answer(order, Answer.REFUSED, heard.fault)
         else:
+            self._broken, self._ill = False, None
             self._enter(State.IDLE, "re-armed")
             self._answer(order, Answer.ACCEPTED)
 
@@ -153,7 +180,7 @@ class Session:
             self._answer(task, Answer.REFUSED, why)
             return None
         self._answer(task, Answer.ACCEPTED)
-        self.busy, self._starting = True, False
+        self.busy, self._starting, self._broken, self._ill = True, False, False, None
         try:
             result = yield from self._watched(task)
         except Refused as refused:
@@ -172,7 +199,7 @@ class Session:
         """End a task that did not come to its own end; return the order that ends the session, too."""
         result, order = Result(ended.outcome, ended.reason), ended.order
         self._fault = "" if order is not None or isinstance(ended, FrameChanged) else ended.reason
-        self._stopped = isinstance(order, Stop)
+        self._stopped, self._broken = isinstance(order, Stop), bool(self._fault)
         self._close(task, result, State.FAULT if self._fault else State.STOPPED if self._stopped else State.DONE)
         if isinstance(order, (Stop, Cancel)):
             self._answer(order, Answer.ACCEPTED)

@@ -52,6 +52,7 @@ class Memory:
     stopped: bool = False  # by an order, and not re-armed
     samples: int = 0  # heard since the session began
     starting: bool = False  # nothing was ordered yet, and the actuator has not been well yet
+    pending: bool = False  # the task to begin with waits for the actuator
 
 
 class Refused(Exception):

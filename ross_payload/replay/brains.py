@@ -39,7 +39,7 @@ def _single(session: Session, config: Config, voiceprint: VoicePrint | None) -> 
 
 def _live(session: Session, recorded: Config, config: Config, voiceprint: VoicePrint | None) -> Mission:
     memory = session.memory(Memory) or Memory()
-    begins = recorded.service.autostart if memory.samples == 0 else "nothing"
+    begins = recorded.service.autostart if memory.samples == 0 or memory.pending else "nothing"
     task = FIRST[begins]
     live = LiveSession(config, lambda settings: _kit(session, settings, voiceprint), memory)
     return live.mission(None if task is None else task())

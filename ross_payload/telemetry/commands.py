@@ -202,7 +202,7 @@ class CommandServer:
         if known is not None:
             self._send(known)
             return
-        if self._ledger.before(origin, command.number, self._now):
+        if self._ledger.before(command, origin, self._now):
             return  # its sender has asked for something else since
         entry = Entry(command, origin, self._now)
         verdict = self._obey(entry)
@@ -227,7 +227,7 @@ class CommandServer:
         if isinstance(wanted, Record):
             reason = self._record(wanted.on)
             return Verdict(Result.FAILED, reason) if reason else ACCEPTED
-        if self._ledger.before(entry.origin, STOP, self._now):
+        if self._ledger.not_after(STOP, entry.origin, self._now):
             return Verdict(Result.TEMPORARILY_REJECTED, "sent before the stop")
         return self._posture.refusal(wanted) or self._hand_over(entry, wanted)
 
@@ -262,6 +262,7 @@ class CommandServer:
         """Tell the sender how its command ended."""
         del self._open[event.order]
         entry.order, entry.result, entry.time = None, FINAL[event.answer], self._now
+        entry.lost = self._places.lost(entry.origin)
         self._send(entry)
         if event.answer is Answer.REFUSED:
             self._explain(entry.command, event.reason)

@@ -10,8 +10,10 @@ from ross_payload.orders import Order
 from ross_protocols.commands import Command, Result
 
 RESENT = 5.0  # [s] within which a confirmation above 0 means the same command
+DOUBTED = 3.0  # [s] within which it does even when as many frames were lost as it says were sent before it
 LATE = 30.0  # [s] within which a frame may arrive late
-ANEW = 0.5  # [s] of silence, after which a frame with the number 0 is the first of a sender that has started anew
+ANEW = 0.5  # [s] without a later frame, after which the number 0 is the first of a sender that has started anew
+LOWER = 3.0  # [s] without a later frame, after which any lower number is one of such a sender
 MOST = 256  # commands, and senders, that are remembered: random ids cannot fill the memory
 
 Sender = tuple[int, int]  # system id, component id
@@ -24,6 +26,7 @@ class Origin:
     sender: Sender
     link: str
     place: int
+    lost: int = 0  # how many that its sender has sent before it on the link were lost, or have not arrived yet
 
     def not_after(self, other: Origin) -> bool:
         """Tell whether this frame is known to have been sent before another one, or to be the same."""
@@ -41,21 +44,40 @@ class Places:
     """
 
     def __init__(self) -> None:
-        self._latest: OrderedDict[tuple[Sender, str], tuple[int, float]] = OrderedDict()  # place, when [s]
+        self._latest: OrderedDict[tuple[Sender, str], _Latest] = OrderedDict()
 
     def note(self, sender: Sender, link: str, sequence: int, now: float) -> Origin:
         """Return the origin of a frame; less than half a round ahead of the latest it is new, else it comes late.
 
-        A script that is run once more counts from 0 again: that is new, too.
+        A script that is run once more, or a computer that has rebooted, counts from 0 again: that is new, too, also
+        when its first frames were lost.
         """
-        latest, heard = self._latest.pop((sender, link), (sequence, now))
-        place = latest + (sequence - latest + 128) % 256 - 128
-        if sequence == 0 and place <= latest and now - heard > ANEW:
+        latest = self._latest.pop((sender, link), None) or _Latest(sequence, now)
+        place = latest.place + (sequence - latest.place + 128) % 256 - 128
+        if place <= latest.place and now - latest.time > (ANEW if sequence == 0 else LOWER):
             place += 256
-        self._latest[sender, link] = max(latest, place), now
+        elif place > latest.place:
+            latest.lost += place - latest.place - 1
+        if place > latest.place:
+            latest.place, latest.time = place, now
+        self._latest[sender, link] = latest
         if len(self._latest) > MOST:
             self._latest.popitem(last=False)
-        return Origin(sender, link, place)
+        return Origin(sender, link, place, latest.lost)
+
+    def lost(self, origin: Origin) -> int:
+        """Return how many frames of a sender were lost on a link so far."""
+        latest = self._latest.get((origin.sender, origin.link))
+        return origin.lost if latest is None else latest.lost
+
+
+@dataclass(slots=True)
+class _Latest:
+    """The frame of a sender on a link with the highest place so far."""
+
+    place: int
+    time: float  # when it arrived [s]
+    lost: int = 0  # frames before it that have not arrived
 
 
 @dataclass(slots=True)
@@ -70,6 +92,7 @@ class Entry:
     order: Order | None = None  # while the mission has it
     due: float = math.inf  # when the sender is told next [s]
     cancelled: bool = False  # somebody has asked to cancel it
+    lost: int | None = None  # frames of its sender that were lost on its link until it ended
 
 
 class Ledger:
@@ -95,18 +118,43 @@ class Ledger:
         entry = self.find(origin.sender, command.number)
         if entry is None or not alike(entry.command, command):
             return None
-        age, going_on = now - entry.time, entry.order is not None
-        again = command.confirmation > 0 and (going_on or age < RESENT)
-        again |= not command.long and going_on and age < RESENT  # it has no confirmation to tell
-        if not again and not self.before(origin, command.number, now):
+        if self.before(command, origin, now):
+            return entry
+        if not self._again(entry, command, origin, now):
             return None
-        entry.time = now
+        entry.time, entry.command, entry.origin, entry.lost = now, command, origin, None
         return entry
 
-    def before(self, origin: Origin, number: int, now: float) -> bool:
-        """Tell whether a frame that arrives now was sent before the latest command of a number, or is that one."""
+    def before(self, command: Command, origin: Origin, now: float) -> bool:
+        """Tell whether a frame that arrives now was sent before the latest command of its number, or is that one.
+
+        Confirmations count up: a higher one with a lower place is of a sender that has started anew.
+        """
+        entry = self.find(origin.sender, command.number)
+        if entry is None or not self.not_after(command.number, origin, now):
+            return False
+        return command.confirmation <= entry.command.confirmation or not alike(entry.command, command)
+
+    def not_after(self, number: int, origin: Origin, now: float) -> bool:
+        """Tell whether a frame that arrives now has no higher place than the latest command of a number."""
         entry = self.find(origin.sender, number)
         return entry is not None and now - entry.time < LATE and origin.not_after(entry.origin)
+
+    def _again(self, entry: Entry, command: Command, origin: Origin, now: float) -> bool:
+        """Tell whether a sender says a command again that it has not heard the end of."""
+        age, going_on = now - entry.time, entry.order is not None
+        if not command.long:
+            return going_on and age < RESENT  # it has no confirmation to tell
+        if command.confirmation == 0:
+            return False
+        if going_on:
+            return True
+        if origin.link != entry.origin.link:
+            return age < RESENT
+        if command.confirmation <= entry.command.confirmation or origin.not_after(entry.origin):
+            return False  # its sender counts from 0 again, and the first were lost
+        lost = origin.lost - (entry.origin.lost if entry.lost is None else entry.lost)
+        return age < (DOUBTED if lost >= command.confirmation else RESENT)
 
 
 def alike(command: Command, other: Command) -> bool:

@@ -22,6 +22,10 @@ from ross_payload.events import Answer, Estimate, Finished, Outcome, SourceEstim
 from ross_payload.interfaces import Observation, Scene
 from ross_payload.orders import Explore, Seek
 from ross_payload.service.assemble import explorer_of
+from ross_sim.study.case import Failure, attempt
+from ross_sim.study.cast import Source
+from ross_sim.study.design import Task, chosen
+from ross_sim.voices import synthetic_voice
 from session_bench import Bench, make
 from short_mission import SHORT
 
@@ -250,6 +254,64 @@ def test_a_simulated_mission_ends_with_one_line_and_exit_code_1(installed, monke
     )
     assert (code, err) == (1, "")
     assert json.loads(out)["reason"] == "separator 'theirs': batch: expected Groups, got NoneType"
+
+
+ALIGNED = Task("S1", 2, 0, target=0)
+EXPLORED = Task("S1", 2, 0, start=0, explorer="theirs", unit=1.0)
+BAD_EXPLORER = """
+class A:
+    name = 'a'
+    def observe(self, spectrogram, frequencies, heading, noise_psd, *, frame_period=None): raise SystemExit(3)
+    def estimate(self, observations): pass
+class plugin:
+    make = lambda *_: A()
+"""
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ("separators", BAD_SEPARATORS["no method"][0], "separator 'theirs': expected a method batch"),
+        ("explorers", "plugin = 7", "explorer 'theirs': make raised AttributeError"),
+        ("explorers", "class plugin:\n    make = lambda *_: 7", "explorer 'theirs': expected a text `name`, got None"),
+    ],
+    ids=["separator", "explorer", "made explorer"],
+)
+def test_a_study_refuses_a_bad_plugin_in_one_line(wrong, installed, monkeypatch, capsys, tmp_path):
+    kind, text, words = wrong
+    installed(text, kind)
+    out = tmp_path / "out"
+    code, _, err = called(monkeypatch, capsys, "study", "quick", "--out", out, f"--{kind}", "theirs")
+    assert code == 2
+    assert words in err
+    assert err.count("\n") == 1
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "wanted"),
+    [
+        (
+            "separators",
+            "class A:\n    name = 'a'\n    def batch(self, spectrogram, scene): return None\nplugin = A()",
+            Failure(ALIGNED.id, "separator 'theirs': batch: expected Groups, got NoneType"),
+        ),
+        (
+            "explorers",
+            BAD_EXPLORER,
+            Failure(EXPLORED.id, "explorer 'theirs': observe raised SystemExit: 3"),
+        ),
+    ],
+    ids=["separator", "explorer"],
+)
+def test_a_bad_plugin_in_a_study_fails_its_task_by_name(kind, text, wanted, installed, tmp_path):
+    installed(text, kind)
+    for voice in (synthetic_voice(index, 16000) for index in (0, 1)):
+        soundfile.write(tmp_path / f"{voice.name}.wav", voice.speech[: 8 * 16000], 16000)
+    tiny = {"settings": ("S1",), "k": (2,), "layouts": 0, "run_s": 1.0, "rate_hz": 16000, "rotations": (2,)}
+    study = chosen("quick", tiny | {kind: ("theirs",)}, False)
+    task = {"separators": ALIGNED, "explorers": EXPLORED}[kind]
+    assert attempt(task, study, Source(tmp_path, (), 16000)) == wanted
 
 
 @pytest.mark.parametrize("name", ["auto", "duet", "auxiva", "gaussian", "refined", "mvdr", "lcmv", "iva", "paper"])

@@ -7,6 +7,7 @@ import pytest
 
 from command_bench import (
     ACCEPTED,
+    HOME,
     IN_PROGRESS,
     REARM,
     RECORD,
@@ -16,6 +17,7 @@ from command_bench import (
     Payload,
 )
 from ross_payload.orders import (
+    Home,
     Rearm,
     Stop,
     TurnTo,
@@ -95,6 +97,74 @@ def test_a_doubled_first_frame_is_no_new_start(payload):
     payload.ground = type(payload.ground)(payload.ground.air)
     payload.command(RECORD, 1, seconds=0.3)
     assert payload.recorded == [True]
+
+
+def lose(payload, frames):
+    """Have the ground station send frames that nobody receives."""
+    call, payload.ground.air.call = payload.ground.air.call, lambda frame: None
+    for _ in range(frames):
+        payload.ground.long(HOME)
+    payload.ground.air.call = call
+
+
+def homed(payload):
+    """How often the zero was looked for."""
+    return sum(isinstance(order, Home) for order in payload.given)
+
+
+def test_a_lost_command_is_not_answered_with_the_result_of_an_earlier_one(payload):
+    assert payload.command(HOME, seconds=0.5)[-1] == ACCEPTED
+    payload.wait(3.5)
+    lose(payload, 1)
+    assert payload.command(HOME, confirmation=1, seconds=0.5)[-1] == ACCEPTED
+    assert homed(payload) == 2
+
+
+def test_a_confirmation_that_counts_from_zero_again_is_a_new_command(payload):
+    payload.command(HOME, confirmation=2, seconds=0.5)
+    lose(payload, 1)
+    assert payload.command(HOME, confirmation=1, seconds=0.5)[-1] == ACCEPTED
+    assert homed(payload) == 2
+
+
+def test_a_lost_answer_is_given_again_within_the_patience_of_a_sender(payload):
+    """No frame was lost on the way up, so the confirmation can only mean the command that was heard."""
+    payload.command(HOME, seconds=0.5)
+    payload.wait(4.0)
+    assert payload.command(HOME, confirmation=1, seconds=0.5) == [ACCEPTED]
+    assert homed(payload) == 1
+
+
+@pytest.mark.parametrize("lost", [1, 2], ids=["its first frame is lost", "its first two are lost"])
+def test_a_computer_that_has_rebooted_is_obeyed_though_its_numbers_start_again(payload, lost):
+    for _ in range(5):
+        payload.command(RECORD, 0, seconds=0.1)
+    assert payload.command(HOME, seconds=0.5)[-1] == ACCEPTED
+    payload.wait(8.0)
+    payload.ground = type(payload.ground)(payload.ground.air)
+    lose(payload, lost)
+    assert payload.command(HOME, confirmation=lost, seconds=0.5)[-1] == ACCEPTED
+    assert homed(payload) == 2
+
+
+def test_a_rebooted_computer_is_obeyed_though_it_is_never_silent(payload):
+    """Its frames come at once, with lower numbers than before."""
+    for _ in range(60):
+        payload.command(RECORD, 0, seconds=0.05)
+    payload.command(HOME, seconds=0.5)
+    payload.ground = type(payload.ground)(payload.ground.air)
+    lose(payload, 1)
+    assert payload.command(HOME, confirmation=1, seconds=0.5)[-1] == ACCEPTED
+    assert homed(payload) == 2
+
+
+@pytest.mark.parametrize("confirmation", [0, 1, 2])
+def test_a_stop_that_is_sent_again_is_obeyed_again(payload, confirmation):
+    payload.command(STOP, seconds=0.3)
+    payload.command(REARM, seconds=0.3)
+    assert payload.command(STOP, confirmation=confirmation, seconds=0.3)[-1] == ACCEPTED
+    assert [type(order) for order in payload.given] == [Stop, Rearm, Stop]
+    assert payload.stopped
 
 
 class Patient:

@@ -8,6 +8,7 @@ from dronecan_wire import Wire
 from ross_payload.dronecan.allocator import Allocator
 from ross_payload.dronecan.kept import Kept
 from ross_payload.dronecan.node import Identity, Node
+from ross_payload.events import State, StateChanged
 from ross_payload.orders import TurnTo
 from ross_protocols.dronecan import Health, Mode, NodeStatus, Received
 from ross_protocols.dronecan_speech import Ear
@@ -72,6 +73,41 @@ def test_an_id_that_comes_late_leaves_a_healthy_node_and_a_payload_that_turns(tm
     late = [(health, mode) for time, health, mode in autopilot[0].beats if time > given[0][0] + 2.0]
     assert set(late) == {(Health.OK, Mode.OPERATIONAL)}
     assert states == [("", pytest.approx(0.5, abs=0.02))]
+
+
+class States:
+    """Notes the states of the mission, and when they began."""
+
+    def __init__(self, clock):
+        self.clock, self.entered = clock, []
+
+    def heard(self, heard):
+        pass
+
+    def said(self, event, heard):
+        if isinstance(event, StateChanged):
+            self.entered.append((self.clock.now(), event.state))
+
+
+def test_a_task_of_autostart_begins_when_the_id_has_come(tmp_path):
+    servo = {"kind": "dronecan_servo", "options": {"port": URL}}
+    states = []
+
+    def script(bench):
+        states.append(States(bench.clock))
+        bench.runner.observers += states
+        while bench.clock.now() < 10.0:
+            yield
+        assert bench.heard.fault
+        autopilot = Allocating(bench.far_end.crowd.bus, bench.clock.now())
+        while bench.clock.now() < 25.0:
+            autopilot.poll(bench.clock.now())
+            yield
+
+    tables = {"dronecan": {"port": URL, "node_id": 0}, "service": {"autostart": "explore"}}
+    play(script, None, tmp_path, actuator=servo, **tables)
+    found = [state for time, state in states[0].entered if time > 10.0]
+    assert found[:2] == [State.IDLE, State.LEAD_IN], found
 
 
 def test_an_autopilot_that_is_late_leaves_a_healthy_node_and_a_payload_that_turns(wire, peer, tmp_path):

@@ -19,6 +19,7 @@ from ross_payload.orders import (
     ListenTo,
     Park,
     Rearm,
+    Set,
     Stop,
     TurnTo,
 )
@@ -28,6 +29,11 @@ from session_bench import Bench, estimate
 @pytest.fixture
 def bench():
     return Bench()
+
+
+def hops(bench, n):
+    for _ in range(n):
+        bench.hop()
 
 
 def test_a_stop_ends_the_task_and_nothing_moves_until_armed_again(bench):
@@ -122,25 +128,102 @@ def test_an_actuator_that_is_late_does_not_undo_a_stop(bench):
 
 
 @pytest.mark.parametrize("first", [(), (Home(number=1),)], ids=["it was well before", "it was homed before"])
-def test_a_fault_that_is_not_of_the_start_waits_for_rearm(bench, first):
+def test_a_fault_while_nothing_turned_is_over_a_second_after_its_cause(bench, first):
     bench.fault = "waiting for a node id" if first else ""
     bench.hop()
     bench.hop(*first)
     if first:
         bench.over(1)
-    bench.fault = "unplugged"
-    for _ in range(4):
-        bench.hop()
+    bench.fault = "no report for 0.5 s"
+    hops(bench, 4)
     assert bench.state() is State.FAULT
     bench.fault = ""
-    for _ in range(4):
-        bench.hop()
+    hops(bench, 90)
+    assert bench.state() is State.FAULT
+    hops(bench, 20)
+    assert bench.state() is State.IDLE
+    bench.hop(Park(number=2))
+    assert bench.over(2).answer is Answer.DONE
+
+
+def test_a_fault_that_comes_and_goes_is_not_over_between(bench):
+    for _ in range(6):
+        bench.fault = "no report for 0.5 s"
+        hops(bench, 2)
+        bench.fault = ""
+        hops(bench, 50)
+    assert {e.state for e in bench.events if isinstance(e, StateChanged)} == {State.IDLE, State.FAULT}
+    assert bench.state() is State.FAULT
+
+
+def test_a_fault_while_nothing_turned_does_not_undo_a_stop(bench):
+    bench.hop(Stop())
+    bench.fault = "no report for 0.5 s"
+    hops(bench, 4)
+    bench.fault = ""
+    hops(bench, 120)
+    assert bench.state() is State.STOPPED
+
+
+def test_a_fault_that_is_not_of_the_start_waits_for_rearm(bench):
+    """It has ended a task."""
+    bench.hop(TurnTo(1.0, number=1))
+    bench.hop()
+    bench.fault = "does not follow"
+    assert bench.over(1).answer is Answer.FAILED
+    bench.fault = ""
+    hops(bench, 300)
     assert bench.state() is State.FAULT
     bench.hop(Rearm(number=2))
-    bench.hop()
-    bench.hop()
+    hops(bench, 2)
     assert bench.answers(2) == [Answer.ACCEPTED]
     assert bench.state() is State.IDLE
+
+
+@pytest.mark.parametrize("late", [5, 800])
+def test_the_task_to_begin_with_begins_when_the_actuator_is_ready(late):
+    bench = Bench(first=Explore())
+    bench.fault = "waiting for a node id"
+    hops(bench, late)
+    assert not bench.goals
+    assert bench.session.memory.pending
+    bench.fault = ""
+    bench.hops_until(TurnStarted)
+    assert not bench.session.memory.pending
+    assert bench.over(0).answer is Answer.DONE
+
+
+@pytest.mark.parametrize("order", [Stop(number=1), Cancel(number=1), Home(number=1), Rearm(number=1)], ids=repr)
+def test_the_task_to_begin_with_does_not_begin_when_something_else_was_ordered(order):
+    bench = Bench(first=Explore())
+    bench.fault = "waiting for a node id"
+    hops(bench, 5)
+    bench.hop(order)
+    hops(bench, 5)
+    bench.fault = ""
+    hops(bench, 300)
+    assert not any(isinstance(event, TurnStarted) for event in bench.events)
+    assert bench.answers(0) == [Answer.REFUSED]
+
+
+def test_the_task_to_begin_with_does_not_begin_while_a_stop_is_latched():
+    bench = Bench(memory=Memory(stopped=True, starting=True), first=Explore())
+    bench.fault = "waiting for a node id"
+    hops(bench, 5)
+    bench.fault = ""
+    hops(bench, 300)
+    assert bench.goals == []
+    assert "re-arm" in bench.reason(0)
+
+
+def test_a_setting_does_not_keep_the_task_to_begin_with_from_beginning():
+    bench = Bench(first=Explore())
+    bench.fault = "waiting for a node id"
+    bench.hop(Set("XPL_RUN", 1.5, number=1))
+    hops(bench, 5)
+    assert bench.answers(1) == [Answer.ACCEPTED], bench.reason(1)
+    bench.fault = ""
+    assert bench.over(0).answer is Answer.DONE
 
 
 def test_a_fault_ends_the_task_and_forbids_the_next(bench):

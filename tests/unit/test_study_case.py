@@ -11,6 +11,7 @@ import soundfile
 from ross_payload import plugins
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, SourceEstimate
+from ross_payload.interfaces import Observation
 from ross_sim.study.case import Failure, attempt, owners_of, perform
 from ross_sim.study.cast import Source, check_voices, heard_as, stage, voices_of
 from ross_sim.study.design import PRESETS, Task, chosen, mixed, tasks
@@ -106,7 +107,7 @@ class Deaf:
         return self
 
     def observe(self, spectrogram, frequencies, heading, noise_psd, *, frame_period=None):
-        return None
+        return Observation(0.0, np.zeros(1), np.ones(1), 1.0)
 
     def estimate(self, observations):
         return Estimate(())

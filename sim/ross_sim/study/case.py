@@ -23,7 +23,7 @@ from ross_payload.errors import RossError
 from ross_payload.events import AlignmentCandidate, Estimate, SourceEstimate
 from ross_payload.interfaces import Explorer, Real, Separator
 from ross_sim.study.cast import Source, Stage, stage
-from ross_sim.study.design import STOP, Study, Task
+from ross_sim.study.design import STOP, Study, Task, explorer_named
 from ross_sim.study.exploration import NEAR_DEG, matched, observed, render
 from ross_sim.study.rooms import SPACING, SPEED_OF_SOUND
 from ross_sim.study.rows import (
@@ -113,13 +113,21 @@ def perform(task: Task, study: Study, source: Source) -> Result:
     with threadpool_limits(1):
         case = _Case(study, task, stage(study, source, task), tools)
         if task.explorer is not None:
-            _explored(case, plugins.load("ross_payload.explorers", task.explorer).make(SPACING, SPEED_OF_SOUND))
+            _explored(case, _explorer(study, task.explorer))
         elif task.target is not None:
             _aligned(case, task.target)
         else:
             _unaligned(case)
     case.timed("task", 0.0, time.process_time() - began)
     return Result(task.id, tuple(case.rows), tuple(case.explorations), tuple(case.timings))
+
+
+def _explorer(study: Study, name: str) -> Explorer:
+    """Make an explorer, checked; one of ours that is told K must be itself."""
+    if study.tell_k:
+        told: Explorer = plugins.load("ross_payload.explorers", name).make(SPACING, SPEED_OF_SOUND)
+        return told
+    return explorer_named(name)
 
 
 def _aligned(case: _Case, target: int) -> None:

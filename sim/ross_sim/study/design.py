@@ -13,11 +13,13 @@ from pydantic import ConfigDict, Field, field_validator
 
 from ross_payload import plugins
 from ross_payload.config import Positive, Table, read_toml, validated
+from ross_payload.dsp.checked import checked_explorer, load_separator
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError, unknown
+from ross_payload.interfaces import Explorer
 from ross_sim.cache import fingerprint
 from ross_sim.study.oracles import ORACLES
-from ross_sim.study.rooms import PLANES, SETTINGS
+from ross_sim.study.rooms import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND
 
 Frame = Annotated[int, Field(ge=128, le=8192, multiple_of=2)]
 Overlap = Annotated[float, Field(ge=0.25, le=0.9)]
@@ -197,13 +199,27 @@ def chosen(name: str, changes: dict[str, Any], quick: bool) -> Study:
     return study
 
 
+def explorer_named(name: str) -> Explorer:
+    """Make an explorer whose every result is checked, for the array of the study.
+
+    Raises
+    ------
+    PluginError
+        When there is none of that name, or it is no explorer; says what was expected.
+    """
+    factory = plugins.load("ross_payload.explorers", name)
+    return checked_explorer(name, lambda: factory.make(SPACING, SPEED_OF_SOUND))
+
+
 def check_names(study: Study) -> None:
-    """Check that rooms, separators and explorers exist here.
+    """Check that rooms, separators and explorers exist here, and that the latter two are such.
 
     Raises
     ------
     ConfigError
         Names the first that does not, and what there is.
+    PluginError
+        Names the first plug-in that is none, and says what was expected.
     """
     for name in study.settings:
         if name not in SETTINGS:
@@ -213,9 +229,9 @@ def check_names(study: Study) -> None:
         if name not in separators and name not in ORACLES:
             raise ConfigError(unknown("separator", name, [*separators, *ORACLES]))
         if name not in ORACLES:
-            plugins.load("ross_payload.separators", name)
+            load_separator(name)
     for name in study.explorers:
-        plugins.load("ross_payload.explorers", name)
+        explorer_named(name)
     if study.tell_k and set(study.explorers) - {"joint"}:
         raise ConfigError(
             f"tell_k: expected only the explorer joint, which can use a known K, got {', '.join(study.explorers)}"

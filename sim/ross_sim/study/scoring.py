@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ross_payload import plugins
 from ross_payload.dsp.alignment import isolation
+from ross_payload.dsp.checked import load_separator
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.interfaces import Real, Scene, Separator
@@ -62,7 +62,7 @@ def columns(study: Study, *, oracles: bool) -> list[tuple[str, str]]:
 def tools_of(study: Study) -> dict[str, Separator]:
     """Load the separators of a study; oracles are none."""
     names = [name for name in study.separators if name not in ORACLES]
-    return {name: plugins.load("ross_payload.separators", name) for name in names}
+    return {name: load_separator(name) for name in names}
 
 
 def separations(
