@@ -83,7 +83,7 @@ def lost(payload, moves):
             count += 1
             faults = [line for line in (payload.folder / "payload.log").read_text().splitlines() if "fault" in line]
             assert faults, "it failed without a word"
-            assert "pulses ran out" in faults[-1], faults[-1]
+            assert "pulse underrun" in faults[-1], faults[-1]
             assert (payload.ground.order(HOME), payload.ground.order(REARM)) == (ACCEPTED, ACCEPTED)
     return count
 
