@@ -173,7 +173,7 @@ def test_another_version_of_the_dialect_at_the_other_end_is_named(payload, groun
     with running(folder):
         ground.recv_match(type="HEARTBEAT", blocking=True, timeout=30)
         ground.write(stranger.encode(told))
-        texts_until(ground, f"payload 9/191 speaks version {DIALECT_VERSION + 1} of the dialect")
+        texts_until(ground, f"payload 9/191: dialect {DIALECT_VERSION + 1}, expected {DIALECT_VERSION}")
 
 
 def test_two_payloads_with_one_component_id_say_so_and_both_go_on(payload, ground, tmp_path):
