@@ -116,3 +116,21 @@ def test_how_long_the_payload_runs_is_not_how_long_its_computer_does(crew, open_
     assert "running for" in page.locator(".payload-title").inner_text()
     assert "Computer up for" in page.locator(".health").inner_text()
     assert "Runs for" not in page.locator(".health").inner_text()
+
+
+LINK_NAMES = """async (links) => {
+  const { linkName } = await import("/assets/parts/health.js");
+  return links.map((each) => linkName(each, links));
+}"""
+
+
+def test_a_link_is_named_by_its_medium_and_where_it_leads(crew, open_page):
+    links = [
+        {"url": "udpin:127.0.0.1:51234", "autopilot": False},
+        {"url": "serial:/dev/ttyAMA0:921600", "autopilot": True},
+        {"url": "udpout:10.0.0.2:14550", "autopilot": False},
+        {"url": "tcpin:0.0.0.0:5760", "autopilot": False},
+    ]
+    names = watch(open_page, crew.url).evaluate(LINK_NAMES, links)
+    assert names[:2] == ["UDP link to the ground, 1", "Serial link to the autopilot"]
+    assert names[2:] == ["UDP link to the ground, 2", "TCP link to the ground"]

@@ -14,7 +14,7 @@ export function health(told, now, silent = false) {
     ${show("Microphones", parts.microphones, microphones(parts.microphones), heard(parts.microphones))}
     ${show("Actuator", parts.actuator, actuator(parts.actuator, now))}
     ${show("Telemetry received here", parts.reception, reception(parts.reception, rates(told.counts)))}
-    ${parts.links.map((each) => show(`Payload link ${each.url}`, each, link(each)))}
+    ${parts.links.map((each) => show(linkName(each, parts.links), each, link(each)))}
     ${show("Computer", parts.processor, processor(parts.processor))}
     ${show("Recorder", parts.recording, recording(parts.recording))}
   </div>`;
@@ -77,13 +77,23 @@ export function rates(counts) {
   };
 }
 
-function link({ sent, dropped, received, lost, bad, refused, reconnects, autopilot }) {
+const MEDIA = { udpin: "UDP", udpout: "UDP", tcp: "TCP", tcpin: "TCP", serial: "Serial" };
+const medium = ({ url }) => MEDIA[url.split(":")[0]] ?? "MAVLink";
+const kindOf = (each) => `${medium(each)} link to the ${each.autopilot ? "autopilot" : "ground"}`;
+
+/** A link by its medium and where it leads, numbered where several have one name; its address is a detail. */
+export function linkName(each, all) {
+  const alike = all.filter((other) => kindOf(other) === kindOf(each));
+  return alike.length > 1 ? `${kindOf(each)}, ${alike.indexOf(each) + 1}` : kindOf(each);
+}
+
+function link({ url, sent, dropped, received, lost, bad, refused, reconnects }) {
   return [
+    ["Address", url],
     ["Sent / dropped", `${sent} / ${dropped}`],
     ["Received / lost", `${received} / ${known(lost) ? lost : "unknown"}`],
     bad || refused ? ["Bad / rejected", `${bad} / ${refused}`] : null,
     reconnects ? ["Reconnected", plural(reconnects, "time")] : null,
-    autopilot ? ["Peer", "autopilot"] : null,
   ];
 }
 
