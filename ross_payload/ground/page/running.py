@@ -76,9 +76,10 @@ async def _run(wanted: Wanted, token: str | None, tls: ssl.SSLContext | None, ti
         loop.add_signal_handler(number, ended.set)
     key = None if wanted.mavlink_key is None else read_key(wanted.mavlink_key)
     flights = Flights(wanted.flights)
-    with bound(wanted.host, wanted.port) as listener:  # first of all: a second ground must not leave an empty log
+    listening = Station(wanted.urls, system_id=wanted.system_id, key=key, log=wanted.log)  # refuses a wrong URL
+    with bound(wanted.host, wanted.port) as listener:  # before the log: a second ground must not leave an empty one
         async with (
-            Station(wanted.urls, system_id=wanted.system_id, key=key, log=wanted.log) as station,
+            listening as station,
             serve(station, flights, host=wanted.host, token=token, tls=tls, listener=listener, tiles=tiles) as served,
         ):
             _announce(served, wanted, token)

@@ -178,6 +178,12 @@ def test_the_terminal_says_that_the_log_has_ended_however_late(tmp_path):
         assert process.stderr.read() == ""
 
 
+def test_a_wrong_link_is_told_also_while_the_port_of_the_page_is_taken():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        told = mistake("--port", str(taken.getsockname()[1]), "nonsense")
+    assert "nonsense" in told
+
+
 def test_a_second_ground_that_finds_the_port_taken_leaves_no_log(tmp_path):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         mistake(link(), "--port", str(taken.getsockname()[1]), "--log", str(tmp_path / "logs"))
