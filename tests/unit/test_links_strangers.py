@@ -181,6 +181,17 @@ def test_a_peer_of_an_unsigned_port_is_answered_from_its_first_valid_frame_on(li
         assert len(peer.recv(2048)) > 0
 
 
+def test_a_sender_that_uses_our_ids_is_answered_and_so_learns_of_us(listening) -> None:
+    payload = listening("udpin", signed=False)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as twin:
+        twin.setblocking(False)
+        twin.sendto(Encoder(1, 191).encode(BEAT), payload.where)
+        until(lambda: payload.poll() or payload.links.twin == 191)
+        payload.say()
+        assert len(twin.recv(2048)) > 0
+        assert payload.heard == []
+
+
 def test_frames_that_a_bridge_cuts_into_datagrams_are_heard(listening) -> None:
     payload, encoder = listening("udpin", signed=False), Encoder(9, 1)
     stream = b"".join(encoder.encode(BEAT) for _ in range(40))
