@@ -85,4 +85,4 @@ def test_the_probe_looks_at_one_in_another_process(folder):
             serving.terminate()
             serving.wait(60)
     assert probed.returncode in {0, 1}, probed.stdout + probed.stderr
-    assert "it turns the way it is told" in probed.stdout
+    assert "it turns the way it is commanded" in probed.stdout
