@@ -133,9 +133,8 @@ def sandbox(tmp_path, monkeypatch):
     rng, rate = np.random.default_rng(0), 16000
     alone = rng.laplace(scale=0.05, size=5 * rate) * np.repeat(rng.uniform(0.1, 1, 50), rate // 10)
     other = rng.laplace(scale=0.05, size=5 * rate)
-    for name in ("a.wav", "mixture.wav"):
-        soundfile.write(name, np.stack([alone + other, alone + np.roll(other, 2)], axis=1), rate)
-    for name in ("b.wav", "alone.wav"):
+    soundfile.write("mixture.wav", np.stack([alone + other, alone + np.roll(other, 2)], axis=1), rate)
+    for name in ("target.wav", "alone.wav"):
         soundfile.write(name, np.stack([alone, alone], axis=1), rate)
     for name in ("anna.wav", "anna-reads.wav"):
         soundfile.write(name, synthetic_voices(rate)[0].enrolment, rate)
