@@ -19,7 +19,8 @@ demo: $(VENV)/.demo
 	@if [ -t 1 ]; then page=--page; fi; $(BIN)/ross sitl --out out/demo $$page
 
 test: $(VENV)/.dev
-	$(ONE_THREAD) $(COMPILED) $(BIN)/pytest --numprocesses 3 --dist worksteal $(ARGS)
+	@sh tests/support/debian_packages.sh || true
+	$(ONE_THREAD) $(COMPILED) $(BIN)/python tests/support/lanes.py $(ARGS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
@@ -30,9 +31,9 @@ check: $(VENV)/.dev
 bench: $(VENV)/.dev
 	$(BIN)/ross study separation $(BENCH) --seed 1 --out out/bench/separation
 	$(BIN)/ross study exploration $(BENCH) --explorers joint --seed 3 --out out/bench/exploration
-	$(BIN)/python -m ross_sim.study.voices --speech $(SPEECH)
+	$(BIN)/python -m ross_sim.study.voiceprint_study --speech $(SPEECH)
 	$(PIP) --group bench
-	$(BIN)/python -m ross_sim.study.cost --speech $(SPEECH)
+	$(BIN)/python -m ross_sim.study.separation_cost --speech $(SPEECH)
 
 soak: $(VENV)/.dev
 	$(ONE_THREAD) $(BIN)/pytest --numprocesses 2 -m soak --timeout 7200 $(ARGS)

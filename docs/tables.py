@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import get_args
 
 from ross_payload import config
-from ross_payload.dsp import markov
+from ross_payload.localization import markov_explorer
 
 
 def comments(path: Path) -> dict[tuple[str, str], str]:
@@ -34,13 +34,13 @@ def default(value) -> str:
 
 def options() -> list[str]:
     """The table of the options of Algorithm 1, with the defaults of both of its names."""
-    about, plain = comments(Path(markov.__file__)), markov.PlainOptions.model_fields
+    about, plain = comments(Path(markov_explorer.__file__)), markov_explorer.PlainOptions.model_fields
     lines = [
         "## `[explore.options]` of `markov` and `markov-plain`\n",
         "Algorithm 1: its front end and the numbers that the paper leaves open. `joint` has no options.\n",
         "| key | `markov` | `markov-plain` | means |\n| --- | --- | --- | --- |",
     ]
-    for key, value in markov.MarkovOptions.model_fields.items():
+    for key, value in markov_explorer.MarkovOptions.model_fields.items():
         lines.append(f"| `{key}` | {default(value)} | {default(plain[key])} | {about['MarkovOptions', key]} |")
     return [*lines, ""]
 

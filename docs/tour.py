@@ -13,12 +13,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 from PIL import Image
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 
-from ross_payload.ground.page.background import in_background
+from ross_payload.ground.web.page_thread import in_background
 
 STATIC = Path(__file__).parent / "_static"
 PAYLOAD = "1-191"
@@ -35,7 +35,7 @@ class View:
 
     name: str
     moment: float
-    scheme: str
+    scheme: Literal["dark", "light"]
     width: int
     height: int
     live: bool
@@ -53,32 +53,35 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--seed", SEED, "--out", folder]
         subprocess.run(command, check=True)  # noqa: S603 - our own command
-        take(Path(folder) / "mission.tlog", STATIC)
+        with sync_playwright() as playwright:
+            executable = os.environ.get("CHROMIUM") or shutil.which("chromium")
+            browser = playwright.chromium.launch(executable_path=executable, args=["--no-sandbox", "--disable-gpu"])
+            take(Path(folder) / "mission.tlog", STATIC, browser)
+            browser.close()
 
 
-def take(log: Path, into: Path) -> None:
+def take(log: Path, into: Path, browser: Browser) -> None:
     """Take every picture of a telemetry log."""
     for view in VIEWS:
         port = free_port()
-        with in_background([f"udpin:127.0.0.1:{port}"], flights=log.parent) as served, window(view) as page:
+        with in_background([f"udpin:127.0.0.1:{port}"], flights=log.parent) as served, window(view, browser) as page:
             page.goto(served.url)
             (live if view.live else recorded)(page, served.url, log, view.moment, port)
             keep(page.screenshot(), into / f"{view.name}.png")
 
 
 @contextmanager
-def window(view: View) -> Iterator[Any]:
+def window(view: View, browser: Browser) -> Iterator[Page]:
     """Open a page as large as the view's screen."""
-    executable = os.environ.get("CHROMIUM") or shutil.which("chromium")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=executable, args=["--no-sandbox", "--disable-gpu"])
-        size = {"width": view.width, "height": view.height}
-        page = browser.new_page(viewport=size, color_scheme=view.scheme, reduced_motion="reduce")
+    size: ViewportSize = {"width": view.width, "height": view.height}
+    page = browser.new_page(viewport=size, color_scheme=view.scheme, reduced_motion="reduce")
+    try:
         yield page
-        browser.close()
+    finally:
+        page.close()
 
 
-def live(page: Any, url: str, log: Path, moment: float, port: int) -> None:
+def live(page: Page, url: str, log: Path, moment: float, port: int) -> None:
     """Say what was said up to a moment, and that the payload is alive."""
     said = list(frames(log))
     end = said[0][0] + moment * (said[-1][0] - said[0][0])
@@ -97,12 +100,12 @@ def live(page: Any, url: str, log: Path, moment: float, port: int) -> None:
             page.wait_for_timeout(BEAT)
 
 
-def recorded(page: Any, url: str, log: Path, moment: float, port: int) -> None:
+def recorded(page: Page, url: str, log: Path, moment: float, port: int) -> None:
     """Open the flight at a moment."""
     page.goto(f"{url}#/flights")
     page.get_by_role("button", name=f"Open {log.name}").click()
     slider = page.get_by_label(f"Time of {log.name}")
-    slider.fill(str(round(moment * float(slider.get_attribute("max")), 1)))
+    slider.fill(str(round(moment * float(slider.evaluate("slider => slider.max")), 1)))
     page.locator(".recorded .scope .source").first.wait_for()
     page.wait_for_timeout(SETTLED * BEAT)
     page.evaluate("() => scrollTo(0, document.querySelector('.slots').offsetTop - 80)")

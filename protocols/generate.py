@@ -1,8 +1,8 @@
 """Generate what follows from the files in mavlink/.
 
-``python protocols/generate.py [FOLDER]`` writes Python modules, ``ross_dialect.py`` and ``standard_dialect.py``, the
-reference page ``mavlink.md``, Wireshark's ``ross.lua`` and C headers, ``mavlink-c/``, to their places in the checkout
-or, when a folder is given, there. The C headers are not checked in.
+``python protocols/generate.py [FOLDER]`` writes one Python module of both, ``ross_dialect.py``, the reference page
+``mavlink.md``, Wireshark's ``ross.lua`` and C headers, ``mavlink-c/``, to their places in the checkout or, when a
+folder is given, there. The C headers are not checked in.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ fields are only ever added, as extensions at the end; a test holds the checksum 
 """
 
 
-def generate(language: str, xml: Path, output: Path) -> None:
+def generate(language: str, output: Path, *files: Path) -> None:
     """Run mavgen: MAVLink 2, units checked against the schema's list."""
     options = Namespace(
         output=str(output),
@@ -69,9 +69,9 @@ def generate(language: str, xml: Path, output: Path) -> None:
     )
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
-        done = mavgen.mavgen(options, [str(xml)])
+        done = mavgen.mavgen(options, [str(file) for file in files])
     if not done:
-        sys.exit(f"{xml.name} is not a valid dialect:\n{said.getvalue()}")
+        sys.exit(f"{files[0].name} is not a valid dialect:\n{said.getvalue()}")
 
 
 def reference(folder: Path) -> None:
@@ -136,8 +136,7 @@ def _anchor(name: str) -> str:
 
 def main(folder: Path | None) -> None:
     """Write everything, into one folder or to its places."""
-    for xml in (XML, STANDARD):
-        generate("Python3", xml, (folder or HERE / "ross_protocols") / f"{xml.stem}_dialect.py")
+    generate("Python3", (folder or HERE / "ross_protocols" / "mavlink") / "ross_dialect.py", XML, STANDARD)
     reference(folder or HERE.parent / "docs" / "reference")
     others.dissector(folder or HERE / "wireshark", generate)
     others.c_headers((folder or HERE.parent / "build") / "mavlink-c", generate)

@@ -6,13 +6,13 @@ dialect would be more than a megabyte.
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
 
+from pymavlink.dialects import v20
 from pymavlink.generator import mavparse
 
 HERE = Path(__file__).resolve().parent
@@ -88,13 +88,13 @@ end)
 def c_headers(folder: Path, mavgen: Callable[[str, Path, Path], None]) -> None:
     """Write ``mavlink.h`` and what it needs to ``folder/ross``, and the parts of every dialect beside it."""
     folder.mkdir(parents=True, exist_ok=True)
-    mavgen("C", _spoken(folder), folder)
+    mavgen("C", folder, _spoken(folder))
 
 
 def dissector(folder: Path, mavgen: Callable[[str, Path, Path], None]) -> None:
     """Write ``ross.lua``: the generated dissector, which also looks into TUNNEL and past what it does not know."""
     path, xml = folder / "ross.lua", _spoken(folder)
-    mavgen("WLua", xml, path)
+    mavgen("WLua", path, xml)
     tunnel = next(each for each in mavparse.MAVXML(str(xml), mavparse.PROTOCOL_2_0).message if each.name == "TUNNEL")
     places = {name.rpartition("_")[2] + "_at": place for name, place in tunnel.field_offsets.items()}
     inner = INNER.format(id=tunnel.id, size=tunnel.wire_length, type=54000, **places)
@@ -146,10 +146,8 @@ def _spoken(folder: Path) -> Path:
 
 def _common() -> list[ElementTree.Element]:
     """Return MAVLink's common dialect as pymavlink brings it."""
-    spec = importlib.util.find_spec("pymavlink.dialects.v20")
-    folder = Path(str(spec.origin)).parent if spec is not None else HERE
-    names = ("minimal", "standard", "common")
-    return [ElementTree.parse(folder / f"{name}.xml").getroot() for name in names]  # noqa: S314
+    folder = Path(v20.__file__).parent
+    return [ElementTree.parse(folder / f"{name}.xml").getroot() for name in ("minimal", "standard", "common")]  # noqa: S314
 
 
 def _part(root: ElementTree.Element, name: str) -> ElementTree.Element:

@@ -12,7 +12,7 @@ import stat
 import tomllib
 from itertools import count
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 MB = 1_000_000  # [bytes]
 DEEPEST = 64  # tables and lists inside each other
@@ -95,6 +95,18 @@ def parsed_toml(data: bytes) -> dict[str, Any]:
     return values
 
 
+def toml_value(text: str) -> Any:
+    """Return a value as it stands in TOML; what is none is a word.
+
+    >>> toml_value("[1, 2]"), toml_value("duet")
+    ([1, 2], 'duet')
+    """
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
 def printable(text: str) -> str:
     r"""Escape what would colour a terminal, move its cursor or forge a line of a log.
 
@@ -102,22 +114,6 @@ def printable(text: str) -> str:
     \x1b[2J
     """
     return "".join(char if char.isprintable() else char.encode("unicode_escape").decode() for char in text)
-
-
-def create_anew(path: Path) -> TextIO:
-    """Make a text file for its owner alone in place of whatever lies there; a folder there is set aside.
-
-    Raises
-    ------
-    OSError
-        When it cannot be made.
-    """
-    if path.is_dir() and not path.is_symlink():
-        set_aside(path, "unreadable")
-    else:
-        path.unlink(missing_ok=True)
-    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
-    return os.fdopen(handle, "w", encoding="utf-8")
 
 
 def set_aside(path: Path, word: str) -> str:

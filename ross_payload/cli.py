@@ -78,8 +78,8 @@ def check(file: Path) -> None:
 def show(file: Path) -> None:
     """Show every key of a payload's TOML FILE as it is in force, and why: file, default, or set in flight."""
     from ross_payload.config import load
-    from ross_payload.parameters import listing
-    from ross_payload.service.folders import state_path
+    from ross_payload.config.parameter_listing import listing
+    from ross_payload.service.state_folder import state_path
 
     loaded = load(file)
     for line in listing(loaded, state_path(loaded) / "params.toml"):
@@ -95,7 +95,7 @@ def enroll(name: str, file: Path | None, forget: bool) -> None:
 
     A voice print is personal data: it is kept on this computer only, readable by you alone, until you --forget it.
     """
-    from ross_payload.audio.files import read_mono
+    from ross_payload.audio.audio_files import read_mono
     from ross_payload.voiceprint import VoiceStore, enrol
 
     store = VoiceStore.default()
@@ -140,7 +140,7 @@ def main() -> None:
 
 def _lacking(error: ModuleNotFoundError) -> str:
     """Say which extra brings a package that a command needs; raise the error again when none does."""
-    from ross_payload.extras import EXTRA_OF, install_line
+    from ross_payload.plugins import EXTRA_OF, install_line
 
     package = (error.name or "").partition(".")[0]
     if package not in EXTRA_OF:

@@ -157,23 +157,23 @@ class SystemClock:
                     self._calls.remove(periodic)
 
 
-class PatientOpener(Generic[P, T]):
+class RetryingOpener(Generic[P, T]):
     """Opens what a server on this network offers, and waits for the server when it is started after us.
 
-    Only a refused connection is waited for, and only until ``patience`` [s] after this object was made. What has been
+    Only a refused connection is waited for, and only until ``wait`` [s] after this object was made. What has been
     opened once is opened again without waiting.
 
     >>> def refused(): raise RossError("nobody is there") from ConnectionRefusedError()
-    >>> PatientOpener(refused, SystemClock(), patience=0.0)()
+    >>> RetryingOpener(refused, SystemClock(), wait=0.0)()
     Traceback (most recent call last):
     ...
     ross_payload.errors.RossError: nobody is there
     """
 
-    def __init__(self, opener: Callable[P, T], clock: Clock, patience: float) -> None:
+    def __init__(self, opener: Callable[P, T], clock: Clock, wait: float) -> None:
         self._opener = opener
         self._clock = clock
-        self._until = clock.now() + patience
+        self._until = clock.now() + wait
         self._opened: set[object] = set()
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> T:
@@ -182,7 +182,7 @@ class PatientOpener(Generic[P, T]):
         Raises
         ------
         RossError
-            What the opener raises, at the end of the patience when nobody listens.
+            What the opener raises, at the end of the wait when nobody listens.
         """
         told = False
         while True:
@@ -199,3 +199,24 @@ class PatientOpener(Generic[P, T]):
             else:
                 self._opened.add(args)
                 return opened
+
+
+class Every:
+    """Tells when something periodic is due; the first time at once, without drift, without catching up.
+
+    >>> second = Every(1.0)
+    >>> [second.due(now) for now in (0.0, 0.9, 1.05, 2.0, 7.0, 7.5)]
+    [True, False, True, True, True, False]
+    """
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._next: float | None = None
+
+    def due(self, now: float) -> bool:
+        """Tell whether it is due at ``now`` [s], once."""
+        if self._next is not None and now < self._next - 1e-9:
+            return False
+        upcoming = now if self._next is None else self._next
+        self._next = upcoming + self._period if upcoming + self._period > now else now + self._period
+        return True

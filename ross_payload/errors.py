@@ -15,7 +15,8 @@
     └── OutputError          results cannot be written any more: exit code 1
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 
 SHOWN = 80  # characters of a value in a message
@@ -95,3 +96,18 @@ class LinkError(RossError):
 
 class OutputError(RossError):
     """Results cannot be written any more: the disk is full or gone."""
+
+
+@contextmanager
+def refused_as(kind: type[Exception], what: str) -> Iterator[None]:
+    """Let what the system refuses, an OSError, become an error of ours: ``what``, and why.
+
+    >>> with refused_as(ConfigError, "config.toml: cannot be read"):
+    ...     raise OSError(13, "Permission denied")
+    Traceback (most recent call last):
+    ross_payload.errors.ConfigError: config.toml: cannot be read: Permission denied
+    """
+    try:
+        yield
+    except OSError as error:
+        raise kind(f"{what}: {error.strerror}") from error

@@ -2,7 +2,7 @@
 
 Inside the payload everything is SI and radians, counter-clockwise. Three angles are never mixed: the *joint angle*
 is what an actuator speaks (from its zero, unwrapped); the *heading* is where the axis from microphone 1 to
-microphone 2 points (mount yaw + joint angle + calibrated offset); an *azimuth* is where a source is, in the same
+microphone 2 points (`Pointing`); an *azimuth* is where a source is, in the same
 frame as the heading.
 """
 
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ross_payload.events import Estimate, Event, Outcome
 from ross_payload.orders import Order
+from ross_payload.pointing import Pointing
 
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
@@ -261,10 +262,9 @@ class Input:
 
     block: AudioBlock
     heading_start: float  # of the first sample [rad]
-    heading_end: float  # just after the last sample [rad]
-    joint: float  # joint angle just after the last sample [rad]
+    pointing: Pointing  # just after the last sample
     settled: bool  # still at the goal during the whole hop
-    attitude: Attitude
+    attitude: Attitude  # of the base at the first sample
     fault: str = ""  # of the actuator, in words
     orders: tuple[Order, ...] = ()
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import logging
-import math
 import os
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -22,10 +21,12 @@ from ross_payload.bounded_files import printable
 from ross_payload.events import Answer, Answered, Event, Separated, StateChanged, TurnStarted
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.interfaces import Input
-from ross_payload.links import LinkStatus
-from ross_payload.telemetry.texts import line
+from ross_payload.json_values import named
+from ross_payload.mavlink import LinkStatus
+from ross_payload.telemetry.status_texts import line
+from ross_payload.token_bucket import TokenBucket
 from ross_protocols.angle_text import bearings, rotation
-from ross_protocols.values import Severity
+from ross_protocols.mavlink.values import Severity
 
 BURST = 5.0  # warnings of one kind that come through at once
 PERIOD = 10.0  # [s] between them in the long run
@@ -85,17 +86,16 @@ class Repeats(logging.Filter):
 
     def __init__(self) -> None:
         super().__init__()
-        self._kinds: OrderedDict[tuple[str, int, str], tuple[float, float, int]] = OrderedDict()
+        self._kinds: OrderedDict[tuple[str, int, str], tuple[TokenBucket, int]] = OrderedDict()
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Tell whether a record may pass; note in it how many before it did not."""
         if record.levelno < logging.WARNING:
             return True
         kind = (record.name, record.levelno, str(record.msg))
-        allowance, last, held = self._kinds.pop(kind, (BURST, record.created, 0))
-        allowance = min(allowance + max(record.created - last, 0.0) / PERIOD, BURST)
-        passes = allowance >= 1.0
-        self._kinds[kind] = (allowance - passes, record.created, 0 if passes else held + 1)
+        bucket, held = self._kinds.pop(kind, (TokenBucket(BURST, 1 / PERIOD), 0))
+        passes = bucket.spend(record.created)
+        self._kinds[kind] = bucket, 0 if passes else held + 1
         if len(self._kinds) > KINDS:
             self._kinds.popitem(last=False)
         if passes and held:
@@ -133,7 +133,7 @@ class Json(logging.Formatter):
             "level": record.levelname.lower(),
             "logger": record.name,
             "message": _message(record),
-            "fields": {key: _plain(value) for key, value in getattr(record, "fields", {}).items()},
+            "fields": {key: named(value) for key, value in getattr(record, "fields", {}).items()},
         }
         if record.exc_info:
             values["traceback"] = self.formatException(record.exc_info)
@@ -147,12 +147,12 @@ class LogObserver:
     def __init__(self) -> None:
         self._log = logging.getLogger("ross_payload.mission")
 
-    def heard(self, heard: Input) -> None:
+    def on_input(self, hop: Input) -> None:
         """Hops are not worth a line."""
 
-    def said(self, event: Event, heard: Input) -> None:
+    def on_event(self, event: Event, hop: Input) -> None:
         """Write one line about an event; at level debug about every event."""
-        level, text = words(event, earth=heard.attitude.known)
+        level, text = words(event, earth=hop.pointing.earth)
         if self._log.isEnabledFor(level):
             self._log.log(level, text, extra={"fields": described(event)})
 
@@ -218,7 +218,7 @@ def words(event: Event, *, earth: bool) -> tuple[int, str]:
 
     ``earth`` tells whether its headings count from north. Angles are written as `ross_protocols.angle_text` does.
 
-    >>> words(TurnStarted(2.0, joint=math.pi / 4, heading=math.pi / 2, reason="rotation 1"), earth=True)
+    >>> words(TurnStarted(2.0, joint=0.7854, heading=1.5708, reason="rotation 1"), earth=True)
     (20, 'turning to heading 270.0 deg from north, joint 45.0 deg counter-clockwise: rotation 1')
     """
     match event:
@@ -258,16 +258,6 @@ def _names(trouble: AudioTrouble) -> str:
 
 def _colon(what: str, why: str) -> str:
     return f"{what}: {why}" if why else what
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Enum):
-        return value.name.lower()
-    if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
-    if isinstance(value, (list, tuple)):
-        return [_plain(each) for each in value]
-    return value if value is None or isinstance(value, (bool, int, str)) else str(value)
 
 
 def _message(record: logging.LogRecord) -> str:

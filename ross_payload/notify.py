@@ -1,4 +1,4 @@
-"""What systemd is told: ready, what we do, that we live, that we stop; the protocol of sd_notify(3).
+"""What systemd is told: ready, what we do, that we live, that we stop; the protocol of sd_notify(3). And its signals.
 
 Without ``$NOTIFY_SOCKET`` nothing is sent. A word that cannot be sent is lost: nobody's mission ends for it.
 """
@@ -6,9 +6,12 @@ Without ``$NOTIFY_SOCKET`` nothing is sent. A word that cannot be sent is lost: 
 from __future__ import annotations
 
 import os
+import signal
 import socket
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
+from types import FrameType
 
 from ross_payload.events import Event, StateChanged
 from ross_payload.interfaces import Cancel, Clock, Input
@@ -76,15 +79,15 @@ class Watchdog:
     ----------
     manager, clock
         Whom to tell, and the time.
-    patience : mapping
+    limits : mapping
         How long each may take from one mark to the next [s]; a name that is not in it is not watched.
     """
 
-    def __init__(self, manager: Manager, clock: Clock, patience: Mapping[str, float]) -> None:
+    def __init__(self, manager: Manager, clock: Clock, limits: Mapping[str, float]) -> None:
         self._manager = manager
         self._clock = clock
-        self._patience = dict(patience)
-        self._marks = dict.fromkeys(patience, clock.now())
+        self._limits = dict(limits)
+        self._marks = dict.fromkeys(limits, clock.now())
 
     def mark(self, name: str) -> None:
         """Note that ``name`` makes progress."""
@@ -93,7 +96,7 @@ class Watchdog:
     def late(self) -> tuple[str, ...]:
         """Return who has made no progress for too long."""
         now = self._clock.now()
-        return tuple(name for name, patience in self._patience.items() if now - self._marks[name] > patience)
+        return tuple(name for name, limit in self._limits.items() if now - self._marks[name] > limit)
 
     def poll(self) -> None:
         """Ping, or say who is late."""
@@ -108,11 +111,11 @@ class Watchdog:
         period = self._manager.period
         return None if period is None else self._clock.every(period / PINGS, self.poll)
 
-    def heard(self, heard: Input) -> None:
+    def on_input(self, hop: Input) -> None:
         """One hop was heard: the mission makes progress."""
         self.mark(MISSION)
 
-    def said(self, event: Event, heard: Input) -> None:
+    def on_event(self, event: Event, hop: Input) -> None:
         """Tell the manager what the mission does."""
         if isinstance(event, StateChanged):
             state = event.state.name.lower().replace("_", " ")
@@ -122,3 +125,18 @@ class Watchdog:
 def _line(text: str) -> str:
     """One line of printable text: a line break would begin another assignment."""
     return "".join(char if char.isprintable() else " " for char in text)
+
+
+@contextmanager
+def on_signal(call: Callable[[str], object]) -> Iterator[None]:
+    """Call ``call`` with the name of every SIGINT and SIGTERM; afterwards they mean what they meant before."""
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        call(signal.Signals(number).name)
+
+    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

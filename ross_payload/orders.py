@@ -40,7 +40,7 @@ class Rearm(Order):
 class Set(Order):
     """Change one setting in flight; it holds from the next task on."""
 
-    name: str  # of `ross_payload.parameters`
+    name: str  # of `ross_payload.config.parameter_table`
     value: float
 
 

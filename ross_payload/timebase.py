@@ -8,20 +8,20 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from ross_payload.interfaces import Clock
-from ross_protocols import vehicle
-from ross_protocols.codec import Packet
-from ross_protocols.vehicle import AUTOPILOT, SystemTime, TimeSync
+from ross_protocols.mavlink import vehicle
+from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.vehicle import AUTOPILOT, SystemTime, TimeSync
 
 SAMPLES = 16  # round trips kept: the quickest one tells most
 PAUSE = 0.02  # [s] between two answers of ours: nobody needs more
-PATIENCE = 1.0  # [s] that an answer may take
+ANSWER_TIMEOUT_S = 1.0  # [s] that an answer may take
 SLACK = 0.005  # [s] that clocks may have drifted apart since an older round trip
 STEP = 0.5  # [s]: a UNIX time that is off by more is set anew, a smaller difference is worked off
 EASE = 0.1  # of a smaller difference, at a time
 PLAUSIBLE = 4_102_444_800.0  # UNIX time of 2100 [s]: a clock that says more is wrong
 
 
-class Hearsay(Protocol):
+class ReceivedPacket(Protocol):
     """A packet and how it came."""
 
     @property
@@ -37,7 +37,7 @@ class Hearsay(Protocol):
         """What was said, and by whom."""
 
 
-class Voice(Protocol):
+class Component(Protocol):
     """A component on the links."""
 
     def send(self, value: Any, link: str | None = None) -> None:
@@ -73,7 +73,7 @@ class Timebase:
         self._clock = clock
         self._system = system
         self._system_id = system_id
-        self._voice: Voice | None = None
+        self._component: Component | None = None
         self._answered = -math.inf  # when a request was answered last [s]
         self._asked: deque[int] = deque(maxlen=4)  # times of our requests [ns]
         self._trips: deque[tuple[float, float]] = deque(maxlen=SAMPLES)  # round trip, our clock less theirs [s]
@@ -94,25 +94,25 @@ class Timebase:
         """Return the time on our clock [s] of a time on the autopilot's; None before a round trip has told."""
         return boot + min(self._trips)[1] if self._trips else None
 
-    def attach(self, voice: Voice) -> None:
+    def attach(self, component: Component) -> None:
         """Listen and speak as a component."""
-        self._voice = voice
-        voice.subscribe(self.heard)
+        self._component = component
+        component.subscribe(self.on_packet)
 
-    def heard(self, heard: Hearsay) -> None:
+    def on_packet(self, received: ReceivedPacket) -> None:
         """Take in what any link has heard."""
-        said = vehicle.read(heard.packet.message)
+        said = vehicle.read(received.packet.message)
         if isinstance(said, TimeSync) and said.answered is None:
-            self._answer(said, heard.link)
-        elif not self._from_autopilot(heard):
+            self._answer(said, received.link)
+        elif not self._from_autopilot(received):
             return
         elif isinstance(said, TimeSync) and said.answered is not None:
             self._measure(said.asked, said.answered)
         elif isinstance(said, SystemTime) and said.unix is not None and said.unix < PLAUSIBLE:
             self._set(said.unix - (self.local(said.boot) or self._clock.now()))
-        elif heard.packet.name == "HEARTBEAT":
+        elif received.packet.name == "HEARTBEAT":
             self._asked.append(self._nanoseconds())
-            self._send(TimeSync(self._asked[-1]), heard.link)
+            self._send(TimeSync(self._asked[-1]), received.link)
 
     def _answer(self, request: TimeSync, link: str) -> None:
         now = self._clock.now()
@@ -120,9 +120,9 @@ class Timebase:
             self._answered = now
             self._send(TimeSync(request.asked, self._nanoseconds()), link)
 
-    def _from_autopilot(self, heard: Hearsay) -> bool:
-        packet = heard.packet
-        if heard.role != "autopilot" or packet.component_id != AUTOPILOT:
+    def _from_autopilot(self, received: ReceivedPacket) -> bool:
+        packet = received.packet
+        if received.role != "autopilot" or packet.component_id != AUTOPILOT:
             return False
         self._system_id = self._system_id or packet.system_id
         return packet.system_id == self._system_id
@@ -130,7 +130,7 @@ class Timebase:
     def _measure(self, asked: int, answered: int) -> None:
         """Take the answer to one of our requests for what it says half-way through its round trip."""
         now, begin = self._nanoseconds() / 1e9, asked / 1e9
-        if asked not in self._asked or not 0 <= now - begin <= PATIENCE:
+        if asked not in self._asked or not 0 <= now - begin <= ANSWER_TIMEOUT_S:
             return
         trip = (now - begin, (begin + now) / 2 - answered / 1e9)
         if self._trips and abs(trip[1] - min(self._trips)[1]) > (trip[0] + min(self._trips)[0]) / 2 + SLACK:
@@ -150,8 +150,8 @@ class Timebase:
         return self._epoch
 
     def _send(self, value: TimeSync, link: str) -> None:
-        if self._voice is not None:
-            self._voice.send(vehicle.time_sync(value), link)
+        if self._component is not None:
+            self._component.send(vehicle.time_sync(value), link)
 
     def _nanoseconds(self) -> int:
         return round(self._clock.now() * 1e9)

@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+import lanes
+
 settings.register_profile("shared machine", deadline=None)  # a busy machine makes no example wrong
 settings.load_profile("shared machine")
 
 ROOT = Path(__file__).parents[1]
-PATIENCE = 10  # how much nicer lockstep tests are
 
 
 def pytest_addoption(parser):
@@ -26,29 +27,16 @@ def pytest_configure(config):
         rigs.KINDS = (config.getoption("--actuator-kind"),)
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_protocol(item):
-    """Let tests in lock-step leave the processor to those in real time beside them."""
-    if item.get_closest_marker("hardware") or not item.get_closest_marker("lockstep") or not may_hurry_again():
-        return (yield)
-    before = os.getpriority(os.PRIO_PROCESS, 0)
-    os.setpriority(os.PRIO_PROCESS, 0, before + PATIENCE)
-    try:
-        return (yield)
-    finally:
-        os.setpriority(os.PRIO_PROCESS, 0, before)
-
-
-@cache
-def may_hurry_again():
-    """Whether the system lets this process take back that it was nice."""
-    before = os.getpriority(os.PRIO_PROCESS, 0)
-    try:
-        os.setpriority(os.PRIO_PROCESS, 0, before + 1)
-        os.setpriority(os.PRIO_PROCESS, 0, before)
-    except PermissionError:
-        return False
-    return True
+@pytest.hookimpl(tryfirst=True)  # before -m chooses
+def pytest_collection_modifyitems(items):
+    """Give every test its lane: the marker's, or that of its folder."""
+    imports = cache(lanes.imports_of)
+    for item in items:
+        try:
+            markers = [mark.name for mark in item.iter_markers()]
+            item.add_marker(lanes.lane_of(item.path, markers, imports(getattr(item, "module", None))))
+        except ValueError as error:
+            raise pytest.UsageError(f"{item.nodeid}: {error}") from error
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -1,7 +1,7 @@
 """Angles as people read them: degrees of a compass, clockwise, and the direction that they count from.
 
-Inside the payload angles are radians, counter-clockwise. `ross_protocols.pairs.compass` turns them around; whatever
-prints, draws or logs one for a person writes it with these functions.
+Inside the payload angles are radians, counter-clockwise. `ross_protocols.mavlink.field_converters.compass` turns them
+around; whatever prints, draws or logs one for a person writes it with these functions.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from ross_protocols.pairs import compass
+from ross_protocols.mavlink.field_converters import compass
 
 FRAMES = {True: "from north", False: "from the nose"}
 

@@ -15,8 +15,8 @@ from types import TracebackType
 from typing import Self
 
 from ross_payload import config
-from ross_payload.actuators.guard_checks import broke, checked_angle, checked_rate, doubt, guarded
-from ross_payload.actuators.guard_watch import PARKING, Watch
+from ross_payload.actuators.guard_checks import checked_angle, checked_rate, doubt, driver_broke, guarded
+from ross_payload.actuators.motion_monitor import PARKING, MotionMonitor
 from ross_payload.errors import ActuatorError, ActuatorFault, ConfigError, NotHomed, RossError
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, SharedControl
 
@@ -50,7 +50,7 @@ class Guard:
         self._stopped = False
         self._fault = self._later = ""  # the first fault, and the last of what came on top of it
         self._failed = False  # the fault action is still to be done
-        self._watch = Watch(rules)
+        self._monitor = MotionMonitor(rules)
         self._shared = actuator if isinstance(actuator, SharedControl) else None
         self._held = True  # for a task, as far as the driver knows; False: others may turn it
 
@@ -67,7 +67,7 @@ class Guard:
     def command(self, angle: float, rate: float | None = None) -> None:
         """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal in flight."""
         self._refuse_when_latched()
-        self._look_at_limits()
+        self._update_limits()
         goal, rate = checked_angle(angle, self.capabilities), checked_rate(rate, self.capabilities)
         state = self.state()
         if not state.healthy:
@@ -86,7 +86,7 @@ class Guard:
         fault = latched or state.fault or self._doubt(state)
         if not (fault or state.healthy):
             fault = "the actuator reports a fault"
-        settled = state.settled and not fault and state.time > self._watch.since
+        settled = state.settled and not fault and state.time > self._monitor.since
         if not fault and settled == state.settled:
             return state
         return replace(state, settled=settled, healthy=not fault, fault=fault)
@@ -110,16 +110,16 @@ class Guard:
         if self._shared is None or self._stopped or self._fault:
             return
         self._held = True
-        self._watch.shared = False
+        self._monitor.shared = False
         self._shared.take_control()
 
     def release_control(self) -> None:
         """No task needs the actuator: others may turn it, where there are others; idempotent."""
-        if self._shared is None or not self._held or self._watch.doing:
+        if self._shared is None or not self._held or self._monitor.doing:
             return
         if self._shared.release_control():
             self._held = False
-            self._watch.shares()
+            self._monitor.expect_others()
 
     def rearm(self) -> None:
         """Accept commands again after a stop or a fault.
@@ -148,7 +148,7 @@ class Guard:
             When a stop is latched.
         """
         self._refuse_when_stopped()
-        self._watch.homes()
+        self._monitor.expect_homing()
         self._held = True
         self._request(self._actuator.home)
         if self._stopped:
@@ -158,7 +158,7 @@ class Guard:
     def release(self) -> None:
         """Remove the torque."""
         self._request(self._actuator.release)
-        self._watch.forget()
+        self._monitor.forget()
 
     def poll(self, now: float) -> None:
         """Poll the actuator and run the watchdog at ``now`` [s]; whatever a driver raises here is a fault."""
@@ -171,8 +171,8 @@ class Guard:
     def __enter__(self) -> Self:
         """Open the actuator; nothing moves."""
         self._actuator.__enter__()
-        self._watch.opened = self._clock.now()
-        self._look_at_limits()
+        self._monitor.opened = self._clock.now()
+        self._update_limits()
         if self._unfit:
             self._actuator.__exit__(None, None, None)
             raise ConfigError(self._unfit)
@@ -182,7 +182,7 @@ class Guard:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop and close; idempotent."""
-        self._watch.forget()
+        self._monitor.forget()
         self._actuator.__exit__(kind, error, trace)
 
     # ------------------------------------------------------------------------------------------ requests
@@ -199,27 +199,27 @@ class Guard:
     def _go(self, goal: float, rate: float, here: float) -> None:
         self._held = True
         self._request(lambda: self._actuator.command(goal, rate))
-        self._watch.goes(goal, here, self.capabilities)
+        self._monitor.expect_goal(goal, here, self.capabilities)
 
     def _request(self, request: Callable[[], None]) -> None:
         """Send a request so that no report made before it is taken for its answer."""
-        self._watch.asks()
+        self._monitor.expect_request()
         try:
             request()
         except ActuatorError:
-            self._watch.refused(self._clock.now())
+            self._monitor.request_refused(self._clock.now())
             raise
         except Exception as error:
-            fault = str(error) if isinstance(error, RossError) else broke(error)
-            self._watch.refused(self._clock.now())
+            fault = str(error) if isinstance(error, RossError) else driver_broke(error)
+            self._monitor.request_refused(self._clock.now())
             self._latch(fault)
             raise ActuatorFault(fault) from error
-        self._watch.asked(self._clock.now())
+        self._monitor.request_sent(self._clock.now())
 
     def _halt(self) -> None:
         """Decelerate; never raises: a stop that fails is a fault, and is tried again by `poll`."""
-        if self._watch.busy(self._read()):
-            self._watch.brakes(self._clock.now(), self.capabilities)
+        if self._monitor.busy(self._read()):
+            self._monitor.expect_rest(self._clock.now(), self.capabilities)
         try:
             self._actuator.stop()
         except Exception as error:
@@ -231,12 +231,12 @@ class Guard:
         try:
             return self._actuator.state()
         except Exception as error:
-            return ActuatorState(0.0, 0.0, False, homed=False, healthy=False, time=-math.inf, fault=broke(error))
+            return ActuatorState(0.0, 0.0, False, homed=False, healthy=False, time=-math.inf, fault=driver_broke(error))
 
     def _doubt(self, state: ActuatorState) -> str:
         return self._unfit or doubt(state, self._clock.now(), self._rules.watchdog_s)
 
-    def _look_at_limits(self) -> None:
+    def _update_limits(self) -> None:
         """Take in what a device tells of itself after it was opened."""
         hardware = self._actuator.capabilities
         if hardware == self._hardware:
@@ -251,16 +251,16 @@ class Guard:
         """Poll the actuator; say what is wrong while something moves or holds a goal; empty when all is well."""
         try:
             self._actuator.poll(now)
-            self._look_at_limits()
+            self._update_limits()
             state = self._actuator.state()
         except RossError as error:
             return str(error)
         except Exception as error:  # a bug in a driver must not end its polling: it may still be able to decelerate
-            return broke(error)
-        self._watch.note(state)
-        if not self._watch.busy(state):
+            return driver_broke(error)
+        self._monitor.on_report(state)
+        if not self._monitor.busy(state):
             return ""
-        return self._watch.trouble(state, self.capabilities, now) or self._unfit
+        return self._monitor.trouble(state, self.capabilities, now) or self._unfit
 
     # ------------------------------------------------------------------------------------------ the fault action
 
@@ -269,8 +269,8 @@ class Guard:
         first = not self._fault
         if first:
             self._fault = fault
-        elif self._watch.doing:
-            self._later = f"while {self._watch.doing}: {fault}"
+        elif self._monitor.doing:
+            self._later = f"while {self._monitor.doing}: {fault}"
         elif not self._failed:
             return
         self._act(may_park=first)
@@ -280,7 +280,7 @@ class Guard:
         self._failed = False
         try:
             if self._rules.on_fault == "release":
-                self._watch.forget()
+                self._monitor.forget()
                 self._actuator.release()
             elif self._rules.on_fault == "park" and may_park and self._may_park():
                 self._park()
@@ -297,12 +297,12 @@ class Guard:
     def _park(self) -> None:
         park, able = math.radians(self._rules.park_deg), self.capabilities
         self._go(checked_angle(min(max(park, able.lower), able.upper), able), able.max_speed, self._read().angle)
-        self._watch.doing = PARKING
+        self._monitor.doing = PARKING
         if self._stopped:
             self._halt()
 
     def _fail(self, what: str, error: Exception) -> None:
-        said = f"the {what} failed: {error if isinstance(error, RossError) else broke(error)}"
+        failure = f"the {what} failed: {error if isinstance(error, RossError) else driver_broke(error)}"
         self._failed = True
-        self._later = f"and {said}" if self._fault else ""
-        self._fault = self._fault or said
+        self._later = f"and {failure}" if self._fault else ""
+        self._fault = self._fault or failure

@@ -9,9 +9,9 @@ from ross_payload import config
 from ross_payload.errors import ConfigError, LimitError
 from ross_payload.interfaces import ActuatorState, Capabilities
 
-SLACK = 1e-9  # [rad], so that a limit itself is inside the limits
-FUTURE = 0.05  # a report may be so far ahead of the clock [s]
-STILL = math.radians(2)  # slower is at rest [rad/s]
+LIMIT_TOLERANCE_RAD = 1e-9  # [rad], so that a limit itself is inside the limits
+MAX_AHEAD_S = 0.05  # a report may be so far ahead of the clock [s]
+STILL_RAD_S = math.radians(2)  # slower is at rest [rad/s]
 
 
 def guarded(hardware: Capabilities, rules: config.Guard) -> Capabilities:
@@ -70,7 +70,7 @@ def checked_angle(angle: float, able: Capabilities) -> float:
     LimitError
         When it lies outside the limits or is not finite.
     """
-    if not able.lower - SLACK <= angle <= able.upper + SLACK or math.isinf(angle):
+    if not able.lower - LIMIT_TOLERANCE_RAD <= angle <= able.upper + LIMIT_TOLERANCE_RAD or math.isinf(angle):
         found, low, high = (f"{math.degrees(value):.2f}" for value in (angle, able.lower, able.upper))
         raise LimitError(f"goal: expected {low} to {high} deg, got {found} deg")
     half = able.resolution / 2
@@ -111,15 +111,15 @@ def doubt(state: ActuatorState, now: float, watchdog: float) -> str:
     age = now - state.time
     if age == math.inf:
         return "no report yet"
-    if not age >= -FUTURE:  # NaN is not either
+    if not age >= -MAX_AHEAD_S:  # NaN is not either
         return f"the time of the last report is {-age:.2f} s ahead of the clock"
     return f"no report for {age:.2f} s" if age > watchdog else ""
 
 
-def broke(error: Exception) -> str:
+def driver_broke(error: Exception) -> str:
     """Say that a driver has raised what no driver should.
 
-    >>> broke(ZeroDivisionError("by zero"))
+    >>> driver_broke(ZeroDivisionError("by zero"))
     "the driver broke: ZeroDivisionError('by zero')"
     """
     return f"the driver broke: {error!r}"

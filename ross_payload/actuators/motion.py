@@ -102,6 +102,15 @@ class Trapezoid:
         goal = position + math.copysign(braking_distance(velocity, acceleration), velocity)
         return cls(position, goal, max(abs(velocity), math.ulp(1.0)), acceleration, velocity)
 
+    @classmethod
+    def still(cls, position: float) -> Trapezoid:
+        """Stay at ``position`` [rad].
+
+        >>> Trapezoid.still(1.0).at(5.0), Trapezoid.still(1.0).duration
+        ((1.0, 0.0), 0.0)
+        """
+        return cls(position, position, speed=1.0, acceleration=1.0)
+
     @property
     def duration(self) -> float:
         """Time [s] until rest at the goal."""
@@ -113,6 +122,31 @@ class Trapezoid:
         if t >= self.duration:
             return self.goal, 0.0
         return next(phase for phase in reversed(self.phases) if phase.begin <= t).at(t)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A plan and when it begins [s]."""
+
+    plan: Trapezoid
+    begin: float
+
+    @property
+    def end(self) -> float:
+        """When it is over [s]."""
+        return self.begin + self.plan.duration
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Position [rad] and velocity [rad/s] at ``time`` [s]."""
+        return self.plan.at(time - self.begin)
+
+    def braked(self, time: float, acceleration: float) -> Motion:
+        """Return the motion that leaves this one at ``time`` [s] and brakes at ``acceleration`` [rad/s^2].
+
+        >>> Motion(Trapezoid(0.0, 1.0, speed=1.0, acceleration=2.0), begin=10.0).braked(11.0, 2.0).plan.goal
+        1.0
+        """
+        return Motion(Trapezoid.to_rest(*self.at(time), acceleration), time)
 
 
 def _phases(move: Trapezoid) -> tuple[Phase, ...]:

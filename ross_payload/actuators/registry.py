@@ -41,11 +41,6 @@ def open_actuator(settings: config.Config, services: Services) -> Guard:
     return Guard(actuator, settings.guard, services.clock)
 
 
-def check_options(settings: config.Config) -> None:
-    """Raise the ConfigError that `checked_options` has for this configuration, if any."""
-    checked_options(settings)
-
-
 def checked_options(settings: config.Config) -> Any:
     """Return the back end's own ``Config`` from [actuator.options], its caps lowered to the guard's.
 
@@ -70,7 +65,7 @@ def _describe(name: str, origin: str) -> Description:
         backend = _backend(name)
     except PluginError as error:
         return Description(name, origin, False, str(error))
-    lines = (type(backend).__doc__ or "").strip().splitlines()
+    lines = (getattr(backend, "about", None) or type(backend).__doc__ or "").strip().splitlines()
     return Description(name, origin, True, lines[0] if lines else "")
 
 

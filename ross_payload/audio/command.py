@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ross_payload.audio.sound_devices import Device
 
 
 @click.command("devices", short_help="List microphones, or identify them by tapping.")
@@ -32,8 +39,8 @@ def command(*, as_json: bool, config: Path | None, awaited: Path | None) -> None
     """
     from rich.console import Console
 
-    from ross_payload.audio.devices import devices, portaudio
-    from ross_payload.audio.show import table, tap, wait
+    from ross_payload.audio.sound_devices import devices, portaudio
+    from ross_payload.audio.tap_test import tap, wait
     from ross_payload.clock import SystemClock
     from ross_payload.config import load
 
@@ -50,3 +57,17 @@ def command(*, as_json: bool, config: Path | None, awaited: Path | None) -> None
         Console().print(table(found))
     else:
         click.echo("No device can record. Is it plugged in, and is this user in the group 'audio'?")
+
+
+def table(found: Sequence[Device]) -> Table:
+    """Return a table of devices."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    from ross_payload.terminal_tables import with_whole_words
+
+    table = Table("name", "channels", "default rate", "host API", "preset")
+    for device in found:
+        rate = f"{device.default_rate:g} Hz"
+        table.add_row(escape(device.name), str(device.channels), rate, device.host_api, device.preset)
+    return with_whole_words(table)

@@ -28,7 +28,7 @@ class Piece:
 class Ring:
     """Holds the frames of two channels and when they arrived.
 
-    ``write`` belongs to one thread, ``take`` to another; each writes only its own counter, after its copying is done.
+    ``write`` belongs to one thread, ``read`` to another; each writes only its own counter, after its copying is done.
     """
 
     def __init__(self, capacity: int) -> None:
@@ -69,7 +69,7 @@ class Ring:
         self._written += size
         self._marked += 1
 
-    def take(self) -> Piece | None:
+    def read(self) -> Piece | None:
         """Return the oldest piece, None when there is none."""
         if self._taken == self._marked:
             return None

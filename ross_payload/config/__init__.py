@@ -8,11 +8,10 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from ross_payload.config.base import Degrees, Model, Positive, Table, read_toml, validated
-from ross_payload.config.body import Actuator, Array, Audio, Guard, Mount
-from ross_payload.config.can import Dronecan
-from ross_payload.config.ground import Gimbal, Link, Recording, Service, Telemetry
-from ross_payload.config.mission import APART_DEG, Exploit, Explore, Informed
+from ross_payload.config.communication_options import Dronecan, Gimbal, Link, Recording, Service, Telemetry
+from ross_payload.config.hardware_options import Actuator, Array, Audio, Guard, Mount
+from ross_payload.config.mission_options import APART_DEG, Exploit, Explore, Informed
+from ross_payload.config.table import Degrees, Model, Positive, Table, read_toml, validated
 
 __all__ = [
     "APART_DEG", "Actuator", "Array", "Audio", "Config", "Degrees", "Dronecan", "Exploit", "Explore",

@@ -8,27 +8,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, dataclass, field
 from itertools import pairwise
+from typing import Any
 
 from ross_payload.actuators.guard import Guard
+from ross_payload.actuators.mavlink_gimbal.component_port import SCHEME, opener
 from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.actuators.tb6600.pulse_segments import RECORDING
+from ross_payload.clock import SystemClock
 from ross_payload.config import Config
-from ross_payload.doctor.finding import Finding, fail, ok, warn
+from ross_payload.doctor.findings import Finding, fail, ok, warn
 from ross_payload.doctor.probe_moves import Figures, Leg, figures, judge, make
-from ross_payload.doctor.turning import NOWHERE
 from ross_payload.errors import ActuatorError, RossError
 from ross_payload.interfaces import ActuatorState, Feedback, Services
+from ross_payload.mavlink import Router
+from ross_payload.service.state_folder import state_folder
 from ross_protocols.angle_text import rotation
 
-POLL = 0.010  # [s]
-FOUND = 5.0  # that an actuator may take to report for the first time [s]
-READY = 2.0  # that one that reports may take to know its place: some are told a lot first [s]
-NAMED = 0.5  # and to tell after that who it is, if it does at all [s]
-REST = 2.0  # of looking at it at rest [s]
-BRAKING = 5.0  # that it may take to stand still at the end [s]
-RESTLESS = math.radians(0.3)  # at rest: more is worth a word [rad]
+POLL_PERIOD_S = 0.010  # [s]
+FIRST_REPORT_TIMEOUT_S = 5.0  # that an actuator may take to report for the first time [s]
+HOMED_TIMEOUT_S = 2.0  # that one that reports may take to know its place: some are told a lot first [s]
+IDENTITY_TIMEOUT_S = 0.5  # and to tell after that who it is, if it does at all [s]
+REST_S = 2.0  # of looking at it at rest [s]
+BRAKING_TIMEOUT_S = 5.0  # that it may take to stand still at the end [s]
+MAX_NOISE_RAD = math.radians(0.3)  # at rest: more is worth a word [rad]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +56,29 @@ class Results:
     noise_deg: float = math.nan  # from lowest to highest at rest
     move: Figures | None = None
 
+    def as_values(self) -> dict[str, Any]:
+        """Return all of it for JSON; what is not known is None."""
+        return dict(_without_nan(asdict(self)))
+
+
+@contextmanager
+def open_services(config: Config) -> Iterator[Services]:
+    """Give real time and real wires; the links are opened when the actuator is behind them.
+
+    Raises
+    ------
+    RossError
+        When a link cannot be opened.
+    """
+    clock = SystemClock()
+    used = config.links if getattr(checked_options(config), "port", "") == SCHEME else ()
+    with ExitStack() as stack:
+        state = state_folder(config) if used else None
+        links = stack.enter_context(Router.open(used, clock, system_id=config.telemetry.system_id, state=state))
+        if used:
+            stack.callback(clock.every(POLL_PERIOD_S, links.poll))
+        yield Services(clock, opener(links, config.telemetry.component_id, clock))
+
 
 def probe(config: Config, services: Services, wishes: Wishes, results: Results) -> Generator[Finding]:
     """Open the actuator of a configuration, look at it, move it if that is wished; yield what is found."""
@@ -72,7 +100,7 @@ def _examined(guard: Guard, config: Config, services: Services, wishes: Wishes, 
     if not state.healthy and not (wishes.home and state.time > -math.inf):
         yield fail("report", state.fault, "wire, power, ids? See 'what happens when' on the page of this actuator")
         return
-    _wait_for(lambda: bool(guard.identity), services, NAMED)
+    _wait_for(lambda: bool(guard.identity), services, IDENTITY_TIMEOUT_S)
     yield from _identified(guard, config, results)
     if wishes.home:
         yield _homed(guard, config, services)
@@ -89,35 +117,35 @@ def _polled(guard: Guard, services: Services) -> Iterator[None]:
     """Keep a guarded actuator open and polled; at the end it stops and stands still before it is closed."""
     clock = services.clock
     with guard:
-        cancel = clock.every(POLL, lambda: guard.poll(clock.now()))
+        cancel = clock.every(POLL_PERIOD_S, lambda: guard.poll(clock.now()))
         try:
             yield
         finally:
             guard.stop()
-            end = clock.now() + BRAKING
-            clock.sleep(2 * POLL)
+            end = clock.now() + BRAKING_TIMEOUT_S
+            clock.sleep(2 * POLL_PERIOD_S)
             while guard.state().rate and clock.now() < end:
-                clock.sleep(POLL)
+                clock.sleep(POLL_PERIOD_S)
             cancel()
 
 
 def _first_report(guard: Guard, services: Services) -> ActuatorState:
-    _wait_for(lambda: guard.state().healthy, services, FOUND)
-    _wait_for(lambda: guard.state().homed or not guard.state().healthy, services, READY)
+    _wait_for(lambda: guard.state().healthy, services, FIRST_REPORT_TIMEOUT_S)
+    _wait_for(lambda: guard.state().homed or not guard.state().healthy, services, HOMED_TIMEOUT_S)
     return guard.state()
 
 
 def _wait_for(true: Callable[[], bool], services: Services, seconds: float) -> None:
     end = services.clock.now() + seconds
     while not true() and services.clock.now() < end:
-        services.clock.sleep(POLL)
+        services.clock.sleep(POLL_PERIOD_S)
 
 
 def _identified(guard: Guard, config: Config, results: Results) -> Iterator[Finding]:
     able = guard.capabilities
     results.identity, results.feedback = guard.identity, str(able.feedback)
     yield ok("device", f"{results.kind}: {results.identity or 'it does not identify itself'}")
-    if getattr(checked_options(config), "port", "") == NOWHERE:
+    if getattr(checked_options(config), "port", "") == RECORDING:
         yield warn("wire", "pulses stay in memory: nothing will turn", "name a wire: options.port")
     lower, upper, speed, acceleration, step = (
         math.degrees(value)
@@ -135,7 +163,7 @@ def _homed(guard: Guard, config: Config, services: Services) -> Finding:
         return fail("zero", str(error), "see the page of this actuator")
     end = services.clock.now() + config.guard.max_move_s
     while services.clock.now() < end:
-        services.clock.sleep(POLL)
+        services.clock.sleep(POLL_PERIOD_S)
         state = guard.state()
         if state.homed and state.settled:
             return ok("zero", f"found; the joint is at {rotation(state.angle, 2)}")
@@ -146,8 +174,8 @@ def _at_rest(guard: Guard, config: Config, services: Services, results: Results)
     """Look at the reports of something that stands still."""
     clock, reports, ages = services.clock, [guard.state()], [0.0]
     begin = clock.now()
-    while clock.now() < begin + REST:
-        clock.sleep(POLL)
+    while clock.now() < begin + REST_S:
+        clock.sleep(POLL_PERIOD_S)
         state = guard.state()
         ages.append(clock.now() - state.time)
         if state.time > reports[-1].time:
@@ -172,7 +200,7 @@ def _noise(angle: float, results: Results, step: float) -> Finding:
     if results.feedback == Feedback.MODEL:
         return ok("at rest", f"assumed at {rotation(angle, 2)}; not measured")
     found = f"at {rotation(angle, 2)}, varying by {results.noise_deg:.3g} deg"
-    if results.noise_deg > max(math.degrees(RESTLESS), 3 * step):
+    if results.noise_deg > max(math.degrees(MAX_NOISE_RAD), 3 * step):
         return warn("at rest", found, "it hunts, its sensor is noisy, or something turns it")
     return ok("at rest", found)
 
@@ -185,3 +213,9 @@ def _moved(guard: Guard, services: Services, results: Results) -> Iterator[Findi
         return
     results.move = figures(legs)
     yield from judge(results.move, guard.capabilities)
+
+
+def _without_nan(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_nan(item) for key, item in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value

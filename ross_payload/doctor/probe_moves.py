@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.motion import Trapezoid
-from ross_payload.doctor.finding import Finding, fail, ok, warn
+from ross_payload.doctor.findings import Finding, fail, ok, warn
 from ross_payload.errors import ActuatorError
 from ross_payload.interfaces import ActuatorState, Capabilities, Clock, Feedback
 
-REACH = math.radians(5)  # how far it goes [rad]
-SLOW = math.radians(5)  # at most how fast [rad/s]
-LOOK = 0.01  # between two looks [s]
-FAR = 3 * REACH  # beyond that no move has gone: somebody else reports, or the place was lost [rad]
-PATIENCE = 5.0  # with settling, after a move should be over [s]
-LOOSE = math.radians(0.3)  # of overshoot or play: more is worth a word [rad]
-PROMPT = 1.0  # of settling: more is worth a word [s]
+REACH_RAD = math.radians(5)  # how far it goes [rad]
+MAX_SPEED_RAD_S = math.radians(5)  # at most how fast [rad/s]
+LOOK_PERIOD_S = 0.01  # between two looks [s]
+IMPOSSIBLE_RAD = 3 * REACH_RAD  # beyond that no move has gone: somebody else reports, or the place was lost [rad]
+SETTLING_TIMEOUT_S = 5.0  # with settling, after a move should be over [s]
+MAX_PLAY_RAD = math.radians(0.3)  # of overshoot or play: more is worth a word [rad]
+MAX_SETTLE_S = 1.0  # of settling: more is worth a word [s]
 MIDDLE = (0.3, 0.7)  # of the way, where the speed is taken
 
 
@@ -83,7 +83,7 @@ def goals(here: float, able: Capabilities) -> tuple[float, ...]:
     >>> [round(math.degrees(goal), 3) for goal in goals(math.radians(50), able)]
     [45.0, 47.5, 50.0, 47.5, 50.0]
     """
-    way = REACH if able.upper - here >= here - able.lower else -REACH
+    way = REACH_RAD if able.upper - here >= here - able.lower else -REACH_RAD
     return here + way, here + way / 2, here, here + way / 2, here
 
 
@@ -96,13 +96,13 @@ def go(guard: Guard, clock: Clock, goal: float) -> Leg:
         When the move is refused.
     """
     able, start = guard.capabilities, guard.state().angle
-    speed = min(SLOW, able.max_speed)
+    speed = min(MAX_SPEED_RAD_S, able.max_speed)
     plan = Trapezoid(start, goal, speed, able.max_acceleration)
     begin = clock.now()
     guard.command(goal, speed)
     reports = [guard.state()]
-    while clock.now() < begin + plan.duration + PATIENCE:
-        clock.sleep(LOOK)
+    while clock.now() < begin + plan.duration + SETTLING_TIMEOUT_S:
+        clock.sleep(LOOK_PERIOD_S)
         state = guard.state()
         if state.time > reports[-1].time or not state.healthy or state.settled:
             reports.append(state)
@@ -128,15 +128,15 @@ def make(guard: Guard, clock: Clock, legs: list[Leg]) -> Finding | None:
 def _why(leg: Leg, able: Capabilities) -> Finding:
     """Say why a move did not arrive."""
     state, gone = leg.end, leg.progress
-    if -FAR < min(gone) < -max(LOOSE, 3 * able.resolution):
+    if -IMPOSSIBLE_RAD < min(gone) < -max(MAX_PLAY_RAD, 3 * able.resolution):
         found = f"it went {math.degrees(-min(gone)):.1f} deg the wrong way; {state.fault}".rstrip("; ")
         return fail("direction", found, "swap the ends of its travel, or invert its direction, in actuator.options")
     if state.fault:
         return fail("move", state.fault, "see 'what happens when' on the page of this actuator")
-    if max(gone) <= max(2 * able.resolution, LOOSE):
+    if max(gone) <= max(2 * able.resolution, MAX_PLAY_RAD):
         return fail("move", "it did not move", "is it powered, free to turn, and is this its wire?")
     missing = math.degrees(abs(leg.plan.goal - state.angle))
-    late = f"{missing:.2f} deg from its goal {PATIENCE:g} s after it should have been there"
+    late = f"{missing:.2f} deg from its goal {SETTLING_TIMEOUT_S:g} s after it should have been there"
     return fail("move", late, "too heavy, too fast, or the numbers of its gear and travel are wrong")
 
 
@@ -155,17 +155,18 @@ def figures(legs: list[Leg]) -> Figures:
 def judge(seen: Figures, able: Capabilities) -> Iterator[Finding]:
     """Say what the figures mean."""
     step = math.degrees(able.resolution)
+    play = max(math.degrees(MAX_PLAY_RAD), 2 * step)
     if able.feedback is Feedback.MODEL:
-        told = f"commanded {math.degrees(REACH):g} deg and back; not measured"
+        found = f"commanded {math.degrees(REACH_RAD):g} deg and back; not measured"
         yield warn(
-            "direction", told, "check by eye, from above: first counter-clockwise (near the upper limit clockwise)?"
+            "direction", found, "check by eye, from above: first counter-clockwise (near the upper limit clockwise)?"
         )
     else:
         yield ok("direction", "it turns the way it is commanded")
     yield _at_most("error", seen.error_deg, step * 1.5, "deg", "coarser than its resolution says")
-    yield _at_most("overshoot", seen.overshoot_deg, max(math.degrees(LOOSE), 2 * step), "deg", "tune its control loop")
-    yield _at_most("settling", seen.settle_s, PROMPT, "s", "it creeps: tune its control loop, or lower settle_ms")
-    yield _at_most("play", seen.play_deg, max(math.degrees(LOOSE), 2 * step), "deg", "reduce the backlash")
+    yield _at_most("overshoot", seen.overshoot_deg, play, "deg", "tune its control loop")
+    yield _at_most("settling", seen.settle_s, MAX_SETTLE_S, "s", "it creeps: tune its control loop, or lower settle_ms")
+    yield _at_most("play", seen.play_deg, play, "deg", "reduce the backlash")
     if not 0.8 <= seen.speed <= 1.2:  # NaN is not either
         found = f"{seen.speed:.2f} of the commanded speed"
         yield warn("speed", found, "the numbers of its gear and travel, or its own limits, may be wrong")

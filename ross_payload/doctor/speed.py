@@ -10,14 +10,14 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ross_payload.config import Config
-from ross_payload.doctor.finding import Finding, fail, ok, warn
+from ross_payload.doctor.findings import Finding, fail, ok, warn
 from ross_payload.dsp.steering import tdoa
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Clock, Samples
 from ross_payload.mission.context import Context, Listening
-from ross_payload.mission.orient import observe
-from ross_payload.mission.recognise import separate
+from ross_payload.mission.identify_target import separate
+from ross_payload.mission.orientation_scan import observe
 from ross_payload.service.assemble import settings_of, tools_of
 
 AZIMUTHS = (-1.2, 0.3, 1.9)  # of the made-up voices [rad]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ross_protocols.dronecan_allocation import FOLLOW_UP, MOST_ASKED, REQUEST_PERIOD, Allocation
-from ross_protocols.dronecan_services import UNIQUE
+from ross_protocols.dronecan.messages import FOLLOW_UP, MOST_ASKED, REQUEST_PERIOD, UNIQUE, Allocation
 
 DISCRIMINATORS = 2**14
 
@@ -32,15 +31,15 @@ class Allocatee:
         self._request_at = now + self._chance(REQUEST_PERIOD)
         self._follow: tuple[float, int] | None = None  # when [s], and from which byte on
 
-    def heard(self, node: int, told: Allocation, now: float) -> int | None:
+    def on_allocation(self, node: int, message: Allocation, now: float) -> int | None:
         """Take what somebody says about allocation; return the id that is given to us."""
         self._request_at, self._follow = now + self._chance(REQUEST_PERIOD), None
-        if not node or not told.unique_id or not self._unique_id.startswith(told.unique_id):
+        if not node or not message.unique_id or not self._unique_id.startswith(message.unique_id):
             return None
-        if len(told.unique_id) < UNIQUE:
-            self._follow = now + self._chance(FOLLOW_UP), len(told.unique_id)
+        if len(message.unique_id) < UNIQUE:
+            self._follow = now + self._chance(FOLLOW_UP), len(message.unique_id)
             return None
-        return told.node_id or None
+        return message.node_id or None
 
     def due(self, now: float) -> Allocation | None:
         """Return what is to be said at ``now`` [s]."""

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import logging
 
-from ross_payload.dronecan.kept import Kept
 from ross_payload.dronecan.neighbours import Neighbours
 from ross_payload.dronecan.node import Node
-from ross_protocols.dronecan import Received
-from ross_protocols.dronecan_allocation import FOLLOW_UP_TIMEOUT, Allocation
-from ross_protocols.dronecan_services import UNIQUE, NodeInfo, NodeInfoRequest
-from ross_protocols.dronecan_speech import Reply
+from ross_payload.dronecan.persistence import PersistentIds
+from ross_protocols.dronecan.messages import FOLLOW_UP_TIMEOUT, UNIQUE, Allocation, Received
+from ross_protocols.dronecan.node_messages import Reply
+from ross_protocols.dronecan.services import NodeInfo, NodeInfoRequest
 
 LISTEN = 3.0  # [s] before the first id is given: who is there says so every second
 HIGHEST = 125  # 126 and 127 are left to tools
@@ -31,7 +30,7 @@ class Allocator:
         When it begins [s].
     """
 
-    def __init__(self, node: Node, kept: Kept, now: float) -> None:
+    def __init__(self, node: Node, kept: PersistentIds, now: float) -> None:
         self._node = node
         self._kept = kept
         self._begin = now + LISTEN
@@ -39,29 +38,29 @@ class Allocator:
         self._so_far = b""  # of the unique id that is being told
         self._heard_at = now  # [s]
         self._rival: int | None = None
-        node.subscribe(self._hear)
+        node.subscribe(self._on_message)
         node.replies(self._learn)
 
     def poll(self, now: float) -> None:
         """Note who is there; ask one who has not said who he is."""
         for other, time in self._node.seen.items():
             if other:
-                self._neighbours.heard(other, time)
+                self._neighbours.on_status(other, time)
         stranger = self._neighbours.next(now)
         if stranger is not None:
             self._node.request(NodeInfoRequest(), stranger)
 
     def _learn(self, reply: Reply, now: float) -> None:
         if isinstance(reply.response, NodeInfo):
-            self._neighbours.told(reply.node, reply.response.unique_id)
+            self._neighbours.on_identity(reply.node, reply.response.unique_id)
 
-    def _hear(self, heard: Received, now: float) -> None:
-        if not isinstance(heard.message, Allocation):
+    def _on_message(self, received: Received, now: float) -> None:
+        if not isinstance(received.message, Allocation):
             return
-        if heard.node:
-            self._meet(heard.node)
+        if received.node:
+            self._meet(received.node)
         elif self._rival is None and now >= self._begin and self._neighbours.all_known:
-            self._take(heard.message, now)
+            self._on_allocation(received.message, now)
 
     def _meet(self, rival: int) -> None:
         """Two allocators would give one id to two nodes: we give way."""
@@ -69,7 +68,7 @@ class Allocator:
             log.warning("DroneCAN: node %d allocates node ids, too: our allocator stops", rival)
         self._rival = rival
 
-    def _take(self, asked: Allocation, now: float) -> None:
+    def _on_allocation(self, asked: Allocation, now: float) -> None:
         """Take one part of a unique id; when it is whole, give an id, else ask for the next part."""
         if asked.first or now - self._heard_at > FOLLOW_UP_TIMEOUT:
             self._so_far = b""

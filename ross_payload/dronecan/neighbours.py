@@ -13,7 +13,7 @@ MOST_ASKED = 4  # questions to a node that does not answer
 class Neighbour:
     """A node that was heard."""
 
-    heard: float  # [s]
+    received_at: float  # [s]
     unique_id: bytes | None = None  # None: it has not said
     asked: int = 0
     ask_at: float = 0.0  # [s]
@@ -25,15 +25,15 @@ class Neighbours:
     def __init__(self) -> None:
         self._nodes: dict[int, Neighbour] = {}
 
-    def heard(self, node: int, now: float) -> None:
+    def on_status(self, node: int, now: float) -> None:
         """Note that a node lives; one that was away may be another one now."""
         known = self._nodes.get(node)
-        if known is None or now - known.heard > OFFLINE:
+        if known is None or now - known.received_at > OFFLINE:
             self._nodes[node] = Neighbour(now)
         else:
-            known.heard = now
+            known.received_at = now
 
-    def told(self, node: int, unique_id: bytes) -> None:
+    def on_identity(self, node: int, unique_id: bytes) -> None:
         """Note who a node is."""
         if node in self._nodes:
             self._nodes[node].unique_id = unique_id
@@ -53,7 +53,7 @@ class Neighbours:
 
     def present(self, node: int, now: float) -> bool:
         """Tell whether a node is on the bus."""
-        return node in self._nodes and now - self._nodes[node].heard <= OFFLINE
+        return node in self._nodes and now - self._nodes[node].received_at <= OFFLINE
 
     def who(self, node: int) -> bytes | None:
         """Return the unique id of a node; None: it has not said."""

@@ -17,13 +17,12 @@ import numpy as np
 from ross_payload.dronecan.allocatee import Allocatee
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import Port
-from ross_protocols.dronecan import Health, Mode, NodeStatus, Received
-from ross_protocols.dronecan_allocation import Allocation
-from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest, TransportStats, TransportStatsRequest
-from ross_protocols.dronecan_speech import Call, Ear, Reply, Voice
+from ross_protocols.dronecan.messages import Allocation, Health, Mode, NodeStatus, Received
+from ross_protocols.dronecan.node_messages import Call, Decoder, Encoder, Reply
+from ross_protocols.dronecan.services import NodeInfo, NodeInfoRequest, TransportStats, TransportStatsRequest
 
 BEAT = 1.0  # [s] between two NodeStatus
-PATIENCE = 5.0  # [s] with an allocator
+ALLOCATOR_TIMEOUT_S = 5.0  # to get an id from an allocator
 QUIET = 5.0  # [s] without a frame of another node with our id, or without a failure of the bus, until all is well
 MOST_ANSWERS = 5  # in one poll: who asks more often asks again
 EARLY = 1e-6  # so much before its time something is due [s]
@@ -171,25 +170,25 @@ class Node:
             self._clash()
             return
         self.seen[source] = self._now
-        heard = self._ear.feed(frame)
-        self._counts["received"] += heard is not None
-        if isinstance(heard, Received):
-            self._hear(heard)
-        elif isinstance(heard, Call):
-            self._answer(heard)
-        elif isinstance(heard, Reply):
-            for tell in self._replies:
-                tell(heard, self._now)
+        received = self._ear.feed(frame)
+        self._counts["received"] += received is not None
+        if isinstance(received, Received):
+            self._on_message(received)
+        elif isinstance(received, Call):
+            self._answer(received)
+        elif isinstance(received, Reply):
+            for on_reply in self._replies:
+                on_reply(received, self._now)
 
-    def _hear(self, heard: Received) -> None:
-        if self._allocatee is not None and isinstance(heard.message, Allocation):
-            given = self._allocatee.heard(heard.node, heard.message, self._now)
+    def _on_message(self, received: Received) -> None:
+        if self._allocatee is not None and isinstance(received.message, Allocation):
+            given = self._allocatee.on_allocation(received.node, received.message, self._now)
             if given is not None:
                 self._take_id(given)
                 self._allocated(given)
-                log.info("DroneCAN: node %d assigned us node id %d", heard.node, given)
+                log.info("DroneCAN: node %d assigned us node id %d", received.node, given)
         for call in self._calls:
-            call(heard, self._now)
+            call(received, self._now)
 
     def _answer(self, call: Call) -> None:
         answer = self._answers.get(type(call.request))
@@ -201,13 +200,13 @@ class Node:
         return NodeInfo(self._status(), self._identity.name, self.unique_id, self._identity.software)
 
     def _statistics(self, request: TransportStatsRequest) -> TransportStats:
-        return TransportStats(**self._counts, broken=self._ear.broken)
+        return TransportStats(**self._counts, broken=self._ear.broken.total())
 
     # ------------------------------------------------------------------------------------- our id
 
     def _take_id(self, node_id: int) -> None:
         self._id = node_id
-        self._voice, self._ear = Voice(node_id), Ear(node_id)
+        self._voice, self._ear = Encoder(node_id), Decoder(node_id)
         if node_id:
             self._allocatee = None
             self._note("id", "")
@@ -221,7 +220,7 @@ class Node:
         if ask is not None:
             self._asked += 1
             self._out([ask.asked(allocatee.discriminator, self._asked)])
-        if self._now - self._asking_since > PATIENCE:
+        if self._now - self._asking_since > ALLOCATOR_TIMEOUT_S:
             self._note("id", "no node id yet: no allocator on the bus answers")
 
     def _clash(self) -> None:

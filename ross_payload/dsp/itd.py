@@ -101,13 +101,13 @@ def weighted_itd(
     return _itd(cross, frequencies), weight
 
 
-def period_of(frequencies: Real, told: float | None) -> float:
+def period_of(frequencies: Real, period: float | None) -> float:
     """Time between frames [s]; that of frames that overlap by three quarters when nobody tells it.
 
     >>> period_of(np.array([0.0, 25.0]), None), period_of(np.array([0.0, 25.0]), 0.03)
     (0.01, 0.03)
     """
-    return float(0.25 / (frequencies[1] - frequencies[0])) if told is None else told
+    return float(0.25 / (frequencies[1] - frequencies[0])) if period is None else period
 
 
 def tail(power: Real, decay: float) -> Real:

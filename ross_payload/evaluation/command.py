@@ -58,9 +58,9 @@ def command(
 
     from ross_payload.config import Config, load
     from ross_payload.evaluation import results
-    from ross_payload.evaluation.scoring import at_rate, evaluate
+    from ross_payload.evaluation.scoring import at_rate, delays, evaluate
     from ross_payload.evaluation.takes import paired, read_take
-    from ross_payload.evaluation.where import delays
+    from ross_payload.sessions.replay_results import prepare
 
     config = Config() if file is None else load(file)
     if separator is not None:
@@ -70,7 +70,7 @@ def command(
     both = read_take(mixture), read_take(target)
     config = at_rate(config, both[0].rate) if file is None else config
     if out is not None:
-        results.prepare(out)
+        prepare(out)
     with threadpool_limits(1):
         pair = paired(*both, config.audio.rate_hz)
         found = evaluate(pair, config, tau, sources)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import os
 import re
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -16,12 +14,13 @@ from rich.markup import escape
 from rich.table import Table
 
 from ross_payload.angles import wrap
-from ross_payload.audio.files import write_wav
+from ross_payload.atomic_files import json_text, replacing
+from ross_payload.audio.audio_files import write_wav
 from ross_payload.config import Config
-from ross_payload.errors import ConfigError, OutputError
+from ross_payload.errors import OutputError, refused_as
 from ross_payload.evaluation.scoring import Evaluation, level_of
 from ross_payload.evaluation.takes import Pair
-from ross_payload.terminal import with_whole_words
+from ross_payload.terminal_tables import with_whole_words
 from ross_protocols.angle_text import rounded
 
 VOICE = re.compile(r"group-\d+\.wav")
@@ -109,22 +108,6 @@ def _where(row: dict[str, Any], values: dict[str, Any]) -> str:
     return " ".join(f"{values['tdoas_us'][m]:.0f}" for m in row["sources"]) or "-"
 
 
-def prepare(folder: Path) -> None:
-    """Make the folder for the results.
-
-    Raises
-    ------
-    ConfigError
-        When it cannot be made or written, before anything is separated.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ConfigError(f"--out {folder}: cannot be written: {error.strerror}") from error
-    if not os.access(folder, os.W_OK):
-        raise ConfigError(f"--out {folder}: cannot be written: permission denied")
-
-
 def write(folder: Path, values: dict[str, Any], found: Evaluation, rate: int) -> None:
     """Write ``group-N.wav`` (24-bit PCM) and ``report.json``; voices of an earlier evaluation are removed.
 
@@ -136,15 +119,12 @@ def write(folder: Path, values: dict[str, Any], found: Evaluation, rate: int) ->
     for index, group in enumerate(found.groups):
         write_wav(folder / f"group-{index}.wav", group.voice, rate)
     mine = {f"group-{index}.wav" for index in range(len(found.groups))}
-    part = folder / "report.json.part"
-    try:
+    with refused_as(OutputError, f"{folder}: cannot be written"):
         for path in folder.iterdir():
             if VOICE.fullmatch(path.name) and path.name not in mine:
                 path.unlink()
-        part.write_text(json.dumps(values, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        part.replace(folder / "report.json")
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be written: {error.strerror}") from error
+        with replacing(folder / "report.json") as part:
+            part.write_text(json_text(values), encoding="utf-8")
 
 
 def _rounded(value: float | None, digits: int) -> float | None:

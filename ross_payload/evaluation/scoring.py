@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ross_payload.config import Config
-from ross_payload.dsp import markov
-from ross_payload.dsp.chain import refined
-from ross_payload.dsp.checked import load_separator
 from ross_payload.dsp.density import prominent_peaks
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.noise import quiet_psd
+from ross_payload.dsp.steering import tdoa
 from ross_payload.dsp.stft import Stft
-from ross_payload.errors import AudioError
+from ross_payload.errors import AudioError, ConfigError
 from ross_payload.evaluation.takes import Pair
 from ross_payload.interfaces import Real, Scene
+from ross_payload.localization import markov_explorer
+from ross_payload.localization.front_back_test import refined
+from ross_payload.plugin_checks import load_separator
 from ross_payload.service.assemble import EXPLORER_FRAME
 
 FRAME = 0.1  # of the separation, rounded to a power of two in samples [s]
@@ -111,7 +113,7 @@ def heard_delays(pair: Pair, config: Config, n_sources: int | None) -> Real:
     frame = 2 ** round(math.log2(EXPLORER_FRAME * config.audio.rate_hz))
     stft = Stft(config.audio.rate_hz, frame, frame // 4)
     noise_psd = noise_of(pair, config, stft)
-    explorer = markov.explorer.make(array.spacing_m, array.speed_of_sound_m_s)
+    explorer = markov_explorer.explorer.make(array.spacing_m, array.speed_of_sound_m_s)
     seen = explorer.observe(stft.analyse(pair.mixture.samples), stft.frequencies, 0.0, noise_psd)
     peaks = prominent_peaks(seen.density, seen.grid, PROMINENCE)[:n_sources]
     longest = array.spacing_m / array.speed_of_sound_m_s
@@ -141,3 +143,47 @@ def _scored(members: tuple[int, ...], voice: Real, pair: Pair) -> Group:
     heard = voice[pair.span]
     score = si_sdr(heard, pair.target) if np.ptp(heard) > 0 else None
     return Group(members, voice, score, level_of(heard))
+
+
+def delays(
+    config: Config,
+    azimuths_deg: Sequence[float],
+    heading_deg: float | None,
+    tdoas_us: Sequence[float],
+    sources: int | None,
+) -> Real | None:
+    """TDOAs [s] of every source, (n_sources,); None when nothing is known. Degrees are those of a compass, clockwise.
+
+    Raises
+    ------
+    ConfigError
+        When two ways of saying where the sources are contradict each other, or a number is impossible.
+
+    Examples
+    --------
+    On the axis the sound takes 5 cm / 343 m/s = 145.8 us from one microphone to the other:
+
+    >>> (1e6 * delays(Config(), [30.0, 120.0], 30.0, [], None)).round(1).tolist()
+    [145.8, 0.0]
+    """
+    _consistent(azimuths_deg, heading_deg, tdoas_us, sources)
+    array = config.array
+    longest = array.spacing_m / array.speed_of_sound_m_s
+    if azimuths_deg:
+        heading = -math.radians(heading_deg or 0.0)
+        return tdoa(-np.deg2rad(azimuths_deg), heading, array.spacing_m, array.speed_of_sound_m_s)
+    for delay in tdoas_us:
+        if not abs(delay) <= 1e6 * longest + 1:
+            raise ConfigError(f"--tdoa-us: expected at most {1e6 * longest:.0f} us (d / v_p), got {delay:g}")
+    return np.array(tdoas_us) * 1e-6 if tdoas_us else None
+
+
+def _consistent(
+    azimuths_deg: Sequence[float], heading_deg: float | None, tdoas_us: Sequence[float], sources: int | None
+) -> None:
+    if not np.isfinite([*azimuths_deg, heading_deg or 0.0, *tdoas_us]).all():
+        raise ConfigError("--azimuth, --heading and --tdoa-us: expected finite numbers")
+    if sum(map(bool, (azimuths_deg, tdoas_us, sources))) > 1:
+        raise ConfigError("--azimuth, --tdoa-us, --sources: expected only one of them")
+    if heading_deg is not None and not azimuths_deg:
+        raise ConfigError("--heading: expected together with --azimuth")

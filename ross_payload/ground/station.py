@@ -13,17 +13,19 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from ross_payload.ground.links.advice import PATIENCE, advice
-from ross_payload.ground.links.keys import SigningTime
-from ross_payload.ground.links.link import Link, LinkState
-from ross_payload.ground.links.ports import Peer
-from ross_payload.ground.links.tlog import Log
-from ross_payload.ground.links.ways import Way, Ways
-from ross_payload.ground.picture.fleet import Fleet
-from ross_payload.ground.picture.known import Who
-from ross_protocols.codec import Encoder, Packet, message_of
-from ross_protocols.dialect import common
-from ross_protocols.signing import Guardian
+from ross_payload.errors import ConfigError
+from ross_payload.ground.errors import GroundError
+from ross_payload.ground.links.diagnostics import DIAGNOSIS_DELAY_S, advice
+from ross_payload.ground.links.link import GroundLink, LinkState
+from ross_payload.ground.links.routing import Route, RoutingTable
+from ross_payload.ground.links.tlog import BufferedTlog
+from ross_payload.ground.model.fleet import Fleet
+from ross_payload.transport import signing
+from ross_payload.transport.ports import Peer
+from ross_protocols.mavlink.codec import Encoder, Packet, message_of
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.signing import LATEST, SECOND, WINDOW, Guardian, timestamp_of
 
 BEAT = 1.0  # [s] between two heartbeats, and between two writes of the log
 TICK = 0.1  # [s] between two looks at what is due
@@ -68,13 +70,13 @@ class Station:
     ) -> None:
         self.fleet = Fleet()
         self.now = now
-        self.log: Log | None = None
+        self.log: BufferedTlog | None = None
         self.system_id, self.component_id = system_id, component_id
         self._folder = log
         self._unix = unix
         self._began = now()
         self._signs = key is not None
-        self._ways = Ways()
+        self._routes = RoutingTable()
         self._calls: list[Call] = []
         self._diary = Encoder(system_id, component_id)  # numbers what we say in the log
         self._links = self._made(urls, key)
@@ -87,7 +89,7 @@ class Station:
                 stack.push_async_callback(link.close)
                 await link.open()
             if self._folder is not None:
-                self.log = Log(self._folder, self._unix())
+                self.log = BufferedTlog(self._folder, self._unix())
                 stack.push_async_callback(self.log.close)
             for going in (self._go(), self._keep_log()):
                 stack.push_async_callback(_ended, asyncio.create_task(going))
@@ -110,7 +112,7 @@ class Station:
         self._calls.append(call)
         return lambda: self._calls.remove(call)
 
-    def send(self, message: Any, who: Who | None = None) -> None:
+    def send(self, message: Any, who: ComponentId | None = None) -> None:
         """Send a value or one of pymavlink's messages to where ``who`` was heard, else everywhere.
 
         Where it was heard on several ways, one of them is taken: a payload that gets an order on two links would
@@ -119,38 +121,43 @@ class Station:
         message = message_of(message)
         if self.log is not None:
             self.log.add(self._unix(), self._diary.encode(message), 0)
-        ways = [] if who is None else self._ways.to(who, self.now(), message)
-        open_ways = [way for way in ways if self._links[way.link].knows(way.peer)]
-        for way in open_ways:
-            self._links[way.link].send(message, [way.peer])
-        if not open_ways:
+        routes = [] if who is None else self._routes.to(who, self.now(), message)
+        open_routes = [route for route in routes if self._links[route.link].knows(route.peer)]
+        for route in open_routes:
+            self._links[route.link].send(message, [route.peer])
+        if not open_routes:
             for link in self._links:
                 link.send(message)
 
-    def advice(self, patience: float = PATIENCE) -> str:
-        """Return what is wrong ``patience`` [s] after the start, and what to do about it; empty when all is well."""
+    def advice(self, delay: float = DIAGNOSIS_DELAY_S) -> str:
+        """Return what is wrong ``delay`` [s] after the start, and what to do about it; empty when all is well."""
         ended = "" if self.log is None else self.log.error
         payloads = tuple(self.fleet.payloads.values())
-        heard = advice(self.links(), payloads, self.now(), self._began, self._signs, patience=patience)
+        heard = advice(self.links(), payloads, self.now(), self._began, self._signs, delay=delay)
         return "; ".join(part for part in (heard, ended) if part)
 
-    def _made(self, urls: Sequence[str], key: bytes | None) -> list[Link]:
+    def _made(self, urls: Sequence[str], key: bytes | None) -> list[GroundLink]:
         """Return the links, not open yet; they share one signing time."""
         signing_time = SigningTime(self._unix)
-        me = self.system_id, self.component_id
+        me = ComponentId(self.system_id, self.component_id)
         return [
-            Link(
-                number, url, me=me, now=self.now, hear=self._hear, guardian=Guardian(key, signing_time) if key else None
+            GroundLink(
+                number,
+                url,
+                me=me,
+                now=self.now,
+                on_packet=self._on_packet,
+                guardian=Guardian(key, signing_time) if key else None,
             )
             for number, url in enumerate(urls)
         ]
 
-    def _hear(self, number: int, peer: Peer, packet: Packet, at: float) -> None:
-        who = Who(packet.system_id, packet.component_id)
+    def _on_packet(self, number: int, peer: Peer, packet: Packet, at: float) -> None:
+        who = ComponentId(packet.system_id, packet.component_id)
         if self.log is not None:
             self.log.add(self._unix(), packet.frame, number)
-        self.fleet.hear(packet, at, way=(number, peer))
-        if self._ways.note(who, Way(number, peer), packet, at):
+        self.fleet.on_packet(packet, at, way=(number, peer))
+        if self._routes.note(who, Route(number, peer), packet, at):
             self.fleet.twin(who, at)
         for call in tuple(self._calls):
             call(packet, at)
@@ -182,3 +189,48 @@ async def _ended(task: asyncio.Task[None]) -> None:
     task.cancel()
     with suppress(asyncio.CancelledError):
         await task
+
+
+def read_key(path: Path) -> bytes:
+    """Read a key: 32 bytes, or 64 hexadecimal digits, for its owner's eyes only.
+
+    Raises
+    ------
+    GroundError
+        When it cannot be read, is none, or others can read it too.
+    """
+    try:
+        return signing.read_key(path, "key")
+    except ConfigError as error:
+        raise GroundError(str(error)) from error
+
+
+class SigningTime:
+    """The local signing time: the system's clock, never back, and never behind a peer that is believed."""
+
+    floor = 0  # nothing is remembered of earlier runs
+    trouble = ""  # nor written
+
+    def __init__(self, unix: Callable[[], float]) -> None:
+        self._unix = unix
+        self._latest = 0
+
+    def stamp(self, now: float) -> int | None:
+        """Return a timestamp that was never used; None when there is none left."""
+        stamp = max(self._latest + 1, timestamp_of(self._unix()))
+        if stamp > LATEST:
+            return None
+        self._latest = stamp
+        return stamp
+
+    def covers(self, timestamp: int, now: float) -> bool:
+        """Tell whether a timestamp leaves room to follow it: a day at least."""
+        return timestamp < LATEST - 86400 * SECOND
+
+    def behind(self, timestamp: int, now: float) -> bool:
+        """Tell whether a timestamp is more than a minute behind ours."""
+        return timestamp + WINDOW < max(self._latest, timestamp_of(self._unix()))
+
+    def learn(self, timestamp: int) -> None:
+        """Follow a peer that is ahead."""
+        self._latest = max(self._latest, timestamp)

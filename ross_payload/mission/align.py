@@ -1,4 +1,4 @@
-"""Where the mission would turn: the plan for an estimate, and the order in which to visit its candidates."""
+"""Where the mission would turn: the plan for an estimate, and what its candidates and the present heading are worth."""
 
 from __future__ import annotations
 
@@ -6,19 +6,21 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ross_payload.dsp.alignment import Plan, isolation
-from ross_payload.dsp.gain import predicted_gain
+from ross_payload.alignment.plan import Plan, isolation
+from ross_payload.alignment.predicted_gain import predicted_gain
 from ross_payload.events import AlignmentCandidate, AlignmentPlanned, Estimate
 from ross_payload.mission.context import Context
+
+ENOUGH_LESS_DB = 1.0  # [dB] that the present heading may promise less than the best one
 
 
 def planned(context: Context, estimate: Estimate) -> Plan:
     """Plan where to turn, nearest first."""
-    settings, here = context.settings, context.here
+    settings, here = context.settings, context.pointing
     return context.tools.plan(
         estimate.sources,
         joint=here.joint,
-        heading=here.heading_end,
+        heading=here.heading,
         lower=settings.lower,
         upper=settings.upper,
         spacing=settings.spacing,
@@ -30,20 +32,34 @@ def planned(context: Context, estimate: Estimate) -> Plan:
 def align(context: Context, estimate: Estimate) -> tuple[AlignmentCandidate, ...]:
     """Plan where to turn, nearest first, and say so."""
     found = planned(context, estimate)
-    context.say(AlignmentPlanned(context.time, found.candidates, found.headings, found.isolation))
+    context.publish(AlignmentPlanned(context.time, found.candidates, found.headings, found.isolation))
     return found.candidates
 
 
 def here(context: Context, estimate: Estimate, source: int, rule: str) -> AlignmentCandidate:
     """Return what the present heading is worth for a source."""
-    settings, now = context.settings, context.here
+    settings, now = context.settings, context.pointing
     azimuths = [source.azimuth for source in estimate.sources]
     elevations = [source.elevation or 0.0 for source in estimate.sources]
-    apart = isolation(azimuths, [now.heading_end], settings.spacing, settings.speed_of_sound, elevations)
-    gain = predicted_gain(azimuths, [now.heading_end], elevations, estimate.directness)
+    apart = isolation(azimuths, [now.heading], settings.spacing, settings.speed_of_sound, elevations)
+    gain = predicted_gain(azimuths, [now.heading], elevations, estimate.directness)
     return AlignmentCandidate(
-        source, now.heading_end, now.joint, float(apart[source, 0]), rule, gain_db=float(gain[source, 0])
+        source, now.heading, now.joint, float(apart[source, 0]), rule, gain_db=float(gain[source, 0])
     )
+
+
+def alignment_of(context: Context, estimate: Estimate, source: int) -> AlignmentCandidate | None:
+    """Return the alignment for one source, or None when no heading within the limits sets it apart."""
+    candidates = planned(context, estimate).candidates
+    return next((candidate for candidate in candidates if candidate.source == source), None)
+
+
+def good_here(context: Context, estimate: Estimate, source: int) -> bool:
+    """Whether the present heading promises nearly as much for a source as its own alignment."""
+    own = alignment_of(context, estimate, source)
+    if own is None or own.gain_db is None:
+        return True
+    return (here(context, estimate, source, own.rule).gain_db or 0.0) >= own.gain_db - ENOUGH_LESS_DB
 
 
 def in_order(

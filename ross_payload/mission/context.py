@@ -9,7 +9,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from ross_payload.dsp.alignment import Plan, plan
+from ross_payload.alignment.plan import Plan, plan
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
@@ -35,8 +35,10 @@ from ross_payload.interfaces import (
     Separator,
     VoicePrint,
 )
-from ross_payload.mission.follower import Follower
+from ross_payload.mission.heading_control import Follower
+from ross_payload.mission_state import BUSY
 from ross_payload.orders import Cancel, Order, Set, Shutdown, Stop, Task
+from ross_payload.pointing import Pointing
 
 FOUND = "the vehicle's attitude is now known"
 LOST = "the vehicle's attitude is no longer known"
@@ -45,7 +47,6 @@ T = TypeVar("T")
 Step = Generator[Output, Input, T]
 
 NOTHING = Output()  # is wished for
-BUSY = "busy: cancel first"
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +75,7 @@ class Settings:
 
 
 class Planner(Protocol):
-    """Chooses a heading for every source; see `ross_payload.dsp.alignment.plan`."""
+    """Chooses a heading for every source; see `ross_payload.alignment.plan.plan`."""
 
     def __call__(
         self,
@@ -158,23 +159,28 @@ class Context:
             raise RuntimeError("expected an Input before this, got none")
         return self.last
 
+    @property
+    def pointing(self) -> Pointing:
+        """Where the array points at the end of the latest Input."""
+        return self.here.pointing
+
     def keep_frame(self) -> None:
         """From here on the task depends on the frame of the headings: a change of it ends what it does."""
         if self.earth is None:
-            self.earth = self.here.attitude.known
+            self.earth = self.pointing.earth
 
     def drop_frame(self) -> None:
         """Forget the frame and the heading that was held in it."""
         self.earth = self.holding = None
 
-    def say(self, event: Event) -> None:
+    def publish(self, event: Event) -> None:
         """Send an event with the next Output."""
         self.pending.append(event)
 
     def enter(self, state: State, detail: str = "") -> None:
         """Enter a state and say so."""
         self.yields = state is State.RUN
-        self.say(StateChanged(self.time, state, detail))
+        self.publish(StateChanged(self.time, state, detail))
 
     def psd(self, stft: Stft, later: Complex) -> Real | None:
         """Noise PSD from the lead-in for this STFT, or None when the lead-in was not quiet; computed once."""
@@ -193,7 +199,7 @@ class Context:
         if quiet and self.lead_in is not None:
             level = float(10 * np.log10(np.mean(self.lead_in[0].astype(np.float64) ** 2) + 1e-20))
         heard = 0 if self.lead_in is None else self.lead_in.shape[1]
-        self.say(NoiseMeasured(self.time, level, heard / self.settings.rate))
+        self.publish(NoiseMeasured(self.time, level, heard / self.settings.rate))
 
 
 def exchange(context: Context, wish: Output = NOTHING) -> Step[Input]:
@@ -219,7 +225,7 @@ def hop(context: Context, goal: float | None = None) -> Step[Input]:
     obey(context, heard.orders)
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)
-    if context.earth not in (None, heard.attitude.known):
+    if context.earth not in (None, heard.pointing.earth):
         raise FrameChanged(Outcome.FAULT, LOST if context.earth else FOUND)
     return heard
 
@@ -251,7 +257,7 @@ def _obey(context: Context, order: Order) -> None:
         case Set():
             context.later.append(order)
         case _:
-            context.say(Answered(context.time, order.number, Answer.REFUSED, BUSY))
+            context.publish(Answered(context.time, order.number, Answer.REFUSED, BUSY))
 
 
 def listen(context: Context, seconds: float) -> Step[Samples]:
@@ -268,8 +274,7 @@ def listen(context: Context, seconds: float) -> Step[Samples]:
 
 def turn(context: Context, joint: float, reason: str) -> Step[None]:
     """Turn to a joint angle [rad] and wait until settled; what is heard meanwhile passes by."""
-    here = context.here
-    context.say(TurnStarted(context.time, joint, here.heading_end + joint - here.joint, reason))
+    context.publish(TurnStarted(context.time, joint, context.pointing.at(joint), reason))
     yield from hop(context, goal=joint)
     while not context.here.settled:
         yield from hop(context)

@@ -7,9 +7,8 @@ from collections.abc import Iterator
 from ross_payload.angles import wrap, wrap_axis
 from ross_payload.events import Doubted, Estimate, State
 from ross_payload.mission.context import Context, FrameChanged, Step, listen
-from ross_payload.mission.follow import face
-from ross_payload.mission.follower import base
-from ross_payload.mission.orient import certain, orientation, say_belief
+from ross_payload.mission.heading_hold import face
+from ross_payload.mission.orientation_scan import certain, orientation, say_belief
 from ross_payload.mission.pipeline import Visits, promising, visit
 
 SAME = 0.5  # of a step: an alignment so near to an orientation of the schedule takes its place
@@ -39,16 +38,16 @@ def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
             if not left:
                 raise
             left -= 1
-            context.say(Doubted(context.time, changed.reason))
+            context.publish(Doubted(context.time, changed.reason))
 
 
 def _orientations(context: Context) -> Step[tuple[Estimate, int | None]]:
     """Visit what is scheduled as joint angles for where the base is now; the headings that they give are meant."""
-    todo, visits, zero = list(schedule(context)), Visits(), base(context.here)
+    todo, visits, zero = list(schedule(context)), Visits(), context.pointing.zero
     while todo and not (context.beliefs and certain(context)):
         promise = promising(context, visits) if context.settings.pipelined else None
         if promise is None:
-            here = context.here.joint + wrap(base(context.here) - zero)
+            here = context.pointing.joint + wrap(context.pointing.zero - zero)
             joint = min(todo, key=lambda joint: round(abs(joint - here), 9))
             todo.remove(joint)
             yield from _step(context, zero + joint, joint, last=not todo)
@@ -80,7 +79,7 @@ def schedule(context: Context) -> Iterator[float]:
 
     What does not fit on that side is taken on the other, stepping away from the start.
     """
-    settings, start = context.settings, context.here.joint
+    settings, start = context.settings, context.pointing.joint
     room_up, room_down = settings.upper - start, start - settings.lower
     sign = 1.0 if room_up >= min(room_down, settings.max_rotations * settings.rotation) else -1.0
     ahead = int(((room_up if sign > 0 else room_down) + 1e-9) // settings.rotation)

@@ -7,28 +7,20 @@ belief that survives the visit is run with. While it runs the explorer goes on h
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ross_payload.angles import difference
 from ross_payload.events import AlignmentCandidate, Checked, Estimate, State
-from ross_payload.mission.align import align, here, in_order, planned
+from ross_payload.mission.align import align, good_here, here, in_order, planned
 from ross_payload.mission.context import Context, Listening, Step
-from ross_payload.mission.follow import face
-from ross_payload.mission.orient import certain, observe, orientation, say_belief
-from ross_payload.mission.recognise import Heard, recall, recognise
+from ross_payload.mission.heading_hold import face
+from ross_payload.mission.identify_target import Identification, recall, recognise
+from ross_payload.mission.orientation_scan import certain, matched, observe, orientation, say_belief, steady
 
-STEADY = 2  # beliefs in a row with the same K and nearly the same azimuths
-FEWEST = 3  # sources: two are heard apart anywhere, and after few orientations two may well be three
-NEARLY = np.deg2rad(5.0)  # azimuths of one source in two beliefs [rad]
-SHARP = np.deg2rad(3.0)  # largest standard deviation of any source [rad]
-TRUSTED = 0.8  # least confidence of any source
 CLEAR = 0.2  # least isolation at the alignment [d / v_p]
-LESS = 1.0  # [dB] that the present heading may promise less than the best one
 SPOT = np.deg2rad(0.5)  # headings nearer than this are one [rad]
-SELF = np.deg2rad(10.0)  # a source is the one of an earlier belief when it is so near [rad]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,28 +57,6 @@ def promising(context: Context, visits: Visits) -> Promise | None:
     return Promise(in_order(candidates, recalled, context.settings.criterion)[0], recalled)
 
 
-def steady(beliefs: Sequence[Estimate]) -> bool:
-    """Whether the latest beliefs agree on K and every azimuth, and the last one is sharp about every source."""
-    latest = beliefs[-STEADY:]
-    if len(latest) < STEADY or latest[-1].k < FEWEST:
-        return False
-    sharp = all(s.resolved and s.sigma <= SHARP and s.confidence >= TRUSTED for s in latest[-1].sources)
-    return sharp and all(agree(latest[-1], other) for other in latest)
-
-
-def agree(one: Estimate, other: Estimate) -> bool:
-    """Whether two beliefs hold the same sources at nearly the same azimuths, in any order."""
-    return one.k == other.k == len(set(matched([s.azimuth for s in one.sources], other, NEARLY).values()))
-
-
-def matched(azimuths: Sequence[float], estimate: Estimate, near: float = SELF) -> dict[int, int]:
-    """Find the source nearest to every azimuth [rad], {index of the azimuth: source}; none where nobody is near."""
-    if not estimate.sources:
-        return {}
-    apart = np.abs(difference(np.array(azimuths)[:, None], [source.azimuth for source in estimate.sources]))
-    return {i: int(row.argmin()) for i, row in enumerate(apart) if row.min() <= near}
-
-
 def visit(context: Context, promise: Promise, visits: Visits, *, last: bool) -> Step[int | None]:
     """Turn to an alignment and listen; return the target's source when it is recognised and the belief survives."""
     before, candidate = context.beliefs[-1], promise.candidate
@@ -113,32 +83,20 @@ def visit(context: Context, promise: Promise, visits: Visits, *, last: bool) -> 
     return target if survives else None
 
 
-def good_here(context: Context, estimate: Estimate, source: int) -> bool:
-    """Whether the present heading promises nearly as much for a source as its own alignment."""
-    own = alignment_of(context, estimate, source)
-    if own is None or own.gain_db is None:
-        return True
-    return (here(context, estimate, source, own.rule).gain_db or 0.0) >= own.gain_db - LESS
-
-
-def alignment_of(context: Context, estimate: Estimate, source: int) -> AlignmentCandidate | None:
-    """Return the alignment for one source, or None when no heading within the limits sets it apart."""
-    candidates = planned(context, estimate).candidates
-    return next((candidate for candidate in candidates if candidate.source == source), None)
-
-
-def mend(context: Context, estimate: Estimate, source: int, heard: Listening) -> tuple[Estimate, int]:
+def mend(context: Context, estimate: Estimate, source: int, listening: Listening) -> tuple[Estimate, int]:
     """Ask the explorer about what a run has heard; return what to believe now and which source is the target.
 
     Every T_unit of the run takes the place of what was heard on arrival once: no heading may weigh more than another.
     When most of them agree on another K, the belief is theirs.
     """
     explorer = context.tools.explorer
-    spot = SPOT + heard.spread
-    earlier = [seen for seen in context.observations if abs(difference(seen.heading, heard.heading)) > spot]
+    spot = SPOT + listening.spread
+    earlier = [seen for seen in context.observations if abs(difference(seen.heading, listening.heading)) > spot]
     unit = round(context.settings.unit * context.settings.rate)
-    starts = range(0, max(heard.samples.shape[1] - unit, 0) + 1, unit)
-    takes = [observe(context, Listening(heard.heading, heard.samples[:, start : start + unit])) for start in starts]
+    starts = range(0, max(listening.samples.shape[1] - unit, 0) + 1, unit)
+    takes = [
+        observe(context, Listening(listening.heading, listening.samples[:, start : start + unit])) for start in starts
+    ]
     beliefs = [explorer.estimate([*earlier, take]) for take in takes]
     counts = Counter(belief.k for belief in beliefs)
     k, votes = counts.most_common(1)[0]
@@ -151,6 +109,6 @@ def mend(context: Context, estimate: Estimate, source: int, heard: Listening) ->
     return mended, own[0]
 
 
-def _say_checked(context: Context, estimate: Estimate, source: int, rule: str, found: Heard) -> None:
+def _say_checked(context: Context, estimate: Estimate, source: int, rule: str, found: Identification) -> None:
     groups, reached = found.groups, here(context, estimate, source, rule)
-    context.say(Checked(context.time, reached, found.scores, found.best, groups.method, groups.why))
+    context.publish(Checked(context.time, reached, found.scores, found.best, groups.method, groups.why))

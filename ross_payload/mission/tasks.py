@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from ross_payload.angles import wrap
 from ross_payload.events import Estimate, Outcome, SourceEstimate, SourcesEstimated, State
 from ross_payload.interfaces import Output, Result, Samples
@@ -15,11 +13,11 @@ from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, Step, exchange, hop, listen, obey, turn
 from ross_payload.mission.exploit import deliver
 from ross_payload.mission.explore import lead_in
-from ross_payload.mission.follow import attend, face
-from ross_payload.mission.hand import by_hand, unreachable
-from ross_payload.mission.pipeline import matched
-from ross_payload.mission.slips import survey
-from ross_payload.mission.supervise import attempts
+from ross_payload.mission.heading_hold import attend, face
+from ross_payload.mission.manual_pointing import by_hand, unreachable
+from ross_payload.mission.mission_sequence import attempts
+from ross_payload.mission.orientation_scan import matched
+from ross_payload.mission.slip_detection import survey
 from ross_payload.orders import (
     Explore,
     Home,
@@ -33,6 +31,7 @@ from ross_payload.orders import (
     Task,
     TurnTo,
 )
+from ross_payload.pointing import nearest_joint
 
 TOLD_SIGMA = math.radians(2.0)  # of an azimuth that somebody tells [rad]
 LEAST_NOISE = 0.5  # [s] that tell anything about a noise
@@ -55,7 +54,7 @@ class Memory:
     pending: bool = False  # the task to begin with waits for the actuator
 
 
-class Refused(Exception):
+class TaskRefused(Exception):
     """The task turns out to be impossible; says why."""
 
 
@@ -79,7 +78,7 @@ def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
 
     Raises
     ------
-    Refused
+    TaskRefused
         When it turns out to be impossible.
     Ended
         When an order or a fault ends it.
@@ -93,7 +92,7 @@ def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
         case Seek():
             step = _seek(context, _known(context, memory), None)
         case Informed():
-            step = _seek(context, _told(task.azimuths), task.first)
+            step = _seek(context, _informed_estimate(task.azimuths), task.first)
         case ListenTo() | ListenAt():
             step = _listen(context, *_whom(context, memory, task))
         case TurnTo():
@@ -107,7 +106,7 @@ def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
         case MeasureNoise():
             step = _measure(context, task.seconds)
         case _:
-            raise Refused(f"{type(task).__name__} is not a task of this payload")
+            raise TaskRefused(f"{type(task).__name__} is not a task of this payload")
     return (yield from step)
 
 
@@ -126,12 +125,12 @@ def _seek(context: Context, known: Estimate | None, first: int | None) -> Step[R
 
 def _known(context: Context, memory: Memory) -> Estimate | None:
     """The estimate of an earlier task, unless the frame of its azimuths is gone."""
-    if context.last is None or memory.estimate is None or context.last.attitude.known != memory.earth:
+    if context.last is None or memory.estimate is None or context.last.pointing.earth != memory.earth:
         return None
     return memory.estimate
 
 
-def _told(azimuths: Sequence[float]) -> Estimate:
+def _informed_estimate(azimuths: Sequence[float]) -> Estimate:
     share = 1 / len(azimuths)
     told = (SourceEstimate(wrap(a), TOLD_SIGMA, confidence=1.0, resolved=True, weight=share) for a in azimuths)
     return Estimate(tuple(told), certain=True)
@@ -149,14 +148,14 @@ def _whom(context: Context, memory: Memory, task: ListenTo | ListenAt) -> tuple[
     known = _known(context, memory)
     if isinstance(task, ListenTo):
         if known is None:
-            raise Refused("no source is known: explore first")
+            raise TaskRefused("no source is known: explore first")
         return known, task.source
     near = matched([task.azimuth], known) if known is not None else {}
     if known is not None and near:
         return known, near[0]
     others = () if known is None else known.sources
-    estimate = Estimate((*others, *_told([task.azimuth]).sources), certain=True)
-    context.say(SourcesEstimated(context.time, estimate, rotations=0, final=True, informed=True))
+    estimate = Estimate((*others, *_informed_estimate([task.azimuth]).sources), certain=True)
+    context.publish(SourcesEstimated(context.time, estimate, rotations=0, final=True, informed=True))
     return estimate, estimate.k - 1
 
 
@@ -166,7 +165,7 @@ def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
     yield from _quiet(context)
     own = next((c for c in align(context, estimate) if c.source == source), None)
     if own is None:
-        raise Refused(f"no heading within the limits isolates source {source}")
+        raise TaskRefused(f"no heading within the limits isolates source {source}")
     context.enter(State.ALIGN_TURN, f"source {source}, {own.rule}")
     yield from face(context, own.heading, own.joint, f"alignment for source {source}")
     context.enter(State.RUN, f"source {source}")
@@ -181,7 +180,7 @@ def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
 def _point(context: Context, heading: float) -> Step[Result]:
     joint = _joint_for(context, heading)
     if joint is None:
-        raise Refused(OUTSIDE)
+        raise TaskRefused(OUTSIDE)
     yield from hop(context)
     context.enter(State.TURN, "heading ordered")
     yield from face(context, heading, joint, "heading ordered")
@@ -197,11 +196,8 @@ def _park(context: Context) -> Step[Result]:
 
 def _joint_for(context: Context, heading: float) -> float | None:
     """Return the joint angle nearest to here that points the axis to a heading [rad], None outside the limits."""
-    settings, here = context.settings, context.here
-    near = here.joint + wrap(heading - here.heading_end)
-    turns = np.arange(-2, 3) * 2 * math.pi
-    fits = [near + t for t in turns if settings.lower <= near + t <= settings.upper]
-    return min(fits, key=lambda joint: abs(joint - here.joint), default=None)
+    here = context.pointing
+    return nearest_joint(heading - here.zero, here.joint, context.settings.lower, context.settings.upper)
 
 
 def _home(context: Context) -> Step[Result]:

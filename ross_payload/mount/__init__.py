@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Attitude, Clock, Mount
-from ross_payload.links import Links
-from ross_payload.mount.autopilot import AutopilotMount
+from ross_payload.mavlink import Router
+from ross_payload.mount.autopilot_attitude import AutopilotMount
 from ross_payload.timebase import Timebase
 
 __all__ = ["AutopilotMount", "FixedMount", "fixed_mount", "mount_of"]
@@ -32,7 +32,7 @@ def fixed_mount(config: Config) -> FixedMount:
     return FixedMount(None if yaw is None else -math.radians(yaw))
 
 
-def mount_of(config: Config, clock: Clock, links: Links, timebase: Timebase) -> Mount:
+def mount_of(config: Config, clock: Clock, links: Router, timebase: Timebase) -> Mount:
     """Make the mount that a configuration describes.
 
     Raises

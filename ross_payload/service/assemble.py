@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 
 from ross_payload import plugins
+from ross_payload.alignment.paper_rules import paper_plan
+from ross_payload.alignment.plan import plan
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Table, validated
-from ross_payload.dsp.alignment import plan
-from ross_payload.dsp.checked import checked_explorer, load_separator
-from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import PluginError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Attitude, Explorer, VoicePrint
 from ross_payload.mission.context import Planner, Settings, Tools
+from ross_payload.plugin_checks import checked_explorer, load_separator
 
 EXPLORER_FRAME = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
 PLANNERS: dict[str, Planner] = {"best": plan, "paper": paper_plan}

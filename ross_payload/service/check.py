@@ -14,18 +14,17 @@ from typing import Any, NoReturn
 from ross_payload import config as settings
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.actuators.wires import check_wire
-from ross_payload.audio.network import host_and_port
-from ross_payload.audio.sources import open_source
-from ross_payload.audio.wiring import Wiring
+from ross_payload.audio.channel_map import ChannelMap
+from ross_payload.audio.open_source import open_source
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Services
-from ross_payload.links.address import parse
-from ross_payload.links.signing import read_key
 from ross_payload.service.assemble import tools_of
-from ross_payload.service.dronecan import check_one_id
-from ross_payload.service.folders import check_state_folder
+from ross_payload.service.dronecan_node import check_one_id
+from ross_payload.service.state_folder import check_state_folder
+from ross_payload.transport.link_url import parse, tcp_endpoint
+from ross_payload.transport.signing import read_key
 from ross_payload.voiceprint import VoiceStore
 
 LINKS = "mavlink:"  # the port of a driver that shares the links
@@ -92,10 +91,10 @@ def _check_links(config: Config) -> None:
 
 
 def _check_audio(config: Config) -> None:
-    kind, _, rest = config.audio.source.partition(":")
-    Wiring.of(config.audio)
+    kind = config.audio.source.partition(":")[0]
+    ChannelMap.of(config.audio)
     if kind == "tcp":
-        host_and_port(rest)
+        tcp_endpoint(config.audio.source, "audio.source")
     elif kind == "file":
         with open_source(config, SystemClock()):
             return

@@ -3,49 +3,47 @@
 from __future__ import annotations
 
 import logging
-import signal
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from types import FrameType
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ross_payload import __version__
-from ross_payload.actuators.mavlink_gimbal.port import opener
-from ross_payload.audio.live import LiveSource
-from ross_payload.audio.sources import open_source
+from ross_payload.actuators.mavlink_gimbal.component_port import opener
+from ross_payload.audio.live_source import LiveSource
+from ross_payload.audio.open_source import open_source
 from ross_payload.bounded_files import set_aside
-from ross_payload.clock import PatientOpener, SystemClock, synchronised_time
+from ross_payload.clock import RetryingOpener, SystemClock, synchronised_time
 from ross_payload.config import Config
-from ross_payload.dronecan.hub import Buses
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.dronecan.shared_bus import SharedBuses
 from ross_payload.errors import AudioEnded
 from ross_payload.events import Event
 from ross_payload.interfaces import Input, VoicePrint
-from ross_payload.links import Links
 from ross_payload.logs import LogObserver, logging_to
+from ross_payload.mavlink import Router
 from ross_payload.mount import mount_of
-from ross_payload.notify import MISSION, Manager, Watchdog
+from ross_payload.notify import MISSION, Manager, Watchdog, on_signal
 from ross_payload.orders import Shutdown, Stop
-from ross_payload.parameters import Parameters
-from ross_payload.recording.recorder import in_background
-from ross_payload.recording.shelf import Shelf
-from ross_payload.service.folders import state_folder
-from ross_payload.service.latch import StopLatch
 from ross_payload.service.payload import POLL, Parts, assembled
 from ross_payload.service.runner import Runner
+from ross_payload.service.state_folder import state_folder
+from ross_payload.service.stop_latch import StopLatch
+from ross_payload.sessions.recorder import in_background
+from ross_payload.sessions.session_store import SessionStore
 from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.timebase import Timebase
 from ross_payload.voiceprint import VoiceStore
 from ross_payload.voiceprint.features import at_rate
 from ross_payload.voiceprint.store import Damaged
 
-PATIENCE = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
-SERVER_PATIENCE_S = 10.0  # a simulated world or a CAN server may be started after the payload
+COMPUTE_LIMIT = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
+SERVER_START_TIMEOUT_S = 10.0  # a simulated world or a CAN server may be started after the payload
 AGAIN = 75  # exit code: start me again; EX_TEMPFAIL of sysexits.h
 SWITCH = 0.001  # [s] after which a thread that computes lets the pump have its turn
 
@@ -75,7 +73,7 @@ def live(config: Config) -> int:
         stack.enter_context(threadpool_limits(limits=1))
         sys.setswitchinterval(SWITCH)
         clock, manager = SystemClock(), Manager.of()
-        watchdog = Watchdog(manager, clock, {MISSION: PATIENCE * config.audio.buffer_s})
+        watchdog = Watchdog(manager, clock, {MISSION: COMPUTE_LIMIT * config.audio.buffer_s})
         latch = StopLatch(state_folder(config) / "stopped")
         stack.callback(latch.close)
         again = Again()
@@ -105,11 +103,11 @@ class Pumping:
             self._stopped = True
             runner.order(Stop())
 
-    def heard(self, heard: Input) -> None:
+    def on_input(self, hop: Input) -> None:
         """Look at the pump."""
         self._clock.check()
 
-    def said(self, event: Event, heard: Input) -> None:
+    def on_event(self, event: Event, hop: Input) -> None:
         """Events say nothing about the pump."""
 
 
@@ -120,25 +118,25 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
         parameters = stack.enter_context(Parameters(config, state / "params.toml"))
         for note in parameters.notes:
             log.warning(note)
-        links = Links.open(config.links, clock, system_id=config.telemetry.system_id, state=state, patient=True)
+        links = Router.open(config.links, clock, system_id=config.telemetry.system_id, state=state, patient=True)
         stack.enter_context(links)
         timebase = Timebase(clock, synchronised_time, system_id=config.telemetry.system_id)
         timebase.attach(links.component(config.telemetry.component_id))
-        source = open_source(config, clock, SERVER_PATIENCE_S)
-        wires = PatientOpener(opener(links, config.telemetry.component_id, clock), clock, SERVER_PATIENCE_S)
+        source = open_source(config, clock, SERVER_START_TIMEOUT_S)
+        wires = RetryingOpener(opener(links, config.telemetry.component_id, clock), clock, SERVER_START_TIMEOUT_S)
         shelf = Path(config.recording.folder).expanduser() if config.recording.folder else state / "recordings"
-        for note in Shelf(shelf).set_damaged_aside():
+        for note in SessionStore(shelf).set_damaged_aside():
             log.warning(note)
         yield Parts(
             clock=clock,
             source=source,
             watched=source if isinstance(source, LiveSource) else None,
-            open_port=Buses(wires, clock).open,
+            open_port=SharedBuses(wires, clock).open,
             links=links,
             mount=mount_of(config, clock, links, timebase),
             timebase=timebase,
             parameters=parameters,
-            shelf=Shelf(shelf),
+            shelf=SessionStore(shelf),
             drained=in_background,
             voiceprint=_enrolled(config),
             latch=latch,
@@ -164,27 +162,19 @@ def _enrolled(config: Config) -> VoicePrint | None:
 
 
 def _run(runner: Runner, manager: Manager) -> None:
-    """Run the mission on a thread of its own, so that this one hears signals at once, whatever is computed."""
-    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission, _shutting_down(runner, manager):
+    """Run the mission on a thread of its own, so that this one hears signals at once, whatever is computed.
+
+    Ctrl-C and SIGTERM are an orderly shutdown: the motor decelerates before anything else.
+    """
+
+    def shut_down(name: str) -> None:
+        runner.order(Shutdown())
+        manager.stopping(name)
+
+    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission, on_signal(shut_down):
         try:
             result = mission.submit(runner.run).result()
         except AudioEnded as ended:
             log.info("%s", ended)
         else:
             log.info("%s", result.reason)
-
-
-@contextmanager
-def _shutting_down(runner: Runner, manager: Manager) -> Iterator[None]:
-    """Turn Ctrl-C and SIGTERM into an orderly shutdown: the motor decelerates before anything else."""
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        runner.order(Shutdown())
-        manager.stopping(signal.Signals(number).name)
-
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

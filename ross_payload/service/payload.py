@@ -15,28 +15,28 @@ import numpy as np
 
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import open_actuator
-from ross_payload.audio.health import HealthMonitor
-from ross_payload.audio.live import Watched
+from ross_payload.audio.audio_health import HealthMonitor
+from ross_payload.audio.live_source import Watched
 from ross_payload.config import Config
-from ross_payload.gimbal import Gimbal
+from ross_payload.config.parameter_store import Parameters
 from ross_payload.interfaces import AudioSource, Clock, Mount, Port, Services, VoicePrint
-from ross_payload.links import Links
 from ross_payload.logs import Changes
-from ross_payload.mission.session import Kit, Make, Session
+from ross_payload.mavlink import Router
+from ross_payload.mavlink.gimbal import Gimbal
+from ross_payload.mavlink.recording_files import Recordings
+from ross_payload.mission.live_session import Kit, LiveSession, Make
 from ross_payload.mission.tasks import Memory
 from ross_payload.orders import Explore, Seek, Set, Task
-from ross_payload.parameters import Parameters
-from ross_payload.recording.manifest import Beginning
-from ross_payload.recording.recorder import Recorder
-from ross_payload.recording.shelf import Shelf
 from ross_payload.service.assemble import settings_of, tools_of
-from ross_payload.service.dronecan import node_on_bus
-from ross_payload.service.latch import StopLatch
+from ross_payload.service.dronecan_node import node_on_bus
 from ross_payload.service.runner import Observer, Runner
-from ross_payload.telemetry.recordings import Recordings
-from ross_payload.telemetry.service import Telemetry
+from ross_payload.service.stop_latch import StopLatch
+from ross_payload.sessions.manifest import Beginning
+from ross_payload.sessions.recorder import Recorder
+from ross_payload.sessions.session_store import SessionStore
+from ross_payload.telemetry.component import Telemetry
 from ross_payload.timebase import Timebase
-from ross_protocols.computer import Computer
+from ross_protocols.mavlink.computer import Computer
 
 POLL = 0.010  # [s] of the pump
 FOUND = 5.0  # [s] that an actuator may take to report for the first time; later it is a fault
@@ -51,11 +51,11 @@ class Parts:
     clock: Clock
     source: AudioSource
     open_port: Callable[[str], Port]  # the wire of the actuator
-    links: Links
+    links: Router
     mount: Mount
     timebase: Timebase
     parameters: Parameters
-    shelf: Shelf  # of the recordings
+    shelf: SessionStore  # of the recordings
     drained: Callable[[Recorder], AbstractContextManager[None]]  # has what the recorder queues written
     watched: Watched | None = None  # the source, where it tells how it is
     voiceprint: VoicePrint | None = None
@@ -84,7 +84,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.enter_context(parts.source)
         recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
         voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
-        session = Session(config, maker(actuator, voiceprint), Memory(stopped=stopped, starting=True))
+        session = LiveSession(config, maker(actuator, voiceprint), Memory(stopped=stopped, starting=True))
         first = FIRST[config.service.autostart]
         mission = session.mission(first() if first is not None else None)
         runner = Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
@@ -93,7 +93,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.enter_context(recorder)
         stack.enter_context(parts.drained(recorder))
         component = parts.links.component(config.telemetry.component_id)
-        component.tap(lambda frame: recorder.sent(parts.timebase.usec(), frame))
+        component.tap(lambda frame: recorder.on_frame(parts.timebase.usec(), frame))
         runner.observers = [ears, telemetry, recorder, *observers]
         if parts.latch is not None:
             runner.observers.append(parts.latch)
@@ -101,7 +101,12 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
             runner.observers.append(stack.enter_context(_gimbal(parts, actuator, runner, recorder)))
         if aboard is not None:
             speaking = aboard.speaking(
-                parts.parameters, actuator, parts.timebase, give=runner.order, say=telemetry.say, restart=parts.restart
+                parts.parameters,
+                actuator,
+                parts.timebase,
+                give=runner.order,
+                send_text=telemetry.send_text,
+                restart=parts.restart,
             )
             runner.observers.append(stack.enter_context(speaking))
         stack.callback(clock.every(POLL, parts.links.poll))
@@ -131,7 +136,7 @@ def maker(actuator: Guard, voiceprint: VoicePrint | None) -> Make:
     return make
 
 
-def beginning(session: Session, actuator: Guard, config: Config) -> Beginning | None:
+def beginning(session: LiveSession, actuator: Guard, config: Config) -> Beginning | None:
     """Return what a replay from here must know; None while a task runs."""
     if session.busy:
         return None
@@ -148,7 +153,7 @@ def _gimbal(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder) -
         actuator,
         parts.mount,
         give=runner.order,
-        tap=lambda frame: recorder.sent(parts.timebase.usec(), frame),
+        tap=lambda frame: recorder.on_frame(parts.timebase.usec(), frame),
     )
 
 

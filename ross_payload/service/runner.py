@@ -1,8 +1,13 @@
-"""The runner: read a hop, send an Input, obey the Output."""
+"""The runner: read a hop, send an Input, obey the Output.
+
+Audio is read late and asks where the array pointed when it was captured: reports of the actuator are kept.
+"""
 
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
+from dataclasses import replace
 from queue import Empty, SimpleQueue
 from typing import Protocol
 
@@ -12,19 +17,21 @@ from ross_payload.errors import ActuatorError
 from ross_payload.events import Event
 from ross_payload.interfaces import ActuatorState, AudioSource, Clock, Input, Mission, Mount, Output, Result
 from ross_payload.orders import Cancel, Order, Shutdown, Stop
-from ross_payload.service.history import JointHistory
+from ross_payload.pointing import BaseRate, Pointing
 
 EARLY = 1e-9  # [s], of rounding
+AHEAD = 0.1  # [s] beyond the newest report that its rate is trusted
+MOST = 20_000  # reports kept at least, of the newest: more than three minutes of the pump
 REST_TIMEOUT = 10.0  # [s] of audio that a decelerating motor may take at the end
 
 
 class Observer(Protocol):
     """Watches a mission: telemetry, recorders, live views."""
 
-    def heard(self, heard: Input) -> None:
+    def on_input(self, hop: Input) -> None:
         """One hop was heard."""
 
-    def said(self, event: Event, heard: Input) -> None:
+    def on_event(self, event: Event, hop: Input) -> None:
         """The mission said something; this is the first hop after it."""
 
 
@@ -33,6 +40,54 @@ class OrderLog(Protocol):
 
     def ordered(self, order: Order) -> None:
         """Note an order; from any thread, never waits."""
+
+
+class JointHistory:
+    """The latest reports of an actuator; written by the pump, read by the mission's thread.
+
+    >>> history = JointHistory()
+    >>> for time, angle in ((0.0, 0.0), (1.0, 0.5)):
+    ...     history.note(ActuatorState(angle, 0.5, settled=False, homed=True, healthy=True, time=time))
+    >>> history.angle(0.5), history.angle(1.1)
+    (0.25, 0.55)
+    """
+
+    def __init__(self) -> None:
+        self._kept: tuple[list[float], list[ActuatorState]] = ([], [])  # times [s] and reports; only ever appended to
+
+    def note(self, report: ActuatorState) -> None:
+        """Keep a report; one of the same time as the last one takes its place."""
+        times, reports = self._kept
+        if times and report.time <= times[-1]:
+            reports[-1] = report
+            return
+        if len(times) >= 2 * MOST:  # others may be reading the old lists
+            self._kept = times, reports = times[-MOST:], reports[-MOST:]
+        reports.append(report)
+        times.append(report.time)
+
+    def angle(self, time: float) -> float | None:
+        """Return the joint angle [rad] at ``time`` [s], interpolated; None when nothing was ever reported."""
+        times, reports = self._kept
+        count = len(times)
+        if not count:
+            return None
+        after = bisect_right(times, time, 0, count)
+        if after == count:
+            newest = reports[count - 1]
+            return newest.angle + newest.rate * min(time - times[count - 1], AHEAD)
+        if after == 0:
+            return reports[0].angle
+        share = (time - times[after - 1]) / (times[after] - times[after - 1])
+        return reports[after - 1].angle + share * (reports[after].angle - reports[after - 1].angle)
+
+    def settled(self, begin: float, end: float) -> bool:
+        """Tell whether all reports from ``begin`` to ``end`` [s], and the last one before, say settled."""
+        times, reports = self._kept
+        count = len(times)
+        first = max(bisect_right(times, begin, 0, count) - 1, 0)
+        last = bisect_left(times, end, 0, count)
+        return count > 0 and all(report.settled for report in reports[first : max(last, first + 1)])
 
 
 class Runner:
@@ -63,6 +118,7 @@ class Runner:
         self._rest_hops = math.ceil(REST_TIMEOUT * source.rate / config.hop)
         self._orders: SimpleQueue[Order] = SimpleQueue()
         self._history = JointHistory()
+        self._base_rate = BaseRate()
         self._asked = -math.inf  # when the last goal was given [s]: what was heard before knows nothing of it
         self._fault = ""
         self._slipped = 0.0  # [rad] that the reported joint angle is ahead of the true one
@@ -89,9 +145,9 @@ class Runner:
         try:
             while True:
                 self._move(output)
-                heard = self._listen(output.goal)
-                self._tell(output, heard)
-                output = self._mission.send(heard)
+                hop = self._listen(output.goal)
+                self._publish(output, hop)
+                output = self._mission.send(hop)
         except StopIteration as end:
             result: Result = end.value
         except BaseException:
@@ -104,25 +160,30 @@ class Runner:
         block = self._source.read(self._hop)
         end = block.time + self._hop / self._source.rate
         state = self._actuator.state()
-        joint = self._joint(end, state)
         still = goal is None and block.time >= self._asked - EARLY and state.settled
         attitude, after = self._mount.attitude(block.time), self._mount.attitude(end)
         if after.known != attitude.known:  # one hop is in one frame
             after = attitude
-        offset = self._offset - self._slipped
-        heard = Input(
+        pointing = Pointing(
+            time=end,
+            joint=self._joint(end, state),
+            base=after.yaw,
+            offset=self._offset - self._slipped,
+            earth=after.known,
+            base_rate=self._base_rate.update(end, after.yaw, earth=after.known),
+        )
+        hop = Input(
             block=block,
-            heading_start=attitude.yaw + self._joint(block.time, state) + offset,
-            heading_end=after.yaw + joint + offset,
-            joint=joint,
+            heading_start=replace(pointing, base=attitude.yaw, joint=self._joint(block.time, state)).heading,
+            pointing=pointing,
             settled=still and self._history.settled(block.time, end),
             attitude=attitude,
             fault=self._fault or ("" if state.healthy else state.fault or "the actuator reports a fault"),
             orders=self._drain(),
         )
         for observer in self.observers:
-            observer.heard(heard)
-        return heard
+            observer.on_input(hop)
+        return hop
 
     def _move(self, output: Output) -> None:
         """Obey an Output; what cannot be obeyed is a fault until the payload is re-armed."""
@@ -148,10 +209,10 @@ class Runner:
             if not (self._actuator.stopped and self._orders.qsize()):  # else the mission is about to hear of the stop
                 self._fault = str(error)
 
-    def _tell(self, output: Output, heard: Input) -> None:
+    def _publish(self, output: Output, hop: Input) -> None:
         for event in output.events:
             for observer in self.observers:
-                observer.said(event, heard)
+                observer.on_event(event, hop)
 
     def _rest(self) -> None:
         """Keep hearing until the motor stands still, so that what is recorded includes its deceleration."""

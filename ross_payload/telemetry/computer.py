@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ross_protocols.computer import Computer
+from ross_protocols.mavlink.computer import Computer
 
 PERIOD = 5.0  # [s] between two looks
 COLDEST, HOTTEST = 1.0, 125.0  # of what a thermal zone can mean [degC]

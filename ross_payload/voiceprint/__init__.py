@@ -10,7 +10,7 @@ It serves to pick one voice out of a few that were just separated. It is no proo
 """
 
 from ross_payload.voiceprint.background import Background, shipped_background
-from ross_payload.voiceprint.model import VoicePrintModel, enrol
+from ross_payload.voiceprint.speaker_model import VoicePrintModel, enrol
 from ross_payload.voiceprint.store import VoiceStore, load, save
 
 __all__ = ["Background", "VoicePrintModel", "VoiceStore", "enrol", "load", "save", "shipped_background"]

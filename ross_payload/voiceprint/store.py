@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from ross_payload.atomic_files import write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
 from ross_payload.errors import ConfigError, near, shown
 from ross_payload.voiceprint.background import Adapted, Background, shipped_background
-from ross_payload.voiceprint.model import VoicePrintModel
+from ross_payload.voiceprint.speaker_model import VoicePrintModel
 
 FORMAT = "ross-voice-print"
 VERSION = 1
@@ -48,8 +48,7 @@ def save(model: VoicePrintModel, path: Path) -> None:
         "pitch_weights": np.round(model.voice.pitch_weights, 6).tolist(),
     }
     try:
-        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        _replace(path, json.dumps(content) + "\n")
+        write_whole(path, (json.dumps(content) + "\n").encode())
     except OSError as error:
         raise ConfigError(f"{path}: the voice print cannot be written: {error.strerror}") from error
 
@@ -148,19 +147,6 @@ class VoiceStore:
             raise ConfigError(f"no voice '{name}' is enrolled{near(name, self.names())}") from error
         except OSError as error:
             raise ConfigError(f"{self.path(name)}: cannot be deleted: {error.strerror}") from error
-
-
-def _replace(path: Path, text: str) -> None:
-    handle, temporary = tempfile.mkstemp(prefix=".", suffix=".part", dir=path.parent)  # mode 0600
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
 
 
 def _decoded(content: Any, background: Background, path: Path) -> VoicePrintModel:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import tempfile
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ross_payload.atomic_files import replacing
 from ross_payload.errors import ConfigError
 
 Array = NDArray[Any]
@@ -73,13 +73,8 @@ def _read(path: Path) -> dict[str, Array] | None:
 def _write(path: Path, arrays: dict[str, Array]) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez(file, allow_pickle=False, **arrays)
-            Path(name).replace(path)
-        finally:
-            Path(name).unlink(missing_ok=True)
+        with replacing(path, 0o600) as part, part.open("wb") as file:
+            np.savez(file, allow_pickle=False, **arrays)
     except OSError as error:
         raise ConfigError(
             f"{path.parent}: the cache cannot be written: {error.strerror}; set ROSS_CACHE to another folder"

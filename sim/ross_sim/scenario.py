@@ -14,10 +14,10 @@ from pydantic import Field, model_validator
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Degrees, Positive, Table, read_toml, validated
 from ross_payload.errors import ConfigError, unknown
+from ross_sim.acoustics.room import RoomSpec
+from ross_sim.autopilot.simulated_autopilot import Yaw
 from ross_sim.devices.far_end import Fault
-from ross_sim.room import RoomSpec
-from ross_sim.speech import Voice
-from ross_sim.vehicle import Yaw
+from ross_sim.talkers.speech import TalkerVoice
 
 LEAD_IN = 2.0  # at least so long does nobody talk, unless the file says so [s]
 
@@ -155,7 +155,7 @@ class Scenario(Table):
             math.atan2(sum(self._position(talker)[2:]) - sum(centre[2:]), talker.distance_m) for talker in self.talkers
         )
 
-    def cast(self, voices: Sequence[Voice]) -> Cast:
+    def cast(self, voices: Sequence[TalkerVoice]) -> Cast:
         """Give every talker a voice and find the target's.
 
         Raises
@@ -188,8 +188,8 @@ class Scenario(Table):
 class Cast:
     """Whose voices are heard."""
 
-    talkers: tuple[Voice, ...]
-    target: Voice
+    talkers: tuple[TalkerVoice, ...]
+    target: TalkerVoice
     target_index: int | None  # into talkers; None: the target is not in the room
 
 
@@ -219,7 +219,7 @@ def _folder() -> Path:
     return installed if installed.is_dir() else Path(__file__).parents[1] / "scenarios"
 
 
-def _find(wanted: str | int, voices: Sequence[Voice]) -> Voice:
+def _find(wanted: str | int, voices: Sequence[TalkerVoice]) -> TalkerVoice:
     if isinstance(wanted, int):
         if wanted < len(voices):
             return voices[wanted]
@@ -230,5 +230,5 @@ def _find(wanted: str | int, voices: Sequence[Voice]) -> Voice:
     raise ConfigError(unknown("voice", wanted, [voice.name for voice in voices]))
 
 
-def _names(voices: Sequence[Voice]) -> str:
+def _names(voices: Sequence[TalkerVoice]) -> str:
     return ", ".join(voice.name for voice in voices) or "none"

@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 import soundfile
 
-from ross_payload.audio.capture import SoundCard
-from ross_payload.audio.live import LiveSource
-from ross_payload.audio.network import PcmClient
-from ross_payload.audio.playback import FileSource
-from ross_payload.audio.wiring import Wiring
+from ross_payload.audio.channel_map import ChannelMap
+from ross_payload.audio.file_source import FileSource
+from ross_payload.audio.live_source import LiveSource
+from ross_payload.audio.pcm_client import PcmClient
+from ross_payload.audio.sound_card import SoundCard
 from ross_payload.clock import SystemClock
 from ross_payload.config import Audio, validated
 from ross_payload.errors import AudioEnded, AudioError
-from ross_protocols.pcm import Header, encode, encode_header
+from ross_protocols.audio.pcm import Header, encode, encode_header
 from ross_sim.clock import SimClock
 from ross_sim.scenario import Scenario
-from ross_sim.world import World
+from ross_sim.sitl.world import World
 
 RATE, HOP = 16000, 160
 LATE = 0.6  # [s] after its capture within which a sample is given
@@ -90,20 +90,20 @@ def file(stack, tmp_path, request):
     samples = np.random.default_rng(1).standard_normal((3 * RATE, 2)) * 0.1
     soundfile.write(tmp_path / "take.flac", samples, RATE, subtype="PCM_24")
     clock = SimClock()
-    return FileSource(tmp_path / "take.flac", RATE, Wiring.of(Audio()), clock), clock
+    return FileSource(tmp_path / "take.flac", RATE, ChannelMap.of(Audio()), clock), clock
 
 
 def tcp(stack, tmp_path, request):
     server = Server()
     stack.callback(server.close)
-    clock, wiring = SystemClock(), Wiring.of(Audio())
+    clock, wiring = SystemClock(), ChannelMap.of(Audio())
     return LiveSource(PcmClient(server.address, RATE, wiring), RATE, wiring, 5.0, clock), clock
 
 
 def card(stack, tmp_path, request):
     module = request.getfixturevalue("make_card")(ppm=50, jitter=0.01)
     audio = Audio()
-    wiring = Wiring.of(audio)
+    wiring = ChannelMap.of(audio)
     return LiveSource(SoundCard("card", audio, wiring, module), RATE, wiring, 5.0, module.clock), module.clock
 
 
@@ -185,7 +185,7 @@ def test_a_source_is_opened_only_once(rig):
 def test_a_file_ends_cleanly_with_every_whole_hop_read(tmp_path):
     samples = np.random.default_rng(1).integers(-(2**22), 2**22, (2, 1000)) / 2**23
     soundfile.write(tmp_path / "take.wav", samples.T, RATE, subtype="PCM_24")
-    source = FileSource(tmp_path / "take.wav", RATE, Wiring.of(Audio()), SimClock())
+    source = FileSource(tmp_path / "take.wav", RATE, ChannelMap.of(Audio()), SimClock())
     heard = []
     with source, pytest.raises(AudioEnded, match=r"end of file after 0\.06 s"):
         while True:
@@ -202,21 +202,24 @@ def test_a_file_ends_cleanly_with_every_whole_hop_read(tmp_path):
 )
 def test_a_file_that_does_not_fit_is_refused(tmp_path, rate, channels, said):
     soundfile.write(tmp_path / "take.wav", np.zeros((100, channels)), rate)
-    with pytest.raises(AudioError, match=said), FileSource(tmp_path / "take.wav", RATE, Wiring.of(Audio()), SimClock()):
+    with (
+        pytest.raises(AudioError, match=said),
+        FileSource(tmp_path / "take.wav", RATE, ChannelMap.of(Audio()), SimClock()),
+    ):
         pass
 
 
 def test_a_file_that_is_missing_or_no_audio_is_refused(tmp_path):
     (tmp_path / "text.wav").write_text("not audio")
     for name, said in (("none.wav", "no such file"), ("text.wav", "expected audio that libsndfile can read")):
-        source = FileSource(tmp_path / name, RATE, Wiring.of(Audio()), SimClock())
+        source = FileSource(tmp_path / name, RATE, ChannelMap.of(Audio()), SimClock())
         with pytest.raises(AudioError, match=said), source:
             pass
 
 
 def test_a_server_that_hangs_up_is_connected_to_again():
     server = Server()
-    wiring = Wiring.of(Audio())
+    wiring = ChannelMap.of(Audio())
     source = LiveSource(PcmClient(server.address, RATE, wiring), RATE, wiring, 5.0, SystemClock())
     with contextlib.closing(server), source:
         source.read(HOP)
@@ -240,7 +243,7 @@ def test_a_server_that_hangs_up_is_connected_to_again():
 )
 def test_a_server_that_does_not_fit_gets_one_clear_line(header, said):
     server = Server(header)
-    wiring = Wiring.of(Audio())
+    wiring = ChannelMap.of(Audio())
     source = LiveSource(PcmClient(server.address, RATE, wiring), RATE, wiring, 5.0, SystemClock())
     with contextlib.closing(server), pytest.raises(AudioError, match=said), source:
         pass
@@ -249,7 +252,7 @@ def test_a_server_that_does_not_fit_gets_one_clear_line(header, said):
 def test_a_server_that_is_not_there_gets_one_clear_line():
     with socket.create_server(("127.0.0.1", 0)) as taken:
         address = f"127.0.0.1:{taken.getsockname()[1]}"
-    wiring = Wiring.of(Audio())
+    wiring = ChannelMap.of(Audio())
     with (
         pytest.raises(AudioError, match=f"tcp:{address}: no audio: Connection refused"),
         LiveSource(PcmClient(address, RATE, wiring), RATE, wiring, 5.0, SystemClock()),

@@ -13,7 +13,9 @@ import pytest
 
 from ports import free_port
 from ross_payload.clock import SystemClock
-from ross_payload.links import LinkPort, open_port
+from ross_payload.transport.open_port import open_port
+from ross_payload.transport.ports import Transport
+from waiting import wait_for
 
 FRAMES = [bytes([0xFD, 200, 0, 0, number, 1, 191, 1, 0, 0]) + bytes([number]) * 202 for number in range(50)]
 
@@ -22,18 +24,9 @@ FRAMES = [bytes([0xFD, 200, 0, 0, number, 1, 191, 1, 0, 0]) + bytes([number]) * 
 class Rig:
     """A port and its far end."""
 
-    port: LinkPort
+    port: Transport
     say: Callable[[bytes], object]
     hear: Callable[[], bytes]  # what has arrived there, maybe nothing
-
-
-def until(true: Callable[[], object], seconds: float = 20.0) -> object:
-    """Wait for the kernel to deliver."""
-    deadline = time.monotonic() + seconds
-    while not (found := true()):
-        assert time.monotonic() < deadline, "nothing came"
-        time.sleep(0.001)
-    return found
 
 
 def hearing(read: Callable[[], bytes]) -> Callable[[], bytes]:
@@ -48,8 +41,8 @@ def hearing(read: Callable[[], bytes]) -> Callable[[], bytes]:
 def udpout(stack: ExitStack, patient: bool) -> Rig:
     far = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
     far.bind(("127.0.0.1", 0))
-    port = open_port(f"udpout:127.0.0.1:{far.getsockname()[1]}", SystemClock(), patient=patient)
-    until(lambda: port.receive() or port.counts.up)
+    port = open_port(f"udpout:127.0.0.1:{far.getsockname()[1]}", SystemClock().now, patient=patient)
+    wait_for(lambda: port.receive() or port.counts.up)
     port.send(b"hello")
     far.settimeout(20.0)
     _, where = far.recvfrom(2048)
@@ -59,18 +52,18 @@ def udpout(stack: ExitStack, patient: bool) -> Rig:
 
 def udpin(stack: ExitStack, patient: bool) -> Rig:
     where = ("127.0.0.1", free_port(socket.SOCK_DGRAM))
-    port = open_port(f"udpin::{where[1]}", SystemClock(), patient=patient)
+    port = open_port(f"udpin::{where[1]}", SystemClock().now, patient=patient)
     far = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
     far.setblocking(False)
     far.sendto(b"hello", where)
-    until(port.receive)
+    wait_for(port.receive)
     return Rig(port, lambda data: far.sendto(data, where), hearing(lambda: far.recv(2048)))
 
 
 def tcp(stack: ExitStack, patient: bool) -> Rig:
     server = stack.enter_context(socket.create_server(("127.0.0.1", 0)))
-    port = open_port(f"tcp:127.0.0.1:{server.getsockname()[1]}", SystemClock(), patient=patient)
-    until(lambda: port.receive() or port.counts.up)
+    port = open_port(f"tcp:127.0.0.1:{server.getsockname()[1]}", SystemClock().now, patient=patient)
+    wait_for(lambda: port.receive() or port.counts.up)
     far = stack.enter_context(server.accept()[0])
     far.setblocking(False)
     return Rig(port, far.send, hearing(lambda: far.recv(65536)))
@@ -78,11 +71,11 @@ def tcp(stack: ExitStack, patient: bool) -> Rig:
 
 def tcpin(stack: ExitStack, patient: bool) -> Rig:
     number = free_port(socket.SOCK_STREAM)
-    port = open_port(f"tcpin::{number}", SystemClock(), patient=patient)
+    port = open_port(f"tcpin::{number}", SystemClock().now, patient=patient)
     far = stack.enter_context(socket.create_connection(("127.0.0.1", number)))
     far.setblocking(False)
     far.send(FRAMES[0])
-    until(port.receive)
+    wait_for(port.receive)
     return Rig(port, far.send, hearing(lambda: far.recv(65536)))
 
 
@@ -91,7 +84,7 @@ def serial(stack: ExitStack, patient: bool) -> Rig:
     stack.callback(os.close, far)
     stack.callback(os.close, near)
     os.set_blocking(far, False)
-    port = open_port(f"serial:{os.ttyname(near)}:57600", SystemClock(), patient=patient)
+    port = open_port(f"serial:{os.ttyname(near)}:57600", SystemClock().now, patient=patient)
     return Rig(port, lambda data: os.write(far, data), hearing(lambda: os.read(far, 65536)))
 
 
@@ -122,7 +115,7 @@ def test_frames_come_in_whole_and_in_order(rig: Rig) -> None:
     got: list[bytes] = []
     for frame in FRAMES:
         rig.say(frame)
-        until(lambda frame=frame: got.extend(rig.port.receive()) or b"".join(got).endswith(frame))
+        wait_for(lambda frame=frame: got.extend(rig.port.receive()) or b"".join(got).endswith(frame))
     assert b"".join(got) == b"".join(FRAMES)
 
 

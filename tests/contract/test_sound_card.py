@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ross_payload.audio.capture import SoundCard
-from ross_payload.audio.live import LiveSource
-from ross_payload.audio.wiring import Wiring
+from ross_payload.audio.channel_map import ChannelMap
+from ross_payload.audio.live_source import LiveSource
+from ross_payload.audio.sound_card import SoundCard
 from ross_payload.config import Audio
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import AudioFlag
@@ -28,7 +28,7 @@ def at_once(call):
 def listen(moments):
     def make(card, *, buffer=10.0, name="card", settling=0.0, **keys):
         audio = Audio(**keys)
-        wiring = Wiring.of(audio)
+        wiring = ChannelMap.of(audio)
         opener = SoundCard(name, audio, wiring, card)
         return LiveSource(opener, audio.rate_hz, wiring, buffer, moments, settling=settling, start=at_once)
 

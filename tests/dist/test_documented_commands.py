@@ -13,12 +13,12 @@ import soundfile
 from command_syntax import complaint, ross_commands
 from manual import ROOT, blocks, pages
 from ross_payload import plugins
-from ross_payload.actuators.registry import GROUP, check_options
+from ross_payload.actuators.registry import GROUP, checked_options
 from ross_payload.config import Config, validated
-from ross_payload.parameters import Parameters
+from ross_payload.config.parameter_store import Parameters
 from ross_sim.scenario import Scenario
-from ross_sim.study.design import Study
-from ross_sim.voices import synthetic_voices
+from ross_sim.study.study_design import Study
+from ross_sim.talkers.synthetic_voices import synthetic_voices
 
 SHELL = [(block.page, command) for block in blocks("sh") for command in block.commands]
 INLINE = re.compile(r"`(?:[^`\n]*/)?(ross [^`\n]+)`")
@@ -39,13 +39,13 @@ WHERE = [
      "needs root, a Raspberry Pi, or systemd as the first process"),
     (r"/opt/ross/bin/python ", ELSEWHERE, "tests/dist/test_wheel.py"),
     (r"ross sitl --serve|ross ground( udpin.*)?$|ross monitor|ross mavproxy|ross autopilot|ross world demo --pcm"
-     r"|ross enroll arthur|ross sitl --speed 1", ELSEWHERE, "tests/sitl/test_documented_pairs.py"),
-    (r"ross run", ELSEWHERE, "tests/sitl/test_documented_pairs.py"),
-    (r"ross ground --host", ELSEWHERE, "tests/page/test_ground_page.py"),
-    (r"ross ground --map", ELSEWHERE, "tests/page/test_map.py"),
+     r"|ross enroll arthur|ross sitl --speed 1", ELSEWHERE, "tests/realtime/test_documented_pairs.py"),
+    (r"ross run", ELSEWHERE, "tests/realtime/test_documented_pairs.py"),
+    (r"ross ground --host", ELSEWHERE, "tests/browser/test_ground_page.py"),
+    (r"ross ground --map", ELSEWHERE, "tests/browser/test_map.py"),
     (r"(mkdir|cp) .*dronecan_vendor_specific_types", ELSEWHERE, "tests/interop/test_dronecan_vendor_types.py"),
     (r"pulseaudio|PULSE_SERVER|ross world demo --pipe", ELSEWHERE, "tests/interop/test_live_portaudio.py"),
-    (r"ross hub|ross device", ELSEWHERE, "tests/sitl/test_device.py"),
+    (r"ross hub|ross device", ELSEWHERE, "tests/realtime/test_device.py"),
     (r"ross devices --tap|ross (actuators probe|doctor) ross.toml", NOT_RUN, "needs the reader's microphones or motor"),
     (r"ross (actuators|devices)$", RUN, 0),
     (r"ross sitl --scenario one-talker --seed 1 --record tapes", RUN, 0),
@@ -59,7 +59,7 @@ WHERE = [
     (r"ross sitl --scenario no-target(; echo \$\?)?$", RUN_IN_SOAK, {0, 3}),
     (r"ross sitl.*--speech (DIR|~/crowd|~/recordings)|ross study separation --speech", NOT_RUN,
      "needs the reader's own recordings"),
-    (r"ross study (separation|--out|quick --explorers)", NOT_RUN, "takes hours; presets are run by tests/sitl/test_study.py"),
+    (r"ross study (separation|--out|quick --explorers)", NOT_RUN, "takes hours; presets are run by tests/lockstep/test_study.py"),
     (r"ross study quick --out", RUN_IN_SOAK, {0}),
     (r"ross sitl", RUN_IN_SOAK, {0, 3}),
     (r"ross tlog", RUN_IN_SOAK, {0}),
@@ -177,7 +177,7 @@ def test_the_missions_of_a_page_are_flown(page, sandbox):
 def as_config(values, path):
     config = validated(Config, values, str(path))
     if config.actuator.kind in plugins.available(GROUP):
-        check_options(config)
+        checked_options(config)
 
 
 def as_scenario(values, path):

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from ross_payload import plugins
-from ross_payload.actuators.registry import GROUP, check_options
+from ross_payload.actuators.registry import GROUP, checked_options
 from ross_payload.config import Config, load, read_toml, validated
-from ross_payload.links.address import parse
+from ross_payload.transport.link_url import parse
 from ross_payload.service.assemble import explorer_of, settings_of, tools_of
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
@@ -31,7 +31,7 @@ def test_there_are_five_configurations():
 def test_a_configuration_is_good_but_for_back_ends_that_are_not_installed(path):
     config = load(path)
     if config.actuator.kind in plugins.available(GROUP):
-        check_options(config)
+        checked_options(config)
     else:
         assert "`ross actuators`" in path.read_text().splitlines()[1]
     tools_of(config, None)

@@ -56,11 +56,15 @@ def test_the_wheel_holds_three_packages_and_their_data(wheel):
     assert "ross_sim/data/scenarios/demo.toml" in names
     assert "ross_payload/py.typed" in names
     assert "ross_payload/data/examples/ross.service" in names
+    web = ROOT / "ross_payload" / "ground" / "web"
+    page = {path.relative_to(ROOT).as_posix() for path in (*web.glob("*.html"), *web.glob("assets/**/*.*"))}
+    assert "ross_payload/ground/web/assets/templates.js" in page
+    assert page <= set(names)
 
 
 def test_the_installed_command_flies_a_mission_outside_the_checkout(installed, tmp_path):
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    command = [installed / "bin" / "ross", "sitl", "--json", "--out", "results"]
+    command = [installed / "bin" / "ross", "sitl", "--scenario", "one-talker", "--json", "--out", "results"]
     done = subprocess.run(
         command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, timeout=250
     )
@@ -80,7 +84,7 @@ def test_the_installed_ground_serves_its_page_outside_the_checkout(installed, tm
             host = urlsplit(url).netloc
             page = got(host, "/")
             assert page.startswith("<!doctype html>")
-            for asset in (*re.findall(r'(?:src|href)="(/assets/[^"]+)"', page), "/assets/vendor/lit-html.js"):
+            for asset in (*re.findall(r'(?:src|href)="(/assets/[^"]+)"', page), "/assets/app.js"):
                 assert got(host, asset), asset
         finally:
             ground.send_signal(signal.SIGINT)

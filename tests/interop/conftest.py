@@ -4,8 +4,6 @@ import json
 import random
 import re
 import socket
-import subprocess
-import sys
 import threading
 import time
 import tomllib
@@ -18,8 +16,9 @@ from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega
 
 import ports
+from processes import ROSS, program
+from waiting import wait_for
 
-ROSS = (sys.executable, "-m", "ross_payload.cli")
 LOOPBACK = "127.0.0.1"
 RATE = 16000
 CONFIG = """
@@ -27,21 +26,6 @@ audio.source = "{source}"
 actuator = {{ kind = "tb6600", options = {{ ahead_ms = 100 }} }}
 service = {{ state_dir = "state", log_format = "json" }}
 """
-
-
-def wait_for(found, seconds=30.0, what="it"):
-    """Return what is found, as soon as there is something."""
-    end = time.monotonic() + seconds
-    while not (thing := found()):
-        assert time.monotonic() < end, f"waited {seconds:g} s in vain for {what}"
-        time.sleep(0.02)
-    return thing
-
-
-@pytest.fixture(scope="session")
-def until():
-    """Wait for something to be found."""
-    return wait_for
 
 
 @pytest.fixture(scope="session")
@@ -77,18 +61,8 @@ class Payload:
 @contextmanager
 def process_of(command, folder, code=0):
     """A process that is told to go in the end, and must go in good order with this exit code."""
-    folder.mkdir(parents=True, exist_ok=True)
-    log = folder / "log"
-    with log.open("w") as file, subprocess.Popen([*ROSS, *command], cwd=folder, stderr=file, stdout=file) as process:
-        payload = Payload(process, folder, log)
-        try:
-            yield payload
-            assert process.poll() is None, log.read_text()
-        finally:
-            process.terminate()
-            process.wait(timeout=60)
-    assert process.returncode == code, log.read_text()
-    assert "Traceback" not in log.read_text()
+    with program([*ROSS, *command], folder, code=code) as (process, log):
+        yield Payload(process, folder, log)
 
 
 @pytest.fixture(scope="session")
@@ -145,7 +119,7 @@ class Ground:
         self.listen()
         return [one for one in self.heard if one.get_type() == name and one.get_srcComponent() == sender]
 
-    def wait(self, name, fits=lambda message: True, seconds=30.0, since=0):
+    def wait(self, name, fits=lambda message: True, seconds=60.0, since=0):
         return wait_for(lambda: [one for one in self.of(name)[since:] if fits(one)], seconds, name)[0]
 
     def command(self, number, *values, system=1, confirmation=0):
@@ -154,7 +128,7 @@ class Ground:
             ardupilotmega.MAVLink_command_long_message(system, 191, number, confirmation, *map(float, numbers))
         )
 
-    def order(self, number, *values, system=1, seconds=30.0):
+    def order(self, number, *values, system=1, seconds=60.0):
         """Command; return the first answer that is not that of an earlier command."""
         before = len(self.of("COMMAND_ACK"))
         self.command(number, *values, system=system)

@@ -17,22 +17,20 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.actuators.wires import open_wire
-from ross_payload.audio.sources import open_source
+from ross_payload.audio.open_source import open_source
 from ross_payload.clock import SystemClock
 from ross_payload.interfaces import Services
-from ross_payload.mission.supervise import mission
+from ross_payload.mission.mission_sequence import mission
 from ross_payload.mount import FixedMount
 from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.runner import Runner
-from ross_sim.casting import company_of
-from ross_sim.live import Silent
-from ross_sim.report import Story, report
+from ross_sim.live_world.world_session import later
 from ross_sim.scenario import load
-from ross_sim.session import perform
-from ross_sim.truth import read_truth
-from ross_sim.world_session import later
-
-ATTEMPTS = 3
+from ross_sim.sitl.mission_session import perform
+from ross_sim.sitl.mission_view import MissionView
+from ross_sim.sitl.report import EventLog, report
+from ross_sim.sitl.talker_selection import talkers_of
+from world_truth import read_truth
 
 
 class Memory:
@@ -40,12 +38,12 @@ class Memory:
 
     def __init__(self):
         self.heard_by_hop = []
-        self.story = Story()
+        self.story = EventLog()
 
-    def heard(self, heard):
+    def on_input(self, heard):
         self.heard_by_hop.append(heard.block.samples[0])
 
-    def said(self, event, heard):
+    def on_event(self, event, heard):
         self.story.events.append(event)
 
 
@@ -59,7 +57,7 @@ def wired(config, source, wire):
 def fly(scenario, config):
     """One mission in real time; what was kept of it, its result, and how many samples were lost."""
     clock, memory = SystemClock(), Memory()
-    voiceprint = company_of(scenario, None, None).voiceprint
+    voiceprint = talkers_of(scenario, None, None).voiceprint
     sys.setswitchinterval(0.001)
     with ExitStack() as stack, threadpool_limits(limits=1):
         actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: open_wire(url, clock))))
@@ -106,12 +104,9 @@ def flown(path, out, pipe):
 
 
 def main(path, folder, pipe=None):
-    for attempt in range(ATTEMPTS):
-        live = flown(path, Path(folder) / str(attempt), pipe)
-        if not live["lost"] and "ran out" not in live["reason"]:
-            break  # else this computer was too busy for real time
+    live = flown(path, Path(folder), pipe)
     scene = later(load(path), -live["began_s"])  # as seen from where the payload began to listen
-    lock_step = perform(scene, company_of(scene, None, None), Silent(), None, None).report
+    lock_step = perform(scene, talkers_of(scene, None, None), MissionView(), None, None).report
     print(json.dumps({"live": live, "lock_step": lock_step}))  # noqa: T201
 
 

@@ -10,8 +10,8 @@ from itertools import pairwise
 import numpy as np
 
 from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.tb6600.pulses import EDGE, Level, Line, Played, Segment
-from ross_payload.actuators.tb6600.steps import Interface, Wires, train
+from ross_payload.actuators.tb6600.pulse_segments import EDGE, Level, Played, PulseLine, Segment
+from ross_payload.actuators.tb6600.step_edges import LineState, PulseTiming, train
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 
@@ -22,9 +22,11 @@ def main() -> None:
     clock = SystemClock()
     port = open_wire("pulses:lgpio:0:17,27,22,23", clock)
     start = clock.now()
-    interface = Interface(width=10e-6, setup=20e-6, hold=20e-6, period=67e-6)
-    laid = train(Trapezoid(0.0, math.pi / 2, math.radians(225), 6.0), start, Wires(), interface, math.radians(0.1125))
-    enable = np.array([(start, Line.ENABLE, True)], dtype=EDGE)
+    interface = PulseTiming(width=10e-6, setup=20e-6, hold=20e-6, period=67e-6)
+    laid = train(
+        Trapezoid(0.0, math.pi / 2, math.radians(225), 6.0), start, LineState(), interface, math.radians(0.1125)
+    )
+    enable = np.array([(start, PulseLine.ENABLE, True)], dtype=EDGE)
     edges = np.concatenate([enable, laid.edges])
     cuts = np.append(np.arange(start, laid.end, PIECE), laid.end)
     for begin, end in pairwise(cuts):
@@ -35,7 +37,7 @@ def main() -> None:
     while len(reports) < len(cuts) - 1 and clock.now() < laid.end + 20:
         clock.sleep(0.01)
         arrived = port.receive()
-        assert Level(Line.HOME, True, arrived[-1].time) == arrived[-1]
+        assert Level(PulseLine.HOME, True, arrived[-1].time) == arrived[-1]
         reports += [(report.end, clock.now()) for report in arrived if isinstance(report, Played)]
     port.close()
     planned = [(float(time), int(line), bool(level)) for time, line, level in edges]

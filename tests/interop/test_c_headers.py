@@ -9,9 +9,11 @@ import sys
 import pytest
 
 from alignments import ALIGNMENT
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.commands import command_of
-from ross_protocols.values import Alignment, Health, Heartbeat, Status
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.commands import command_of
+from ross_protocols.mavlink.values import Alignment, Health, Heartbeat, Status
+
+pytestmark = pytest.mark.process
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +69,7 @@ def test_we_read_what_c_writes(program):
     [packet] = Decoder().feed(run(program, b"").stdout)
     command = command_of(packet.message)
     assert (packet.system_id, packet.component_id) == (255, 190)
-    assert (command.number, command.numbers[0], command.component_id) == (54003, 30.0, 191)
+    assert (command.number, command.numbers[0], command.target.component) == (54003, 30.0, 191)
 
 
 def test_a_damaged_frame_is_dropped(program):

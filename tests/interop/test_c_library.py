@@ -10,9 +10,11 @@ from pathlib import Path
 import pytest
 from pymavlink.generator import mavgen
 
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.values import Alignment, CandidateState, Rule, Separation, Source, Status
-from ross_protocols.values import Phase as SeparationPhase
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.values import Alignment, CandidateState, Rule, Separation, Source, Status
+from ross_protocols.mavlink.values import Phase as SeparationPhase
+
+pytestmark = pytest.mark.process
 
 XML = Path(__file__).resolve().parents[2] / "protocols" / "mavlink" / "ross.xml"
 

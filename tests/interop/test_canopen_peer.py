@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -23,12 +23,13 @@ from ross_payload.actuators.canopen_drive.options import Options  # noqa: E402
 from ross_payload.actuators.wires import open_wire  # noqa: E402
 from ross_payload.clock import SystemClock  # noqa: E402
 from ross_payload.interfaces import Services  # noqa: E402
-from ross_sim.devices.drive import DriveFarEnd  # noqa: E402
+from ross_sim.devices.canopen_far_end import DriveFarEnd  # noqa: E402
 from ross_sim.devices.drive_objects import Objects  # noqa: E402
+from waiting import wait_for  # noqa: E402
 
 NODE = 5
 SHEET = Path(__file__).parents[2] / "protocols" / "canopen" / "ross_drive.eds"
-PATIENCE = 20.0  # with a computer that has much else to do [s]
+TIMEOUT_S = 20.0  # with a computer that has much else to do [s]
 numbers = count()
 
 
@@ -59,22 +60,15 @@ def master(channel: str, drive: Emulated) -> Iterator[BaseNode402]:
     try:
         node = BaseNode402(NODE, str(SHEET))
         network.add_node(node)
-        node.sdo.RESPONSE_TIMEOUT = PATIENCE / 4
+        node.sdo.RESPONSE_TIMEOUT = TIMEOUT_S / 4
         node.nmt.state = "PRE-OPERATIONAL"
         node.setup_402_state_machine()
         node.tpdo[1].period = 0.02  # so that it waits for reports and does not ask
-        node.TIMEOUT_CHECK_TPDO = node.TIMEOUT_SWITCH_STATE_FINAL = node.TIMEOUT_SWITCH_OP_MODE = PATIENCE
+        node.TIMEOUT_CHECK_TPDO = node.TIMEOUT_SWITCH_STATE_FINAL = node.TIMEOUT_SWITCH_OP_MODE = TIMEOUT_S
         node.nmt.state = "OPERATIONAL"
         yield node
     finally:
         network.disconnect()
-
-
-def until(true: Callable[[], bool]) -> None:
-    end = time.monotonic() + PATIENCE
-    while not true():
-        assert time.monotonic() < end
-        time.sleep(0.01)
 
 
 def position(master: BaseNode402) -> int:
@@ -84,38 +78,38 @@ def position(master: BaseNode402) -> int:
 def go(master: BaseNode402, target: int) -> None:
     """Their controlword, their process data, our handshake."""
     master.controlword = 0x0F
-    until(lambda: not master.statusword & 0x1000)
+    wait_for(lambda: not master.statusword & 0x1000)
     master.rpdo[1]["Target position"].raw = target
     master.controlword = 0x3F
-    until(lambda: bool(master.statusword & 0x1000))
+    wait_for(lambda: bool(master.statusword & 0x1000))
 
 
 def test_their_master_enables_homes_and_moves_our_drive(master: BaseNode402, drive: Emulated) -> None:
-    until(lambda: master.state == "SWITCH ON DISABLED")
+    wait_for(lambda: master.state == "SWITCH ON DISABLED")
     master.sdo["Homing method"].raw = 17  # the negative limit switch
-    assert master.homing(timeout=PATIENCE)
+    assert master.homing(timeout=TIMEOUT_S)
     assert abs(drive.far_end.angle() - math.radians(-30)) < math.radians(3)
     master.op_mode = "PROFILED POSITION"
-    until(lambda: master.op_mode == "PROFILED POSITION")
+    wait_for(lambda: master.op_mode == "PROFILED POSITION")
     master.sdo["Profile velocity"].raw = 60000
     master.rpdo[2]["Profile velocity"].raw = 60000
     for target in (9000, -4000):
         go(master, target)
-        until(lambda target=target: bool(master.statusword & 0x400) and abs(position(master) - target) <= 20)
+        wait_for(lambda target=target: bool(master.statusword & 0x400) and abs(position(master) - target) <= 20)
         assert abs(master.sdo["Position actual value"].raw - target) <= 20
 
 
 def test_their_master_reads_the_emergency_and_resets_the_fault(master: BaseNode402, drive: Emulated) -> None:
     master.state = "OPERATION ENABLED"
     drive.node.axis.fail(0x4310)
-    until(lambda: master.state == "FAULT")
-    until(lambda: bool(master.emcy.active))
+    wait_for(lambda: master.state == "FAULT")
+    wait_for(lambda: bool(master.emcy.active))
     assert master.emcy.active[0].code == 0x4310
     assert master.sdo["Error code"].raw == 0x4310
     master.controlword = 0x00
     master.controlword = 0x80
-    until(lambda: master.state == "SWITCH ON DISABLED")
-    until(lambda: not master.emcy.active)
+    wait_for(lambda: master.state == "SWITCH ON DISABLED")
+    wait_for(lambda: not master.emcy.active)
 
 
 def test_their_synchronisation_is_answered(master: BaseNode402, drive: Emulated) -> None:
@@ -129,13 +123,13 @@ def test_their_synchronisation_is_answered(master: BaseNode402, drive: Emulated)
     assert heard == []
     for number in range(1, 4):
         master.network.sync.transmit()
-        until(lambda number=number: len(heard) == number)
+        wait_for(lambda number=number: len(heard) == number)
 
 
 def test_their_reset_boots_our_drive(master: BaseNode402, drive: Emulated) -> None:
     master.sdo["Profile velocity"].raw = 77
     master.nmt.state = "RESET"
-    master.nmt.wait_for_bootup(PATIENCE)
+    master.nmt.wait_for_bootup(TIMEOUT_S)
     assert master.sdo["Profile velocity"].raw == 10000
 
 
@@ -171,7 +165,7 @@ def test_our_driver_drives_our_drive_on_a_bus_of_python_can(channel: str) -> Non
     with Emulated(channel) as drive:
         actuator = backend.open(Options(port=f"can:virtual:{channel}", node_id=NODE), services)
         with actuator:
-            end = clock.now() + PATIENCE
+            end = clock.now() + TIMEOUT_S
             while not actuator.state().homed:
                 actuator.poll(clock.now())
                 assert clock.now() < end, actuator.state()

@@ -10,9 +10,9 @@ from dronecan_bench import UNIQUE_ID, play
 from dronecan_types import SOURCES, STATUS, broadcast, load_ours
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
+from ross_payload.config.parameter_table import TABLE
 from ross_payload.events import Estimate, SourceEstimate, SourcesEstimated, State, StateChanged
 from ross_payload.orders import TurnTo
-from ross_payload.parameters import TABLE
 
 can = pytest.importorskip("can")
 dronecan = pytest.importorskip("dronecan")

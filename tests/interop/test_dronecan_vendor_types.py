@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.process
+
 pytest.importorskip("can")
 pytest.importorskip("dronecan")
 
@@ -18,16 +20,16 @@ import sys, time
 import can, dronecan
 from dronecan.app.node_monitor import NodeMonitor
 from dronecan_bus import peer
-from ross_protocols.dronecan import NodeStatus
-from ross_protocols.dronecan_ross import RossStatus
-from ross_protocols.dronecan_speech import Voice
+from ross_protocols.dronecan.messages import NodeStatus
+from ross_protocols.dronecan.ross_types import RossStatus
+from ross_protocols.dronecan.node_messages import Encoder
 
 for folder in sys.argv[1:]:
     dronecan.load_dsdl(folder)
 node, heard = peer("bus", 9), []
 monitor = NodeMonitor(node)
 node.add_handler(dronecan.TYPENAMES["ross.Status"], lambda event: heard.append(event.message.state))
-bus, voice = can.Bus("bus", "virtual", ignore_config=True), Voice(121)
+bus, voice = can.Bus("bus", "virtual", ignore_config=True), Encoder(121)
 for message in (NodeStatus(1), RossStatus(state=5)):
     for frame in voice.broadcast(message):
         bus.send(can.Message(arbitration_id=frame.id, data=frame.data, is_extended_id=True))

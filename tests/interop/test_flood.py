@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common
-from ross_protocols.pcm import Header, encode, encode_header
-from ross_protocols.values import Audio, Heartbeat
+from ross_protocols.audio.pcm import Header, encode, encode_header
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.values import Audio, Heartbeat
+from waiting import wait_for
 
 ACCEPTED = 0  # MAV_RESULT
 STOP = 54004
@@ -143,10 +144,11 @@ def flooded(payload, ground, port, frames, seconds):
 
 
 def until_heard(ground, count):
-    end = time.monotonic() + 30
-    while len(ground.audio) < count:
+    def heard():
         ground.listen()
-        assert time.monotonic() < end, "nothing is heard of the microphones"
+        return len(ground.audio) >= count
+
+    wait_for(heard, what="what is heard of the microphones")
 
 
 @pytest.fixture

@@ -12,7 +12,8 @@ import pytest
 
 from device_bench import device
 from ports import free_port
-from ross_protocols.vehicle import euler
+from ross_protocols.mavlink.vehicle import euler
+from waiting import wait_for
 
 mavsdk = pytest.importorskip("mavsdk", minversion="4", reason="needs the Python package mavsdk, 4 or later")
 plugin = pytest.importorskip("mavsdk.plugins.gimbal.gimbal")
@@ -29,8 +30,8 @@ FOLLOW = 12
 class Client:
     """A ground station of MAVSDK that has found an autopilot."""
 
-    def __init__(self, sdk, until):
-        (self.system,) = until(lambda: [system for system in sdk.get_systems() if system.component_ids()])
+    def __init__(self, sdk):
+        (self.system,) = wait_for(lambda: [system for system in sdk.get_systems() if system.component_ids()])
         self.gimbal = plugin.Gimbal(self.system)
         self.direct = direct.MavlinkDirect(self.system)
         self.heard = {ATTITUDE: [], STATUS: [], INFORMATION: []}
@@ -70,13 +71,13 @@ def gimbal(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def client(gimbal, until, tmp_path_factory):
+def client(gimbal, tmp_path_factory):
     patch = pytest.MonkeyPatch()
     patch.setenv("HOME", str(tmp_path_factory.mktemp("home")))
     kind = mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION)
     with mavsdk.Mavsdk(kind) as sdk:
         assert sdk.add_any_connection(f"udpin://127.0.0.1:{gimbal.port}") == mavsdk.ConnectionResult.SUCCESS
-        yield Client(sdk, until)
+        yield Client(sdk)
     patch.undo()
 
 
@@ -91,44 +92,44 @@ def steady(gimbal):
     return truth(gimbal) == before
 
 
-def test_it_learns_of_the_gimbal_from_the_autopilot_and_its_plugin_lists_none(client, until):
+def test_it_learns_of_the_gimbal_from_the_autopilot_and_its_plugin_lists_none(client):
     assert client.ask(REQUEST, 280) == ACCEPTED
-    until(lambda: client.heard[INFORMATION])
+    wait_for(lambda: client.heard[INFORMATION])
     assert client.heard[INFORMATION][-1]["gimbal_device_id"] == 1
     assert client.ask(REQUEST, 283) == FAILED
     assert client.gimbal.gimbal_list().gimbals == []
 
 
-def test_it_takes_control_sees_that_it_has_it_and_gives_it_back(client, until):
+def test_it_takes_control_sees_that_it_has_it_and_gives_it_back(client):
     assert client.ask(CONFIGURE, ITSELF, ITSELF, -1, -1) == ACCEPTED
-    until(lambda: client.primary() == (245, 190))
+    wait_for(lambda: client.primary() == (245, 190))
     assert client.ask(CONFIGURE, NOBODY, NOBODY, -1, -1) == ACCEPTED
-    until(lambda: client.primary() == (0, 0))
+    wait_for(lambda: client.primary() == (0, 0))
 
 
 @pytest.mark.parametrize("goal", [40.0, -40.0])
-def test_it_points_and_the_gimbal_goes_there_and_says_so(client, gimbal, until, goal):
+def test_it_points_and_the_gimbal_goes_there_and_says_so(client, gimbal, goal):
     assert client.point(goal) == ACCEPTED
-    until(lambda: abs(truth(gimbal) - goal) < 0.1)
-    until(lambda: abs(client.yaw() - goal) < 0.2)
+    wait_for(lambda: abs(truth(gimbal) - goal) < 0.1)
+    wait_for(lambda: abs(client.yaw() - goal) < 0.2)
 
 
-def test_rates_turn_it_until_they_are_stopped(client, gimbal, until):
+def test_rates_turn_it_until_they_are_stopped(client, gimbal):
     client.point(0.0)
-    until(lambda: abs(truth(gimbal)) < 0.1)
+    wait_for(lambda: abs(truth(gimbal)) < 0.1)
     assert client.ask(POINT, NONE, NONE, 0, 10, FOLLOW) == ACCEPTED
-    until(lambda: truth(gimbal) > 5.0)
+    wait_for(lambda: truth(gimbal) > 5.0)
     assert client.ask(POINT, NONE, NONE, 0, 0, FOLLOW) == ACCEPTED
-    until(lambda: steady(gimbal))
+    wait_for(lambda: steady(gimbal))
 
 
-def test_a_stuck_gimbal_is_seen_where_it_is_although_the_command_succeeds(client, gimbal, until):
+def test_a_stuck_gimbal_is_seen_where_it_is_although_the_command_succeeds(client, gimbal):
     client.point(0.0)
-    until(lambda: abs(truth(gimbal)) < 0.1)
+    wait_for(lambda: abs(truth(gimbal)) < 0.1)
     gimbal.ask("stuck")
     assert client.point(60.0) == ACCEPTED
     count = len(client.heard[ATTITUDE])
-    until(lambda: len(client.heard[ATTITUDE]) > count + 5)
+    wait_for(lambda: len(client.heard[ATTITUDE]) > count + 5)
     assert abs(client.yaw()) < 0.2
     gimbal.ask("stuck off")
 

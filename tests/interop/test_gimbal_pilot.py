@@ -7,6 +7,7 @@ from contextlib import ExitStack
 import pytest
 
 from gimbal_flight import ACCEPTED, PAYLOAD, GimbalAutopilot, Pilot
+from waiting import wait_for
 
 TURN, STOP, PARK, REARM, HOME = 54003, 54004, 54006, 54009, 54010
 ITSELF, NOBODY = -2.0, -3.0
@@ -14,7 +15,7 @@ SELF, FREE = (255, 190), (0, 0)
 
 
 @pytest.fixture(scope="module")
-def pilot(living, ground_stations, free_port, until, noise, tmp_path_factory):  # noqa: PLR0917
+def pilot(living, ground_stations, free_port, noise, tmp_path_factory):
     """A pilot whose payload is idle."""
     folder, ground, port = tmp_path_factory.mktemp("pilot"), ground_stations(), free_port()
     (folder / "ross.toml").write_text(PAYLOAD.format(source=f"file:{noise}", port=port))
@@ -22,9 +23,9 @@ def pilot(living, ground_stations, free_port, until, noise, tmp_path_factory):  
         autopilot = GimbalAutopilot(port, ground.port)
         stack.callback(autopilot.kill)
         payload = stack.enter_context(living(["run", "ross.toml"], folder))
-        pilot = Pilot(ground, payload, until)
+        pilot = Pilot(ground, payload)
         pilot.autopilot = autopilot
-        until(lambda: "idle" in payload.lines() and pilot.status())
+        wait_for(lambda: "idle" in payload.lines() and pilot.status())
         yield pilot
 
 

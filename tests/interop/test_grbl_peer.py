@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from device_bench import device
+from waiting import wait_for
 
 serial = pytest.importorskip("serial", reason="needs pyserial: pip install pyserial")
 
@@ -81,12 +82,12 @@ def where(port):
             return found[1].decode(), float(found[2])
 
 
-def until_idle(port, seconds=30.0):
-    end = time.monotonic() + seconds
-    while (seen := where(port))[0] != "Idle":
-        assert time.monotonic() < end, seen
-        time.sleep(0.05)
-    return seen[1]
+def until_idle(port):
+    def idle():
+        state, place = where(port)
+        return (place,) if state == "Idle" else None
+
+    return wait_for(idle)[0]
 
 
 def test_send_and_wait_as_grbl_s_simple_streaming_does(port):

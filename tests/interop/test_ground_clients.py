@@ -1,6 +1,5 @@
 """Clients on real sockets beside ``ross run`` in another process: pymavlink's FTP, and those of the ground side."""
 
-import asyncio
 import subprocess
 import sys
 
@@ -8,14 +7,9 @@ import pytest
 from pymavlink import mavftp
 
 from ross_payload.config import Config
-from ross_payload.ground.clients.orders import Orders, Rearm, Stop, Turn
-from ross_payload.ground.clients.settings import Settings
-from ross_payload.ground.picture.known import Who
-from ross_payload.ground.station import Station
-from ross_payload.parameters import TABLE, value_of
-from ross_payload.telemetry.metadata import files
-
-WHO = Who(1, 191)
+from ross_payload.config.parameter_table import TABLE, value_of
+from ross_payload.ground import RefusedByPayload, connect
+from ross_payload.mavlink.component_info import files
 
 
 @pytest.fixture(scope="module")
@@ -28,46 +22,10 @@ def payload(ross_run, free_port, ground_stations, tmp_path_factory):
         yield payload
 
 
-class Clients:
-    """Our ground station, with everything that it asks for."""
-
-    def __init__(self, station):
-        self.station = station
-        self.orders = Orders(station.send, station.system_id, station.component_id)
-        self.settings = Settings(station.send, WHO, station.system_id, station.component_id)
-        station.subscribe(self.hear)
-
-    def hear(self, packet, at):
-        for client in (self.orders, self.settings):
-            client.heard(packet, at)
-
-    async def until(self, found, seconds=60.0):
-        """Let time pass until something is so."""
-        for _ in range(round(seconds / 0.05)):
-            for client in (self.orders, self.settings):
-                client.tick(self.station.now())
-            if found():
-                return
-            await asyncio.sleep(0.05)
-        raise AssertionError(f"waited {seconds:g} s in vain")
-
-    async def order(self, order):
-        """Order something; return how it ended."""
-        self.orders.order(WHO, order)
-        await self.until(lambda: self.orders.doing[-1].state not in ("sent", "acknowledged", "in_progress"))
-        return self.orders.doing[-1]
-
-
-def with_clients(payload, work):
-    """Run something asynchronous with clients that hear the payload."""
-
-    async def run():
-        async with Station([f"udpin:127.0.0.1:{payload.port}"]) as station:
-            clients = Clients(station)
-            await clients.until(lambda: WHO in station.fleet.payloads)
-            return await work(clients)
-
-    return asyncio.run(run())
+async def with_client(payload, work):
+    """Run something asynchronous with a client of the payload."""
+    async with connect(f"udpin:127.0.0.1:{payload.port}", payload="1-191") as client:
+        return await work(client)
 
 
 def test_pymavlinks_ftp_reads_every_file_over_udp(payload, tmp_path):
@@ -79,42 +37,32 @@ def test_pymavlinks_ftp_reads_every_file_over_udp(payload, tmp_path):
         assert (tmp_path / name).read_bytes() == content
 
 
-def test_our_clients_read_every_parameter_with_its_meaning(payload):
-    async def work(clients):
-        await clients.until(
-            lambda: clients.settings.complete and all(r["description"] for r in clients.settings.rows())
-        )
-        return clients.settings
-
-    settings = with_clients(payload, work)
-    assert settings.values == pytest.approx({name: value_of(Config(), name) for name in TABLE})
-    assert {row["name"]: row["max"] for row in settings.rows()} == {name: row.upper for name, row in TABLE.items()}
-    assert settings.notes() == []
+async def test_our_client_reads_every_parameter_with_its_meaning(payload):
+    parameters = await with_client(payload, lambda client: client.parameters.list())
+    assert {each.name: each.value for each in parameters} == pytest.approx(
+        {name: value_of(Config(), name) for name in TABLE}
+    )
+    assert {each.name: each.max for each in parameters} == {name: row.upper for name, row in TABLE.items()}
+    assert all(each.description for each in parameters)
 
 
-def test_what_our_clients_set_and_order_is_done_or_refused_in_the_payloads_words(payload):
-    async def work(clients):
-        await clients.until(lambda: clients.settings.complete)
-        clients.settings.set("EXP_STEP", 999)
-        turned = await clients.order(Turn(10))
-        stopped = await clients.order(Stop())
-        again = await clients.order(Turn(-10))
-        await clients.until(lambda: clients.orders.doing[-1].reason == "stopped: re-arm first")
-        armed = await clients.order(Rearm())
-        return [each.state for each in (turned, stopped, again, armed)], clients.settings.rows()
+async def test_what_our_client_sets_and_asks_for_is_done_or_refused_in_the_payloads_words(payload):
+    async def work(client):
+        with pytest.raises(RefusedByPayload, match="got 999") as refusal:
+            await client.parameters.set("EXP_STEP", 999)
+        assert refusal.value.request == "EXP_STEP = 999"
+        await client.turn(10)
+        await client.stop()
+        with pytest.raises(RefusedByPayload) as refusal:
+            await client.turn(-10)
+        assert refusal.value.reason == "stopped: re-arm first"
+        await client.rearm()
 
-    states, rows = with_clients(payload, work)
-    assert states == ["done", "done", "refused", "done"]
-    (step,) = [row for row in rows if row["name"] == "EXP_STEP"]
-    assert (step["state"], "got 999" in step["reason"]) == ("refused", True)
+    await with_client(payload, work)
 
 
-def test_the_payload_tells_how_its_computer_is(payload):
-    async def work(clients):
-        await clients.until(lambda: clients.station.fleet.payloads[WHO].computer is not None)
-        return clients.station.fleet.payloads[WHO].computer
-
-    computer = with_clients(payload, work)
+async def test_the_payload_tells_how_its_computer_is(payload):
+    computer = await with_client(payload, lambda client: client.until(lambda: client.state.computer))
     assert 0 < computer.memory_used < computer.memory_total
     assert 0 < computer.disk_used <= computer.disk_total
     assert computer.uptime > 0
@@ -126,5 +74,4 @@ def test_the_script_of_the_guide_turns_the_array(payload, request):
     command = [sys.executable, "-c", script, f"udpin:127.0.0.1:{payload.port}"]
     said = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
     assert "1-191 listens for 3.0 s at one orientation" in said
-    assert "turn to 10 deg done" in said
     assert "heading 10" in said

@@ -15,11 +15,12 @@ from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
 from ross_payload.events import Estimate, SourceEstimate, SourcesEstimated
 from ross_payload.interfaces import Attitude, AudioBlock, Input
-from ross_payload.links import Links
-from ross_payload.telemetry.service import Telemetry
+from ross_payload.mavlink import Router
+from ross_payload.pointing import Pointing
+from ross_payload.telemetry.component import Telemetry
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "ground-stations.md"
-HOP = Input(AudioBlock(np.zeros((2, 160), np.float32), 0, 0.0), 0.0, 0.0, 0.0, settled=True, attitude=Attitude(0.0))
+HOP = Input(AudioBlock(np.zeros((2, 160), np.float32), 0, 0.0), 0.0, Pointing(), settled=True, attitude=Attitude(0.0))
 SOURCES = tuple(SourceEstimate(np.radians(azimuth), 0.02, 0.9, resolved=True) for azimuth in (-80.0, 40.0))
 
 
@@ -34,11 +35,11 @@ def test_the_program_of_the_guide_shows_the_sources(role: str) -> None:
     ) as program:  # fmt: skip
         watchdog = time.monotonic() + 60
         with (
-            Links.open([Link(url=f"udpout:127.0.0.1:{port}", role=role)], clock) as links,
+            Router.open([Link(url=f"udpout:127.0.0.1:{port}", role=role)], clock) as links,
             Telemetry(Config(), clock, links) as telemetry,
         ):
             cancel = clock.every(0.01, links.poll)
-            telemetry.said(SourcesEstimated(0.0, Estimate(SOURCES), 12, final=True), HOP)
+            telemetry.on_event(SourcesEstimated(0.0, Estimate(SOURCES), 12, final=True), HOP)
             lines: set[str] = set()
             while len(lines) < 2 and time.monotonic() < watchdog:
                 lines.add(program.stdout.readline().strip())

@@ -10,10 +10,12 @@ from datetime import datetime
 import pytest
 from pymavlink import mavutil
 
+from waiting import wait_for
+
 MAVLOGDUMP = """
 import runpy, sys
 from pymavlink.dialects import v20
-from ross_protocols.dialect import ross
+from ross_protocols.mavlink.dialect import ross
 v20.ross = sys.modules["pymavlink.dialects.v20.ross"] = ross
 runpy.run_module("pymavlink.tools.mavlogdump", run_name="__main__")
 """
@@ -22,21 +24,21 @@ ACCEPTED, IN_PROGRESS, CANCELLED = 0, 5, 6
 
 
 @pytest.fixture(scope="module")
-def recorded(ross_run, ground_stations, until, tmp_path_factory):
+def recorded(ross_run, ground_stations, tmp_path_factory):
     """The log of a few seconds, and what a ground station heard meanwhile."""
     folder, ground = tmp_path_factory.mktemp("recorded"), ground_stations()
     with ross_run(folder, f'url = "udpout:127.0.0.1:{ground.port}"'):
         ground.wait("HEARTBEAT")
         assert ground.order(RECORD, 1) == ACCEPTED
-        (log,) = until(lambda: list((folder / "state" / "recordings").glob("*/telemetry.tlog*")))
+        (log,) = wait_for(lambda: list((folder / "state" / "recordings").glob("*/telemetry.tlog*")))
         ground.command(EXPLORE)
         ground.wait("COMMAND_ACK", lambda ack: ack.command == EXPLORE)
-        until(lambda: "mission started" in " ".join(ground.texts()))
+        wait_for(lambda: "mission started" in " ".join(ground.texts()))
         begun = len(ground.of("HEARTBEAT"))
-        until(lambda: len(ground.of("HEARTBEAT")) > begun + 4)
+        wait_for(lambda: len(ground.of("HEARTBEAT")) > begun + 4)
         assert ground.order(CANCEL) == ACCEPTED
         ground.wait("COMMAND_ACK", lambda ack: (ack.command, ack.result) == (EXPLORE, CANCELLED))
-        until(lambda: "mission over" in " ".join(ground.texts()))
+        wait_for(lambda: "mission over" in " ".join(ground.texts()))
         assert ground.order(RECORD, 0) == ACCEPTED
     return next(log.parent.glob("telemetry.tlog*")), ground
 

@@ -6,15 +6,16 @@ from pathlib import Path
 import pytest
 
 from mavproxy_prompt import mavproxy
+from waiting import wait_for
 
 MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
 LAUNCHER = "runpy"  # what tells its block of the guide from others
 
 
-def started(launcher, port, folder, until):
+def started(launcher, port, folder):
     arguments = ["-c", launcher, MAVPROXY, "--master", f"udpin:127.0.0.1:{port}"]
     arguments += ["--target-system", "1", "--target-component", "191", "--default-modules", "link,param,cmdlong,log"]
-    return mavproxy(arguments, folder, until)
+    return mavproxy(arguments, folder)
 
 
 @pytest.fixture(scope="module")
@@ -26,8 +27,8 @@ def payload(ross_run, free_port, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def prompt(payload, until, guide):
-    with started(guide(LAUNCHER), payload.port, payload.folder, until) as prompt:
+def prompt(payload, guide):
+    with started(guide(LAUNCHER), payload.port, payload.folder) as prompt:
         yield prompt
 
 
@@ -38,10 +39,10 @@ def test_it_links_up_and_fetches_the_parameters(prompt):
     prompt.read(r"EXP_LEAD_IN +2\.0")
 
 
-def test_what_it_writes_is_kept(prompt, payload, until):
+def test_what_it_writes_is_kept(prompt, payload):
     prompt.read(r"Received 14 parameters")
     prompt.type("param set XPL_RUNS 3")
-    until(lambda: payload.kept() == {"XPL_RUNS": 3.0})
+    wait_for(lambda: payload.kept() == {"XPL_RUNS": 3.0})
 
 
 def test_it_prints_our_messages(prompt):
@@ -51,7 +52,7 @@ def test_it_prints_our_messages(prompt):
     prompt.type("watch")
 
 
-def test_its_commands_are_obeyed_by_name_and_the_texts_are_shown(prompt, payload, until):
+def test_its_commands_are_obeyed_by_name_and_the_texts_are_shown(prompt, payload):
     prompt.read(r"Detected vehicle")
     prompt.type("long ROSS_STOP")
     prompt.read(r"Got COMMAND_ACK: ROSS_STOP: ACCEPTED")
@@ -60,4 +61,4 @@ def test_its_commands_are_obeyed_by_name_and_the_texts_are_shown(prompt, payload
     prompt.read(r"AP: RoSS: explore refused: stopped: re-arm first")
     prompt.type("long ROSS_REARM")
     prompt.read(r"Got COMMAND_ACK: ROSS_REARM: ACCEPTED")
-    until(lambda: payload.lines()[-1] if "stopped: stopped by command" in payload.lines() else None)
+    wait_for(lambda: payload.lines()[-1] if "stopped: stopped by command" in payload.lines() else None)

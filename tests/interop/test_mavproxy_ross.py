@@ -23,21 +23,21 @@ azimuth_deg = 40.0
 SYSTEM = 7
 
 
-def started(port, folder, until):
+def started(port, folder):
     ours = ["-m", "ross_payload.cli", "mavproxy", f"--master=udpin:127.0.0.1:{port}"]
-    return mavproxy([*ours, "--default-modules", "link,cmdlong"], folder, until)
+    return mavproxy([*ours, "--default-modules", "link,cmdlong"], folder)
 
 
 @pytest.fixture(scope="module")
-def prompt(ross_run, free_port, tmp_path_factory, until):
+def prompt(ross_run, free_port, tmp_path_factory):
     folder, port = tmp_path_factory.mktemp("direct"), free_port()
-    with ross_run(folder, f'url = "udpout:127.0.0.1:{port}"'), started(port, folder, until) as prompt:
+    with ross_run(folder, f'url = "udpout:127.0.0.1:{port}"'), started(port, folder) as prompt:
         prompt.asks("ross status", r"RoSS 1-191  \w+")
         yield prompt
 
 
 @pytest.fixture(scope="module")
-def behind(living, free_port, tmp_path_factory, until):
+def behind(living, free_port, tmp_path_factory):
     """A prompt on the far side of an autopilot that passes no message of ours on, but for TUNNEL."""
     folder, ground, port = tmp_path_factory.mktemp("behind"), free_port(), free_port()
     (folder / "scenario.toml").write_text(SCENARIO.format(port=port))
@@ -46,7 +46,7 @@ def behind(living, free_port, tmp_path_factory, until):
         stack.enter_context(living(["autopilot", *links, "--system-id", str(SYSTEM)], folder / "autopilot", code=130))
         serve = ["sitl", "--serve", "--json", "--scenario", folder / "scenario.toml"]
         stack.enter_context(living(serve, folder / "payload"))
-        yield stack.enter_context(started(ground, folder, until))
+        yield stack.enter_context(started(ground, folder))
 
 
 def test_the_module_is_loaded_and_helps(prompt):

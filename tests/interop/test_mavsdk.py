@@ -9,7 +9,8 @@ from types import SimpleNamespace
 import pytest
 
 from ross_payload.config import Config
-from ross_payload.parameters import TABLE, value_of
+from ross_payload.config.parameter_table import TABLE, value_of
+from waiting import wait_for
 
 mavsdk = pytest.importorskip("mavsdk", minversion="4", reason="needs the Python package mavsdk, 4 or later")
 direct = pytest.importorskip("mavsdk.plugins.mavlink_direct.mavlink_direct")
@@ -24,9 +25,9 @@ ACCEPTED, TEMPORARILY_REJECTED, UNSUPPORTED, IN_PROGRESS, CANCELLED = 0, 1, 3, 5
 class Client:
     """A MAVSDK ground station that has found a system."""
 
-    def __init__(self, sdk, until):
+    def __init__(self, sdk):
         self.systems = sdk.get_systems
-        (self.system,) = until(lambda: [system for system in sdk.get_systems() if system.component_ids()])
+        (self.system,) = wait_for(lambda: [system for system in sdk.get_systems() if system.component_ids()])
         self.direct = direct.MavlinkDirect(self.system)
         self.param = param.Param(self.system)
         self.telemetry = telemetry.Telemetry(self.system)
@@ -62,13 +63,13 @@ def payload(ross_run, free_port, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def client(payload, until, request, tmp_path_factory):
+def client(payload, request, tmp_path_factory):
     patch = pytest.MonkeyPatch()
     patch.setenv("HOME", str(tmp_path_factory.mktemp("home")))  # it caches metadata there
     kind = mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION)
     with mavsdk.Mavsdk(kind) as sdk:
         assert sdk.add_any_connection(f"udpin://127.0.0.1:{payload.port}") == mavsdk.ConnectionResult.SUCCESS
-        client = Client(sdk, until)
+        client = Client(sdk)
         for name in ("standard", "ross"):  # standard.xml may be loaded too, but MAVSDK knows what is in it
             xml = request.config.rootpath / "protocols" / "mavlink" / f"{name}.xml"
             client.direct.load_custom_xml(xml.read_text(encoding="utf-8"))
@@ -76,9 +77,9 @@ def client(payload, until, request, tmp_path_factory):
     patch.undo()
 
 
-def test_it_finds_the_component_without_an_autopilot(client, until):
+def test_it_finds_the_component_without_an_autopilot(client):
     assert (client.system.get_system_id(), client.system.component_ids()) == (1, [191])
-    until(client.system.is_connected)
+    wait_for(client.system.is_connected)
 
 
 def test_it_reads_all_parameters(client):
@@ -92,20 +93,20 @@ def test_it_reads_one_parameter(client):
     assert client.param.get_param_float("EXP_STEP") == 15.0
 
 
-def test_what_it_writes_is_in_force_and_kept(client, payload, until):
+def test_what_it_writes_is_in_force_and_kept(client, payload):
     client.param.set_param_float("EXP_UNIT", 2.5)
     assert client.param.get_param_float("EXP_UNIT") == 2.5
-    until(lambda: [one for one in client.of("ROSS_INFORMATION") if one.orientation_time == 2.5])
-    until(lambda: payload.kept() == {"EXP_UNIT": 2.5})
+    wait_for(lambda: [one for one in client.of("ROSS_INFORMATION") if one.orientation_time == 2.5])
+    wait_for(lambda: payload.kept() == {"EXP_UNIT": 2.5})
     client.param.set_param_float("EXP_UNIT", 3.0)
 
 
-def test_what_cannot_be_written_is_not_and_the_operator_reads_why(client, payload, until):
+def test_what_cannot_be_written_is_not_and_the_operator_reads_why(client, payload):
     with pytest.raises(param.ParamError) as refused:
         client.param.set_param_float("EXP_STEP", 999.0)
     assert refused.value.result == param.ParamResult.VALUE_OUT_OF_RANGE
     assert client.param.get_param_float("EXP_STEP") == 15.0
-    until(lambda: [text for text in client.texts if "EXP_STEP: expected a number" in text])
+    wait_for(lambda: [text for text in client.texts if "EXP_STEP: expected a number" in text])
     assert "EXP_STEP" not in payload.kept()
 
 
@@ -115,18 +116,18 @@ def test_what_there_is_not_need_not_be_asked_for_again(client):
     assert refused.value.result == param.ParamResult.DOES_NOT_EXIST
 
 
-def test_it_fetches_what_the_parameters_mean(client, until):
+def test_it_fetches_what_the_parameters_mean(client):
     files, told = metadata.ComponentMetadata(client.system), {}
     files.subscribe_metadata_available(lambda update, user: told.setdefault(update.type, update.json_metadata))
     files.request_component(191)
-    known = json.loads(until(lambda: told.get(metadata.MetadataType.PARAMETER)))["parameters"]
+    known = json.loads(wait_for(lambda: told.get(metadata.MetadataType.PARAMETER)))["parameters"]
     assert {one["name"] for one in known} == set(TABLE)
     (unit,) = [one for one in known if one["name"] == "EXP_UNIT"]
     assert (unit["min"], unit["max"], unit["units"]) == (0.5, 60, "s")
 
 
-def test_it_reads_our_status_from_our_xml(client, until):
-    status = until(lambda: client.of("ROSS_STATUS"))[-1]
+def test_it_reads_our_status_from_our_xml(client):
+    status = wait_for(lambda: client.of("ROSS_STATUS"))[-1]
     assert (status.message_id, status.frame, status.rotation_max) == (54001, 2, 12)
     assert status.heading == pytest.approx(0.0, abs=1e-6)
     assert status.mount_yaw is None or math.isnan(status.mount_yaw)
@@ -134,28 +135,28 @@ def test_it_reads_our_status_from_our_xml(client, until):
     assert {one.component_id for one in client.heard} == {191}
 
 
-def test_it_reads_texts_and_arrays_of_our_messages(client, until):
-    information = until(lambda: client.of("ROSS_INFORMATION"))[-1]
+def test_it_reads_texts_and_arrays_of_our_messages(client):
+    information = wait_for(lambda: client.of("ROSS_INFORMATION"))[-1]
     assert information.actuator == "tb6600"
     assert information.spacing == pytest.approx(0.05)
-    assert until(lambda: client.of("ROSS_AUDIO"))[-1].level == pytest.approx([-40.0, -40.0], abs=0.5)
+    assert wait_for(lambda: client.of("ROSS_AUDIO"))[-1].level == pytest.approx([-40.0, -40.0], abs=0.5)
 
 
-def test_a_stop_cancels_the_task_and_the_state_says_why_nothing_moves(client, until):
+def test_a_stop_cancels_the_task_and_the_state_says_why_nothing_moves(client):
     ends = []
     client.direct.send_command_async(
         command(EXPLORE), lambda result, ack, user: ends.append(json.loads(ack.fields_json))
     )
-    until(lambda: [ack for ack in client.of("COMMAND_ACK") if (ack.command, ack.result) == (EXPLORE, IN_PROGRESS)])
+    wait_for(lambda: [ack for ack in client.of("COMMAND_ACK") if (ack.command, ack.result) == (EXPLORE, IN_PROGRESS)])
     assert not ends
     assert client.order(STOP) == ACCEPTED
-    until(lambda: ends)
+    wait_for(lambda: ends)
     assert ends[0]["result"] == CANCELLED
     assert client.order(EXPLORE) == TEMPORARILY_REJECTED
-    until(lambda: [text for text in client.texts if text == "RoSS: explore refused: stopped: re-arm first"])
-    until(lambda: client.of("ROSS_STATUS")[-1].state == 8)
+    wait_for(lambda: [text for text in client.texts if text == "RoSS: explore refused: stopped: re-arm first"])
+    wait_for(lambda: client.of("ROSS_STATUS")[-1].state == 8)
     assert client.order(REARM) == ACCEPTED
-    until(lambda: client.of("ROSS_STATUS")[-1].state == 0)
+    wait_for(lambda: client.of("ROSS_STATUS")[-1].state == 0)
 
 
 def test_a_command_that_nobody_knows_is_unsupported(client):

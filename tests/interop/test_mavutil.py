@@ -12,11 +12,11 @@ from pymavlink import mavutil
 from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
-from ross_payload.links import Heard, Links
-from ross_payload.telemetry.tlog import TlogRecorder
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import common, ross
-from ross_protocols.values import Health, Heartbeat, Severity, Source, Status, Text, Value
+from ross_payload.mavlink import Received, Router
+from ross_payload.transport.tlog import TlogRecorder
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import common, ross
+from ross_protocols.mavlink.values import Health, Heartbeat, Severity, Source, Status, Text, Value
 
 SOURCES = [
     Source(1_000_000, 1, index, 2, azimuth, 0.05, 0.9, 0.5, earth=True, resolved=True)
@@ -32,7 +32,7 @@ STORY: list[Value] = [
 MAVLOGDUMP = """
 import runpy, sys
 from pymavlink.dialects import v20
-from ross_protocols.dialect import ross
+from ross_protocols.mavlink.dialect import ross
 v20.ross = ross
 sys.modules["pymavlink.dialects.v20.ross"] = ross
 runpy.run_module("pymavlink.tools.mavlogdump", run_name="__main__")
@@ -63,7 +63,7 @@ def tlog(path: Path) -> Path:
 def test_a_udp_client_reads_the_stream(dialect: ModuleType) -> None:
     port = free_port()
     client = mavutil.mavlink_connection(f"udpin:127.0.0.1:{port}")
-    with Links.open([Link(url=f"udpout:127.0.0.1:{port}")], SystemClock()) as links:
+    with Router.open([Link(url=f"udpout:127.0.0.1:{port}")], SystemClock()) as links:
         for value in STORY:
             links.component(191).send(value)
     got = [client.recv_match(blocking=True, timeout=5.0) for _ in STORY]
@@ -76,8 +76,8 @@ def test_a_udp_client_reads_the_stream(dialect: ModuleType) -> None:
 
 def test_a_udp_client_that_speaks_first_is_answered(dialect: ModuleType) -> None:
     port = free_port()
-    heard: list[Heard] = []
-    with Links.open([Link(url=f"udpin:127.0.0.1:{port}")], SystemClock()) as links:
+    heard: list[Received] = []
+    with Router.open([Link(url=f"udpin:127.0.0.1:{port}")], SystemClock()) as links:
         links.component(191).subscribe(heard.append)
         client = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255, source_component=190)
         client.mav.send(common.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
@@ -126,7 +126,7 @@ def test_a_client_of_mavutil_sends_orders_and_common_messages_in_our_dialect(mon
     monkeypatch.setattr(mavutil, "mavlink", ross)
     monkeypatch.setenv("MAVLINK20", "1")
     port, clock, heard = free_port(), SystemClock(), []
-    with Links.open([Link(url=f"udpin:127.0.0.1:{port}")], clock) as links:
+    with Router.open([Link(url=f"udpin:127.0.0.1:{port}")], clock) as links:
         links.component(191).subscribe(lambda each: heard.append(each.packet.message))
         ground = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255)
         ground.mav.heartbeat_send(ross.MAV_TYPE_GCS, ross.MAV_AUTOPILOT_INVALID, 0, 0, 0)

@@ -5,8 +5,9 @@ import threading
 
 import pytest
 
-from ross_protocols.codec import Encoder
-from ross_protocols.values import DIALECT_VERSION, Information
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.values import DIALECT_VERSION, Information
+from waiting import wait_for
 
 LOOPBACK = "127.0.0.1"
 STOP = 54004
@@ -59,30 +60,30 @@ def switch(ground):
     switch.close()
 
 
-def test_two_payloads_with_one_component_id_go_on_and_both_say_it(ross_run, ground, switch, until, tmp_path):
+def test_two_payloads_with_one_component_id_go_on_and_both_say_it(ross_run, ground, switch, tmp_path):
     link = f'url = "udpout:{LOOPBACK}:{switch.port}"'
     with ross_run(tmp_path / "one", link) as one, ross_run(tmp_path / "other", link) as other:
-        until(lambda: len(said(ground, "RoSS: another sender uses our component id 191")) == 2)
+        wait_for(lambda: len(said(ground, "RoSS: another sender uses our component id 191")) == 2)
         beats = len(ground.of("HEARTBEAT"))
-        until(lambda: len(ground.of("HEARTBEAT")) >= beats + 8)
+        wait_for(lambda: len(ground.of("HEARTBEAT")) >= beats + 8)
         assert len(said(ground, "RoSS: another sender")) == 2, "once each"
         ground.command(STOP)
         for payload in (one, other):
-            until(lambda payload=payload: "stopped: stopped by command" in payload.lines())
+            wait_for(lambda payload=payload: "stopped: stopped by command" in payload.lines())
 
 
-def test_payloads_with_their_own_component_ids_have_nothing_to_say(ross_run, ground, switch, until, tmp_path):
+def test_payloads_with_their_own_component_ids_have_nothing_to_say(ross_run, ground, switch, tmp_path):
     link = f'url = "udpout:{LOOPBACK}:{switch.port}"'
     own = "[telemetry]\ncomponent_id = 192\n"
     with ross_run(tmp_path / "one", link) as one, ross_run(tmp_path / "other", link, more=own) as other:
-        until(lambda: len(ground.of("HEARTBEAT", 192)) > 3 and len(ground.of("HEARTBEAT", 191)) > 3)
-        assert ground.order(STOP) == ACCEPTED
-        until(lambda: "stopped: stopped by command" in one.lines())
+        wait_for(lambda: len(ground.of("HEARTBEAT", 192)) > 3 and len(ground.of("HEARTBEAT", 191)) > 3)
+        assert ground.obeyed(STOP) == ACCEPTED
+        wait_for(lambda: "stopped: stopped by command" in one.lines())
         assert "stopped: stopped by command" not in other.lines(), "only one of them was meant"
         assert not said(ground, "RoSS: another sender")
 
 
-def test_another_version_of_the_dialect_is_named_once(ross_run, ground, switch, until, tmp_path):
+def test_another_version_of_the_dialect_is_named_once(ross_run, ground, switch, tmp_path):
     stranger = Encoder(2, 191)
     told = Information(0, 0.05, 343.0, 0.0, None, None, 1.0, 3.0, 16000, 6, "9.9", "tb6600", DIALECT_VERSION + 1)
     with (
@@ -93,6 +94,6 @@ def test_another_version_of_the_dialect_is_named_once(ross_run, ground, switch, 
         for _ in range(5):
             peer.sendto(stranger.encode(told), (LOOPBACK, switch.port))
             ground.rest(0.3)
-        until(lambda: said(ground, f"RoSS: payload 2/191: dialect {DIALECT_VERSION + 1}, expected"))
+        wait_for(lambda: said(ground, f"RoSS: payload 2/191: dialect {DIALECT_VERSION + 1}, expected"))
         ground.rest(1.0)
         assert len(said(ground, "RoSS: payload")) == 1

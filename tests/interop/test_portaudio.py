@@ -21,7 +21,7 @@ PLUGIN = "alsa-lib/libasound_module_pcm_pulse.so"
 PAYLOAD = """
 import json, sys, time
 import numpy as np
-from ross_payload.audio.sources import open_source
+from ross_payload.audio.open_source import open_source
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config, validated
 from ross_payload.errors import RossError

@@ -7,24 +7,27 @@ import pytest
 from fastcrc.crc16 import mcrf4xx
 
 from ross_payload.actuators.wires import open_wire
-from ross_payload.audio.playback import FileSource
-from ross_payload.audio.wiring import Wiring
+from ross_payload.audio.channel_map import ChannelMap
+from ross_payload.audio.file_source import FileSource
 from ross_payload.config import Config, Link, Telemetry
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.config.parameter_table import TABLE
 from ross_payload.events import StateChanged
 from ross_payload.interfaces import Attitude
-from ross_payload.links import Counts, Links
+from ross_payload.mavlink import Router
 from ross_payload.mount import mount_of
 from ross_payload.orders import Shutdown
-from ross_payload.parameters import TABLE, Parameters
-from ross_payload.recording.shelf import Shelf
 from ross_payload.service.payload import Parts, assembled
+from ross_payload.sessions.session_store import SessionStore
 from ross_payload.timebase import Timebase
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.commands import command_of
-from ross_protocols.dialect import MESSAGES, common
-from ross_protocols.params import ListRequest, ReadRequest, SetRequest, request_of
+from ross_payload.transport.ports import Counts
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.commands import command_of
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import MESSAGES, common
+from ross_protocols.mavlink.params import ListRequest, ReadRequest, SetRequest, request_of
 from ross_sim.clock import SimClock
-from ross_sim.tape import drained
+from ross_sim.sitl.mission_session import drained
 
 OURS, OPERATOR = (1, 191), 200
 URL = "udpin:127.0.0.1:14550"
@@ -54,8 +57,7 @@ def meant_for_us(message):
     if (
         request is None
         or isinstance(request, (ListRequest, ReadRequest))
-        or request.system_id not in (0, OURS[0])
-        or request.component_id not in (0, OURS[1])
+        or not request.target.includes(ComponentId(*OURS))
     ):
         return False
     return not isinstance(request, SetRequest) or request.name in TABLE
@@ -121,11 +123,11 @@ class Witness:
     def __init__(self):
         self.orders, self.states, self.attitudes = [], [], set()
 
-    def heard(self, heard):
+    def on_input(self, heard):
         self.orders += heard.orders
         self.attitudes.add(heard.attitude)
 
-    def said(self, event, heard):
+    def on_event(self, event, heard):
         if isinstance(event, StateChanged):
             self.states.append(event.state.name)
 
@@ -135,19 +137,19 @@ def payload(folder, noise, storm, accept):
     """A payload in simulated time, with one link."""
     config, clock = Config(telemetry=Telemetry(system_id=OURS[0], component_id=OURS[1])), SimClock()
     with ExitStack() as stack:
-        links = stack.enter_context(Links(clock, OURS[0], folder))
+        links = stack.enter_context(Router(clock, OURS[0], folder))
         links.attach(Link(url=URL, accept=accept), storm)
         timebase = Timebase(clock)
         timebase.attach(links.component(OURS[1]))
         parts = Parts(
             clock=clock,
-            source=FileSource(noise, config.audio.rate_hz, Wiring.of(config.audio), clock),
+            source=FileSource(noise, config.audio.rate_hz, ChannelMap.of(config.audio), clock),
             open_port=lambda url: open_wire(url, clock),
             links=links,
             mount=mount_of(config, clock, links, timebase),
             timebase=timebase,
             parameters=stack.enter_context(Parameters(config, folder / "params.toml")),
-            shelf=Shelf(folder / "recordings"),
+            shelf=SessionStore(folder / "recordings"),
             drained=drained(clock),
         )
         witness = Witness()

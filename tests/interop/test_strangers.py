@@ -10,9 +10,10 @@ import pytest
 
 import strangers
 from full_disk import lose
-from ross_protocols.codec import Decoder
-from ross_protocols.dialect import common
+from ross_protocols.mavlink.codec import Decoder
+from ross_protocols.mavlink.dialect import common
 from strangers import STOP, Station, key_file
+from waiting import wait_for
 
 EXPLORE = 54000
 ACCEPTED, DENIED, IN_PROGRESS = 0, 2, 5
@@ -95,7 +96,7 @@ class Operator(Station):
         return found
 
 
-def test_a_full_disk_leaves_the_stop_to_a_signed_link_and_refuses_the_rest_aloud(ross_run, free_port, until, tmp_path):
+def test_a_full_disk_leaves_the_stop_to_a_signed_link_and_refuses_the_rest_aloud(ross_run, free_port, tmp_path):
     where = ("127.0.0.1", free_port())
     key_file(tmp_path)
     with ross_run(tmp_path, f'url = "udpin:127.0.0.1:{where[1]}"\nkey_file = "key"') as payload, ExitStack() as stack:
@@ -103,8 +104,10 @@ def test_a_full_disk_leaves_the_stop_to_a_signed_link_and_refuses_the_rest_aloud
         ahead = Operator(time.time() + 90, where)  # beyond what is saved
         stack.callback(ahead.sock.close)
         assert [ahead.command(STOP) for _ in range(20)] == [ACCEPTED] * 20
-        until(lambda: any(line.startswith("stopped") for line in payload.lines()))
-        until(lambda: ahead.command(EXPLORE, 0.2) == DENIED)
+        wait_for(lambda: any(line.startswith("stopped") for line in payload.lines()))
+        wait_for(lambda: ahead.command(EXPLORE, 0.2) == DENIED)
         said = "signing-time: Is a directory"
-        until(lambda: ahead.results(0) or (said in "".join(ahead.texts) and "explore refused" in "".join(ahead.texts)))
+        wait_for(
+            lambda: ahead.results(0) or (said in "".join(ahead.texts) and "explore refused" in "".join(ahead.texts))
+        )
         assert (tmp_path / "state" / "stopped").exists()

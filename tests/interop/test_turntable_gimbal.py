@@ -11,12 +11,13 @@ from contextlib import contextmanager
 import pytest
 
 from ross_payload.clock import SystemClock
-from ross_payload.links import open_port
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common
-from ross_protocols.vehicle import euler
+from ross_payload.transport.open_port import open_port
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.vehicle import euler
 from ross_sim.devices.gimbal_device import Servo
 from ross_sim.devices.gimbal_manager import ArduPilot
+from waiting import wait_for
 
 mavsdk = pytest.importorskip("mavsdk", minversion="4", reason="needs the Python package mavsdk, 4 or later")
 gimbals = pytest.importorskip("mavsdk.plugins.gimbal.gimbal")
@@ -33,13 +34,13 @@ COMPASS = "[mount]\nyaw_deg = 90.0\n"
 class Client:
     """A MAVSDK ground station that has found the gimbal."""
 
-    def __init__(self, sdk, until):
-        (self.system,) = until(lambda: [one for one in sdk.get_systems() if 154 in one.component_ids()])
+    def __init__(self, sdk):
+        (self.system,) = wait_for(lambda: [one for one in sdk.get_systems() if 154 in one.component_ids()])
         self.gimbal = gimbals.Gimbal(self.system)
         self.direct = direct.MavlinkDirect(self.system)
-        (self.item,) = until(lambda: self.gimbal.gimbal_list().gimbals)
+        (self.item,) = wait_for(lambda: self.gimbal.gimbal_list().gimbals)
         self.id = self.item.gimbal_id
-        until(lambda: not math.isnan(self.yaw()))
+        wait_for(lambda: not math.isnan(self.yaw()))
 
     def yaw(self):
         """Clockwise from the nose [deg]."""
@@ -61,21 +62,21 @@ class Client:
 
 
 @contextmanager
-def ground_station(port, until, home):
+def ground_station(port, home):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("HOME", str(home))
         kind = mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION)
         with mavsdk.Mavsdk(kind) as sdk:
             assert sdk.add_any_connection(f"udpin://127.0.0.1:{port}") == mavsdk.ConnectionResult.SUCCESS
-            yield Client(sdk, until)
+            yield Client(sdk)
 
 
 @pytest.fixture(scope="module")
-def client(ross_run, free_port, until, tmp_path_factory):
+def client(ross_run, free_port, tmp_path_factory):
     port, folder = free_port(), tmp_path_factory.mktemp("standalone")
     with (
         ross_run(folder, f'url = "udpout:127.0.0.1:{port}"', more=STANDALONE) as payload,
-        ground_station(port, until, folder) as client,
+        ground_station(port, folder) as client,
     ):
         client.payload = payload
         yield client
@@ -87,24 +88,24 @@ def test_it_finds_the_gimbal_and_who_made_it(client):
     assert (item.vendor_name, item.model_name) == ("RoSS", "tb6600")
 
 
-def test_it_takes_control_and_sees_that_it_has_it(client, until):
+def test_it_takes_control_and_sees_that_it_has_it(client):
     client.gimbal.take_control(client.id, PRIMARY)
-    until(lambda: client.mode() == PRIMARY)
+    wait_for(lambda: client.mode() == PRIMARY)
     assert client.primary() == (245, 190)
 
 
 @pytest.mark.parametrize(("mode", "yaw"), [(ONCE, 35.0), (STREAM, -20.0)])
-def test_it_points_and_reads_where_the_array_is(client, until, mode, yaw):
+def test_it_points_and_reads_where_the_array_is(client, mode, yaw):
     client.gimbal.set_angles(client.id, 0.0, 0.0, yaw, FOLLOW, mode)
-    until(lambda: abs(client.yaw() - yaw) < 0.2)
+    wait_for(lambda: abs(client.yaw() - yaw) < 0.2)
 
 
-def test_a_rate_that_is_renewed_turns_the_array_and_one_that_is_not_ends(client, until):
+def test_a_rate_that_is_renewed_turns_the_array_and_one_that_is_not_ends(client):
     for _ in range(20):
         client.gimbal.set_angular_rates(client.id, 0.0, 0.0, 10.0, FOLLOW, STREAM)
         time.sleep(0.05)
-    until(lambda: client.rate() == pytest.approx(10.0, abs=0.5))
-    until(lambda: client.rate() == 0.0, seconds=10.0)
+    wait_for(lambda: client.rate() == pytest.approx(10.0, abs=0.5))
+    wait_for(lambda: client.rate() == 0.0, seconds=10.0)
     assert client.yaw() < -20 + 10 * 10
 
 
@@ -113,26 +114,26 @@ def test_a_yaw_from_north_is_refused_where_nobody_knows_it(client):
         client.gimbal.set_angles(client.id, 0.0, 0.0, 10.0, LOCK, ONCE)
 
 
-def test_it_gives_control_back(client, until):
+def test_it_gives_control_back(client):
     client.gimbal.release_control(client.id)
-    until(lambda: client.mode() == NONE)
+    wait_for(lambda: client.mode() == NONE)
     assert client.primary() == (0, 0)
 
 
-def test_while_a_task_runs_it_is_refused_until_it_takes_control_which_ends_the_task(client, until):
+def test_while_a_task_runs_it_is_refused_until_it_takes_control_which_ends_the_task(client):
     ends = []
     client.direct.send_command_async(
         explore(), lambda result, ack, user: ends.append(json.loads(ack.fields_json)["result"])
     )
-    until(lambda: client.primary() == (1, 191))
+    wait_for(lambda: client.primary() == (1, 191))
     with pytest.raises(gimbals.GimbalError):
         client.gimbal.set_angles(client.id, 0.0, 0.0, 5.0, FOLLOW, ONCE)
     client.gimbal.take_control(client.id, PRIMARY)
     client.gimbal.set_angles(client.id, 0.0, 0.0, 5.0, FOLLOW, ONCE)
-    until(lambda: ends == [CANCELLED])
-    until(lambda: abs(client.yaw() - 5.0) < 0.2)
+    wait_for(lambda: ends == [CANCELLED])
+    wait_for(lambda: abs(client.yaw() - 5.0) < 0.2)
     client.gimbal.release_control(client.id)
-    until(lambda: client.primary() == (0, 0))
+    wait_for(lambda: client.primary() == (0, 0))
 
 
 def explore():
@@ -141,19 +142,19 @@ def explore():
     return direct.MavlinkMessage("COMMAND_LONG", 0, 0, 1, 191, json.dumps(fields))
 
 
-def test_through_an_autopilot_it_points_from_north(ross_run, free_port, until, living, tmp_path):
+def test_through_an_autopilot_it_points_from_north(ross_run, free_port, living, tmp_path):
     inside, outside = free_port(), free_port()
     ways = ("--link", f"udpin:127.0.0.1:{inside}", "--link", f"udpout:127.0.0.1:{outside}")
     link = f'url = "udpout:127.0.0.1:{inside}"\nrole = "autopilot"'
     with (
         living(("autopilot", *ways, "--yaw", "30"), tmp_path / "autopilot", code=130),
         ross_run(tmp_path / "payload", link, more=STANDALONE + '[mount]\nsource = "autopilot"\n'),
-        ground_station(outside, until, tmp_path) as client,
+        ground_station(outside, tmp_path) as client,
     ):
         client.gimbal.take_control(client.id, PRIMARY)
         client.gimbal.set_angles(client.id, 0.0, 0.0, 70.0, LOCK, ONCE)
-        until(lambda: abs(client.north() - 70.0) < 0.5)
-        until(lambda: abs(client.yaw() - 40.0) < 0.5)
+        wait_for(lambda: abs(client.north() - 70.0) < 0.5)
+        wait_for(lambda: abs(client.yaw() - 40.0) < 0.5)
 
 
 class Flight:
@@ -161,7 +162,7 @@ class Flight:
 
     def __init__(self, port):
         self._clock = SystemClock()
-        self._port = open_port(f"udpin:127.0.0.1:{port}", self._clock)
+        self._port = open_port(f"udpin:127.0.0.1:{port}", self._clock.now)
         servo = Servo(lower=-3.4, upper=3.4, max_speed=4.0, max_acceleration=2.0)
         self.manager = ArduPilot((1, 1), (1, 154), servo, lambda now: 0.0)
         self._ear, self._voice = Decoder(), Encoder(1, 1)
@@ -184,7 +185,7 @@ class Flight:
             1, 1, 32, 0, 0.0, math.radians(yaw), math.nan, math.nan
         )
         (packet,) = Decoder().feed(Encoder(255, 190).encode(message))
-        self.manager.hear(packet, self._clock.now())
+        self.manager.on_packet(packet, self._clock.now())
 
     def yaw(self):
         return math.degrees(euler(self.attitudes[-1].q)[0]) if self.attitudes else math.nan
@@ -196,7 +197,7 @@ class Flight:
         now = self._clock.now()
         packets = [packet for data in self._port.receive() for packet in self._ear.feed(data)]
         self.attitudes += [one.message for one in packets if one.name == "GIMBAL_DEVICE_ATTITUDE_STATUS"]
-        said = [answer for packet in packets for answer in self.manager.hear(packet, now)]
+        said = [answer for packet in packets for answer in self.manager.on_packet(packet, now)]
         for message in (*said, *self.manager.live(now)):
             self._port.send(self._voice.encode(message))
 

@@ -3,7 +3,7 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega
 
-from ross_payload.parameters import TABLE
+from ross_payload.config.parameter_table import TABLE
 
 MEASURE_NOISE = 54007
 ACCEPTED = 0

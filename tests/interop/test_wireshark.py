@@ -10,10 +10,12 @@ from dataclasses import replace
 import pytest
 
 import alignments
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import common
-from ross_protocols.tunnel import Wrapper
-from ross_protocols.values import Audio, Health, Heartbeat, Status
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.tunnel import Wrapper
+from ross_protocols.mavlink.values import Audio, Health, Heartbeat, Status
+
+pytestmark = pytest.mark.process
 
 RAW_IP = 101  # the link type of a capture without Ethernet
 LOOPBACK = bytes([127, 0, 0, 1])

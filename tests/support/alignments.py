@@ -1,6 +1,6 @@
 """An alignment with a number of its own in every field."""
 
-from ross_protocols.values import Alignment, CandidateState, Rule
+from ross_protocols.mavlink.values import Alignment, CandidateState, Rule
 
 ALIGNMENT = Alignment(
     time_usec=5_000_000,

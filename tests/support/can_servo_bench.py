@@ -5,10 +5,11 @@ import math
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.config import Config
 from ross_payload.interfaces import Services
-from ross_protocols.dronecan import ArrayCommand, Assembler, Sender
-from ross_protocols.dronecan_gimbal import AngularCommand
+from ross_protocols.dronecan.gimbal_messages import AngularCommand
+from ross_protocols.dronecan.messages import ArrayCommand
+from ross_protocols.dronecan.node_messages import Decoder, Encoder
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.devices.servo import far_end
+from ross_sim.devices.dronecan_far_end import far_end
 
 OWN, SERVO = 121, 50
 
@@ -24,7 +25,7 @@ class Rig:
         self.clock = SimClock()
         self.far_end = far_end.make(self.options, drive)
         self.node = self.far_end.node
-        self.heard, self._assembler = [], Assembler()
+        self.heard, self._assembler = [], Decoder(0)
         self.passes = lambda frame: True  # whether the bus takes a frame of the driver
         self.clock.before_calls(self._advance)
         self.actuator = open_actuator(config, Services(self.clock, lambda url: wrap(self.far_end.port)))
@@ -40,7 +41,7 @@ class Rig:
         self.far_end.advance(now)
 
     def say(self, node, message):
-        self.far_end.port.arrived += Sender(node).frames(message)
+        self.far_end.port.arrived += Encoder(node).broadcast(message)
 
     def go(self, degrees, seconds=0.0):
         self.actuator.command(math.radians(degrees))

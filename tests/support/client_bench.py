@@ -2,16 +2,15 @@
 
 from command_bench import Payload
 from ross_payload.config import Config
-from ross_payload.ground.picture.known import Who
-from ross_payload.parameters import Parameters
-from ross_payload.telemetry.files import FileServer
-from ross_payload.telemetry.identity import Endpoint
-from ross_payload.telemetry.metadata import files
-from ross_payload.telemetry.params import ParameterServer
-from ross_protocols.codec import Decoder, Encoder, chunks
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.mavlink.component_info import files
+from ross_payload.mavlink.ftp_server import FtpServer
+from ross_payload.mavlink.param_server import ParamServer
+from ross_protocols.mavlink.codec import Decoder, Encoder, chunks
+from ross_protocols.mavlink.component_id import ComponentId
 
-WHO = Who(1, 191)
-US = 255, 190
+WHO = ComponentId(1, 191)
+US = ComponentId(255, 190)
 OVER = ("done", "refused", "failed", "cancelled", "no_answer")  # states in which an order ends
 TICK = 5  # steps of 10 ms between two looks of a client at the time
 
@@ -21,19 +20,17 @@ class Served(Payload):
 
     def __init__(self, sky, content=None):
         super().__init__(sky)
-        self.endpoint = Endpoint(self.links, 191)
+        self.component = self.links.component(191)
         self.parameters = Parameters(Config(), None)
         self.servers = [
-            ParameterServer(self.endpoint, self.parameters, lambda name, value: None, self.say),
-            FileServer(self.endpoint, files() | (content or {})),
+            ParamServer(self.component, self.parameters, lambda name, value: None, self.say),
+            FtpServer(self.component, files() | (content or {})),
         ]
-        for server in self.servers:
-            self.links.component(191).subscribe(server.heard)
 
     def say(self, severity, text):
         super().say(severity, text)
         for chunk in chunks(severity, "RoSS: " + text, len(self.texts)):
-            self.endpoint.send(chunk)
+            self.component.send(chunk)
 
     def step(self):
         super().step()
@@ -67,7 +64,7 @@ class Station:
             packets = [p for data in self.payload.ground.air.listen() for p in self.decoder.feed(data)]
             for client in self.clients:
                 for packet in packets:
-                    client.heard(packet, now)
+                    client.on_packet(packet, now)
                 if self.steps % TICK == 0:
                     client.tick(now)
         return until()

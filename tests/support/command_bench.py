@@ -9,13 +9,13 @@ from ross_payload.config import Config
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Attitude, AudioBlock, Input, Observation
+from ross_payload.mavlink.message_requests import MessageRequests
+from ross_payload.mavlink.mission_commands import MissionCommands
 from ross_payload.mission.context import Tools
-from ross_payload.mission.session import Kit, Session
+from ross_payload.mission.live_session import Kit, LiveSession
 from ross_payload.orders import Stop
+from ross_payload.pointing import Pointing
 from ross_payload.service.assemble import settings_of
-from ross_payload.telemetry.commands import CommandServer
-from ross_payload.telemetry.identity import Endpoint
-from ross_payload.telemetry.requests import Requests
 
 RATE, HOP = 16000, 160
 EXPLORE, LISTEN, INFORM, TURN, STOP, CANCEL, PARK, NOISE, RECORD, REARM, HOME = range(54000, 54011)
@@ -62,12 +62,11 @@ class Payload:
         self.given, self.recorded, self.texts, self.waiting = [], [], [], []
         self.disk_full = self.computing = self.stopped = False
         self.fault, self.joint, self.goal, self.hops = "", 0.0, None, 0
-        endpoint = Endpoint(self.links, 191)
-        self.server = CommandServer(
-            endpoint, self.give, self.record, self.say, Requests(endpoint, Streams()), latch=latch
+        component = self.links.component(191)
+        self.server = MissionCommands(
+            component, self.give, self.record, self.say, MessageRequests(component, Streams()), latch=latch
         )
-        self.links.component(191).subscribe(self.server.heard)
-        self.mission = Session(Config(), kit).mission()
+        self.mission = LiveSession(Config(), kit).mission()
         self.output = next(self.mission)
 
     def give(self, order):
@@ -102,7 +101,7 @@ class Payload:
     def hop(self):
         output = self.output
         for event in output.events:
-            self.server.said(event)
+            self.server.on_event(event)
         self.stopped = (self.stopped or output.stop) and not output.rearm
         if output.goal is not None:
             self.goal = output.goal
@@ -115,7 +114,7 @@ class Payload:
         self.hops += 1
         settled = self.goal is None or abs(self.goal - self.joint) < 1e-9
         orders, self.waiting = tuple(self.waiting), []
-        heard = Input(block, begin, self.joint, self.joint, settled, Attitude(0.0), self.fault, orders)
+        heard = Input(block, begin, Pointing(joint=self.joint, earth=True), settled, Attitude(0.0), self.fault, orders)
         self.output = self.mission.send(heard)
 
     def results(self, number, seconds=3.0):

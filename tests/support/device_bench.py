@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 from ports import free_port
+from processes import ROSS, program
 from ross_payload.actuators.guard import Guard
-from ross_payload.actuators.mavlink_gimbal.port import opener
+from ross_payload.actuators.mavlink_gimbal.component_port import opener
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
-from ross_payload.errors import ActuatorError
 from ross_payload.interfaces import Services
-from ross_payload.links import Links
+from ross_payload.mavlink import Router
 
-ROSS = (sys.executable, "-m", "ross_payload.cli")
 PERIOD = 0.010  # of the pump [s]
 
 
@@ -45,15 +43,10 @@ class Process:
 @contextmanager
 def ross(folder: Path, *command: str, before: tuple[str, ...] = ROSS) -> Iterator[Process]:
     """Start a command that ends by SIGTERM, in good order and without a word but of a busy computer."""
-    log = folder / f"{command[0]}-{len(list(folder.iterdir()))}.log"
-    with log.open("w") as file:
-        pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": file}
-        with subprocess.Popen([*before, *command], cwd=folder, text=True, **pipes) as running:
-            try:
-                yield Process(running, log)
-            finally:
-                running.terminate()
-                running.wait(30)
+    name = f"{command[0]}-{len(list(folder.iterdir()))}.log"
+    pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with program([*before, *command], folder, name, code=None, lives=False, **pipes) as (running, log):
+        yield Process(running, log)
     words = [line for line in log.read_text().splitlines() if "this computer does not keep up" not in line]
     assert (running.returncode, words) == (0, []), words
 
@@ -83,27 +76,21 @@ class Driver:
             time.sleep(0.005)
 
     def ready(self) -> None:
-        """Wait until it may be moved; home it when it has to be, and again when a busy computer was too late."""
-        end = time.monotonic() + 30.0
-        while not (self.actuator.state().homed and self.actuator.state().settled):
-            assert time.monotonic() < end, self.actuator.state()
-            if self.actuator.state().healthy and not self.actuator.state().homed:
-                self.actuator.home()
-            elif self._starved:
-                self.actuator.home()
-                with suppress(ActuatorError):
-                    self.actuator.rearm()
-            time.sleep(0.3)
+        """Wait until it may be moved; home it when it has to be."""
+        self.until(lambda: self.actuator.state().healthy)
+        if not self.actuator.state().homed:
+            self.actuator.home()
+        self.until(lambda: self.actuator.state().homed and self.actuator.state().settled, 30.0)
 
-    def turn(self, goal: float) -> bool:
-        """Go somewhere [rad] and wait until it is there; False: a busy computer was too late for the pulses."""
+    def turn(self, goal: float) -> None:
+        """Go somewhere [rad] and wait until it is there, which no fault may prevent."""
         self.actuator.command(goal)
-        self.until(lambda: self.actuator.state().settled or self._starved)
-        return not self._starved
+        self.until(self._arrived)
 
-    @property
-    def _starved(self) -> bool:
-        return "ran out" in self.actuator.state().fault
+    def _arrived(self) -> bool:
+        state = self.actuator.state()
+        assert not state.fault, state.fault
+        return state.settled
 
 
 @contextmanager
@@ -115,7 +102,7 @@ def driver(told: dict[str, Any], pump: bool = True, **options: Any) -> Iterator[
     config = Config.model_validate({"actuator": actuator, "links": links})
     clock = SystemClock()
     with ExitStack() as stack:
-        hub = stack.enter_context(Links.open(config.links, clock))
+        hub = stack.enter_context(Router.open(config.links, clock))
         guard = open_actuator(config, Services(clock, opener(hub, 191, clock)))
         stack.enter_context(guard)
 

@@ -11,12 +11,12 @@ from rigs import CuttableWire, Rig
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import load
-from ross_payload.doctor.wired import POLL, wired
+from ross_payload.doctor.probe import POLL_PERIOD_S, open_services
 from ross_payload.interfaces import Port
 from ross_sim.devices.far_end import Fault
 
 OPENING = 2.0  # of what boots when it is opened [s]
-PATIENCE = 4.0  # times that of the simulated
+TIMEOUT_FACTOR = 4.0  # times that of the simulated
 
 
 class Believed:
@@ -45,17 +45,17 @@ class Believed:
 def device_rig(file: Path) -> Iterator[Rig]:
     """Open the actuator of a payload's file, and bring it to its zero."""
     config, wire = load(file), CuttableWire()
-    with wired(config) as services:
+    with open_services(config) as services:
 
         def open_port(url: str) -> Port:
             wire.plug(services.open_port(url))
             return wire
 
         actuator = open_actuator(config, replace(services, open_port=open_port))
-        cancel = services.clock.every(POLL, lambda: actuator.poll(services.clock.now()))
+        cancel = services.clock.every(POLL_PERIOD_S, lambda: actuator.poll(services.clock.now()))
         speed = actuator.capabilities.max_speed
         rig = Rig(services.clock, Believed(wire, actuator), wire, actuator, speed=speed, opening=OPENING)
-        rig.patience = PATIENCE
+        rig.patience = TIMEOUT_FACTOR
         try:
             rig.open()
             actuator.command(0.0)

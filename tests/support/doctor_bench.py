@@ -1,7 +1,7 @@
 """A computer that is a folder and a table of what its programs print."""
 
 from ross_payload.config import Config, validated
-from ross_payload.doctor.finding import worst
+from ross_payload.doctor.findings import worst
 from ross_payload.doctor.machine import Machine
 
 DEVICE = "serial:/dev/ttyUSB0:115200"

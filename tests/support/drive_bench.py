@@ -11,10 +11,10 @@ from ross_payload.config import Config
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import ActuatorState, Services
 from ross_protocols.can import CanFrame
-from ross_protocols.canopen import Item
-from ross_protocols.cia402 import State
+from ross_protocols.canopen.cia402 import State
+from ross_protocols.canopen.frames import Item
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.devices.drive import far_end
+from ross_sim.devices.canopen_far_end import far_end
 
 NODE, OWN = 5, 127
 OPENING = 0.8  # in which a drive is set up [s]

@@ -12,22 +12,22 @@ import numpy as np
 
 from dronecan_wire import Stranger, of
 from ross_payload.config import Config
-from ross_payload.dronecan.hub import Buses
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.dronecan.shared_bus import SharedBuses
 from ross_payload.interfaces import AudioBlock, Port
-from ross_payload.links import Links
+from ross_payload.mavlink import Router
 from ross_payload.mount import FixedMount
 from ross_payload.orders import Shutdown
-from ross_payload.parameters import Parameters
-from ross_payload.recording.shelf import Shelf
 from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Runner
+from ross_payload.sessions.session_store import SessionStore
 from ross_payload.timebase import Timebase
-from ross_protocols.codec import Decoder
-from ross_protocols.dronecan_speech import Reply
-from ross_protocols.values import Text
+from ross_protocols.dronecan.node_messages import Reply
+from ross_protocols.mavlink.codec import Decoder
+from ross_protocols.mavlink.values import Text
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import far_end_of
-from ross_sim.tape import drained
+from ross_sim.sitl.mission_session import drained
 
 URL = "can:test:0"
 SEED = 1
@@ -117,7 +117,7 @@ class Bench:
         """Let everybody who watches the mission believe that it said something."""
         for event in events:
             for observer in self.runner.observers[:-1]:
-                observer.said(event, self.heard)
+                observer.on_event(event, self.heard)
 
 
 class LatePort:
@@ -150,7 +150,7 @@ class Living:
         self._hops = 0
         self._done = False
 
-    def heard(self, heard: Any) -> None:
+    def on_input(self, heard: Any) -> None:
         self._hops += 1
         self._bench.heard = heard
         self._bench.orders += heard.orders
@@ -159,7 +159,7 @@ class Living:
             self._bench.runner.order(Shutdown())
         assert self._hops < HOPS, "the script waits for ever"
 
-    def said(self, event: Any, heard: Any) -> None:
+    def on_event(self, event: Any, heard: Any) -> None:
         """What is said goes over the bus."""
 
 
@@ -180,8 +180,8 @@ def _aboard(config: Config, open_can: Callable[[str], Port] | None, folder: Path
     def open_port(url: str) -> Port:
         return open_can(url) if open_can and url.startswith("can:") else LatePort(far_end.port, clock, powered)
 
-    buses = Buses(open_port, clock)
-    with Links.open((), clock, system_id=1, state=folder) as links, Parameters(config, folder / "params.toml") as kept:
+    buses = SharedBuses(open_port, clock)
+    with Router.open((), clock, system_id=1, state=folder) as links, Parameters(config, folder / "params.toml") as kept:
         parts = Parts(
             clock=clock,
             source=Silence(clock),
@@ -190,7 +190,7 @@ def _aboard(config: Config, open_can: Callable[[str], Port] | None, folder: Path
             mount=FixedMount(None),
             timebase=Timebase(clock),
             parameters=kept,
-            shelf=Shelf(folder / "recordings"),
+            shelf=SessionStore(folder / "recordings"),
             drained=drained(clock),
             state=folder,
             rng=np.random.default_rng(SEED),

@@ -6,7 +6,7 @@ import numpy as np
 
 from ross_payload.dronecan.node import Identity, Node
 from ross_payload.errors import LinkError
-from ross_protocols.dronecan_speech import Ear, Voice
+from ross_protocols.dronecan.node_messages import Decoder, Encoder
 
 UNIQUE = bytes(range(16))
 PERIOD = 0.01  # [s] of the pump
@@ -53,7 +53,7 @@ class Stranger:
     """Another node, of which we hear everything."""
 
     def __init__(self, wire, node_id):
-        self.end, self.voice, self.ear = wire.open(), Voice(node_id), Ear(node_id)
+        self.end, self.voice, self.ear = wire.open(), Encoder(node_id), Decoder(node_id)
 
     def say(self, frames):
         for frame in frames:

@@ -2,11 +2,11 @@
 
 from ross_payload.config import Config
 from ross_payload.events import Answer, Answered, Estimate, SourceEstimate, SourcesEstimated, State, StateChanged
+from ross_payload.mavlink.message_board import Board
+from ross_payload.mavlink.message_requests import MessageRequests
+from ross_payload.mavlink.message_scheduler import MessageScheduler, periods
+from ross_payload.mavlink.mission_commands import MissionCommands
 from ross_payload.orders import Cancel, Rearm, Stop, Task
-from ross_payload.telemetry.commands import CommandServer
-from ross_payload.telemetry.outlets import Outlets
-from ross_payload.telemetry.requests import Requests
-from ross_payload.telemetry.streams import Board
 
 TASK = 2.0  # [s]
 TALKERS = 3
@@ -15,18 +15,15 @@ TALKERS = 3
 class Hand:
     """Obeys orders in its own time; ``state`` is what the payload is in because of them, None: none was given."""
 
-    def __init__(self, endpoint, links, component, say):
+    def __init__(self, links, component, say):
         self.state = None
         self._now = 0.0
         self._task, self._end = None, 0.0
         self._events = []
-        outlets = Outlets(Board(), links, component, Config().telemetry)
-        self._server = CommandServer(endpoint, self._give, lambda on: "", say, Requests(endpoint, outlets))
+        scheduler = MessageScheduler(Board(), links, component, periods(Config().telemetry))
+        self._server = MissionCommands(component, self._give, lambda on: "", say, MessageRequests(component, scheduler))
         source = SourceEstimate(0.0, 0.1, 0.9, True)
-        self._server.said(SourcesEstimated(0.0, Estimate((source,) * TALKERS), 4, final=True))
-
-    def heard(self, heard):
-        self._server.heard(heard)
+        self._server.on_event(SourcesEstimated(0.0, Estimate((source,) * TALKERS), 4, final=True))
 
     def tick(self, now):
         self._now = now
@@ -34,7 +31,7 @@ class Hand:
             self._close(Answer.DONE, "done")
         events, self._events = self._events, []
         for event in events:
-            self._server.said(event)
+            self._server.on_event(event)
         self._server.tick(now)
 
     def _give(self, order):

@@ -1,7 +1,7 @@
 """A telemetry log of an emulated payload."""
 
 from emulated_scene import full
-from ross_protocols.codec import Encoder
+from ross_protocols.mavlink.codec import Encoder
 
 START = 1_700_000_000_000_000  # UNIX time [us]
 RATE = 5  # [Hz]

@@ -2,8 +2,8 @@
 
 import math
 
-from ross_protocols.computer import Computer, computer_message
-from ross_protocols.values import (
+from ross_protocols.mavlink.computer import Computer, computer_message
+from ross_protocols.mavlink.values import (
     Alignment,
     Audio,
     CandidateState,

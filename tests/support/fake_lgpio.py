@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ross_payload.actuators.tb6600.pulses import EDGE, Line
+from ross_payload.actuators.tb6600.pulse_segments import EDGE, PulseLine
 
 WAKE = 20_000  # [us]
 SLOTS = 10
@@ -126,7 +126,7 @@ class FakeLgpio:
                 continue
             pulse = self._waves[0][self._position]
             self._position += 1
-            for bit in Line.STEP, Line.DIRECTION, Line.ENABLE:
+            for bit in PulseLine.STEP, PulseLine.DIRECTION, PulseLine.ENABLE:
                 if pulse.group_mask >> bit & 1:
                     self._write(self._due, bit, pulse.group_bits >> bit & 1)
             self._due += pulse.pulse_delay

@@ -11,9 +11,9 @@ from contextlib import ExitStack
 from typing import Any
 
 from ross_payload.config import Config
-from ross_protocols import cia402
+from ross_protocols.canopen import cia402
+from ross_sim.devices.connections import Coupling, connected
 from ross_sim.devices.device_command import KINDS
-from ross_sim.devices.device_leads import Lead, connected
 from ross_sim.devices.device_session import live
 from ross_sim.devices.far_end import far_end_of
 
@@ -55,7 +55,7 @@ def main(kind: str, wire: str) -> None:
     far_end = far_end_of(config)
     noting = Noting(far_end, kind)
 
-    def connect(epoch: float, stack: ExitStack) -> Lead:
+    def connect(epoch: float, stack: ExitStack) -> Coupling:
         noting.epoch = epoch
         connection = connected(config, wire or None, far_end, epoch=epoch, stack=stack)
         say(json.dumps({"kind": KINDS[kind], "wire": connection.address}))

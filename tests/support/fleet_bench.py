@@ -23,15 +23,14 @@ from emulated_hand import Hand
 from emulated_scene import full
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
-from ross_payload.links import Links
-from ross_payload.parameters import Parameters
-from ross_payload.telemetry.files import FileServer
-from ross_payload.telemetry.identity import Endpoint
-from ross_payload.telemetry.metadata import files
-from ross_payload.telemetry.params import ParameterServer
-from ross_protocols.codec import chunks
-from ross_protocols.params import ListRequest, SetRequest, request_of, value_message
-from ross_protocols.values import Health, Heartbeat, Source, Status
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.mavlink import Router
+from ross_payload.mavlink.component_info import files
+from ross_payload.mavlink.ftp_server import FtpServer
+from ross_payload.mavlink.param_server import ParamServer
+from ross_protocols.mavlink.codec import chunks
+from ross_protocols.mavlink.params import ListRequest, SetRequest, request_of, value_message
+from ross_protocols.mavlink.values import Health, Heartbeat, Source, Status
 
 COMPONENT = 191
 POLL = 0.005  # [s]
@@ -42,19 +41,18 @@ OTHER = {"OTHER_ONE": 1.0, "OTHER_TWO": 2.5}  # parameters of another version
 class OtherParameters:
     """The parameters of a payload of another version."""
 
-    def __init__(self, endpoint):
-        self._endpoint = endpoint
+    def __init__(self, component):
+        self._component = component
         self._values = dict(OTHER)
+        component.subscribe(self.on_packet)
 
-    def heard(self, heard):
-        request = request_of(heard.packet.message)
+    def on_packet(self, received):
+        request = request_of(received.packet.message)
         if isinstance(request, SetRequest) and request.name in self._values:
             self._values[request.name] = request.value
-        if isinstance(request, (ListRequest, SetRequest)) and self._endpoint.meant(
-            request.system_id, request.component_id
-        ):
+        if isinstance(request, (ListRequest, SetRequest)) and request.target.includes(self._component.id):
             for index, (name, value) in enumerate(self._values.items()):
-                self._endpoint.send(value_message(name, value, index, len(self._values)))
+                self._component.send(value_message(name, value, index, len(self._values)))
 
     def tick(self, now):
         pass
@@ -66,20 +64,17 @@ class Emulated:
     def __init__(self, system, url, *, born, sources=3, other=False):
         self.system, self.url, self.sources, self.born = system, url, sources, born
         self.nan = False
-        self._links = Links.open([Link(url=url)], SystemClock(), system_id=system, patient=True)
+        self._links = Router.open([Link(url=url)], SystemClock(), system_id=system, patient=True)
         self._component = self._links.component(COMPONENT)
         self._numbers = count(1)
-        endpoint = Endpoint(self._links, COMPONENT)
         self._parameters = Parameters(Config())
         settings = (
-            OtherParameters(endpoint)
+            OtherParameters(self._component)
             if other
-            else ParameterServer(endpoint, self._parameters, lambda name, value: None, self.say)
+            else ParamServer(self._component, self._parameters, lambda name, value: None, self.say)
         )
-        self.hand = Hand(endpoint, self._links, self._component, self.say)
-        self._servers = [settings, self.hand, FileServer(endpoint, files())]
-        for server in self._servers:
-            self._component.subscribe(server.heard)
+        self.hand = Hand(self._links, self._component, self.say)
+        self._servers = [settings, self.hand, FtpServer(self._component, files())]
 
     def say(self, severity, text):
         for part in chunks(severity, text, next(self._numbers)):

@@ -1,12 +1,12 @@
 """What payloads say, and a picture that hears it."""
 
-from ross_payload.ground.picture.fleet import Fleet
-from ross_payload.ground.picture.known import Who
-from ross_payload.ground.picture.view import view
-from ross_protocols import values as v
-from ross_protocols.codec import Decoder, Encoder
+from ross_payload.ground.model.fleet import Fleet
+from ross_payload.ground.model.view import view
+from ross_protocols.mavlink import values as v
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.component_id import ComponentId
 
-WHO = Who(1, 191)
+WHO = ComponentId(1, 191)
 
 
 def status(time, **how):
@@ -35,7 +35,7 @@ class Ground:
     def hear(self, frames):
         for frame in frames:
             for packet in self.decoder.feed(frame):
-                self.fleet.hear(packet, self.at)
+                self.fleet.on_packet(packet, self.at)
 
     @property
     def known(self):

@@ -4,9 +4,9 @@ import math
 
 from fastcrc.crc16 import mcrf4xx
 
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import MESSAGES, common
-from ross_protocols.values import (
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import MESSAGES, common
+from ross_protocols.mavlink.values import (
     Alignment,
     Audio,
     CandidateState,

@@ -11,8 +11,8 @@ from browsing import HERE, Watched
 from scenes import NOW
 
 ROOT = Path(__file__).resolve().parents[2]
-ASSETS = ROOT / "ross_payload" / "ground" / "page" / "assets"
-PAGE = ROOT / "tests" / "page"
+ASSETS = ROOT / "ross_payload" / "ground" / "web" / "assets"
+PAGE = ROOT / "tests" / "browser"
 POLICY = "default-src 'self'; object-src 'none'; base-uri 'none'"
 TYPES = {".svg": "image/svg+xml", ".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 from hand_bench import HandBench
 from links_bench import Wire
 from ross_payload.config import Link
-from ross_payload.gimbal import Gimbal
-from ross_payload.links import Links
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common
-from ross_protocols.vehicle import quaternion
+from ross_payload.mavlink import Router
+from ross_payload.mavlink.gimbal import Gimbal
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.vehicle import quaternion
 
 GROUND, AUTOPILOT = "udpout:ground:1", "udpout:autopilot:1"
 LONG = common.MAVLink_command_long_message
@@ -75,7 +75,7 @@ class GimbalBench(HandBench):
     def __init__(self, stack, mode, base=None, *, accept=(), bytes_s=0, **config):
         gimbal = {"mode": mode} | config.pop("gimbal", {})
         super().__init__(stack, base, **{"gimbal": gimbal} | config)
-        links = stack.enter_context(Links(self.clock, 1))
+        links = stack.enter_context(Router(self.clock, 1))
         self.links = links
         self.wires = {url: TimedWire(self.clock) for url in (GROUND, AUTOPILOT)}
         links.attach(Link(url=GROUND, accept=accept, max_bytes_s=bytes_s), self.wires[GROUND])

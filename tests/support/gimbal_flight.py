@@ -10,8 +10,9 @@ import time
 
 from pymavlink.dialects.v20 import ardupilotmega
 
-from ross_protocols.tunnel import unwrap
-from ross_protocols.vehicle import euler
+from ross_protocols.mavlink.tunnel import unwrap
+from ross_protocols.mavlink.vehicle import euler
+from waiting import wait_for
 
 ROSS = (sys.executable, "-m", "ross_payload.cli")
 PITCH_YAW, CONFIGURE, REQUEST_MESSAGE, MANAGER_STATUS = 1000, 1001, 512, 281
@@ -54,8 +55,8 @@ class GimbalAutopilot:
 class Pilot:
     """What a ground station sees and asks of gimbal and payload; angles in degrees, clockwise from the nose."""
 
-    def __init__(self, ground, payload, until) -> None:
-        self.ground, self.payload, self.until = ground, payload, until
+    def __init__(self, ground, payload) -> None:
+        self.ground, self.payload, self.until = ground, payload, wait_for
 
     def ask(self, number, *values):
         """Send a command to the autopilot; return its answer."""

@@ -5,11 +5,11 @@ import math
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
 from ross_payload.interfaces import Services
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import common
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import common
 from ross_sim.clock import SimClock
-from ross_sim.devices.gimbal import GimbalFarEnd
 from ross_sim.devices.gimbal_device import Servo
+from ross_sim.devices.gimbal_far_end import GimbalFarEnd
 
 SERVO = Servo(math.radians(-202), math.radians(202), max_speed=2.0, max_acceleration=4.0)
 STATION = Encoder(255, 190)

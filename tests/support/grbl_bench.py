@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from rigs import CuttableWire
-from ross_payload.actuators.grbl.driver import Grbl
+from ross_payload.actuators.grbl.driver import backend
 from ross_payload.actuators.grbl.options import Options
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.devices.grbl import far_end
+from ross_sim.devices.grbl_far_end import far_end
 
 TURN = math.radians(60)
 
@@ -25,7 +25,7 @@ class Bench:
         self.firmware = self.end.firmware
         self.clock.before_calls(self.end.advance)
         self.wire = CuttableWire(self.end.port)
-        self.actuator = Grbl(self.options, Services(self.clock, lambda url: self.wire))
+        self.actuator = backend.open(self.options, Services(self.clock, lambda url: self.wire))
         self.failures = []
         self.clock.every(QUANTUM, self.poll)
 

@@ -9,8 +9,8 @@ from contextlib import asynccontextmanager
 
 import aiohttp
 
-from ross_payload.ground.page.server import serve
-from ross_protocols.values import Audio
+from ross_payload.ground.web.server import serve
+from ross_protocols.mavlink.values import Audio
 
 WAIT = 20.0  # [s] for something that must come
 

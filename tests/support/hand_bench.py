@@ -8,7 +8,7 @@ from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
 from ross_payload.events import Answered, StateChanged
 from ross_payload.interfaces import Attitude, AudioBlock, Services
-from ross_payload.mission.session import Session
+from ross_payload.mission.live_session import LiveSession
 from ross_payload.mission.tasks import Memory
 from ross_payload.orders import Shutdown
 from ross_payload.service.payload import maker
@@ -55,7 +55,7 @@ class HandBench:
         self.clock.before_calls(self.far_end.advance)
         services = Services(self.clock, lambda url: self.far_end.port)
         self.actuator = stack.enter_context(open_actuator(self.config, services))
-        session = Session(self.config, maker(self.actuator, None), Memory())
+        session = LiveSession(self.config, maker(self.actuator, None), Memory())
         self.runner = Runner(
             session.mission(), Microphones(self.clock), self.actuator, self.base, config=self.config, clock=self.clock
         )
@@ -73,12 +73,12 @@ class HandBench:
         """A step of a script: give orders."""
         return time, lambda: [self.runner.order(order) for order in orders]
 
-    def heard(self, heard):
+    def on_input(self, heard):
         self.trace.append((self.clock.now(), self.far_end.angle(), heard))
         while self._script and self._script[0][0] <= self.clock.now():
             self._script.pop(0)[1]()
 
-    def said(self, event, heard):
+    def on_event(self, event, heard):
         self.events.append(event)
 
     def angle(self, time):

@@ -5,11 +5,11 @@ from collections.abc import Callable
 from typing import Any
 
 from ross_payload.ground.links.link import LinkState
-from ross_payload.ground.picture.fleet import Fleet
-from ross_payload.ground.picture.known import Who
-from ross_protocols.codec import Decoder, Encoder, Packet
+from ross_payload.ground.model.fleet import Fleet
+from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
+from ross_protocols.mavlink.component_id import ComponentId
 
-PAYLOAD = Who(1, 191)
+PAYLOAD = ComponentId(1, 191)
 NOTHING_YET = "no telemetry yet"
 
 
@@ -28,9 +28,9 @@ class HandStation:
         self.system_id, self.component_id = 254, 190
         self.fleet, self.later = Fleet(), 0.0
         self.states = [link()]
-        self.sent: list[tuple[Any, Who | None]] = []
+        self.sent: list[tuple[Any, ComponentId | None]] = []
         self._calls: list[Callable[[Packet, float], None]] = []
-        self._encoders: dict[Who, Encoder] = {}
+        self._encoders: dict[ComponentId, Encoder] = {}
         self._decoder = Decoder()
 
     def now(self) -> float:
@@ -46,14 +46,14 @@ class HandStation:
         self._calls.append(call)
         return lambda: self._calls.remove(call)
 
-    def send(self, message: Any, who: Who | None = None) -> None:
+    def send(self, message: Any, who: ComponentId | None = None) -> None:
         self.sent.append((message, who))
 
-    def say(self, *told: Any, who: Who = PAYLOAD) -> None:
+    def say(self, *told: Any, who: ComponentId = PAYLOAD) -> None:
         """Let a payload say something."""
         encoder = self._encoders.setdefault(who, Encoder(who.system, who.component))
         for packet in self._decoder.feed(b"".join(map(encoder.encode, told))):
             at = self.now()
-            self.fleet.hear(packet, at)
+            self.fleet.on_packet(packet, at)
             for call in list(self._calls):
                 call(packet, at)

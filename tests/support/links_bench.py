@@ -2,24 +2,11 @@
 
 from typing import Any
 
+from clocks import FakeClock
 from ross_payload.config import Link
-from ross_payload.links import Counts, Heard, Links
-from ross_protocols.codec import Decoder, Encoder, Packet
-
-
-class HandClock:
-    """Stands still until it is moved."""
-
-    time = 0.0
-
-    def now(self) -> float:
-        return self.time
-
-    def sleep(self, duration: float) -> None:
-        self.time += duration
-
-    def every(self, period: float, call: Any) -> Any:
-        raise AssertionError("links are polled, they do not poll")
+from ross_payload.mavlink import Received, Router
+from ross_payload.transport.ports import Counts
+from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
 
 
 class Wire:
@@ -49,13 +36,13 @@ class Bench:
     """A hub with wires named by their URLs, and what its component 191 hears."""
 
     def __init__(self, *links: Link, system_id: int = 1) -> None:
-        self.clock = HandClock()
-        self.links = Links(self.clock, system_id)
+        self.clock = FakeClock()
+        self.links = Router(self.clock, system_id)
         self.wires = {link.url: Wire() for link in links}
         for link in links:
             self.links.attach(link, self.wires[link.url])
         self.payload = self.links.component(191)
-        self.heard: list[Heard] = []
+        self.heard: list[Received] = []
         self.payload.subscribe(self.heard.append)
 
     def say(self, url: str, message: Any, system: int = 1, component: int = 1, sequence: int = 0) -> None:

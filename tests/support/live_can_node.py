@@ -37,6 +37,6 @@ class LiveCanNode:
         begin = time.monotonic()
         while not self._over.wait(TICK):
             for frame in self._port.receive():
-                self.node.take(frame)
+                self.node.on_frame(frame)
             for frame in self.node.live(round(time.monotonic() - begin, 3)):
                 self._port.send(frame)

@@ -8,6 +8,8 @@ from contextlib import contextmanager
 
 import pytest
 
+from waiting import wait_for
+
 
 def need_mavproxy():
     if importlib.util.find_spec("MAVProxy") is None:
@@ -17,8 +19,8 @@ def need_mavproxy():
 class Prompt:
     """MAVProxy's command line, on pipes."""
 
-    def __init__(self, process, log, until):
-        self.process, self._log, self._until = process, log, until
+    def __init__(self, process, log):
+        self.process, self._log = process, log
 
     def type(self, line):
         """Type a line; return the place in what is printed, for `read`."""
@@ -32,11 +34,11 @@ class Prompt:
 
     def read(self, pattern, since=0):
         """Wait until it has printed what fits the pattern."""
-        return self._until(lambda: re.search(pattern, self.said()[since:]), 60, f"'{pattern}' in\n{self.said()}")
+        return wait_for(lambda: re.search(pattern, self.said()[since:]), 60, lambda: f"'{pattern}' in\n{self.said()}")
 
     def asks(self, line, pattern):
         """Type a line again and again until the answer fits: a payload may not be heard yet."""
-        return self._until(lambda: re.search(pattern, self._answer(line)), 60, f"'{pattern}' in\n{self.said()}")
+        return wait_for(lambda: re.search(pattern, self._answer(line)), 60, lambda: f"'{pattern}' in\n{self.said()}")
 
     def _answer(self, line):
         place = self.type(line)
@@ -45,7 +47,7 @@ class Prompt:
 
 
 @contextmanager
-def mavproxy(arguments, folder, until):
+def mavproxy(arguments, folder):
     """Run Python with these arguments, which become MAVProxy; it keeps its files in a folder."""
     need_mavproxy()
     log = folder / "mavproxy.log"
@@ -53,6 +55,6 @@ def mavproxy(arguments, folder, until):
     pipes = {"stdin": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     with log.open("w") as out, subprocess.Popen(command, cwd=folder, stdout=out, **pipes) as process:
         try:
-            yield Prompt(process, log, until)
+            yield Prompt(process, log)
         finally:
             process.kill()

@@ -4,12 +4,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ross_payload.dsp.alignment import plan
+from ross_payload.alignment.plan import plan
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input, Observation, Score
 from ross_payload.mission.context import Settings, Tools
-from ross_payload.mission.supervise import mission
+from ross_payload.mission.mission_sequence import mission
+from ross_payload.pointing import Pointing
 
 RATE, HOP = 8000, 80
 SETTINGS = Settings(
@@ -130,7 +131,7 @@ class Rig:
         samples = np.full((2, HOP), 0.1, np.float32)
         block = AudioBlock(samples, self.hops * HOP, self.hops * HOP / RATE)
         self.hops += 1
-        return Input(block, self.joint, self.joint, self.joint, was == 0, Attitude(0.0, known=False))
+        return Input(block, self.joint, Pointing(joint=self.joint), was == 0, Attitude(0.0, known=False))
 
     def said(self, kind):
         return [event for event in self.events if isinstance(event, kind)]

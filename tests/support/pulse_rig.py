@@ -8,9 +8,10 @@ from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
-from ross_payload.actuators.tb6600.pulses import Line, PulseCodec, RecordingPulses
+from ross_payload.actuators.tb6600.pulse_segments import PulseCodec, PulseLine, RecordingPulses
 from ross_payload.clock import SystemClock, hurry
-from ross_sim.devices.wires import WireServer
+from ross_sim.devices.wire_servers import WireServer
+from waiting import wait_for
 
 BUSY = "while True: pass"
 LOOPBACK = "127.0.0.1"
@@ -75,7 +76,7 @@ class Bench:
 
 def rises(segments, since):
     """When the steps of a move that began after ``since`` are due [s]."""
-    times = [segment.start + edges["time"][(edges["line"] == Line.STEP) & edges["level"]]
+    times = [segment.start + edges["time"][(edges["line"] == PulseLine.STEP) & edges["level"]]
              for segment in list(segments) if (edges := segment.edges).size]  # fmt: skip
     times = np.concatenate([np.empty(0), *times])
     return times[times >= since]
@@ -109,7 +110,7 @@ class Rig:
         (self.folder / "ross.toml").write_text(config)
         self.process = self._stack.enter_context(self._start())
         self.ground = self._stack.enter_context(self._ground_station(self._port))
-        until(lambda: "ROSS_STATUS" in self.ground.latest)
+        wait_for(lambda: "ROSS_STATUS" in self.ground.latest)
         return self
 
     def __exit__(self, *reason):
@@ -120,7 +121,7 @@ class Rig:
         here = math.degrees(self.ground.latest["ROSS_STATUS"].heading)
         self.began = time.monotonic()
         assert self.ground.order(TURN, here + (90 if here < 0 else -90), wait=0) == 5
-        until(lambda: self.bench.turning(self.began))
+        wait_for(lambda: self.bench.turning(self.began))
         time.sleep(after)
 
     def turn_to_the_end(self):
@@ -132,20 +133,12 @@ class Rig:
         """How long after ``give`` the steps come later [s]; None: they ran out."""
         given = time.monotonic()
         give()
-        until(lambda: self.ground.latest["ROSS_STATUS"].joint_rate == 0 and self.process.poll() is None)
+        wait_for(lambda: self.ground.latest["ROSS_STATUS"].joint_rate == 0 and self.process.poll() is None)
         time.sleep(0.5)
         if self.ground.order(REARM) == 0:
             return self.bench.began(self.began) - given
         assert (self.ground.order(HOME), self.ground.order(REARM)) == (0, 0)
         return None
-
-
-def until(found, seconds=30.0):
-    """Wait until something is so."""
-    end = time.monotonic() + seconds
-    while not found():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.005)
 
 
 @contextmanager

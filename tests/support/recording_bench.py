@@ -8,10 +8,11 @@ import numpy as np
 
 from ross_payload.config import Config
 from ross_payload.interfaces import Attitude, AudioBlock, Input
-from ross_payload.recording.manifest import Beginning
-from ross_payload.recording.recorder import Recorder
-from ross_payload.recording.session import Session
-from ross_payload.recording.shelf import Shelf
+from ross_payload.pointing import Pointing
+from ross_payload.sessions.manifest import Beginning
+from ross_payload.sessions.recorder import Recorder
+from ross_payload.sessions.session_reader import RecordedSession
+from ross_payload.sessions.session_store import SessionStore
 
 HOP = 160
 SUPPORT = str(Path(__file__).parent)  # where another process finds this
@@ -26,7 +27,9 @@ def block_of(index, raw=None):
 
 def input_of(index, **changes):
     heading = math.sin(index / 7)
-    return replace(Input(block_of(index), heading, heading + 1e-9, heading / 3, True, Attitude(0.1)), **changes)
+    pointing = Pointing(0.1 + index * 0.01, heading / 3, 0.1, heading, earth=True)
+    heard = replace(Input(block_of(index), heading, pointing, True, Attitude(0.1)), **changes)
+    return replace(heard, pointing=replace(heard.pointing, earth=heard.attitude.known))
 
 
 def configured(**recording):
@@ -39,23 +42,23 @@ def beginning(config=None, **changes):
 
 def recording(folder, begin=beginning, **limits):
     limits = {"always": True, "min_free_gb": 0} | limits
-    return Recorder(Shelf(folder), configured(**limits).recording, begin)
+    return Recorder(SessionStore(folder), configured(**limits).recording, begin)
 
 
 def record(folder, inputs, said=(), **limits):
     with recording(folder, **limits) as recorder:
         for index, heard in enumerate(inputs):
-            recorder.heard(heard)
+            recorder.on_input(heard)
             for event in said:
-                recorder.said(event, heard)
+                recorder.on_event(event, heard)
             if index % 50 == 49:
                 recorder.drain()
     return recorder
 
 
 def only(folder):
-    (kept,) = Shelf(folder).all()
-    return Session.open(kept.path)
+    (kept,) = SessionStore(folder).all()
+    return RecordedSession.open(kept.path)
 
 
 def equal(one, other):

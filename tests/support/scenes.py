@@ -1,4 +1,4 @@
-"""What a payload may know, as `ross_payload.ground.picture.view` draws it: sections from closed forms."""
+"""What a payload may know, as `ross_payload.ground.model.view` draws it: sections from closed forms."""
 
 import math
 from collections.abc import Mapping, Sequence

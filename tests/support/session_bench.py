@@ -15,7 +15,8 @@ from ross_payload.events import (
 )
 from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input, Observation, Score
 from ross_payload.mission.context import Settings, Tools
-from ross_payload.mission.session import Kit, Session
+from ross_payload.mission.live_session import Kit, LiveSession
+from ross_payload.pointing import Pointing
 
 RATE, HOP = 8000, 80
 
@@ -79,7 +80,7 @@ class Bench:
     """A turntable that needs three hops for any turn, a guard that latches stops, and an operator with a list."""
 
     def __init__(self, config=None, make=make, memory=None, first=None):
-        self.session = Session(config or Config(), make, memory)
+        self.session = LiveSession(config or Config(), make, memory)
         self.brain = self.session.mission(first)
         self.joint = self.goal = 0.0
         self.moving = self.hops = 0
@@ -116,8 +117,7 @@ class Bench:
         heard = Input(
             block,
             begin,
-            self.joint,
-            self.joint,
+            Pointing(joint=self.joint, earth=self.known),
             self.moving == 0 and not self.fault,
             Attitude(0.0, known=self.known),
             self.fault,

@@ -10,7 +10,7 @@ SESSION = "state/recordings/0001"
 NAMED = ("state/params.toml", "state/signing-time", "state/dronecan.json", f"{SESSION}/session.json", PRINT)
 FILES = (
     *NAMED, "state/stopped", f"{SESSION}/inputs.jsonl", f"{SESSION}/audio.wav", f"{SESSION}/events.jsonl",
-    f"{SESSION}/config.json", "state/params.toml.new", "state/signing-time.new", "state/dronecan.json.new",
+    f"{SESSION}/config.json",
     "state/recordings", "state/recordings/0002", "state/recordings/pipe",
 )  # fmt: skip
 DEPTH = 100_000

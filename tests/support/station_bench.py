@@ -1,14 +1,13 @@
 """Far ends for a ground station: voices of payloads on sockets of their own, and patience for real sockets."""
 
 import asyncio
+import contextlib
 import socket
-import time
-from collections.abc import Awaitable, Callable
 from typing import Any
 
 from ross_payload.ground.station import Station
-from ross_protocols.codec import Decoder, Encoder, Packet
-from ross_protocols.values import Audio, Health, Heartbeat, Status
+from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
+from ross_protocols.mavlink.values import Audio, Health, Heartbeat, Status
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 AUDIO = Audio(time_usec=1)
@@ -18,25 +17,6 @@ FRAME = Encoder(1, 191).encode(AUDIO)
 def status(seconds: float) -> Status:
     """A status so many seconds [s] into the life of a payload."""
     return Status(round(seconds * 1e6), seconds, 3, earth=True, heading=0.5)
-
-
-async def until(true: Callable[[], object], seconds: float = 30.0) -> Any:
-    """Wait for something to become true, and return it."""
-    async with asyncio.timeout(seconds):
-        while not (found := true()):
-            await asyncio.sleep(0.01)
-    return found
-
-
-class HandClock:
-    """Real time that can be moved on."""
-
-    def __init__(self) -> None:
-        self.ahead = 0.0
-
-    def now(self) -> float:
-        """Return the time [s]."""
-        return time.monotonic() + self.ahead
 
 
 class Far:
@@ -74,15 +54,12 @@ class Far:
         return [packet.name for packet in self.listen()]
 
     def __enter__(self) -> "Far":
+        with contextlib.suppress(RuntimeError):  # no loop runs here
+            asyncio.get_running_loop().set_debug(True)  # it complains of calls from other threads
         return self
 
     def __exit__(self, *_: object) -> None:
         self._sock.close()
-
-
-def run(claim: Callable[[], Awaitable[None]]) -> None:
-    """Let it happen in a loop that complains, within two minutes."""
-    asyncio.run(asyncio.wait_for(claim(), 120), debug=True)
 
 
 def known(station: Station) -> list[str]:

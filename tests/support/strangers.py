@@ -7,10 +7,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common
-from ross_protocols.signing import timestamp_of
-from ross_protocols.values import Health, Heartbeat
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.signing import timestamp_of
+from ross_protocols.mavlink.values import Health, Heartbeat
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 KEY = bytes(range(32))

@@ -9,12 +9,12 @@ import numpy as np
 
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
-from ross_payload.actuators.tb6600.pulses import Line
+from ross_payload.actuators.tb6600.pulse_segments import PulseLine
 from ross_payload.config import Config
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.stepper import Motor
-from ross_sim.devices.tb6600 import Tb6600FarEnd, far_end
+from ross_sim.devices.tb6600_far_end import Tb6600FarEnd, far_end
 
 
 class Turning:
@@ -57,5 +57,5 @@ class Bench(Turning):
 
     def rises(self) -> np.ndarray:
         edges = self.edges()
-        times: np.ndarray = edges["time"][(edges["line"] == Line.STEP) & edges["level"]]
+        times: np.ndarray = edges["time"][(edges["line"] == PulseLine.STEP) & edges["level"]]
         return times

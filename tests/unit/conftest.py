@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from ross_payload.config import Link
-from ross_payload.links import Links
-from ross_payload.links.ports import Counts
-from ross_protocols.codec import Decoder
-from ross_protocols.dialect import ross
+from ross_payload.mavlink import Router
+from ross_payload.transport.ports import Counts
+from ross_protocols.mavlink.codec import Decoder
+from ross_protocols.mavlink.dialect import ross
 from ross_sim.clock import SimClock
 
 URL = "udpout:127.0.0.1:14550"
@@ -99,7 +99,7 @@ def sky():
     def make(accept=(), **odds):
         air = Air(**odds)
         clock = SimClock()
-        links = Links(clock, 1)
+        links = Router(clock, 1)
         opened.append(links)
         links.attach(Link(url=URL, accept=accept), air)
         return SimpleNamespace(clock=clock, links=links, air=air, ground=Ground(air))

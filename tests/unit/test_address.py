@@ -5,8 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ross_payload.errors import ConfigError
-from ross_payload.links import address as links_address
-from ross_protocols.address import BadAddress, Serial, Tcp, Udp, parse
+from ross_payload.transport.link_url import Serial, Tcp, Udp, parse
 
 
 @pytest.mark.parametrize(
@@ -49,7 +48,7 @@ def test_a_url_is_read(url: str, address: object) -> None:
     ],
 )
 def test_what_is_no_url_is_explained(url: str, says: str) -> None:
-    with pytest.raises(BadAddress) as error:
+    with pytest.raises(ConfigError) as error:
         parse(url)
     assert says in str(error.value)
     assert f"'{url}'" in str(error.value)
@@ -60,13 +59,5 @@ def test_what_is_no_url_is_explained(url: str, says: str) -> None:
 def test_any_text_is_an_address_or_is_explained(text: str) -> None:
     try:
         parse(text)
-    except BadAddress as error:
+    except ConfigError as error:
         assert "expected" in str(error)
-
-
-def test_in_a_configuration_it_is_a_mistake_of_the_user_in_the_same_words() -> None:
-    with pytest.raises(BadAddress) as plain:
-        parse("udp:1:2")
-    with pytest.raises(ConfigError) as error:
-        links_address.parse("udp:1:2")
-    assert str(error.value) == str(plain.value)

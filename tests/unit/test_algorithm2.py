@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ross_payload import plugins
-from ross_payload.dsp import duet, natural
 from ross_payload.interfaces import Scene
+from ross_payload.separation import duet, natural_gradient_iva
 
 
 def scene(k: int) -> Scene:
@@ -13,7 +13,10 @@ def scene(k: int) -> Scene:
     return Scene(np.linspace(0, 8000, 65), 0.05, 343.0, k, tau)
 
 
-@pytest.mark.parametrize(("k", "method"), [(1, natural), (2, natural), (3, natural), (4, duet), (5, duet)])
+@pytest.mark.parametrize(
+    ("k", "method"),
+    [(1, natural_gradient_iva), (2, natural_gradient_iva), (3, natural_gradient_iva), (4, duet), (5, duet)],
+)
 def test_up_to_three_sources_are_unmixed_and_more_are_masked(k: int, method) -> None:
     separator = plugins.load("ross_payload.separators", "paper")
     rng = np.random.default_rng(k)

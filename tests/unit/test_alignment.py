@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ross_payload.dsp.alignment import ENOUGH, Plan, isolation, plan
-from ross_payload.dsp.gain import predicted_gain
+from ross_payload.alignment.plan import ENOUGH, Plan, isolation, plan
+from ross_payload.alignment.predicted_gain import predicted_gain
 from ross_payload.dsp.steering import ALIAS
 from ross_payload.events import SourceEstimate
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_payload.dsp.gain import BETWEEN, ECHOES, FINE, best_headings, predicted_gain
+from ross_payload.alignment.predicted_gain import BETWEEN, ECHOES, FINE, best_headings, predicted_gain
 
 angles = st.floats(-np.pi, np.pi)
 layouts = st.lists(angles, min_size=2, max_size=5)

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from ross_payload.alignment.paper_rules import aliasing_headings, paper_plan
+from ross_payload.alignment.plan import Plan, isolation
 from ross_payload.angles import difference
-from ross_payload.dsp.alignment import Plan, isolation
-from ross_payload.dsp.paper_rules import aliasing_headings, paper_plan
 from ross_payload.events import SourceEstimate
 
 SPACING, SPEED = 343.0, 343.0  # d / v_p = 1 s

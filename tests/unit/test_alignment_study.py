@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ross_payload.dsp.alignment import ENOUGH
-from ross_payload.dsp.gain import BETWEEN, ECHOES, REACH, predicted_gain
-from ross_sim.study.alignment import RULES, Curve, curves, fit
-from ross_sim.study.case import perform
-from ross_sim.study.cast import Source
-from ross_sim.study.design import Task, chosen
-from ross_sim.study.rooms import SETTINGS
-from ross_sim.study.separation import PAPER_DEG, aligned_heading
+from ross_payload.alignment.plan import ENOUGH
+from ross_payload.alignment.predicted_gain import BETWEEN, ECHOES, REACH, predicted_gain
+from ross_sim.study.mixtures import PAPER_DEG, aligned_heading
+from ross_sim.study.predicted_gain_study import RULES, Curve, curves, fit
+from ross_sim.study.room_settings import SETTINGS
+from ross_sim.study.study_case import perform
+from ross_sim.study.study_design import Task, chosen
+from ross_sim.study.talker_placement import Source
 
 HEADINGS = np.deg2rad(np.arange(0.0, 180.0, 0.5))
 

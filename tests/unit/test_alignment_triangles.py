@@ -10,9 +10,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ross_payload.alignment.paper_rules import paper_plan
+from ross_payload.alignment.plan import isolation
 from ross_payload.angles import wrap_axis
-from ross_payload.dsp.alignment import isolation
-from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.events import SourceEstimate
 from ross_payload.interfaces import Real
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import soundfile
 
-from ross_payload.audio.health import HealthMonitor
-from ross_payload.audio.live import SourceStatus
+from ross_payload.audio.audio_health import HealthMonitor
+from ross_payload.audio.live_source import SourceStatus
 from ross_payload.config import Config, validated
 from ross_payload.health import AudioTrouble
 from ross_payload.interfaces import AudioBlock, AudioFlag

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_protocols.pcm import LONGEST_HEADER, WIDTHS, Decoder, Header, PcmError, decode, encode, encode_header
+from ross_protocols.audio.pcm import LONGEST_HEADER, WIDTHS, Decoder, Header, PcmError, decode, encode, encode_header
 
 FORMS = st.sampled_from(sorted(WIDTHS))
 

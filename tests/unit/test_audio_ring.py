@@ -24,11 +24,11 @@ def test_pieces_come_out_in_order_with_their_place_and_time_and_nothing_else(cap
             offered += size
         elif kept:
             place, length = kept.pop(0)
-            piece = ring.take()
+            piece = ring.read()
             assert (piece.offered, piece.arrived) == (place, float(place))
             assert np.array_equal(piece.samples, frames(place, length)[:, :2].T)
         else:
-            assert ring.take() is None
+            assert ring.read() is None
         assert ring.offered == offered
         assert ring.waiting == sum(length for _, length in kept) <= capacity
 
@@ -38,9 +38,9 @@ def test_a_piece_is_kept_when_it_fits_and_refused_whole_when_not():
     for begin in (0, 150, 150):
         ring.write(frames(begin, 150), (0, 1), 0.0)
     assert ring.waiting == 150
-    ring.take()
+    ring.read()
     ring.write(frames(450, 150), (0, 1), 0.0)
-    assert ring.take().offered == 450
+    assert ring.read().offered == 450
 
 
 def test_a_writer_and_a_reader_in_two_threads_agree():
@@ -57,7 +57,7 @@ def test_a_writer_and_a_reader_in_two_threads_agree():
     writer.start()
     expected = 0
     while expected < total:
-        piece = ring.take()
+        piece = ring.read()
         if piece is not None:
             assert np.array_equal(piece.samples[0], np.arange(expected, expected + 100, dtype=np.float32))
             expected += 100

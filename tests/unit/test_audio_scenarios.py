@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ross_payload.audio.health import HealthMonitor
+from ross_payload.audio.audio_health import HealthMonitor
 from ross_payload.health import AudioTrouble
 from ross_sim.clock import SimClock
 from ross_sim.scenario import load
-from ross_sim.voices import synthetic_voices
-from ross_sim.world import World
+from ross_sim.sitl.world import World
+from ross_sim.talkers.synthetic_voices import synthetic_voices
 
 pytestmark = pytest.mark.lockstep
 

@@ -11,9 +11,8 @@ from click.testing import CliRunner
 
 from ross_payload import cli
 from ross_payload.audio.command import command
-from ross_payload.audio.devices import devices, portaudio
-from ross_payload.audio.show import verdict, wait
-from ross_payload.audio.tap import Tap, TapFinder
+from ross_payload.audio.sound_devices import devices, portaudio
+from ross_payload.audio.tap_test import Tap, TapFinder, verdict, wait
 from ross_payload.config import Config
 from ross_payload.errors import AudioError
 from ross_sim.clock import SimClock

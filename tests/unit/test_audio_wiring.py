@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from ross_payload.audio.live import LiveSource
-from ross_payload.audio.playback import FileSource
-from ross_payload.audio.sources import open_source
-from ross_payload.audio.wiring import PRESETS, Wiring, fitting
+from ross_payload.audio.channel_map import PRESETS, ChannelMap, fitting
+from ross_payload.audio.file_source import FileSource
+from ross_payload.audio.live_source import LiveSource
+from ross_payload.audio.open_source import open_source
 from ross_payload.config import Audio, Config, validated
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import AudioFlag
@@ -18,10 +18,10 @@ def pair(*values):
 
 
 def test_a_preset_gives_what_the_configuration_does_not_say():
-    wiring = Wiring.of(Audio(preset="respeaker-usb"))
+    wiring = ChannelMap.of(Audio(preset="respeaker-usb"))
     assert (wiring.channels, wiring.needed) == (PRESETS["respeaker-usb"].channels, 6)
-    assert Wiring.of(Audio(preset="respeaker-usb", channels=(4, 3))).channels == (4, 3)
-    assert Wiring.of(Audio(channels=(3, 0))).needed == 4
+    assert ChannelMap.of(Audio(preset="respeaker-usb", channels=(4, 3))).channels == (4, 3)
+    assert ChannelMap.of(Audio(channels=(3, 0))).needed == 4
 
 
 @pytest.mark.parametrize(
@@ -34,37 +34,37 @@ def test_a_preset_gives_what_the_configuration_does_not_say():
 )
 def test_channels_that_cannot_be_are_refused(keys, said):
     with pytest.raises(ConfigError, match=said):
-        Wiring.of(Audio(**keys))
+        ChannelMap.of(Audio(**keys))
 
 
 def test_gain_and_polarity_reach_the_samples_and_not_the_raw():
-    wired = Wiring.of(Audio(gain_db=(20.0, 0.0), invert=(False, True))).apply(pair(0.01, -0.02))
+    wired = ChannelMap.of(Audio(gain_db=(20.0, 0.0), invert=(False, True))).apply(pair(0.01, -0.02))
     assert wired.samples == pytest.approx(np.array([[0.1, -0.2], [-0.01, 0.02]]), abs=2**-22)
     assert np.abs(wired.raw - pair(0.01, -0.02)).max() <= 2**-24  # on the 24-bit grid too
 
 
 def test_without_gain_there_is_no_second_copy():
-    assert Wiring.of(Audio()).apply(pair(0.5)).raw is None
+    assert ChannelMap.of(Audio()).apply(pair(0.5)).raw is None
 
 
 def test_samples_off_the_grid_are_rounded_to_it():
-    counts = Wiring.of(Audio()).apply(pair(1 / 3)).samples.astype(np.float64) * 2**23
+    counts = ChannelMap.of(Audio()).apply(pair(1 / 3)).samples.astype(np.float64) * 2**23
     assert np.array_equal(counts, np.rint(counts))
 
 
 @pytest.mark.parametrize("full", [1.0, -1.0, 32767 / 32768, 1 - 2**-23])
 def test_full_scale_of_16_and_24_bits_is_clipping(full):
-    assert Wiring.of(Audio()).apply(pair(0.1, full)).flags == AudioFlag.CLIPPED
+    assert ChannelMap.of(Audio()).apply(pair(0.1, full)).flags == AudioFlag.CLIPPED
 
 
 def test_a_gain_that_goes_over_full_scale_clips_and_says_so():
-    wired = Wiring.of(Audio(gain_db=(40.0, 0.0))).apply(pair(0.5))
+    wired = ChannelMap.of(Audio(gain_db=(40.0, 0.0))).apply(pair(0.5))
     assert wired.samples[0] == pytest.approx(1 - 2**-23)
     assert wired.flags == AudioFlag.CLIPPED
 
 
 def test_what_is_not_a_number_becomes_zero_and_is_flagged():
-    wired = Wiring.of(Audio()).apply(pair(0.25, np.nan, np.inf))
+    wired = ChannelMap.of(Audio()).apply(pair(0.25, np.nan, np.inf))
     assert np.array_equal(wired.samples, pair(0.25, 0, 0))
     assert wired.flags == AudioFlag.INVALID
 

@@ -10,15 +10,14 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from ports import free_port
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import ross
-from ross_protocols.values import Health, Heartbeat
-from ross_protocols.vehicle import euler
-from ross_sim.autopilot import BOOT, Autopilot
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.values import Health, Heartbeat
+from ross_protocols.mavlink.vehicle import euler
+from ross_sim.autopilot.managed_gimbal import CarriedGimbal
+from ross_sim.autopilot.simulated_autopilot import BOOT, Autopilot, Yaw
 from ross_sim.clock import SimClock
-from ross_sim.delay import wire
-from ross_sim.devices.gimbal_carried import CarriedGimbal
-from ross_sim.vehicle import Yaw
+from ross_sim.devices.far_end import wire
 
 PAYLOAD, GROUND, OTHER = (1, 191), (255, 190), (254, 190)
 TEXT = mavlink.MAVLink_statustext_message(6, b"hello")

@@ -15,17 +15,17 @@ from command_line import called
 from mission_bench import SETTINGS, OneGroupEach, ThreeTalkers, rig
 from ross_payload import plugins
 from ross_payload.config import Config, validated
-from ross_payload.dsp.checked import CheckedSeparator, checked_explorer, load_separator
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import PluginError
 from ross_payload.events import Answer, Estimate, Finished, Outcome, SourceEstimate, State, StateChanged
 from ross_payload.interfaces import Observation, Scene
 from ross_payload.orders import Explore, Seek
+from ross_payload.plugin_checks import CheckedSeparator, checked_explorer, load_separator
 from ross_payload.service.assemble import explorer_of
-from ross_sim.study.case import Failure, attempt
-from ross_sim.study.cast import Source
-from ross_sim.study.design import Task, chosen
-from ross_sim.voices import synthetic_voice
+from ross_sim.study.study_case import Failure, attempt
+from ross_sim.study.study_design import Task, chosen
+from ross_sim.study.talker_placement import Source
+from ross_sim.talkers.synthetic_voices import synthetic_voice
 from session_bench import Bench, make
 from short_mission import SHORT
 

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from ross_payload.dsp.beamforming import NOISE_GAIN, covariance_of, lcmv, lcmv_weights, mvdr, mvdr_weights
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Scene
+from ross_payload.separation.beamforming import NOISE_GAIN, covariance_of, lcmv, lcmv_weights, mvdr, mvdr_weights
 
 FREQUENCIES = np.fft.rfftfreq(512, 1 / 16000)
 LONGEST = 0.05 / 343.0

@@ -9,7 +9,7 @@ import pytest
 from hand_bench import Base, HandBench
 from ross_payload.events import Answer, Finished, State
 from ross_payload.orders import Cancel, Explore, Point, Rearm, Stop
-from ross_payload.recording.journal import order_of
+from ross_payload.sessions.input_log import order_of
 
 
 def deg(angle):

@@ -8,8 +8,8 @@ import pytest
 
 from drive_bench import NODE, OWN, Bench
 from ross_payload.errors import ActuatorFault
-from ross_protocols import cia402
-from ross_protocols.cia402 import State
+from ross_protocols.canopen import cia402
+from ross_protocols.canopen.cia402 import State
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
 

@@ -6,14 +6,13 @@ import struct
 import pytest
 
 from drive_bench import NODE, OPENING, OWN, Bench
-from ross_payload.actuators.canopen_drive.axis import Axis
-from ross_payload.actuators.canopen_drive.link import Report
-from ross_payload.actuators.canopen_drive.watch import Watch
+from ross_payload.actuators.canopen_drive.cia402_controller import Cia402Controller, DriveDiagnostics
+from ross_payload.actuators.canopen_drive.drive_client import DriveReport
 from ross_payload.errors import ActuatorFault
-from ross_protocols import cia402
 from ross_protocols.can import CanFrame
-from ross_protocols.canopen import NmtCommand, NmtState, heartbeat, nmt
-from ross_protocols.cia402 import State
+from ross_protocols.canopen import cia402
+from ross_protocols.canopen.cia402 import State
+from ross_protocols.canopen.frames import NmtCommand, NmtState, heartbeat, nmt
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
 
@@ -177,8 +176,8 @@ def test_a_fault_that_comes_back_is_told_again():
 
 
 def test_a_fault_that_cannot_be_reset_and_a_drive_that_does_not_switch_on_are_told():
-    faulty, off = Report(State.FAULT.bits | 0x200), Report(State.SWITCH_ON_DISABLED.bits | 0x200)
-    axis, watch = Axis(), Watch()
+    faulty, off = DriveReport(State.FAULT.bits | 0x200), DriveReport(State.SWITCH_ON_DISABLED.bits | 0x200)
+    axis, watch = Cia402Controller(), DriveDiagnostics()
     axis.reset()
     assert watch.trouble(axis, faulty, None, 0.0) == ""
     assert "cannot be reset: no error code" in watch.trouble(axis, faulty, None, 1.01)
@@ -246,7 +245,7 @@ def test_home_waits_until_a_quick_stop_is_over():
 def test_a_drive_that_somebody_stopped_is_set_up_and_started_by_home():
     bench = Bench().open()
     bench.wire.brought.append(nmt(NmtCommand.STOP, NODE))
-    bench.drive.take(nmt(NmtCommand.STOP, NODE))
+    bench.drive.on_frame(nmt(NmtCommand.STOP, NODE))
     bench.clock.sleep(0.5)
     bench.actuator.home()
     bench.clock.sleep(OPENING)

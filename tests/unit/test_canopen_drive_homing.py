@@ -7,8 +7,8 @@ import pytest
 from drive_bench import OPENING, Bench
 from ross_payload.actuators.canopen_drive.options import Options
 from ross_payload.errors import ConfigError, NotHomed
-from ross_protocols import cia402
-from ross_protocols.cia402 import State
+from ross_protocols.canopen import cia402
+from ross_protocols.canopen.cia402 import State
 from ross_sim.devices.far_end import Fault
 
 # -------------------------------------------------------------------------------------------------- homing

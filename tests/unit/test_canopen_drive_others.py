@@ -4,9 +4,9 @@ import pytest
 
 from drive_bench import NODE, OWN, Bench
 from ross_protocols.can import CanFrame
-from ross_protocols.canopen import NmtCommand, NmtState, heartbeat, nmt
-from ross_protocols.canopen_sdo import Read, Write, request
-from ross_protocols.cia402 import State
+from ross_protocols.canopen.cia402 import State
+from ross_protocols.canopen.frames import NmtCommand, NmtState, heartbeat, nmt
+from ross_protocols.canopen.sdo import Read, Write, request
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
 

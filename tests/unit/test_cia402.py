@@ -6,8 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_protocols import cia402
-from ross_protocols.canopen import (
+from ross_protocols.canopen import cia402
+from ross_protocols.canopen.cia402 import Homing, State, controlword, homing_of
+from ross_protocols.canopen.cia402 import state_of as drive_state
+from ross_protocols.canopen.eds import data_sheet, entries_of
+from ross_protocols.canopen.error_texts import ABORTS, EMERGENCIES, abort_words, emergency_words
+from ross_protocols.canopen.frames import (
     Emergency,
     Item,
     NmtState,
@@ -18,11 +22,7 @@ from ross_protocols.canopen import (
     state_of,
     unpacked,
 )
-from ross_protocols.canopen_sdo import Abort, Read, Value, Write, Written, reply, reply_of, request, request_of
-from ross_protocols.canopen_words import ABORTS, EMERGENCIES, abort_words, emergency_words
-from ross_protocols.cia402 import Homing, State, controlword, homing_of
-from ross_protocols.cia402 import state_of as drive_state
-from ross_protocols.eds import data_sheet, entries_of
+from ross_protocols.canopen.sdo import Abort, Read, Value, Write, Written, reply, reply_of, request, request_of
 
 # The state machine of CiA 402 as figure 7 of the standard has it: controlword bits (mask, value) of every transition.
 SHUTDOWN, SWITCH_ON, ENABLE = (0x87, 0x06), (0x8F, 0x07), (0x8F, 0x0F)

@@ -41,7 +41,7 @@ from ross_payload.orders import (
     Stop,
     TurnTo,
 )
-from ross_protocols.dialect import ross
+from ross_protocols.mavlink.dialect import ross
 
 NAN = math.nan
 
@@ -236,21 +236,21 @@ def test_a_cancelled_task_can_be_followed_by_another(payload):
 
 
 def test_a_new_listener_takes_the_place_of_the_old_one_while_it_listens(payload):
-    payload.server.said(SourcesEstimated(0.0, Believer().estimate([0] * 3), 3, final=True))
+    payload.server.on_event(SourcesEstimated(0.0, Believer().estimate([0] * 3), 3, final=True))
     payload.computing = True  # the test speaks for the mission
     payload.command(LISTEN, 1, 0, seconds=0.05)
     first = payload.given[-1]
     assert first == ListenTo(0, number=first.number)
     assert payload.command(LISTEN, 1, 1, seconds=0.05)[0] == TEMPORARILY_REJECTED
-    payload.server.said(_answered(first, "ACCEPTED"))
-    payload.server.said(StateChanged(0.0, State.RUN))
+    payload.server.on_event(_answered(first, "ACCEPTED"))
+    payload.server.on_event(StateChanged(0.0, State.RUN))
     payload.command(LISTEN, 1, 1, seconds=0.05)
     second = payload.given[-1]
     assert second == ListenTo(1, number=second.number)
-    payload.server.said(_answered(first, "CANCELLED"))
+    payload.server.on_event(_answered(first, "CANCELLED"))
     assert CANCELLED not in payload.results(LISTEN, 0.1)  # it would look like the end of the second one
-    payload.server.said(_answered(second, "ACCEPTED"))
-    payload.server.said(_answered(second, "DONE"))
+    payload.server.on_event(_answered(second, "ACCEPTED"))
+    payload.server.on_event(_answered(second, "DONE"))
     assert payload.results(LISTEN, 0.1)[-1] == ACCEPTED
 
 
@@ -315,7 +315,7 @@ def test_a_stop_is_given_and_accepted_with_the_poll_that_hears_it(payload):
 
 @pytest.mark.parametrize("state", list(State))
 def test_a_stop_is_obeyed_in_every_state(payload, state):
-    payload.server.said(StateChanged(0.0, state))
+    payload.server.on_event(StateChanged(0.0, state))
     assert payload.command(STOP, seconds=0.05) == [ACCEPTED]
     assert isinstance(payload.given[-1], Stop)
 

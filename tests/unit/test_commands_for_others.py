@@ -21,7 +21,7 @@ from command_bench import (
 from ross_payload.orders import (
     TurnTo,
 )
-from ross_protocols.dialect import ross
+from ross_protocols.mavlink.dialect import ross
 
 NAN = math.nan
 

@@ -24,6 +24,9 @@ from command_bench import (
     Payload,
 )
 from ross_payload.config import Config
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.mavlink.ftp_server import FtpServer
+from ross_payload.mavlink.param_server import ParamServer
 from ross_payload.orders import (
     Cancel,
     Explore,
@@ -38,12 +41,8 @@ from ross_payload.orders import (
     Stop,
     TurnTo,
 )
-from ross_payload.parameters import Parameters
-from ross_payload.telemetry.files import FileServer
-from ross_payload.telemetry.identity import Endpoint
-from ross_payload.telemetry.params import ParameterServer
-from ross_protocols.codec import Decoder
-from ross_protocols.dialect import MESSAGES, ross
+from ross_protocols.mavlink.codec import Decoder
+from ross_protocols.mavlink.dialect import MESSAGES, ross
 
 
 @pytest.fixture
@@ -126,10 +125,8 @@ def flood(sky, count, seed):
     """Send random frames; return how many of them became orders and how many changed a parameter."""
     rng, sky = np.random.default_rng(seed), sky()
     payload, parameters, orders = Payload(sky), Parameters(Config()), 0
-    server = ParameterServer(Endpoint(sky.links, 191), parameters, lambda name, value: None, payload.say)
-    readable = FileServer(Endpoint(sky.links, 191), {"general.json": b"{}"})
-    for part in (server, readable):
-        sky.links.component(191).subscribe(part.heard)
+    server = ParamServer(sky.links.component(191), parameters, lambda name, value: None, payload.say)
+    readable = FtpServer(sky.links.component(191), {"general.json": b"{}"})
     decoder = Decoder()
     for index in range(count):
         frame = random_frame(rng)

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from ross_payload.config import Config, load
-from ross_payload.dsp.order import MAX_SOURCES
 from ross_payload.errors import ConfigError
+from ross_payload.localization.model_order import MAX_SOURCES
 
 
 def write(path, text):

@@ -6,8 +6,8 @@ import soundfile
 
 from doctor_bench import FAST, config, machine, put, said
 from ross_payload.clock import SystemClock
-from ross_payload.doctor import computer, folders, microphones, speed, turning
-from ross_payload.doctor.finding import Verdict, ok, warn, worst
+from ross_payload.doctor import computer_checks, examination, speed
+from ross_payload.doctor.findings import Verdict, ok, warn, worst
 from ross_payload.doctor.machine import Machine
 from ross_payload.health import AudioTrouble
 from ross_sim.clock import SimClock
@@ -23,7 +23,7 @@ def test_whatever_is_not_well_says_what_to_do():
 
 @pytest.mark.parametrize(("bits", "verdict"), [(64, Verdict.OK), (32, Verdict.WARN)])
 def test_a_32_bit_system_is_warned_of(tmp_path, bits, verdict):
-    assert said(computer.python(config(), machine(tmp_path, bits=bits)))[0] is verdict
+    assert said(computer_checks.python(config(), machine(tmp_path, bits=bits)))[0] is verdict
 
 
 @pytest.mark.parametrize(
@@ -31,14 +31,14 @@ def test_a_32_bit_system_is_warned_of(tmp_path, bits, verdict):
     [({"timedatectl": "yes"}, Verdict.OK), ({"timedatectl": "no"}, Verdict.WARN), ({}, Verdict.WARN)],
 )
 def test_a_clock_that_nobody_sets_is_warned_of(tmp_path, programs, verdict):
-    assert said(computer.clock(config(), machine(tmp_path, programs)))[0] is verdict
+    assert said(computer_checks.clock(config(), machine(tmp_path, programs)))[0] is verdict
 
 
 @pytest.mark.parametrize(("reading", "verdict"), [("41000", Verdict.OK), ("82000", Verdict.WARN), (None, Verdict.OK)])
 def test_a_hot_processor_is_warned_of(tmp_path, reading, verdict):
     if reading:
         put(tmp_path, "/sys/class/thermal/thermal_zone0/temp", reading + "\n")
-    assert said(computer.heat(config(), machine(tmp_path)))[0] is verdict
+    assert said(computer_checks.heat(config(), machine(tmp_path)))[0] is verdict
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_a_hot_processor_is_warned_of(tmp_path, reading, verdict):
 )
 def test_a_pi_tells_about_its_supply(tmp_path, answer, verdict, words):
     put(tmp_path, "/proc/device-tree/model", "Raspberry Pi 5 Model B Rev 1.0\0")
-    found = said(computer.power(config(), machine(tmp_path, {"vcgencmd": answer})))
+    found = said(computer_checks.power(config(), machine(tmp_path, {"vcgencmd": answer})))
     assert found[0] is verdict
     assert words in found[1]
 
@@ -60,16 +60,16 @@ def test_a_pi_tells_about_its_supply(tmp_path, answer, verdict, words):
 @pytest.mark.parametrize(("allowed", "verdict"), [(True, Verdict.OK), (False, Verdict.WARN)])
 def test_pulses_without_real_time_priority_are_warned_of(tmp_path, allowed, verdict):
     pulses = config(actuator={"kind": "tb6600"})
-    assert said(computer.priority(pulses, machine(tmp_path, may_hurry=lambda: allowed)))[0] is verdict
+    assert said(computer_checks.priority(pulses, machine(tmp_path, may_hurry=lambda: allowed)))[0] is verdict
 
 
 def test_other_actuators_need_no_priority(tmp_path):
     others = config(actuator={"kind": "grbl"})
-    assert not list(computer.priority(others, machine(tmp_path, may_hurry=lambda: False)))
+    assert not list(computer_checks.priority(others, machine(tmp_path, may_hurry=lambda: False)))
 
 
 def test_another_computer_is_not_asked_for_its_supply(tmp_path):
-    assert not list(computer.power(config(), machine(tmp_path, {"vcgencmd": "throttled=0x5"})))
+    assert not list(computer_checks.power(config(), machine(tmp_path, {"vcgencmd": "throttled=0x5"})))
 
 
 # -------------------------------------------------------------------------------------------- microphones
@@ -79,7 +79,7 @@ def recording(tmp_path, first, second):
     """What the doctor finds of two microphones that were recorded."""
     path = tmp_path / "heard.wav"
     soundfile.write(path, np.stack([first, second], axis=1), 16000, subtype="PCM_24")
-    return said(microphones.microphones(config(audio={"source": f"file:{path}"}), SimClock()))
+    return said(examination.microphones(config(audio={"source": f"file:{path}"}), SimClock()))
 
 
 def noise(seed):
@@ -110,11 +110,11 @@ def test_clipping_is_a_warning(tmp_path):
 
 def test_microphones_that_are_not_there_are_a_failure(tmp_path):
     lost = config(audio={"source": f"file:{tmp_path / 'no.wav'}"})
-    assert said(microphones.microphones(lost, SimClock()))[0] is Verdict.FAIL
+    assert said(examination.microphones(lost, SimClock()))[0] is Verdict.FAIL
 
 
 def test_every_trouble_that_ears_have_has_words():
-    assert set(microphones.SAYS) == set(AudioTrouble)
+    assert set(examination.TROUBLES) == set(AudioTrouble)
 
 
 # -------------------------------------------------------------------------------------------- folders
@@ -123,14 +123,14 @@ def test_every_trouble_that_ears_have_has_words():
 def test_the_state_folder_of_the_service_is_the_one_checked(tmp_path):
     (tmp_path / "var/lib/ross").mkdir(parents=True)
     service = Machine(root=tmp_path, environment={"STATE_DIRECTORY": "/var/lib/ross"}, run=lambda words: None)
-    assert said(folders.state(config(), service)) == (Verdict.OK, "/var/lib/ross can be written -> ")
+    assert said(computer_checks.state(config(), service)) == (Verdict.OK, "/var/lib/ross can be written -> ")
 
 
 def test_a_state_folder_of_others_is_a_failure_a_recording_folder_only_where_it_is_needed(tmp_path):
     foreign = machine(tmp_path, may_use=lambda path: False)
-    assert said(folders.state(config(), foreign))[0] is Verdict.FAIL
-    assert said(folders.recordings(config(), foreign))[0] is Verdict.WARN
-    assert said(folders.recordings(config(recording={"always": True}), foreign))[0] is Verdict.FAIL
+    assert said(computer_checks.state(config(), foreign))[0] is Verdict.FAIL
+    assert said(computer_checks.recordings(config(), foreign))[0] is Verdict.WARN
+    assert said(computer_checks.recordings(config(recording={"always": True}), foreign))[0] is Verdict.FAIL
 
 
 @pytest.mark.parametrize(("mode", "verdict"), [(0o700, Verdict.OK), (0o755, Verdict.WARN)])
@@ -138,21 +138,21 @@ def test_recordings_that_others_may_read_are_warned_of(tmp_path, mode, verdict):
     (tmp_path / "srv").mkdir()
     (tmp_path / "srv").chmod(mode)
     wanted = config(recording={"folder": "/srv", "min_free_gb": 0, "max_gb": 0.001})
-    assert said(folders.recordings(wanted, machine(tmp_path)))[0] is verdict
+    assert said(computer_checks.recordings(wanted, machine(tmp_path)))[0] is verdict
 
 
 def test_a_disk_without_room_is_warned_of(tmp_path):
     wanted = config(recording={"folder": "/srv", "min_free_gb": 10_000})
-    assert said(folders.recordings(wanted, machine(tmp_path)))[0] is Verdict.WARN
+    assert said(computer_checks.recordings(wanted, machine(tmp_path)))[0] is Verdict.WARN
 
 
 def test_a_voice_that_is_sought_must_be_enrolled(tmp_path):
     here = Machine(environment={"XDG_DATA_HOME": str(tmp_path)})
-    verdict, text = said(folders.voice(config(service={"target": "anna"}), here))
+    verdict, text = said(computer_checks.voice(config(service={"target": "anna"}), here))
     assert verdict is Verdict.FAIL
     assert "ross enroll anna" in text
-    assert said(folders.voice(config(service={"autostart": "seek"}), here))[0] is Verdict.FAIL
-    assert said(folders.voice(config(), here))[0] is Verdict.OK
+    assert said(computer_checks.voice(config(service={"autostart": "seek"}), here))[0] is Verdict.FAIL
+    assert said(computer_checks.voice(config(), here))[0] is Verdict.OK
 
 
 # -------------------------------------------------------------------------------------------- turning
@@ -163,28 +163,28 @@ WIRED = {"kind": "tb6600", "options": {"port": "pulses:tcp:127.0.0.1:5000"}}
 
 def test_an_array_that_turns_half_a_circle_reaches_every_axis(tmp_path):
     enough = config(guard={"lower_deg": -90, "upper_deg": 90}, actuator=WIRED)
-    assert said(turning.actuator(enough, machine(tmp_path), SimClock()))[0] is Verdict.OK
+    assert said(examination.actuator(enough, machine(tmp_path), SimClock()))[0] is Verdict.OK
     short = config(guard={"lower_deg": -80, "upper_deg": 80})
-    verdict, text = said(turning.actuator(short, machine(tmp_path), SimClock()))
+    verdict, text = said(examination.actuator(short, machine(tmp_path), SimClock()))
     assert verdict is Verdict.WARN
     assert "160 deg of travel" in text
 
 
 def test_an_array_that_starts_by_itself_is_warned_of(tmp_path):
-    assert said(turning.start(config(), machine(tmp_path)))[0] is Verdict.OK
-    assert said(turning.start(config(service={"autostart": "explore"}), machine(tmp_path)))[0] is Verdict.WARN
+    assert said(examination.autostart(config(), machine(tmp_path)))[0] is Verdict.OK
+    assert said(examination.autostart(config(service={"autostart": "explore"}), machine(tmp_path)))[0] is Verdict.WARN
 
 
 def test_a_longest_move_that_the_guard_would_call_a_fault_is_found(tmp_path):
     slow = config(guard={"max_speed_deg_s": 10, "max_move_s": 30})  # 400 deg at 10 deg/s
-    verdict, text = said(turning.actuator(slow, machine(tmp_path), SimClock()))
+    verdict, text = said(examination.actuator(slow, machine(tmp_path), SimClock()))
     assert verdict is Verdict.FAIL
     assert "the longest move takes 40.1 s" in text
 
 
 def test_a_back_end_that_is_unknown_or_simulated_is_found(tmp_path):
     def found(**actuator):
-        return said(turning.actuator(config(actuator=actuator), machine(tmp_path), SimClock()))
+        return said(examination.actuator(config(actuator=actuator), machine(tmp_path), SimClock()))
 
     assert found(kind="hamster")[0] is Verdict.FAIL
     assert found(kind="tb6600", options={"microstep": 3})[0] is Verdict.FAIL

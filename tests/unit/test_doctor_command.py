@@ -7,9 +7,9 @@ import pytest
 from command_line import called
 from doctor_bench import FAST, config, machine
 from ross_payload.clock import SystemClock
-from ross_payload.doctor import computer
-from ross_payload.doctor.examine import examine
-from ross_payload.doctor.finding import ok
+from ross_payload.doctor import computer_checks
+from ross_payload.doctor.examination import examine
+from ross_payload.doctor.findings import ok
 from ross_payload.doctor.machine import Machine, output_of
 
 # -------------------------------------------------------------------------------------------- machine
@@ -85,6 +85,6 @@ def test_a_check_that_breaks_hurts_no_other(tmp_path):
         yield ok("surprised", "so far")
         raise KeyError("this")
 
-    found = list(examine(config(**FAST), machine(tmp_path), SystemClock(), (surprised, computer.python)))
+    found = list(examine(config(**FAST), machine(tmp_path), SystemClock(), (surprised, computer_checks.python)))
     assert [each.check for each in found[:3]] == ["surprised", "surprised", "python"]
     assert "KeyError('this')" in found[1].found

@@ -6,12 +6,10 @@ import random
 import pytest
 
 from ross_protocols.can import CanFrame
-from ross_protocols.dronecan import (
-    SEEDS,
-    TYPES,
+from ross_protocols.dronecan.gimbal_messages import COARSE, GimbalMode
+from ross_protocols.dronecan.messages import (
     AngularCommand,
     ArrayCommand,
-    Assembler,
     Command,
     CommandKind,
     GimbalStatus,
@@ -20,12 +18,11 @@ from ross_protocols.dronecan import (
     Mode,
     NodeStatus,
     Received,
-    Sender,
     Status,
     as_sent,
     spacing,
 )
-from ross_protocols.dronecan_gimbal import COARSE, GimbalMode
+from ross_protocols.dronecan.node_messages import BROADCASTS, Decoder, Encoder
 
 MESSAGES = [
     ArrayCommand((Command(1, CommandKind.POSITION, 0.5),)),
@@ -40,43 +37,43 @@ MESSAGES = [
 
 
 def received(frames, assembler=None):
-    assembler = assembler or Assembler()
+    assembler = assembler or Decoder(0)
     return [message for frame in frames if (message := assembler.feed(frame)) is not None]
 
 
 @pytest.mark.parametrize("message", MESSAGES, ids=lambda message: type(message).__name__)
 def test_what_is_sent_is_received(message):
-    assert received(Sender(42).frames(message)) == [Received(42, message)]
+    assert received(Encoder(42).broadcast(message)) == [Received(42, message)]
 
 
 def test_an_identifier_tells_priority_type_and_node():
-    (frame,) = Sender(42).frames(NodeStatus(1))
+    (frame,) = Encoder(42).broadcast(NodeStatus(1))
     assert frame.id == 20 << 24 | 341 << 8 | 42
 
 
 def test_tail_bytes_tell_start_end_toggle_and_transfer():
-    sender = Sender(42)
-    tails = [frame.data[-1] for _ in range(2) for frame in sender.frames(ArrayCommand((Command(0, 0, 0.0),) * 4))]
+    sender = Encoder(42)
+    tails = [frame.data[-1] for _ in range(2) for frame in sender.broadcast(ArrayCommand((Command(0, 0, 0.0),) * 4))]
     assert tails == [0x80, 0x20, 0x40, 0x81, 0x21, 0x41]
 
 
 def test_transfers_are_counted_per_type_modulo_32():
-    sender = Sender(42)
-    sender.frames(LogMessage(0, "", ""))
-    assert [sender.frames(NodeStatus(0))[0].data[-1] & 0x1F for _ in range(33)] == [*range(32), 0]
+    sender = Encoder(42)
+    sender.broadcast(LogMessage(0, "", ""))
+    assert [sender.broadcast(NodeStatus(0))[0].data[-1] & 0x1F for _ in range(33)] == [*range(32), 0]
 
 
 @pytest.mark.parametrize("lost", [0, 1, 2])
 def test_a_transfer_that_lacks_a_frame_is_dropped_and_the_next_one_is_read(lost):
-    sender, assembler = Sender(42), Assembler()
+    sender, assembler = Encoder(42), Decoder(0)
     message = ArrayCommand(tuple(Command(n, 0, 0.5) for n in range(4)))
-    frames = sender.frames(message)
+    frames = sender.broadcast(message)
     assert received(frames[:lost] + frames[lost + 1 :], assembler) == []
-    assert received(sender.frames(message), assembler) == [Received(42, message)]
+    assert received(sender.broadcast(message), assembler) == [Received(42, message)]
 
 
 def test_every_flipped_bit_of_a_long_transfer_is_noticed():
-    frames = Sender(42).frames(Status(7, 1.5, -0.25, 2.0, 100))
+    frames = Encoder(42).broadcast(Status(7, 1.5, -0.25, 2.0, 100))
     for n, frame in enumerate(frames):
         for bit in range(8 * len(frame.data)):
             number = int.from_bytes(frame.data, "big") ^ 1 << bit
@@ -85,23 +82,23 @@ def test_every_flipped_bit_of_a_long_transfer_is_noticed():
 
 
 def test_transfers_that_came_in_part_are_counted_by_node():
-    sender, assembler = Sender(42), Assembler()
+    sender, assembler = Encoder(42), Decoder(0)
     for lost in (0, 1, None):
-        frames = sender.frames(Status(7, 1.5))
+        frames = sender.broadcast(Status(7, 1.5))
         received([frame for n, frame in enumerate(frames) if n != lost], assembler)
     assert assembler.broken[42] == 2
     assert assembler.broken[41] == 0
 
 
 def test_a_message_tells_its_number_among_its_kind():
-    sender = Sender(42)
-    assert [received(sender.frames(Status(7)))[0].transfer for _ in range(33)] == [*range(32), 0]
+    sender = Encoder(42)
+    assert [received(sender.broadcast(Status(7)))[0].transfer for _ in range(33)] == [*range(32), 0]
 
 
 @pytest.mark.parametrize("kind", [AngularCommand, GimbalStatus])
 def test_a_yaw_survives_as_a_quaternion_of_float16(kind):
     for degrees in range(-179, 180):
-        ((_, there),) = [(0, each.message) for each in received(Sender(42).frames(kind(1, math.radians(degrees))))]
+        ((_, there),) = [(0, each.message) for each in received(Encoder(42).broadcast(kind(1, math.radians(degrees))))]
         assert there.yaw == pytest.approx(math.radians(degrees), abs=COARSE)
 
 
@@ -110,15 +107,15 @@ def test_a_quaternion_of_zeros_is_no_attitude():
 
 
 def test_transfers_of_two_nodes_may_be_interleaved():
-    one, other = (Sender(node).frames(Status(node, 1.0)) for node in (5, 6))
+    one, other = (Encoder(node).broadcast(Status(node, 1.0)) for node in (5, 6))
     pairs = [frame for pair in zip(one, other, strict=True) for frame in pair]
     assert [each.node for each in received(pairs)] == [5, 6]
 
 
 def test_random_frames_raise_nothing_and_keep_little():
-    chance, assembler = random.Random(1), Assembler()  # noqa: S311
+    chance, assembler = random.Random(1), Decoder(0)  # noqa: S311
     for _ in range(20_000):
-        number = chance.choice([*TYPES, chance.randrange(2**16)])
+        number = chance.choice([*BROADCASTS, chance.randrange(2**16)])
         identifier = chance.randrange(32) << 24 | number << 8 | chance.randrange(128) | chance.choice([0, 0, 128])
         assembler.feed(CanFrame(identifier, chance.randbytes(chance.randrange(9))))
     endless = [
@@ -142,13 +139,13 @@ def dronecan():
 
 def test_the_package_has_the_same_types(dronecan):
     kind = dronecan.dsdl.CompoundType.KIND_MESSAGE
-    for number, seed in SEEDS.items():
-        assert dronecan.DATATYPES[number, kind].base_crc == seed
+    for message in MESSAGES:
+        assert dronecan.DATATYPES[message.NUMBER, kind].base_crc == message.SEED
 
 
 @pytest.mark.parametrize("message", MESSAGES, ids=lambda message: type(message).__name__)
 def test_the_package_reads_what_we_send_and_writes_the_same_bytes(dronecan, message):
-    frames = Sender(42).frames(message)
+    frames = Encoder(42).broadcast(message)
     theirs = dronecan.transport.Transfer()
     theirs.from_frames([dronecan.transport.Frame(frame.id, frame.data) for frame in frames])
     again = dronecan.transport.Transfer(source_node_id=42, payload=theirs.payload, transfer_priority=frames[0].id >> 24)
@@ -171,7 +168,7 @@ def test_the_package_s_quaternion_xyzw_of_a_clockwise_yaw_is_ours_with_the_other
 
 def test_the_package_reads_our_angular_command_as_a_turn_to_the_left(dronecan):
     theirs = dronecan.transport.Transfer()
-    frames = Sender(42).frames(AngularCommand(5, math.radians(90)))
+    frames = Encoder(42).broadcast(AngularCommand(5, math.radians(90)))
     theirs.from_frames([dronecan.transport.Frame(frame.id, frame.data) for frame in frames])
     command = theirs.payload
     assert (command.gimbal_id, command.mode.command_mode) == (5, command.mode.COMMAND_MODE_ORIENTATION_BODY_FRAME)
@@ -181,7 +178,7 @@ def test_the_package_reads_our_angular_command_as_a_turn_to_the_left(dronecan):
 
 def test_the_package_understands_every_field(dronecan):
     theirs = dronecan.transport.Transfer()
-    frames = Sender(42).frames(NodeStatus(86400, Health.WARNING, Mode.MAINTENANCE, 513))
+    frames = Encoder(42).broadcast(NodeStatus(86400, Health.WARNING, Mode.MAINTENANCE, 513))
     theirs.from_frames([dronecan.transport.Frame(frame.id, frame.data) for frame in frames])
     status = theirs.payload
     assert (status.uptime_sec, status.health, status.mode, status.vendor_specific_status_code) == (86400, 1, 2, 513)

@@ -10,14 +10,14 @@ from dronecan_wire import Wire
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
+from ross_payload.config.parameter_table import TABLE
 from ross_payload.errors import ConfigError, LinkError, PluginError
 from ross_payload.orders import Cancel, Home, Set, TurnTo
-from ross_payload.parameters import TABLE
-from ross_payload.service.dronecan import check_one_id
-from ross_protocols.dronecan import ArrayCommand, NodeStatus, Received
-from ross_protocols.dronecan_params import GetSetRequest, GetSetResponse, Opcode, OpcodeRequest, OpcodeResponse
-from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
-from ross_protocols.dronecan_speech import Ear
+from ross_payload.service.dronecan_node import check_one_id
+from ross_protocols.dronecan.messages import ArrayCommand, NodeStatus, Received
+from ross_protocols.dronecan.node_messages import Decoder
+from ross_protocols.dronecan.params import GetSetRequest, GetSetResponse, Opcode, OpcodeRequest, OpcodeResponse
+from ross_protocols.dronecan.services import NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def test_erase_sets_back_what_was_set_and_save_says_that_it_is_kept(wire, peer, 
         assert (yield from peer.ask(OpcodeRequest(Opcode.SAVE))) == OpcodeResponse(True)
         assert (yield from peer.ask(OpcodeRequest(Opcode.ERASE))) == OpcodeResponse(True)
         for name in TABLE:
-            assert bench.parameters.value(name) == bench.parameters.said(name)
+            assert bench.parameters.value(name) == bench.parameters.configured(name)
         assert (yield from peer.ask(OpcodeRequest(7))) == OpcodeResponse(False)
 
     play(script, wire.open, tmp_path)
@@ -176,7 +176,7 @@ def test_driver_and_node_on_one_bus_are_one_node(tmp_path):
     heard = {}
 
     def script(bench):
-        plug, ear = bench.far_end.crowd.bus.plug(), Ear(0)
+        plug, ear = bench.far_end.crowd.bus.plug(), Decoder(0)
         bench.runner.order(TurnTo(0.5))
         for hop in range(300):
             for frame in plug.receive():
@@ -197,7 +197,7 @@ def test_a_canopen_drive_may_be_on_the_same_wires(tmp_path):
     heard = []
 
     def script(bench):
-        plug, ear = bench.far_end.crowd.bus.plug(), Ear(0)
+        plug, ear = bench.far_end.crowd.bus.plug(), Decoder(0)
         bench.runner.order(Home())
         yield from (None for _ in range(200))
         bench.runner.order(TurnTo(0.5))
@@ -243,7 +243,7 @@ def test_a_bus_that_cannot_be_joined_is_said_at_the_start(wire, tmp_path):
 
 
 def test_one_payload_with_two_node_ids_on_one_bus_is_refused(tmp_path):
-    from ross_payload.service.dronecan import node_on_bus
+    from ross_payload.service.dronecan_node import node_on_bus
 
     options = {"port": URL, "own_node_id": 120}
     config = Config.model_validate(

@@ -10,11 +10,10 @@ from hypothesis import strategies as some
 
 from dronecan_wire import PERIOD, UNIQUE, Stranger, Wire, node_on, of
 from ross_payload.dronecan.allocator import AVOIDED, Allocator
-from ross_payload.dronecan.kept import Kept
-from ross_protocols.dronecan import NodeStatus
-from ross_protocols.dronecan_allocation import Allocation
-from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest
-from ross_protocols.dronecan_speech import Call
+from ross_payload.dronecan.persistence import PersistentIds
+from ross_protocols.dronecan.messages import Allocation, NodeStatus
+from ross_protocols.dronecan.node_messages import Call
+from ross_protocols.dronecan.services import NodeInfo, NodeInfoRequest
 
 OTHER = bytes(range(50, 66))
 
@@ -24,7 +23,7 @@ class Bus:
 
     def __init__(self, kept=None):
         self.wire, self.now, self.living = Wire(), 0.0, []
-        self.kept = kept or Kept(None, np.random.default_rng(1))
+        self.kept = kept or PersistentIds(None, np.random.default_rng(1))
         self.node = node_on(self.wire, 121)
         self.allocator = Allocator(self.node, self.kept, 0.0)
         self.asker = Stranger(self.wire, 0)
@@ -175,7 +174,7 @@ def test_whatever_is_asked_no_two_nodes_get_one_id(asked):
 
 
 def kept(path, seed=1):
-    return Kept(path, np.random.default_rng(seed))
+    return PersistentIds(path, np.random.default_rng(seed))
 
 
 def test_all_is_known_again_after_a_restart(tmp_path):

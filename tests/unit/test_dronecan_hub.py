@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from dronecan_wire import UNIQUE, Stranger, Wire, node_on, of, run
-from ross_payload.dronecan.hub import Buses, node_of
 from ross_payload.dronecan.node import Identity, Node
+from ross_payload.dronecan.shared_bus import SharedBuses, node_of
 from ross_payload.errors import LinkError
 from ross_protocols.can import CanFrame
-from ross_protocols.dronecan import NodeStatus
+from ross_protocols.dronecan.messages import NodeStatus
 from ross_sim.clock import SimClock
 
 
@@ -50,7 +50,7 @@ def test_a_bus_without_anybody_else_is_well_after_a_while(wire):
 
 
 def test_users_of_one_bus_share_it_and_hear_the_same(wire, stranger):
-    buses = Buses(wire.open, SimClock())
+    buses = SharedBuses(wire.open, SimClock())
     one, other = buses.open("can:test:0"), buses.open("can:test:0")
     assert len(wire.ends) == 2
     frame = CanFrame(1, b"x")
@@ -69,7 +69,7 @@ def test_users_of_one_bus_share_it_and_hear_the_same(wire, stranger):
 
 def test_a_bus_that_fails_is_opened_again(wire, stranger):
     clock = SimClock()
-    tap = Buses(wire.open, clock).open("can:test:0")
+    tap = SharedBuses(wire.open, clock).open("can:test:0")
     wire.down = True
     with pytest.raises(LinkError, match="the bus is down"):
         tap.receive()
@@ -87,7 +87,7 @@ def test_a_bus_that_fails_is_opened_again(wire, stranger):
 
 def test_a_bus_that_does_not_come_back_is_one_trouble(wire):
     clock = SimClock()
-    tap = Buses(wire.open, clock).open("can:test:0")
+    tap = SharedBuses(wire.open, clock).open("can:test:0")
     node = Node(Identity("x", UNIQUE, 5), tap, np.random.default_rng(1), 0.0)
     wire.down, troubles = True, set()
     for _ in range(50):
@@ -111,7 +111,7 @@ def test_a_bus_that_comes_back_when_nobody_wants_it_is_closed_again(wire):
         opened.set()
         return port
 
-    tap = Buses(slowly, clock).open("can:test:0")
+    tap = SharedBuses(slowly, clock).open("can:test:0")
     wire.down = True
     for _ in range(2):
         with pytest.raises(LinkError):
@@ -136,13 +136,13 @@ def eventually(receive):
 
 
 def test_a_wire_that_is_no_can_bus_is_not_shared(wire):
-    buses = Buses(wire.open, SimClock())
+    buses = SharedBuses(wire.open, SimClock())
     assert buses.open("pulses:x") is not buses.open("pulses:x")
     assert len(wire.ends) == 2
 
 
 def test_who_shares_the_bus_finds_its_node(wire):
-    buses = Buses(wire.open, SimClock())
+    buses = SharedBuses(wire.open, SimClock())
     tap, driver = buses.open("can:test:0"), buses.open("can:test:0")
     assert node_of(driver) is None
     tap.bus.node = node = Node(Identity("x", UNIQUE, 5), tap, np.random.default_rng(1), 0.0)

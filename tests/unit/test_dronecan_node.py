@@ -8,10 +8,9 @@ from hypothesis import strategies as some
 
 from dronecan_wire import PERIOD, UNIQUE, Stranger, Wire, node_on, of, run
 from ross_protocols.can import CanFrame
-from ross_protocols.dronecan import Health, LogMessage, Mode, NodeStatus, Received
-from ross_protocols.dronecan_allocation import Allocation
-from ross_protocols.dronecan_services import NodeInfo, NodeInfoRequest, TransportStats, TransportStatsRequest
-from ross_protocols.dronecan_speech import Reply
+from ross_protocols.dronecan.messages import Allocation, Health, LogMessage, Mode, NodeStatus, Received
+from ross_protocols.dronecan.node_messages import Reply
+from ross_protocols.dronecan.services import NodeInfo, NodeInfoRequest, TransportStats, TransportStatsRequest
 
 
 @pytest.fixture

@@ -27,9 +27,9 @@ from ross_payload.events import (
     StateChanged,
 )
 from ross_payload.orders import Stop, TurnTo
-from ross_protocols.dronecan import Health, LogMessage, Mode, NodeStatus
-from ross_protocols.dronecan_ross import RossSource, RossSources, RossStatus
-from ross_protocols.dronecan_speech import Voice
+from ross_protocols.dronecan.messages import Health, LogMessage, Mode, NodeStatus
+from ross_protocols.dronecan.node_messages import Encoder
+from ross_protocols.dronecan.ross_types import RossSource, RossSources, RossStatus
 from ross_sim.devices.can_bus import lasts
 
 ROOT = Path(__file__).parents[2]
@@ -148,7 +148,7 @@ def test_the_program_of_the_guide_prints_what_it_says(tmp_path):
 
 def test_six_talkers_take_the_frames_that_the_guide_says():
     sources = RossSources(1, tuple(RossSource(0.1, 0.1, 1.0) for _ in range(6)))
-    voice = Voice(121)
+    voice = Encoder(121)
     a_second = [*voice.broadcast(sources), *voice.broadcast(NodeStatus(1)), *(voice.broadcast(RossStatus(0)) * 5)]
     assert len(a_second) == 36
     assert sum(map(lasts, a_second)) == pytest.approx(0.005, abs=0.0005)

@@ -11,11 +11,10 @@ from hypothesis import strategies as some
 
 from dronecan_types import load_ours
 from ross_protocols.can import CanFrame
-from ross_protocols.dronecan import DroneCanError, Health, Mode, NodeStatus
-from ross_protocols.dronecan_allocation import Allocation
-from ross_protocols.dronecan_params import GetSetRequest, GetSetResponse, Opcode, OpcodeRequest, OpcodeResponse
-from ross_protocols.dronecan_ross import RossSource, RossSources, RossStatus
-from ross_protocols.dronecan_services import (
+from ross_protocols.dronecan.messages import Allocation, DroneCanError, Health, Mode, NodeStatus
+from ross_protocols.dronecan.params import GetSetRequest, GetSetResponse, Opcode, OpcodeRequest, OpcodeResponse
+from ross_protocols.dronecan.ross_types import RossSource, RossSources, RossStatus
+from ross_protocols.dronecan.services import (
     NodeInfo,
     NodeInfoRequest,
     RestartRequest,
@@ -23,7 +22,7 @@ from ross_protocols.dronecan_services import (
     TransportStats,
     TransportStatsRequest,
 )
-from ross_protocols.dronecan_transfer import MOST_BEGUN, ROOM, Header, Joiner, split
+from ross_protocols.dronecan.transfer import MOST_BEGUN, ROOM, Header, Joiner, split
 
 UNIQUE = bytes(range(100, 116))
 STATUS = NodeStatus(86400, Health.WARNING, Mode.MAINTENANCE, 513)

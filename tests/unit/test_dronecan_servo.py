@@ -10,13 +10,9 @@ import pytest
 from can_servo_bench import Rig
 from ross_payload.actuators.dronecan_servo.options import Options
 from ross_payload.errors import ConfigError, NotHomed
-from ross_protocols.dronecan import (
-    ArrayCommand,
-    Mode,
-    NodeStatus,
-)
+from ross_protocols.dronecan.messages import ArrayCommand, Mode, NodeStatus
 from ross_sim.clock import QUANTUM
-from ross_sim.devices.servo import ServoFarEnd, ServoNode, far_end
+from ross_sim.devices.dronecan_far_end import ServoFarEnd, ServoNode, far_end
 
 
 def test_nothing_is_commanded_before_the_first_goal():

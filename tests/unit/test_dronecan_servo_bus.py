@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from can_servo_bench import Rig
-from ross_payload.dronecan.hub import Buses
 from ross_payload.dronecan.node import Identity, Node
+from ross_payload.dronecan.shared_bus import SharedBuses
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_protocols.can import CanFrame
-from ross_protocols.dronecan import ArrayCommand, Health, Mode, NodeStatus
-from ross_protocols.dronecan_gimbal import AngularCommand, GimbalStatus
-from ross_protocols.dronecan_transfer import SERVICE
+from ross_protocols.dronecan.gimbal_messages import AngularCommand, GimbalStatus
+from ross_protocols.dronecan.messages import ArrayCommand, Health, Mode, NodeStatus
+from ross_protocols.dronecan.transfer import SERVICE
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.far_end import Fault
 
@@ -242,7 +242,7 @@ def test_where_the_payload_is_a_node_already_the_driver_speaks_through_it():
     clock, shared = SimClock(), []
 
     def wrap(port):
-        buses = Buses(lambda url: port, clock)
+        buses = SharedBuses(lambda url: port, clock)
         tap = buses.open("can:x:y")
         identity = Identity("org.ross.payload", bytes(16), 77)
         shared.append(Node(identity, tap, np.random.default_rng(0), 0.0))

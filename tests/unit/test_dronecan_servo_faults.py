@@ -7,15 +7,7 @@ import pytest
 
 from can_servo_bench import OWN, SERVO, Rig
 from ross_payload.errors import ActuatorFault
-from ross_protocols.dronecan import (
-    ArrayCommand,
-    Command,
-    Health,
-    LogMessage,
-    Mode,
-    NodeStatus,
-    Status,
-)
+from ross_protocols.dronecan.messages import ArrayCommand, Command, Health, LogMessage, Mode, NodeStatus, Status
 from ross_sim.clock import QUANTUM
 
 pytestmark = pytest.mark.lockstep

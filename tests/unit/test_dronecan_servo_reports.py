@@ -6,8 +6,9 @@ import pytest
 
 from can_servo_bench import SERVO, Rig
 from ross_payload.errors import ActuatorFault
-from ross_protocols.dronecan import Assembler, NodeStatus, Sender, Status
-from ross_protocols.dronecan_gimbal import GimbalStatus
+from ross_protocols.dronecan.gimbal_messages import GimbalStatus
+from ross_protocols.dronecan.messages import NodeStatus, Status
+from ross_protocols.dronecan.node_messages import Decoder, Encoder
 
 MODEL = {"feedback": "model"}
 GIMBAL = {"command": "gimbal"}
@@ -24,11 +25,11 @@ class Liar:
         self.lies = False
 
     def receive(self):
-        heard, ear, mouth = [], Assembler(), Sender(SERVO)
+        heard, ear, mouth = [], Decoder(0), Encoder(SERVO)
         for frame in self._port.receive():
             received = ear.feed(frame)
             if received and isinstance(received.message, Status | GimbalStatus) and self.lies:
-                heard += mouth.frames(Status(1, self._position))
+                heard += mouth.broadcast(Status(1, self._position))
             elif (received and isinstance(received.message, NodeStatus)) or not self.lies:
                 heard.append(frame)
         return heard

@@ -10,14 +10,14 @@ import pytest
 from ross_payload.actuators.dronecan_servo.driver import backend
 from ross_payload.actuators.dronecan_servo.options import Options
 from ross_payload.actuators.wires import open_wire
-from ross_payload.actuators.wires.can_codec import CanCodec
+from ross_payload.actuators.wires.codecs import CanCodec
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
 from ross_payload.interfaces import Services
 from ross_protocols.can import CanFrame
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.devices.servo import far_end
-from ross_sim.devices.wires import WireServer, side_of
+from ross_sim.devices.dronecan_far_end import far_end
+from ross_sim.devices.wire_servers import WireServer, side_of
 
 can = pytest.importorskip("can")
 

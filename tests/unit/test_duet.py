@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from ross_payload.dsp.duet import blind_delays, separator
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.interfaces import Scene
+from ross_payload.separation.duet import blind_delays, separator
 
 FREQUENCIES = np.fft.rfftfreq(512, 1 / 16000)
 LONGEST = 0.05 / 343.0

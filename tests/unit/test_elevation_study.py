@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ross_sim.study.elevation import FIELDS, HOVER, MOUTH
+from ross_sim.study.elevation_study import FIELDS, HOVER, MOUTH
 
 AZIMUTHS = np.deg2rad([10.0, 120.0, -60.0])
 

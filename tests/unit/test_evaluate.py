@@ -8,13 +8,13 @@ import pytest
 import soundfile
 
 from command_line import called
-from ross_payload.audio.files import write_wav
-from ross_payload.dsp.choice import separator
+from ross_payload.audio.audio_files import write_wav
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.stft import Stft
 from ross_payload.evaluation.takes import lag_of, placed
-from ross_sim.study.rooms import SETTINGS
-from ross_sim.study.separation import FRAME, HOP, RATE, aligned_heading, record, scene_of
+from ross_payload.separation.auto_separator import separator
+from ross_sim.study.mixtures import FRAME, HOP, RATE, aligned_heading, record, scene_of
+from ross_sim.study.room_settings import SETTINGS
 
 pytestmark = pytest.mark.lockstep
 

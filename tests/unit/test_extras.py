@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ross_payload import extras
+from ross_payload import plugins
 
 ROOT = Path(__file__).parents[2]
 DECLARED = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
@@ -15,7 +15,7 @@ DECLARED = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["opti
 
 @pytest.mark.parametrize("extra", sorted(set(DECLARED) - {"all"}))
 def test_an_extra_s_line_names_what_the_extra_needs_and_never_ourselves(extra):
-    line = extras.install_line(extra)
+    line = plugins.install_line(extra)
     for requirement in DECLARED[extra]:
         own = requirement.startswith("ross-payload")
         assert own or f"'{requirement.partition(';')[0]}'" in line
@@ -24,16 +24,16 @@ def test_an_extra_s_line_names_what_the_extra_needs_and_never_ourselves(extra):
 
 def test_it_is_for_the_python_that_runs_this(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
-    assert extras.install_line("serial").startswith(f"{sys.executable} -m pip install")
+    assert plugins.install_line("serial").startswith(f"{sys.executable} -m pip install")
     monkeypatch.setenv("PATH", str(Path(sys.executable).parent))
-    assert extras.install_line("serial").startswith("pip install")
+    assert plugins.install_line("serial").startswith("pip install")
 
 
 def test_pip_accepts_the_line_without_an_index():
-    line = extras.install_line("serial").replace("install", "install --no-index --dry-run --quiet")
+    line = plugins.install_line("serial").replace("install", "install --no-index --dry-run --quiet")
     done = subprocess.run(line, shell=True, capture_output=True, text=True, check=False)  # noqa: S602
     assert done.returncode == 0, done.stderr
 
 
 def test_every_module_that_is_missed_by_name_belongs_to_an_extra():
-    assert set(extras.EXTRA_OF.values()) <= set(DECLARED)
+    assert set(plugins.EXTRA_OF.values()) <= set(DECLARED)

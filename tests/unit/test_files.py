@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from pymavlink import mavftp
 
-from ross_payload.parameters import TABLE
-from ross_payload.telemetry.files import FileServer
-from ross_payload.telemetry.identity import Endpoint
-from ross_payload.telemetry.metadata import GENERAL, PARAMETERS, files, metadata_message
-from ross_protocols.dialect import ross
-from ross_protocols.ftp import Error, Opcode, Packet, checksum, message_of, packet_of
-from ross_protocols.params import NAME_SIZE
+from ross_payload.config.parameter_table import TABLE
+from ross_payload.mavlink.component_info import GENERAL, PARAMETERS, files, metadata_message
+from ross_payload.mavlink.ftp_server import FtpServer
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.ftp import Error, Opcode, Packet, checksum, message_of, packet_of
+from ross_protocols.mavlink.params import NAME_SIZE
 
 
 class Payload:
@@ -22,8 +22,7 @@ class Payload:
 
     def __init__(self, sky, content):
         self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
-        self.server = FileServer(Endpoint(self.links, 191), content)
-        self.links.component(191).subscribe(self.server.heard)
+        self.server = FtpServer(self.links.component(191), content)
 
     def wait(self, seconds):
         """Let time pass; return the messages that the ground station hears."""
@@ -37,7 +36,7 @@ class Payload:
 
     def ask(self, opcode, data=b"", seconds=0.05, target=(1, 191), **fields):
         request = Packet(7, opcode, data=data, **({"size": len(data)} | fields))
-        self.ground.send(message_of(request, *target))
+        self.ground.send(message_of(request, ComponentId(*target)))
         return [packet_of(message) for message in self.wait(seconds)]
 
 
@@ -119,7 +118,7 @@ def test_anything_in_the_251_bytes_raises_nothing(payload):
     rng = np.random.default_rng(1)
     opened(payload, "long.bin")
     for _ in range(500):
-        message = message_of(Packet(0, 0), 1, 191)
+        message = message_of(Packet(0, 0), ComponentId(1, 191))
         message.payload = [int(byte) for byte in rng.integers(0, 256, 251)]
         message.payload[3] = int(rng.choice([1, 2, 4, 5, 15, 128, 129, 77]))
         payload.ground.send(message)

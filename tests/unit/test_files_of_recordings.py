@@ -11,12 +11,12 @@ import pytest
 from pymavlink import mavftp
 
 from ross_payload.config import Config
-from ross_payload.telemetry.files import FileServer
-from ross_payload.telemetry.identity import Endpoint
-from ross_payload.telemetry.metadata import files
-from ross_payload.telemetry.recordings import BLOCK, Recordings
-from ross_protocols.dialect import ross
-from ross_protocols.ftp import Error, Opcode, Packet, checksum, message_of, packet_of
+from ross_payload.mavlink.component_info import files
+from ross_payload.mavlink.ftp_server import FtpServer
+from ross_payload.mavlink.recording_files import BLOCK, Recordings
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.ftp import Error, Opcode, Packet, checksum, message_of, packet_of
 
 SESSION = "0001-20260101T120000Z"
 AUDIO = np.random.default_rng(1).bytes(2 * BLOCK + 1234)
@@ -29,8 +29,7 @@ class Payload:
     def __init__(self, sky, folder, speed=SPEED, rate=float("inf")):
         self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
         rates = dict.fromkeys(self.links.rates(), rate)
-        self.server = FileServer(Endpoint(self.links, 191), files(), Recordings(folder, speed), lambda: rates)
-        self.links.component(191).subscribe(self.server.heard)
+        self.server = FtpServer(self.links.component(191), files(), Recordings(folder, speed), lambda: rates)
         self.sequence = 0
 
     def wait(self, seconds):
@@ -47,7 +46,7 @@ class Payload:
         """Ask, and let time pass until the first answer is there."""
         self.sequence += 1
         request = Packet(self.sequence, opcode, data=data, **({"size": len(data)} | fields))
-        self.ground.send(message_of(request, 1, 191))
+        self.ground.send(message_of(request, ComponentId(1, 191)))
         end = time.monotonic() + 30
         while not (answers := [packet for each in self.wait(0.02) if (packet := packet_of(each)) is not None]):
             assert time.monotonic() < end, "no answer"
@@ -173,7 +172,7 @@ def test_many_readers_share_what_one_may_take(sky, folder):
         payload.ask(Opcode.READ, size=10)  # the first block is here
     for number in range(4):
         voice.srcComponent = 190 + number
-        payload.ground.send(message_of(Packet(7, Opcode.BURST_READ, size=239), 1, 191))
+        payload.ground.send(message_of(Packet(7, Opcode.BURST_READ, size=239), ComponentId(1, 191)))
     sizes = dict.fromkeys(range(190, 194), 0)
     for message in payload.wait(10.0):
         sizes[message.target_component] += len(packet_of(message).data) + 24
@@ -192,7 +191,7 @@ def test_one_line_of_the_log_tells_of_a_download(payload, caplog):
 
 def test_who_may_not_order_lists_nothing(sky, folder):
     payload = Payload(sky(accept=(250,)), folder)
-    payload.ground.send(message_of(Packet(1, Opcode.LIST, size=1, data=b"/"), 1, 191))
+    payload.ground.send(message_of(Packet(1, Opcode.LIST, size=1, data=b"/"), ComponentId(1, 191)))
     assert payload.wait(1.0) == []
 
 

@@ -7,12 +7,13 @@ import pytest
 
 import mission_bench as base
 from ross_payload.actuators.motion import Trapezoid
-from ross_payload.angles import wrap_axis
-from ross_payload.dsp.paper_rules import paper_plan
+from ross_payload.alignment.paper_rules import paper_plan
+from ross_payload.angles import wrap, wrap_axis
 from ross_payload.events import Checked, Doubted, OrientationHeard, Outcome, Separated, SourcesEstimated, TurnStarted
 from ross_payload.interfaces import Attitude
-from ross_payload.mission.follower import Follower
-from ross_sim.vehicle import Yaw
+from ross_payload.mission.heading_control import Follower
+from ross_payload.pointing import Pointing
+from ross_sim.autopilot.simulated_autopilot import Yaw
 
 DT = base.HOP / base.RATE  # [s]
 STILL = Yaw()
@@ -45,9 +46,11 @@ class Vehicle(base.Rig):
         yaws = [self.yaw.at(time) if known else 0.0 for time in (begin, end)]
         joints = [self.plan.at(time - self.since)[0] for time in (begin, end)]
         settled = self.outputs[-1].goal is None and begin >= self.since + self.plan.duration
-        start, stop = np.add(yaws, joints)
+        start = yaws[0] + joints[0]
         attitude = Attitude(yaws[0], known=known)
-        heard = replace(heard, heading_start=start, heading_end=stop, joint=joints[1], settled=settled)
+        rate = wrap(self.yaw.at(end) - self.yaw.at(end - 0.1)) / 0.1 if known else 0.0
+        pointing = Pointing(end, joints[1], yaws[1], earth=known, base_rate=rate)
+        heard = replace(heard, heading_start=start, pointing=pointing, settled=settled)
         self.inputs.append(replace(heard, attitude=attitude))
         return self.inputs[-1]
 
@@ -89,10 +92,10 @@ def test_a_yawing_vehicle_is_followed_while_listening():
     event = one.said(Separated)[-1]
     begin = event.start / base.RATE
     during = one.heard_between(begin, begin + 12.0)
-    apart = off([heard.heading_end for heard in during], one.said(TurnStarted)[-1].heading)
+    apart = off([heard.pointing.heading for heard in during], one.said(TurnStarted)[-1].heading)
     assert apart.max() < 4.0  # the joint's acceleration bounds it where the vehicle reverses
     assert np.sqrt(np.mean(apart**2)) < 1.5
-    assert np.ptp([heard.joint for heard in during]) > np.deg2rad(25)  # the joint has made the vehicle's 30 degrees
+    assert np.ptp([heard.pointing.joint for heard in during]) > np.deg2rad(25)  # the vehicle's 30 degrees
 
 
 def test_a_run_that_is_followed_is_not_broken():
@@ -109,7 +112,7 @@ def test_what_is_told_as_the_heading_is_the_mean_of_what_was_heard():
     one.run()
     for event in one.said(OrientationHeard):
         during = one.heard_between(event.time - base.SETTINGS.unit, event.time)
-        true = np.mean([(heard.heading_start + heard.heading_end) / 2 for heard in during])
+        true = np.mean([(heard.heading_start + heard.pointing.heading) / 2 for heard in during])
         assert event.heading == pytest.approx(true, abs=1e-4)  # a circular mean
 
 
@@ -119,7 +122,7 @@ def test_an_alignment_is_reached_although_the_actuator_never_settles():
     assert one.run().outcome is Outcome.TARGET_FOUND
     checked = one.said(Checked)[-1]
     during = one.heard_between(checked.time - base.SETTINGS.check, checked.time)
-    assert off([during[0].heading_end], checked.candidate.heading)[0] < 2.5
+    assert off([during[0].pointing.heading], checked.candidate.heading)[0] < 2.5
 
 
 def test_the_sources_stay_where_they_are_in_the_earth_frame():
@@ -128,7 +131,7 @@ def test_the_sources_stay_where_they_are_in_the_earth_frame():
     one.run()
     for checked in one.said(Checked):
         during = one.heard_between(checked.time - base.SETTINGS.check, checked.time)
-        mean = np.mean([heard.heading_end for heard in during])
+        mean = np.mean([heard.pointing.heading for heard in during])
         assert off([mean], checked.candidate.heading)[0] < 3.0
 
 
@@ -153,7 +156,7 @@ def test_near_a_limit_the_axis_is_turned_half_round_and_no_period_is_cut(degrees
     for time, seconds, heading in periods:
         during = one.heard_between(time - seconds, time)
         assert len(during) == pytest.approx(seconds / DT, abs=1)
-        assert off([heard.heading_end for heard in during], heading).max() < 8.0
+        assert off([heard.pointing.heading for heard in during], heading).max() < 8.0
     assert any("limit" in event.reason for event in one.said(TurnStarted))
 
 
@@ -188,7 +191,7 @@ def test_no_estimate_mixes_two_frames():
     begin = 0.0
     for event in one.said(OrientationHeard):
         begin = event.time - base.SETTINGS.unit if event.index == 0 else begin
-        frames = {heard.attitude.known for heard in one.heard_between(begin, event.time)}
+        frames = {heard.pointing.earth for heard in one.heard_between(begin, event.time)}
         assert len(frames) == 1
     assert len(one.said(Doubted)) == 2
 
@@ -225,19 +228,13 @@ def held(tolerance_deg, seconds=24.0):
     for time in np.arange(0.0, seconds, DT):
         joint = plan.at(time - since)[0]
         errors.append(swing.at(time) + joint)
-        heard = Heard(swing.at(time) + joint, joint)
-        follower.note(time, heard)
-        goal = follower.take()
+        rate = (swing.at(time) - swing.at(time - 0.1)) / 0.1
+        follower.update(time, Pointing(time, joint, swing.at(time), base_rate=rate))
+        goal = follower.next_goal()
         if goal is not None:
             place, speed = plan.at(time - since)
             plan, since, goals = Trapezoid(place, goal, 3.9, 1.96, speed), time, goals + 1
     return float(np.rad2deg(np.std(errors[200:]))), goals / seconds
-
-
-@dataclass
-class Heard:
-    heading_end: float
-    joint: float
 
 
 def test_the_joint_follows_fifteen_degrees_to_and_fro_within_one_degree_rms():
@@ -253,8 +250,8 @@ def test_a_wider_tolerance_moves_less_often():
 def test_a_yaw_that_passes_south_is_no_jump():
     follower = Follower(3.0, 0.0, 0.035, -4.0, 4.0)
     for time, yaw in enumerate((3.0, 3.1, 3.1 + 0.1 - 2 * np.pi)):
-        follower.note(time * DT, Heard(yaw + follower.goal, follower.goal))
-        goal = follower.take()
+        follower.update(time * DT, Pointing(time * DT, follower.goal, yaw, base_rate=0.1 / DT))
+        goal = follower.next_goal()
         assert goal is None or abs(goal) < 2.0
 
 
@@ -276,8 +273,8 @@ def test_any_tolerance_of_the_configuration_ends_its_turns(degrees):
 def test_a_correction_stays_due_until_it_is_sent():
     """Also over the end of a listening period: the next one must not believe in a goal that nobody was given."""
     follower = Follower(0.0, 0.0, 0.035, -4.0, 4.0)
-    follower.note(0.0, Heard(0.1, 0.0))
-    follower.note(0.01, Heard(0.1, 0.0))
-    assert not follower.there(10.0, Heard(0.1, 0.0))
-    assert follower.take() == pytest.approx(-0.1)
-    assert follower.take() is None
+    follower.update(0.0, Pointing(base=0.1))
+    follower.update(0.01, Pointing(base=0.1))
+    assert not follower.there(10.0, Pointing(base=0.1), settled=False)
+    assert follower.next_goal() == pytest.approx(-0.1)
+    assert follower.next_goal() is None

@@ -2,13 +2,20 @@ import numpy as np
 import pytest
 
 from ross_payload.dsp.covariance import diffuse, direct, outer
-from ross_payload.dsp.gaussian import astray, directness_of, in_long_frames, separator, source_psds, wiener
-from ross_payload.dsp.smooth import average
-from ross_payload.dsp.spatial import learn
+from ross_payload.dsp.smoothing import average
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Groups, Scene
+from ross_payload.separation.cacgmm import learn
+from ross_payload.separation.local_gaussian_model import (
+    astray,
+    directness_of,
+    in_long_frames,
+    separator,
+    source_psds,
+    wiener,
+)
 
 FREQUENCIES = np.fft.rfftfreq(512, 1 / 16000)[1:]
 LONGEST = 0.05 / 343.0

@@ -23,11 +23,11 @@ from gimbal_bench import (
 from hand_bench import Base
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
-from ross_payload.gimbal import Gimbal
-from ross_payload.links import Links
-from ross_protocols import gimbal
-from ross_protocols.dialect import common
-from ross_protocols.vehicle import euler
+from ross_payload.mavlink import Router
+from ross_payload.mavlink.gimbal import Gimbal
+from ross_protocols.mavlink import gimbal_messages
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.vehicle import euler
 from ross_sim.devices.far_end import Fault
 
 
@@ -169,7 +169,7 @@ def test_a_fault_of_the_actuator_shows_in_the_attitude_and_the_heartbeat(bench):
     one = bench()
     one.live(8.0, (4.0, lambda: one.far_end.afflict(Fault.SILENT)))
     assert one.attitude(3.9).failure_flags == 0
-    assert gimbal.failures(one.attitude(7.0).failure_flags) == "communication inside the gimbal"
+    assert gimbal_messages.failures(one.attitude(7.0).failure_flags) == "communication inside the gimbal"
     assert one.told("HEARTBEAT")[-1].system_status == 5
 
 
@@ -187,6 +187,6 @@ def test_what_cannot_be_together_is_one_clear_line(tables, words):
 
 def test_a_device_needs_a_link_to_its_manager(bench):
     one = bench()
-    with Links(one.clock) as links, pytest.raises(ConfigError, match="expected a link with role"):
+    with Router(one.clock) as links, pytest.raises(ConfigError, match="expected a link with role"):
         config = Config.model_validate({"actuator": {"kind": "ideal"}, "gimbal": {"mode": "device"}})
         Gimbal(config, one.clock, links, one.actuator, one.base, give=one.runner.order)

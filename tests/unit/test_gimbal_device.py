@@ -12,11 +12,11 @@ from ross_payload.interfaces import Attitude
 from ross_payload.mount import AutopilotMount
 from ross_payload.orders import Cancel, Explore, Rearm, Stop
 from ross_payload.timebase import Timebase
-from ross_protocols import gimbal
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common
-from ross_protocols.gimbal import EARTH_FRAME, VEHICLE_FRAME, YAW_LOCK
-from ross_protocols.vehicle import VehicleAttitude, euler, gimbal_state
+from ross_protocols.mavlink import gimbal_messages
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.gimbal_messages import EARTH_FRAME, VEHICLE_FRAME, YAW_LOCK
+from ross_protocols.mavlink.vehicle import VehicleAttitude, euler, gimbal_state
 from ross_sim.devices.gimbal_device import Servo
 from ross_sim.devices.gimbal_manager import ArduPilot
 
@@ -38,14 +38,14 @@ class Vehicle:
         if self.silent:
             return
         new, self._read = self._wire.heard[self._read :], len(self._wire.heard)
-        said = [answer for _, packet in new for answer in self.manager.hear(packet, now)]
+        said = [answer for _, packet in new for answer in self.manager.on_packet(packet, now)]
         self._wire.coming += [self._voice.encode(message) for message in (*said, *self.manager.live(now))]
 
     def pilot(self, time, yaw, flags=FOLLOWING):
         """A step of a script: the pilot points, clockwise [rad]."""
         message = common.MAVLink_gimbal_manager_set_pitchyaw_message(1, 1, flags, 0, 0.0, yaw, NAN, NAN)
         (packet,) = Decoder().feed(Encoder(255, 190).encode(message))
-        return time, lambda: self.manager.hear(packet, time)
+        return time, lambda: self.manager.on_packet(packet, time)
 
     def hush(self):
         self.silent = True
@@ -75,7 +75,7 @@ def test_without_a_manager_it_says_so(bench):
     vehicle = Vehicle(one)
     one.live(8.0, (5.0, vehicle.hush))
     before, after = one.attitude(1.7), one.attitude(7.0)
-    words = gimbal.failures(before.failure_flags), gimbal.failures(after.failure_flags)
+    words = gimbal_messages.failures(before.failure_flags), gimbal_messages.failures(after.failure_flags)
     assert words == ("no data from its manager",) * 2
     assert one.attitude(4.9).failure_flags == 0
     assert one.told("HEARTBEAT")[-1].system_status == 4

@@ -11,9 +11,9 @@ import pytest
 
 from gimbal_bench import AUTOPILOT, NAN, GimbalBench, Station, deg, set_attitude
 from hand_bench import Base
-from ross_protocols.dialect import common
-from ross_protocols.gimbal import EARTH_FRAME, VEHICLE_FRAME
-from ross_protocols.vehicle import euler
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.gimbal_messages import EARTH_FRAME, VEHICLE_FRAME
+from ross_protocols.mavlink.vehicle import euler
 
 MARGIN = 5.0  # [deg]
 
@@ -62,7 +62,7 @@ def test_its_ids_and_types_are_those_of_a_gimbal_of_this_vehicle(tested):
     one, tester = tested()
     one.live(4.0, *tester.steps)
     said = [packet for _, packet in one.wires[AUTOPILOT].heard if packet.name == "GIMBAL_DEVICE_ATTITUDE_STATUS"]
-    assert {(packet.system_id, packet.component_id) for packet in said} == {(33, 154)}
+    assert {packet.sender for packet in said} == {(33, 154)}
     assert {(packet.message.target_system, packet.message.target_component) for packet in said} == {(0, 0)}
     assert {beat.type for beat in one.told("HEARTBEAT", AUTOPILOT) if beat.sender == 154} == {26}
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pulse_trains import pulse, segment
-from ross_payload.actuators.tb6600.pulses import Line
+from ross_payload.actuators.tb6600.pulse_segments import PulseLine
 from ross_payload.actuators.wires.gpio import wave
 
 
@@ -19,7 +19,7 @@ def test_a_wave_waits_until_the_first_edge_and_after_the_last() -> None:
 
 
 def test_edges_of_one_microsecond_become_one_pulse_that_touches_only_their_lines() -> None:
-    together = segment(0.0, 1e-3, (0.0, Line.DIRECTION, True), (0.0, Line.ENABLE, False))
+    together = segment(0.0, 1e-3, (0.0, PulseLine.DIRECTION, True), (0.0, PulseLine.ENABLE, False))
     assert wave(together, 0.0, 0)[0] == [(0b010, 0b110, 1000)]
 
 
@@ -36,7 +36,7 @@ def test_rounding_never_adds_up_and_waves_of_a_stream_fit_together(ends: np.ndar
     written, total, found = 0, 0, []
     for begin, end in zip(np.concatenate([[0.0], ends]), ends, strict=False):
         edges = np.linspace(0, end - begin, n, endpoint=False)
-        lines = [(time, Line.STEP, index % 2 == 0) for index, time in enumerate(edges)]
+        lines = [(time, PulseLine.STEP, index % 2 == 0) for index, time in enumerate(edges)]
         pulses, written = wave(segment(origin + begin, end - begin, *lines), origin, written)
         for _, mask, delay in pulses:
             found += [total] * bool(mask)
@@ -49,6 +49,6 @@ def test_rounding_never_adds_up_and_waves_of_a_stream_fit_together(ends: np.ndar
 
 @given(st.floats(0, 1e6), st.floats(0, 1), st.integers(1, 1000))
 def test_edges_whole_microseconds_and_a_trifle_apart_stay_so_far_apart(start: float, first: float, gap: int) -> None:
-    edges = segment(start, 2.0, (first, Line.STEP, True), (first + gap * 1e-6 + 1e-8, Line.STEP, False))
+    edges = segment(start, 2.0, (first, PulseLine.STEP, True), (first + gap * 1e-6 + 1e-8, PulseLine.STEP, False))
     pulses, _ = wave(edges, start, 0)
     assert next(delay for bits, mask, delay in pulses if bits & mask) >= gap

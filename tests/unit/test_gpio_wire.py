@@ -17,14 +17,14 @@ from fake_lgpio import FakeLgpio
 from pulse_trains import pulse, segment
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
-from ross_payload.actuators.tb6600.pulses import Level, Line, Played, RanOut, Segment
+from ross_payload.actuators.tb6600.pulse_segments import Level, Played, PulseLine, RanOut, Segment
 from ross_payload.actuators.wires import open_wire
 from ross_payload.actuators.wires.gpio import GpioPulses, pins_of
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError, LinkError, PluginError
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.devices.tb6600 import Tb6600FarEnd, far_end
+from ross_sim.devices.tb6600_far_end import Tb6600FarEnd, far_end
 from tb6600_bench import Turning
 
 URL = "pulses:lgpio:0:17,27,22"
@@ -79,7 +79,7 @@ def port(gpio: FakeLgpio, clock: SimClock) -> GpioPulses:
 
 def test_the_lines_are_claimed_with_the_level_that_the_first_segment_wants(gpio: FakeLgpio, port: GpioPulses) -> None:
     assert gpio.claimed == []
-    port.send(segment(0.0, 0.005, (0.0, Line.ENABLE, True)))
+    port.send(segment(0.0, 0.005, (0.0, PulseLine.ENABLE, True)))
     assert gpio.claimed == [([17, 27, 22], [0, 0, 1])]
 
 
@@ -92,7 +92,7 @@ def test_segments_that_follow_one_another_come_out_without_a_gap(
             clock.sleep(0.01)
     clock.sleep(0.2)
     port.receive()
-    rises = [time for time, line, level in gpio.edges if (line, level) == (Line.STEP, 1)]
+    rises = [time for time, line, level in gpio.edges if (line, level) == (PulseLine.STEP, 1)]
     assert np.diff(rises).tolist() == [10_100] * 7
     assert len(gpio.starts) == 1
 
@@ -115,7 +115,7 @@ def test_more_segments_than_the_library_takes_wait_for_room(gpio: FakeLgpio, por
     for _ in range(10):
         clock.sleep(0.01)
         port.receive()
-    assert sum(level for _, line, level in gpio.edges if line == Line.STEP) == 25
+    assert sum(level for _, line, level in gpio.edges if line == PulseLine.STEP) == 25
 
 
 def test_a_stream_that_ran_dry_takes_no_step_until_it_is_told_anew(
@@ -123,16 +123,16 @@ def test_a_stream_that_ran_dry_takes_no_step_until_it_is_told_anew(
 ) -> None:
     port.send(segment(0.0, 0.01, *pulse(0.0)))
     clock.sleep(0.05)
-    port.send(segment(0.01, 0.01, (0.0, Line.DIRECTION, True), *pulse(0.001)))
+    port.send(segment(0.01, 0.01, (0.0, PulseLine.DIRECTION, True), *pulse(0.001)))
     assert port.receive() == [Played(0.01), RanOut(0.02)]
     clock.sleep(0.05)
     assert port.receive() == [Played(0.02)]
-    assert sum(level for _, line, level in gpio.edges if line == Line.STEP) == 1
-    assert gpio.edges[-1][1:] == (Line.DIRECTION, 1)
+    assert sum(level for _, line, level in gpio.edges if line == PulseLine.STEP) == 1
+    assert gpio.edges[-1][1:] == (PulseLine.DIRECTION, 1)
     port.send(segment(clock.now(), 0.01, *pulse(0.001)))
     clock.sleep(0.05)
     assert port.receive() == [Played(0.11)]
-    assert sum(level for _, line, level in gpio.edges if line == Line.STEP) == 2
+    assert sum(level for _, line, level in gpio.edges if line == PulseLine.STEP) == 2
 
 
 def test_closing_waits_until_the_last_edge_is_out_and_gives_the_chip_back(
@@ -142,7 +142,7 @@ def test_closing_waits_until_the_last_edge_is_out_and_gives_the_chip_back(
         port.send(segment(index * 0.1, 0.1, *pulse(0.05)))
     port.close()
     port.close()
-    assert sum(level for _, line, level in gpio.edges if line == Line.STEP) == 20
+    assert sum(level for _, line, level in gpio.edges if line == PulseLine.STEP) == 20
     assert gpio.open_handles == 0
     assert 2.0 <= clock.now() <= 2.1
     assert port.receive() == []
@@ -155,7 +155,7 @@ def test_a_switch_is_read_at_every_look_with_its_pull_up(gpio: FakeLgpio, clock:
     assert gpio.flags == {SWITCH_PIN: FakeLgpio.SET_PULL_UP}
     clock.sleep(0.01)
     gpio.inputs[SWITCH_PIN] = 0
-    assert port.receive() == [Level(Line.HOME, False, 0.01)]
+    assert port.receive() == [Level(PulseLine.HOME, False, 0.01)]
 
 
 @pytest.mark.parametrize(

@@ -8,11 +8,11 @@ import math
 import pytest
 
 from grbl_bench import TURN, Bench
-from ross_payload.actuators.grbl.driver import Grbl
+from ross_payload.actuators.grbl.driver import backend
 from ross_payload.actuators.grbl.options import Options, complaint
 from ross_payload.errors import ActuatorFault, NotHomed
 from ross_payload.interfaces import Services
-from ross_protocols.grbl import State
+from ross_protocols.grbl.protocol import State
 from ross_sim.clock import QUANTUM
 
 
@@ -64,7 +64,7 @@ def test_a_switch_needs_homing_to_be_enabled():
 
 def test_an_axis_that_grbl_does_not_have_is_named():
     bench = Bench()
-    bench.actuator = Grbl(Options(axis="A"), Services(bench.clock, lambda url: bench.wire))
+    bench.actuator = backend.open(Options(axis="A"), Services(bench.clock, lambda url: bench.wire))
     bench.open()
     assert "$103: does it have an axis A" in bench.state.fault
 

@@ -8,17 +8,17 @@ from dataclasses import replace
 import pytest
 
 from grbl_bench import TURN, Bench
-from ross_payload.actuators.grbl.driver import Grbl
+from ross_payload.actuators.grbl.driver import backend
 from ross_payload.actuators.grbl.options import Options
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_payload.interfaces import Services
-from ross_protocols.grbl import State
+from ross_protocols.grbl.protocol import State
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
-from ross_sim.devices.grbl import far_end
-from ross_sim.devices.wires import WireServer, side_of
+from ross_sim.devices.grbl_far_end import far_end
+from ross_sim.devices.wire_servers import WireServer, side_of
 
 
 @pytest.mark.parametrize("gives_up", ["home", "release"])
@@ -160,7 +160,9 @@ def test_when_our_process_is_killed_grbl_finishes_its_jog_and_no_more():
     bench = Bench().open()
     bench.actuator.command(TURN)
     bench.clock.sleep(0.3)
-    bench.actuator = Grbl(bench.options, Services(bench.clock, lambda url: bench.wire))  # the other one is no more
+    bench.actuator = backend.open(
+        bench.options, Services(bench.clock, lambda url: bench.wire)
+    )  # the other one is no more
     bench.clock.sleep(3.0)
     assert bench.end.angle() == pytest.approx(TURN, abs=0.002)
     assert bench.firmware.state is State.IDLE
@@ -248,7 +250,7 @@ def test_over_tcp_it_turns_in_real_time_as_in_simulated():
                 end.advance(clock.now() - epoch)
                 actuator.poll(clock.now())
 
-        with Grbl(options, Services(clock, lambda url: open_wire(url, clock))) as actuator:
+        with backend.open(options, Services(clock, lambda url: open_wire(url, clock))) as actuator:
             live(lambda: actuator.state().homed and actuator.state().settled)
             actuator.command(0.5)
             live(lambda: actuator.state().settled)

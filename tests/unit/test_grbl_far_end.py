@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ross_payload.actuators.grbl.options import Options
-from ross_protocols.grbl import JOG_CANCEL, RESET, STATUS, Alarm, Error, Lines, Ok, Report, State
+from ross_protocols.grbl.protocol import JOG_CANCEL, RESET, STATUS, Alarm, Error, Lines, Ok, Report, State
 from ross_sim.devices.far_end import Fault
-from ross_sim.devices.grbl import GrblFarEnd, far_end
+from ross_sim.devices.grbl_far_end import GrblFarEnd, far_end
 from ross_sim.devices.grbl_firmware import RECEIVE_BUFFER, Firmware
 from ross_sim.devices.grbl_planner import PIECE, Axis, Motion
 from ross_sim.devices.stepper import Motor
@@ -30,7 +30,7 @@ class Terminal:
         return self._lines.feed(said)
 
     def type(self, text, seconds=0.01):
-        self.firmware.take(text if isinstance(text, bytes) else text.encode())
+        self.firmware.on_bytes(text if isinstance(text, bytes) else text.encode())
         return self.wait(seconds)
 
     def answer(self, text):
@@ -178,7 +178,7 @@ def test_homing_finds_the_switch_and_tells_nothing_meanwhile():
     terminal = Terminal(firmware)
     assert terminal.report.state is State.ALARM
     terminal.type("$H\n")
-    firmware.take(STATUS)
+    firmware.on_bytes(STATUS)
     while firmware.state is not State.IDLE:
         assert firmware.out == b""
         before, after = firmware.tick()

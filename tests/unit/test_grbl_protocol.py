@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_protocols.grbl import (
+from ross_protocols.grbl.error_texts import ALARMS, ERRORS
+from ross_protocols.grbl.protocol import (
     LONGEST,
     Alarm,
     Banner,
@@ -21,7 +22,6 @@ from ross_protocols.grbl import (
     jog,
     read,
 )
-from ross_protocols.grbl_words import ALARMS, ERRORS
 
 
 def degrees(angles):

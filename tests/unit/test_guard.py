@@ -11,7 +11,7 @@ import pytest
 
 from guard_bench import ABLE, Device, bench
 from ross_payload import config
-from ross_payload.actuators.registry import check_options, checked_options, describe
+from ross_payload.actuators.registry import checked_options, describe
 from ross_payload.errors import ActuatorFault, ConfigError, LimitError, NotHomed, PluginError
 
 
@@ -210,12 +210,12 @@ def test_options_are_lowered_to_the_caps_of_the_guard() -> None:
 
 def test_a_wrong_option_is_named_with_its_back_end() -> None:
     with pytest.raises(ConfigError, match=r"actuator\.options of 'tb6600': unknown key 'microstep'"):
-        check_options(settings_of("tb6600", microstep=8))
+        checked_options(settings_of("tb6600", microstep=8))
 
 
 def test_an_unknown_kind_lists_those_that_exist() -> None:
     with pytest.raises(PluginError, match=r"actuator 'crane' is unknown; there are: .*ideal.*tb6600"):
-        check_options(settings_of("crane"))
+        checked_options(settings_of("crane"))
 
 
 def test_a_broken_plug_in_hurts_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -235,4 +235,4 @@ def test_a_broken_plug_in_hurts_no_other(tmp_path: Path, monkeypatch: pytest.Mon
     assert "ZeroDivisionError" in rows["aaa_broken"].about
     assert "pip install 'python-can>=" in rows["aaa_lacking"].about
     assert "expected an object with Config and open" in rows["aaa_odd"].about
-    check_options(settings_of("ideal"))
+    checked_options(settings_of("ideal"))

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ross_payload.interfaces import ActuatorState
-from ross_payload.service.history import MOST, JointHistory
+from ross_payload.service.runner import MOST, JointHistory
 
 
 def report(time, angle, *, rate=0.0, settled=True):

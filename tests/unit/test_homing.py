@@ -11,14 +11,13 @@ from hypothesis import strategies as st
 
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
-from ross_payload.actuators.tb6600.homing import Contact
-from ross_payload.actuators.tb6600.pulses import Level
+from ross_payload.actuators.tb6600.homing import Debouncer
+from ross_payload.actuators.tb6600.pulse_segments import Level
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault, NotHomed
 from ross_payload.interfaces import Services
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.devices.home_switch import HomeSwitch
-from ross_sim.devices.tb6600 import Tb6600FarEnd, far_end
+from ross_sim.devices.tb6600_far_end import HomeSwitch, Tb6600FarEnd, far_end
 from tb6600_bench import Turning
 
 pytestmark = pytest.mark.lockstep
@@ -171,11 +170,11 @@ def test_after_a_fault_the_switch_gives_the_zero_back() -> None:
 
 
 def test_a_level_is_believed_after_15_ms_and_dated_to_its_beginning() -> None:
-    contact = Contact()
+    debouncer = Debouncer()
     for index in range(3):
-        contact.take(False, index * 0.01)
-    assert contact.known
-    assert not contact.take(True, 0.03)
-    assert not contact.take(True, 0.04)
-    assert contact.take(True, 0.05)
-    assert contact.since == 0.03
+        debouncer.update(False, index * 0.01)
+    assert debouncer.known
+    assert not debouncer.update(True, 0.03)
+    assert not debouncer.update(True, 0.04)
+    assert debouncer.update(True, 0.05)
+    assert debouncer.since == 0.03

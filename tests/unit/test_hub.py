@@ -11,9 +11,9 @@ import pytest
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
+from ross_payload.transport.link_url import tcp_endpoint
 from ross_protocols.can import CanFrame
-from ross_sim.devices.address import tcp_address
-from ross_sim.devices.hub import MOST_CLIENTS, MOST_WAITING, Hub
+from ross_sim.devices.can_hub import MOST_CLIENTS, MOST_WAITING, CanHub
 
 can = pytest.importorskip("can")
 CLOCK = SystemClock()
@@ -23,7 +23,7 @@ class Running:
     """A hub on a thread of its own."""
 
     def __init__(self):
-        self.hub = Hub(CLOCK)
+        self.hub = CanHub(CLOCK)
         self.port = 0
         self._up = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._live()))
@@ -183,7 +183,7 @@ def test_a_wrong_address_of_a_hub_says_what_was_wanted(rest):
 @pytest.mark.parametrize("text", ["tcp:127.0.0.1", "udp:127.0.0.1:1", "tcp:127.0.0.1:99999", "tcp::5", ""])
 def test_a_wrong_address_to_listen_on_says_what_was_wanted(text):
     with pytest.raises(ConfigError, match="expected tcp:HOST:PORT"):
-        tcp_address(text, "--listen")
+        tcp_endpoint(text, "--listen", min_port=0)
 
 
 def test_nodes_of_the_package_dronecan_meet_there(hub):

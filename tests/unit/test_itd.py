@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_payload.dsp import joint, markov
 from ross_payload.dsp.itd import Trust, band_limits, itd_per_bin, tail, weighted_itd
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Complex, Real
+from ross_payload.localization import joint, markov_explorer
 
 RATE = 16000
 STFT = Stft(RATE, 512, 128)
@@ -84,10 +84,10 @@ def test_the_band_ends_where_half_a_wavelength_fits_between_the_microphones(spac
     assert 0 < low < high
 
 
-@pytest.mark.parametrize("explorer", [joint.explorer, markov.explorer], ids=["joint", "markov"])
+@pytest.mark.parametrize("explorer", [joint.explorer, markov_explorer.explorer], ids=["joint", "markov"])
 @pytest.mark.parametrize(("hop", "told"), [(128, None), (128, 128 / RATE), (384, 384 / RATE)])
 def test_explorers_trust_a_steady_wave_by_what_decays_between_frames(
-    explorer: joint.Factory | markov.Factory, hop: int, told: float | None
+    explorer: joint.Factory | markov_explorer.Factory, hop: int, told: float | None
 ) -> None:
     """Onset: 1 in the first frame, then 1 less the tail of the frame before, exp(-hop / decay)."""
     n_frames, frequencies = 50, STFT.frequencies

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from ross_payload.dsp.covariance import outer
-from ross_payload.dsp.iva import demix, projected_back, separator, start_from
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.interfaces import Scene
+from ross_payload.separation.auxiva import demix, projected_back, separator, start_from
 
 FREQUENCIES = np.fft.rfftfreq(512, 1 / 16000)
 LONGEST = 0.05 / 343.0

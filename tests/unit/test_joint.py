@@ -14,11 +14,11 @@ import pytest
 from scipy.optimize import linear_sum_assignment
 
 from ross_payload.angles import difference
-from ross_payload.dsp.joint import Joint, explorer
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Complex, Observation, Real
+from ross_payload.localization.joint import Joint, explorer
 
 pytestmark = pytest.mark.lockstep
 
@@ -221,7 +221,7 @@ def delayed(voice: Real, tau: float) -> Real:
 
 @pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH}; set ROSS_SPEECH")
 def test_three_real_talkers_are_found_within_2_degrees() -> None:
-    from ross_sim.speech import load_folder
+    from ross_sim.talkers.speech import load_folder
 
     voices = [voice.speech for voice in load_folder(SPEECH, RATE)[:3]]
     azimuths, rng, unit = np.deg2rad([10.0, 75.0, -130.0]), np.random.default_rng(0), 3 * RATE

@@ -11,7 +11,7 @@ import pytest
 
 from ross_payload.events import State, StateChanged
 from ross_payload.orders import Cancel, Rearm, Shutdown, Stop
-from ross_payload.service.latch import StopLatch
+from ross_payload.service.stop_latch import StopLatch
 
 STOPPED, IDLE = StateChanged(0.0, State.STOPPED), StateChanged(0.0, State.IDLE)
 
@@ -82,18 +82,18 @@ def test_other_orders_stop_nothing_for_good(latch, order):
 
 
 def test_a_stop_that_nobody_ordered_is_kept_too(latch):
-    latch.said(STOPPED, None)
+    latch.on_event(STOPPED, None)
     assert settled(latch).closed
 
 
 @pytest.mark.parametrize("state", list(State))
 def test_nothing_but_arming_again_takes_a_stop_back(latch, state):
     latch.ordered(Stop())
-    latch.said(StateChanged(0.0, state), None)
+    latch.on_event(StateChanged(0.0, state), None)
     assert settled(latch).closed
     latch.ordered(Rearm())
     assert settled(latch).closed, "it is armed when the mission says so"
-    latch.said(IDLE, None)
+    latch.on_event(IDLE, None)
     assert not settled(latch).closed
 
 
@@ -102,13 +102,13 @@ def test_a_stop_right_behind_an_arming_stays(latch):
     latch.ordered(Stop())
     latch.ordered(Rearm())
     latch.ordered(Stop())
-    latch.said(IDLE, None)
+    latch.on_event(IDLE, None)
     assert settled(latch).closed
 
 
 def test_arming_without_a_stop_is_nothing(latch):
     latch.ordered(Rearm())
-    latch.said(IDLE, None)
+    latch.on_event(IDLE, None)
     assert not settled(latch).closed
     assert latch.failure == ""
 
@@ -117,7 +117,7 @@ def test_a_disk_that_takes_no_file_is_logged_once_and_tried_again(latch, disk, t
     disk.error = OSError(28, "No space left on device")
     with caplog.at_level(logging.INFO):
         latch.ordered(Stop())
-        latch.said(STOPPED, None)
+        latch.on_event(STOPPED, None)
         assert settled(latch).failure == f"{tmp_path / 'stopped'}: No space left on device"
         assert caplog.text.count("the stop was not saved") == 1
         disk.error = None

@@ -6,12 +6,12 @@ import pytest
 from dronecan_bench import URL, Peer, play
 from dronecan_wire import Wire
 from ross_payload.dronecan.allocator import Allocator
-from ross_payload.dronecan.kept import Kept
 from ross_payload.dronecan.node import Identity, Node
+from ross_payload.dronecan.persistence import PersistentIds
 from ross_payload.events import State, StateChanged
 from ross_payload.orders import TurnTo
-from ross_protocols.dronecan import Health, Mode, NodeStatus, Received
-from ross_protocols.dronecan_speech import Ear
+from ross_protocols.dronecan.messages import Health, Mode, NodeStatus, Received
+from ross_protocols.dronecan.node_messages import Decoder
 from ross_sim.devices.far_end import Fault
 
 OTHER = bytes(range(50, 66))  # what tells the autopilot from all other nodes
@@ -34,7 +34,7 @@ class Allocating:
         plug = bus.plug()
         rng = np.random.default_rng(2)
         self.node = Node(Identity("org.example.autopilot", OTHER, 10), plug, rng, now)
-        self.allocator = Allocator(self.node, Kept(None, rng), now)
+        self.allocator = Allocator(self.node, PersistentIds(None, rng), now)
         self.beats = []
         self.node.subscribe(self._note)
 
@@ -81,10 +81,10 @@ class States:
     def __init__(self, clock):
         self.clock, self.entered = clock, []
 
-    def heard(self, heard):
+    def on_input(self, heard):
         pass
 
-    def said(self, event, heard):
+    def on_event(self, event, heard):
         if isinstance(event, StateChanged):
             self.entered.append((self.clock.now(), event.state))
 
@@ -135,7 +135,7 @@ def test_a_fault_of_motion_stays_after_its_cause_has_gone(tmp_path):
     beats = []
 
     def script(bench):
-        plug, ear = bench.far_end.crowd.bus.plug(), Ear(0)
+        plug, ear = bench.far_end.crowd.bus.plug(), Decoder(0)
         bench.runner.order(TurnTo(1.5))
         yield from (None for _ in range(40))
         bench.far_end.afflict(Fault.STUCK)

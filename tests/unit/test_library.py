@@ -6,7 +6,7 @@ from ross_payload import plugins
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.errors import PluginError
 from ross_payload.interfaces import Scene, Separator
-from ross_sim.library import fastmnmf2, ilrma, library
+from ross_sim.study.baselines import fastmnmf2, ilrma, library
 
 FREQUENCIES = np.fft.rfftfreq(128, 1 / 16000)
 LONGEST = 0.05 / 343.0
@@ -107,7 +107,7 @@ def test_one_frame_is_too_little_and_the_groups_say_so(separator: Separator) -> 
 
 @pytest.mark.parametrize("name", ["ilrma", "fastmnmf2"])
 def test_a_missing_extra_is_named(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delitem(__import__("sys").modules, "ross_sim.library")
+    monkeypatch.delitem(__import__("sys").modules, "ross_sim.study.baselines")
     monkeypatch.setitem(__import__("sys").modules, "pyroomacoustics.bss", None)
     monkeypatch.setitem(__import__("sys").modules, "pyroomacoustics", None)
     with pytest.raises(PluginError, match=r"install .*pyroomacoustics"):

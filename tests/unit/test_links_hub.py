@@ -7,10 +7,10 @@ import pytest
 
 from links_bench import Bench
 from ross_payload.config import Link
-from ross_payload.links import Heard
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common
-from ross_protocols.values import Health, Heartbeat
+from ross_payload.mavlink import Received
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.values import Health, Heartbeat
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 VEHICLE = common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3)
@@ -33,7 +33,7 @@ def test_what_arrives_is_heard_with_its_link() -> None:
 
 def test_every_component_hears_what_arrives() -> None:
     bench = Bench(GROUND)
-    others: list[Heard] = []
+    others: list[Received] = []
     bench.links.component(154).subscribe(others.append)
     bench.say(GROUND.url, ATTITUDE)
     assert [heard.packet.name for heard in others] == bench.names() == ["ATTITUDE"]
@@ -133,7 +133,7 @@ def test_a_targeted_message_goes_where_its_target_was_heard() -> None:
 
 def test_a_message_to_our_own_component_stays_inside() -> None:
     bench = Bench(GROUND)
-    gimbal: list[Heard] = []
+    gimbal: list[Received] = []
     bench.links.component(154).subscribe(gimbal.append)
     bench.payload.send(command(1, 154))
     bench.links.poll()

@@ -4,32 +4,19 @@ import os
 import threading
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+from clocks import FakeClock
 from full_disk import lose
 from ross_payload.config import Link
 from ross_payload.errors import ConfigError
-from ross_payload.links import Links
-from ross_payload.links.signing import SigningTime, read_key
-from ross_protocols.signing import timestamp_of
+from ross_payload.mavlink import Router
+from ross_payload.transport.signing import SigningTime, read_key
+from ross_protocols.mavlink.signing import timestamp_of
 
 KEY = bytes(range(32))
 TODAY = 1_795_000_000.0  # UNIX [s]
-
-
-class HandClock:
-    """Stands still."""
-
-    def now(self) -> float:
-        return 0.0
-
-    def sleep(self, duration: float) -> None:
-        raise AssertionError("nobody waits here")
-
-    def every(self, period: float, call: Any) -> Any:
-        raise AssertionError("links are polled, they do not poll")
 
 
 @pytest.fixture
@@ -63,12 +50,12 @@ def test_a_key_that_others_can_read_is_refused_with_what_to_do(key_file: Path, m
 
 def test_a_key_that_is_not_there_is_one_clear_line(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="cannot be read: No such file or directory"):
-        Links.open([Link(url="udpin::1", key_file=str(tmp_path / "none"))], HandClock(), state=tmp_path)
+        Router.open([Link(url="udpin::1", key_file=str(tmp_path / "none"))], FakeClock(), state=tmp_path)
 
 
 def test_a_signed_link_needs_a_folder_to_remember_the_time(key_file: Path) -> None:
     with pytest.raises(ConfigError, match="needs a folder"):
-        Links.open([Link(url="udpin::1", key_file=str(key_file))], HandClock())
+        Router.open([Link(url="udpin::1", key_file=str(key_file))], FakeClock())
 
 
 def attempted(time: SigningTime) -> None:
@@ -134,9 +121,8 @@ def test_a_disk_that_hangs_is_said(tmp_path: Path) -> None:
 
 
 def test_the_time_is_for_its_owner_alone_also_where_it_was_not(tmp_path: Path) -> None:
-    for name in ("signing-time", "signing-time.new"):
-        (tmp_path / name).write_text("5\n")
-        (tmp_path / name).chmod(0o644)
+    (tmp_path / "signing-time").write_text("5\n")
+    (tmp_path / "signing-time").chmod(0o644)
     before = os.umask(0o022)
     try:
         SigningTime(tmp_path, lambda: TODAY, 0.0).close()

@@ -8,51 +8,35 @@ import sys
 import termios
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from clocks import LeapingClock
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.errors import ConfigError, LinkError
-from ross_payload.links import Heard, Links, LinkStatus
-from ross_payload.links.address import Serial
-from ross_payload.links.stream import StreamPort
-from ross_payload.links.uart import BAUDS, SerialOpener
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.values import Health, Heartbeat
+from ross_payload.mavlink import LinkStatus, Received, Router
+from ross_payload.transport.byte_stream import ReconnectingStream
+from ross_payload.transport.link_url import Serial
+from ross_payload.transport.serial_port import BAUDS, SerialOpener
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.values import Health, Heartbeat
+from waiting import wait_for
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 FRAME = Encoder(1, 1).encode(BEAT)
 RATES = {57600: termios.B57600, 115200: termios.B115200, 921600: termios.B921600, 460800: termios.B460800}
 
 
-class LeapingClock(SystemClock):
-    """Real time that can be moved on, so that nobody waits for a pause."""
-
-    ahead = 0.0
-
-    def now(self) -> float:
-        return super().now() + self.ahead
-
-
-def until(true: Callable[[], object], seconds: float = 20.0) -> object:
-    """Wait for the kernel to deliver."""
-    deadline = time.monotonic() + seconds
-    while not (found := true()):
-        assert time.monotonic() < deadline, "nothing came"
-        time.sleep(0.001)
-    return found
-
-
-def status(links: Links) -> LinkStatus:
+def status(links: Router) -> LinkStatus:
     (only,) = links.status()
     return only
 
 
-def hears(links: Links) -> list[Heard]:
-    heard: list[Heard] = []
+def hears(links: Router) -> list[Received]:
+    heard: list[Received] = []
     links.component(191).subscribe(heard.append)
     return heard
 
@@ -70,12 +54,12 @@ def terminal() -> Iterator[tuple[int, str]]:
 
 def test_serial_goes_both_ways(terminal: tuple[int, str]) -> None:
     far, name = terminal
-    with Links.open([Link(url=f"serial:{name}:57600")], SystemClock()) as links:
+    with Router.open([Link(url=f"serial:{name}:57600")], SystemClock()) as links:
         heard = hears(links)
         links.component(191).send(BEAT)
         (packet,) = Decoder().feed(os.read(far, 1000))
         os.write(far, FRAME)
-        until(lambda: links.poll() or heard)
+        wait_for(lambda: links.poll() or heard)
     assert (packet.component_id, packet.value) == (191, BEAT)
     assert heard[0].packet.value == BEAT
 
@@ -84,7 +68,7 @@ def test_a_serial_line_gives_us_half_of_its_bytes(terminal: tuple[int, str]) -> 
     far, name = terminal
     clock = LeapingClock()
     clock.now = lambda: clock.ahead  # type: ignore[method-assign]
-    with Links.open([Link(url=f"serial:{name}:57600")], clock) as links:
+    with Router.open([Link(url=f"serial:{name}:57600")], clock) as links:
         got = 0
         for _ in range(10 * 100):
             for _ in range(5):
@@ -98,7 +82,7 @@ def test_a_serial_line_gives_us_half_of_its_bytes(terminal: tuple[int, str]) -> 
 
 
 def test_a_serial_line_that_takes_nothing_drops_frames(terminal: tuple[int, str]) -> None:
-    with Links.open([Link(url=f"serial:{terminal[1]}:57600", max_bytes_s=10**9)], SystemClock()) as links:
+    with Router.open([Link(url=f"serial:{terminal[1]}:57600", max_bytes_s=10**9)], SystemClock()) as links:
         for _ in range(10_000):
             links.component(191).send(BEAT)
         assert status(links).dropped > 5_000
@@ -109,11 +93,11 @@ def test_a_device_that_is_pulled_out_and_put_back_is_used_again(tmp_path: Path) 
     far, near = pty.openpty()
     plug.symlink_to(os.ttyname(near))
     os.close(near)
-    with Links.open([Link(url=f"serial:{plug}:57600")], clock) as links:
+    with Router.open([Link(url=f"serial:{plug}:57600")], clock) as links:
         heard = hears(links)
         os.close(far)
         plug.unlink()
-        until(lambda: links.poll() or not status(links).up)
+        wait_for(lambda: links.poll() or not status(links).up)
         links.component(191).send(BEAT)
         clock.ahead += 10.0
         links.poll()
@@ -121,9 +105,9 @@ def test_a_device_that_is_pulled_out_and_put_back_is_used_again(tmp_path: Path) 
         far, near = pty.openpty()
         plug.symlink_to(os.ttyname(near))
         clock.ahead += 10.0
-        until(lambda: links.poll() or status(links).up)
+        wait_for(lambda: links.poll() or status(links).up)
         os.write(far, FRAME)
-        until(lambda: links.poll() or heard)
+        wait_for(lambda: links.poll() or heard)
         assert status(links).reconnects == 1
     os.close(near)
     os.close(far)
@@ -133,27 +117,27 @@ def test_a_device_that_is_not_there_is_one_clear_line_for_the_impatient() -> Non
     with pytest.raises(
         LinkError, match=r"^link 'serial:/dev/no-such:57600' cannot be opened: No such file or directory$"
     ):
-        Links.open([Link(url="serial:/dev/no-such:57600")], SystemClock())
+        Router.open([Link(url="serial:/dev/no-such:57600")], SystemClock())
 
 
 def test_a_device_that_comes_late_is_waited_for_by_the_patient(tmp_path: Path, terminal: tuple[int, str]) -> None:
     plug, clock = tmp_path / "ttyUSB0", LeapingClock()
-    with Links.open([Link(url=f"serial:{plug}:57600")], clock, patient=True) as links:
+    with Router.open([Link(url=f"serial:{plug}:57600")], clock, patient=True) as links:
         heard = hears(links)
         links.poll()
         assert not status(links).up
         plug.symlink_to(terminal[1])
         clock.ahead += 10.0
-        until(lambda: links.poll() or status(links).up)
+        wait_for(lambda: links.poll() or status(links).up)
         os.write(terminal[0], FRAME)
-        until(lambda: links.poll() or heard)
+        wait_for(lambda: links.poll() or heard)
 
 
 def test_serial_without_its_package_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "serial", None)
     for patient in (False, True):
         with pytest.raises(ConfigError, match="pip install 'pyserial>="):
-            Links.open([Link(url="serial:/dev/ttyUSB0:57600")], SystemClock(), patient=patient)
+            Router.open([Link(url="serial:/dev/ttyUSB0:57600")], SystemClock(), patient=patient)
 
 
 # ---------------------------------------------------------------------------------------------------- an unknown rate
@@ -188,7 +172,7 @@ def test_the_rate_of_a_line_is_found_by_its_heartbeat(terminal: tuple[int, str],
     far, name = terminal
     clock = LeapingClock()
     autopilot = Autopilot(far, baud)
-    with Links.open([Link(url=f"serial:{name}:auto")], clock) as links:
+    with Router.open([Link(url=f"serial:{name}:auto")], clock) as links:
         heard = hears(links)
         for _ in range(200):
             links.poll()
@@ -196,7 +180,7 @@ def test_the_rate_of_a_line_is_found_by_its_heartbeat(terminal: tuple[int, str],
             time.sleep(0.01)
             if status(links).up:
                 break
-        until(lambda: links.poll() or heard)
+        wait_for(lambda: links.poll() or heard)
         assert status(links).room == pytest.approx(max(baud / 40, 293)), "half a second of half of the line"
         assert termios.tcgetattr(far)[4] == RATES[baud]
         autopilot.stop()
@@ -234,10 +218,10 @@ class Bench:
         self._far.close()
 
 
-def find(bench: Bench, clock: LeapingClock, seconds: float) -> StreamPort:
+def find(bench: Bench, clock: LeapingClock, seconds: float) -> ReconnectingStream:
     """Let the port look for a while, with one heartbeat per second."""
     clock.now = lambda: clock.ahead  # type: ignore[method-assign]
-    port = StreamPort(SerialOpener(Serial("/dev/bench", None), lambda device, baud: bench), clock)
+    port = ReconnectingStream(SerialOpener(Serial("/dev/bench", None), lambda device, baud: bench), clock.now)
     for tick in range(round(seconds * 100)):
         clock.ahead = tick / 100
         if tick % 100 == 50:

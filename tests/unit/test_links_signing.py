@@ -8,14 +8,15 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import common
 
+from clocks import FakeClock
 from full_disk import lose
-from links_bench import HandClock, Wire
+from links_bench import Wire
 from ross_payload.config import Config, Link
-from ross_payload.links import Heard, Links
-from ross_payload.telemetry.service import Telemetry
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.signing import SECOND, is_good, is_signed, link_and_time, timestamp_of
-from ross_protocols.values import Health, Heartbeat, Text
+from ross_payload.mavlink import Received, Router
+from ross_payload.telemetry.component import Telemetry
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.signing import SECOND, is_good, is_signed, link_and_time, timestamp_of
+from ross_protocols.mavlink.values import Health, Heartbeat, Text
 
 KEY = bytes(range(32))
 OTHER = bytes(32)
@@ -28,11 +29,11 @@ class Payload:
     """One life of a payload with one signed link; ``die`` is a power cut, leaving the block an orderly end."""
 
     def __init__(self, state: Path, key_file: Path, unix: float = TODAY) -> None:
-        self.clock = HandClock()
+        self.clock = FakeClock()
         self.wire = Wire()
-        self.links = Links(self.clock, 1, state, lambda: unix + self.clock.time)
+        self.links = Router(self.clock, 1, state, lambda: unix + self.clock.time)
         self.links.attach(Link(url="udpin::14550", key_file=str(key_file)), self.wire)
-        self.heard: list[Heard] = []
+        self.heard: list[Received] = []
         self.links.component(191).subscribe(self.heard.append)
 
     def hear(self, *frames: bytes) -> int:
@@ -362,7 +363,7 @@ def test_logs_hear_the_unsigned_frame(payload: Payload) -> None:
 
 
 def test_signatures_count_in_the_budget(tmp_path: Path, key_file: Path) -> None:
-    links = Links(HandClock(), 1, tmp_path, lambda: TODAY)
+    links = Router(FakeClock(), 1, tmp_path, lambda: TODAY)
     wire = Wire()
     with links:
         links.attach(Link(url="udpin::1", key_file=str(key_file), max_bytes_s=10_000), wire)

@@ -1,34 +1,18 @@
 """What hides behind a damaged frame is heard as soon as it is silent, not when enough else has come."""
 
-from typing import Any
-
 import pytest
 
+from clocks import FakeClock
 from ross_payload.config import Link
-from ross_payload.links import Counts, Heard, Links
-from ross_payload.links.decoders import SILENCE
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import common
+from ross_payload.mavlink import Received, Router
+from ross_payload.mavlink.decoders import SILENCE
+from ross_payload.transport.ports import Counts
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import common
 
 STOP = common.MAVLink_command_long_message(1, 191, 54004, 0, 0, 0, 0, 0, 0, 0, 0)
 BEAT = common.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
 LENGTH, FLAGS, ID = 1, 2, 8  # bytes of a frame
-
-
-class Clock:
-    """A clock that is set by hand."""
-
-    def __init__(self) -> None:
-        self.time = 0.0
-
-    def now(self) -> float:
-        return self.time
-
-    def sleep(self, duration: float) -> None:
-        raise AssertionError("nobody waits here")
-
-    def every(self, period: float, call: Any) -> Any:
-        raise AssertionError("links are polled")
 
 
 class Wire:
@@ -50,9 +34,9 @@ class Wire:
 
 
 @pytest.fixture
-def ear() -> tuple[Links, Wire, Clock, list[Heard]]:
-    clock, wire, heard = Clock(), Wire(), []
-    links = Links(clock, 1)
+def ear() -> tuple[Router, Wire, FakeClock, list[Received]]:
+    clock, wire, heard = FakeClock(), Wire(), []
+    links = Router(clock, 1)
     links.attach(Link(url="serial:/dev/ttyAMA0:57600"), wire)
     links.component(191).subscribe(heard.append)
     return links, wire, clock, heard
@@ -64,7 +48,7 @@ def damaged(frame: bytes, place: int, value: int) -> bytes:
 
 @pytest.mark.parametrize(("place", "value"), [(LENGTH, 255), (FLAGS, 1), (ID, 200)], ids=["length", "flags", "id"])
 def test_a_stop_behind_a_damaged_frame_is_heard_after_a_silence(
-    ear: tuple[Links, Wire, Clock, list[Heard]], place: int, value: int
+    ear: tuple[Router, Wire, FakeClock, list[Received]], place: int, value: int
 ) -> None:
     links, wire, clock, heard = ear
     encoder = Encoder(255, 190)
@@ -77,7 +61,7 @@ def test_a_stop_behind_a_damaged_frame_is_heard_after_a_silence(
     assert status.bad + status.unknown >= 1
 
 
-def test_a_frame_in_two_pieces_is_waited_for(ear: tuple[Links, Wire, Clock, list[Heard]]) -> None:
+def test_a_frame_in_two_pieces_is_waited_for(ear: tuple[Router, Wire, FakeClock, list[Received]]) -> None:
     links, wire, clock, heard = ear
     frame = Encoder(255, 190).encode(STOP)
     for piece in (frame[:20], frame[20:]):
@@ -90,7 +74,7 @@ def test_a_frame_in_two_pieces_is_waited_for(ear: tuple[Links, Wire, Clock, list
 
 
 def test_an_unknown_frame_before_a_silence_is_unknown_and_not_bad(
-    ear: tuple[Links, Wire, Clock, list[Heard]],
+    ear: tuple[Router, Wire, FakeClock, list[Received]],
 ) -> None:
     links, wire, clock, _ = ear
     wire.coming = [damaged(Encoder(255, 190).encode(BEAT), ID, 200)]

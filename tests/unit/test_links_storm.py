@@ -3,21 +3,23 @@
 import random
 import socket
 import time
-from typing import Any
 
 import pytest
 from fastcrc.crc16 import mcrf4xx
 from hypothesis import given
 from hypothesis import strategies as st
 
+from clocks import FakeClock
 from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
-from ross_payload.links import Counts, Heard, Links, open_port
-from ross_payload.links.decoders import LOOKS
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import MESSAGES, common
-from ross_protocols.values import Health, Heartbeat
+from ross_payload.mavlink import Received, Router
+from ross_payload.mavlink.decoders import LOOKS
+from ross_payload.transport.open_port import open_port
+from ross_payload.transport.ports import Counts
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import MESSAGES, common
+from ross_protocols.mavlink.values import Health, Heartbeat
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 URL = "udpin::14550"
@@ -25,19 +27,6 @@ URL = "udpin::14550"
 
 def dice_of(seed: int) -> random.Random:
     return random.Random(seed)  # noqa: S311
-
-
-class HandClock:
-    """Stands still."""
-
-    def now(self) -> float:
-        return 0.0
-
-    def sleep(self, duration: float) -> None:
-        raise AssertionError("nobody waits here")
-
-    def every(self, period: float, call: Any) -> Any:
-        raise AssertionError("links are polled, they do not poll")
 
 
 class Wire:
@@ -59,8 +48,8 @@ class Wire:
         """Nothing to give back."""
 
 
-def hub(system_id: int = 1) -> tuple[Links, Wire, list[Heard]]:
-    links, wire, heard = Links(HandClock(), system_id), Wire(), []
+def hub(system_id: int = 1) -> tuple[Router, Wire, list[Received]]:
+    links, wire, heard = Router(FakeClock(), system_id), Wire(), []
     links.attach(Link(url=URL, role="autopilot"), wire)
     links.component(191).subscribe(heard.append)
     return links, wire, heard
@@ -207,8 +196,8 @@ def test_every_message_of_the_dialect_survives_random_contents() -> None:
 
 def test_a_flood_is_taken_in_bounded_bites_and_nothing_of_it_is_lost_in_here() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
-        links = Links.open([Link(url=f"tcp:127.0.0.1:{server.getsockname()[1]}")], SystemClock())
-        heard: list[Heard] = []
+        links = Router.open([Link(url=f"tcp:127.0.0.1:{server.getsockname()[1]}")], SystemClock())
+        heard: list[Received] = []
         links.component(191).subscribe(heard.append)
         ground, _ = server.accept()
         with links, ground:
@@ -224,10 +213,10 @@ def test_a_flood_is_taken_in_bounded_bites_and_nothing_of_it_is_lost_in_here() -
 
 
 def test_a_flood_of_datagrams_is_read_in_bounded_bites() -> None:
-    port = open_port("udpout:127.0.0.1:9", SystemClock())
+    port = open_port("udpout:127.0.0.1:9", SystemClock().now)
     port.close()
     free = free_port()
-    port = open_port(f"udpin::{free}", SystemClock())
+    port = open_port(f"udpin::{free}", SystemClock().now)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
         for _ in range(50):
             peer.sendto(bytes(1400), ("127.0.0.1", free))
@@ -255,8 +244,8 @@ def test_five_thousand_messages_a_second_leave_the_pump_its_time() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         where = probe.getsockname()
-    links = Links.open([Link(url=f"udpin:127.0.0.1:{where[1]}")], SystemClock())
-    heard: list[Heard] = []
+    links = Router.open([Link(url=f"udpin:127.0.0.1:{where[1]}")], SystemClock())
+    heard: list[Received] = []
     links.component(191).subscribe(heard.append)
     polls = []
     with links, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:

@@ -9,25 +9,17 @@ from pathlib import Path
 
 import pytest
 
+from clocks import LeapingClock
 from ports import free_port
-from ross_payload.clock import SystemClock
 from ross_payload.config import Link
-from ross_payload.links import Heard, Links
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import common
+from ross_payload.mavlink import Received, Router
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import common
 from strangers import BEAT, KEY, STOP, Station, Strangers, key_file, stop_command
+from waiting import wait_for
 
 TICK = 0.010  # [s] between two polls
 LOCAL = "127.0.0.1"
-
-
-class LeapingClock(SystemClock):
-    """Real time that can be moved on, so that nobody waits."""
-
-    ahead = 0.0
-
-    def now(self) -> float:
-        return super().now() + self.ahead
 
 
 class Payload:
@@ -37,11 +29,11 @@ class Payload:
         self.clock = LeapingClock()
         self.where = (LOCAL, port)
         link = Link(url=url, key_file="" if folder is None else str(key_file(folder)))
-        self.links = Links.open([link], self.clock, state=folder)
-        self.heard: list[Heard] = []
+        self.links = Router.open([link], self.clock, state=folder)
+        self.heard: list[Received] = []
         self.links.component(191).subscribe(self.heard.append)
 
-    def poll(self) -> list[Heard]:
+    def poll(self) -> list[Received]:
         self.links.poll()
         return self.heard
 
@@ -53,14 +45,6 @@ class Payload:
 
     def close(self) -> None:
         self.links.close()
-
-
-def until(true: Callable[[], object], seconds: float = 20.0) -> None:
-    """Wait for the kernel to deliver."""
-    deadline = time.monotonic() + seconds
-    while not true():
-        assert time.monotonic() < deadline, "nothing came"
-        time.sleep(0.001)
 
 
 @pytest.fixture
@@ -153,7 +137,7 @@ def test_who_plays_our_own_or_a_stations_frames_back_is_told_nothing(listening) 
         stranger.setblocking(False)
         captured = [station.frame()]
         station.sock.sendto(captured[0], payload.where)
-        until(payload.poll)
+        wait_for(payload.poll)
         payload.say()
         captured.append(station.sock.recv(2048))
         for frame in captured:
@@ -176,7 +160,7 @@ def test_a_peer_of_an_unsigned_port_is_answered_from_its_first_valid_frame_on(li
         with pytest.raises(BlockingIOError):
             peer.recv(2048)
         peer.sendto(Encoder(9, 1).encode(BEAT), payload.where)
-        until(payload.poll)
+        wait_for(payload.poll)
         payload.say()
         assert len(peer.recv(2048)) > 0
 
@@ -186,7 +170,7 @@ def test_a_sender_that_uses_our_ids_is_answered_and_so_learns_of_us(listening) -
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as twin:
         twin.setblocking(False)
         twin.sendto(Encoder(1, 191).encode(BEAT), payload.where)
-        until(lambda: payload.poll() or payload.links.twin == 191)
+        wait_for(lambda: payload.poll() or payload.links.twin == 191)
         payload.say()
         assert len(twin.recv(2048)) > 0
         assert payload.heard == []
@@ -238,7 +222,7 @@ def test_idle_connections_do_not_keep_a_signed_stop_out(listening) -> None:
         idle = connected(payload, stack, 100)
         (holder,) = connected(payload, stack, 1)
         holder.sendall(station.frame(stop_command()))
-        until(payload.poll)
+        wait_for(payload.poll)
         (heard,) = payload.heard
         assert (heard.packet.message.command, heard.may_order) == (STOP, True)
         payload.say()
@@ -255,8 +239,8 @@ def test_connections_that_show_no_key_are_closed_after_five_seconds(listening) -
         holder, idle, chatty = connected(payload, stack, 3)
         holder.sendall(station.frame())
         chatty.sendall(Encoder(255, 190).encode(BEAT))
-        until(payload.poll)
-        until(lambda: payload.poll() and payload.links.status()[0].refused == 1)
+        wait_for(payload.poll)
+        wait_for(lambda: payload.poll() and payload.links.status()[0].refused == 1)
         payload.clock.ahead += 4.5
         payload.poll()
         idle.setblocking(False)
@@ -269,7 +253,7 @@ def test_connections_that_show_no_key_are_closed_after_five_seconds(listening) -
         assert chatty.recv(10) == b""
         assert payload.links.status()[0].error == "a client has sent nothing signed with the key within 5 s"
         holder.sendall(station.frame())
-        until(lambda: len(payload.poll()) == 2)
+        wait_for(lambda: len(payload.poll()) == 2)
 
 
 def test_among_seventeen_key_holders_the_one_unheard_for_longest_makes_room(listening) -> None:
@@ -281,7 +265,7 @@ def test_among_seventeen_key_holders_the_one_unheard_for_longest_makes_room(list
             stack.enter_context(station.sock)
             socks += connected(payload, stack, 1)
             socks[-1].sendall(station.frame())
-            until(lambda number=number: len(payload.poll()) == number)
+            wait_for(lambda number=number: len(payload.poll()) == number)
         assert socks[0].recv(10) == b""
         payload.say()
         assert all(sock.recv(1000) for sock in socks[1:])
@@ -294,10 +278,10 @@ def test_a_client_that_takes_a_number_again_begins_anew(listening) -> None:
     with ExitStack() as stack:
         (first,) = connected(payload, stack, 1)
         first.sendall(frames[0] + frames[1][:9])
-        until(payload.poll)
+        wait_for(payload.poll)
         first.close()
-        until(lambda: payload.poll() and payload.links.status()[0].error)
+        wait_for(lambda: payload.poll() and payload.links.status()[0].error)
         (second,) = connected(payload, stack, 1)
         second.sendall(frames[2])
-        until(lambda: len(payload.poll()) == 2)
+        wait_for(lambda: len(payload.poll()) == 2)
     assert [later.packet.sequence - sooner.packet.sequence for sooner, later in pairwise(payload.heard)] == [2]

@@ -1,46 +1,31 @@
-"""Links over TCP: a client that comes back, a server with several clients; frames are never cut."""
+"""Router over TCP: a client that comes back, a server with several clients; frames are never cut."""
 
 import socket
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 
+from clocks import LeapingClock
 from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.errors import ConfigError, LinkError
-from ross_payload.links import Heard, Links, LinkStatus, open_port
-from ross_protocols.codec import Encoder
-from ross_protocols.values import Health, Heartbeat
+from ross_payload.mavlink import LinkStatus, Received, Router
+from ross_payload.transport.open_port import open_port
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.values import Health, Heartbeat
+from waiting import wait_for
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 FRAME = Encoder(255, 190).encode(BEAT)
 
 
-class LeapingClock(SystemClock):
-    """Real time that can be moved on, so that nobody waits for a pause."""
-
-    ahead = 0.0
-
-    def now(self) -> float:
-        return super().now() + self.ahead
+def links_to(*urls: str, clock: SystemClock | None = None, patient: bool = False) -> Router:
+    return Router.open([Link(url=url) for url in urls], clock or SystemClock(), patient=patient)
 
 
-def until(true: Callable[[], object], seconds: float = 10.0) -> object:
-    """Wait for the kernel to deliver."""
-    deadline = time.monotonic() + seconds
-    while not (found := true()):
-        assert time.monotonic() < deadline, "nothing came"
-        time.sleep(0.001)
-    return found
-
-
-def links_to(*urls: str, clock: SystemClock | None = None, patient: bool = False) -> Links:
-    return Links.open([Link(url=url) for url in urls], clock or SystemClock(), patient=patient)
-
-
-def status(links: Links) -> LinkStatus:
+def status(links: Router) -> LinkStatus:
     (only,) = links.status()
     return only
 
@@ -56,8 +41,8 @@ def port_of(sock: socket.socket) -> int:
     return int(sock.getsockname()[1])
 
 
-def hears(links: Links) -> list[Heard]:
-    heard: list[Heard] = []
+def hears(links: Router) -> list[Received]:
+    heard: list[Received] = []
     links.component(191).subscribe(heard.append)
     return heard
 
@@ -75,7 +60,7 @@ def test_tcp_goes_both_ways(server: socket.socket) -> None:
             assert len(ground.recv(1000)) == len(FRAME)
             ground.sendall(FRAME[:7])
             ground.sendall(FRAME[7:])
-            until(lambda: links.poll() or heard)
+            wait_for(lambda: links.poll() or heard)
     assert [one.packet.value for one in heard] == [BEAT]
 
 
@@ -87,12 +72,12 @@ def test_a_refused_connection_is_one_clear_line_for_the_impatient() -> None:
 def test_a_patient_link_waits_for_a_server_that_comes_late() -> None:
     port, clock = free_port(socket.SOCK_STREAM), LeapingClock()
     with links_to(f"tcp:127.0.0.1:{port}", clock=clock, patient=True) as links:
-        until(lambda: links.poll() or status(links).error)
+        wait_for(lambda: links.poll() or status(links).error)
         assert (status(links).up, status(links).error) == (False, "Connection refused")
         with socket.create_server(("127.0.0.1", port)) as server:
             server.settimeout(10.0)
             clock.ahead += 10.0
-            until(lambda: links.poll() or status(links).up)
+            wait_for(lambda: links.poll() or status(links).up)
             ground, _ = server.accept()
             with ground:
                 links.component(191).send(BEAT)
@@ -106,15 +91,15 @@ def test_a_server_that_leaves_and_returns_is_found_again(server: socket.socket) 
         heard = hears(links)
         ground, _ = server.accept()
         ground.close()
-        until(lambda: links.poll() or not status(links).up)
+        wait_for(lambda: links.poll() or not status(links).up)
         links.component(191).send(BEAT)
         assert status(links).dropped > 0
         clock.ahead += 10.0
-        until(lambda: links.poll() or status(links).up)
+        wait_for(lambda: links.poll() or status(links).up)
         ground, _ = server.accept()
         with ground:
             ground.sendall(FRAME)
-            until(lambda: links.poll() or heard)
+            wait_for(lambda: links.poll() or heard)
         assert status(links).reconnects == 1
 
 
@@ -163,7 +148,7 @@ def test_opening_does_not_wait_for_a_server_that_never_answers() -> None:
 
 def test_a_ground_station_that_does_not_read_gets_whole_frames_only(server: socket.socket) -> None:
     frames = [number.to_bytes(4, "big") * 250 for number in range(20_000)]
-    port = open_port(f"tcp:127.0.0.1:{port_of(server)}", SystemClock())
+    port = open_port(f"tcp:127.0.0.1:{port_of(server)}", SystemClock().now)
     ground, _ = server.accept()
     with ground:
         ground.settimeout(0.5)
@@ -186,10 +171,10 @@ def test_a_ground_station_that_does_not_read_gets_whole_frames_only(server: sock
 # ---------------------------------------------------------------------------------------------------- server
 
 
-def joined(links: Links, port: int, count: int) -> list[socket.socket]:
+def joined(links: Router, port: int, count: int) -> list[socket.socket]:
     clients = [socket.create_connection(("127.0.0.1", port), timeout=10.0) for _ in range(count)]
     server = links._links[0]._port
-    until(lambda: links.poll() or len(server._clients) + server.counts.refused == count)
+    wait_for(lambda: links.poll() or len(server._clients) + server.counts.refused == count)
     return clients
 
 
@@ -218,7 +203,7 @@ def test_frames_of_two_clients_that_come_in_pieces_do_not_mix() -> None:
                 time.sleep(0.002)
                 links.poll()
                 assert status(links).received_bytes >= before
-        until(lambda: links.poll() or len(heard) == 20)
+        wait_for(lambda: links.poll() or len(heard) == 20)
         assert (status(links).bad, status(links).lost) == (0, 0)
         for client in clients:
             client.close()
@@ -230,7 +215,7 @@ def test_a_client_that_leaves_makes_room_and_the_others_stay() -> None:
     with links_to(f"tcpin::{port}") as links:
         stays, leaves = joined(links, port, 2)
         leaves.close()
-        until(lambda: links.poll() or status(links).error)
+        wait_for(lambda: links.poll() or status(links).error)
         links.component(191).send(BEAT)
         assert len(stays.recv(1000)) == len(FRAME)
         assert status(links).up
@@ -243,9 +228,9 @@ def test_the_seventeenth_client_takes_the_place_of_the_oldest_that_has_said_noth
         heard = hears(links)
         clients = joined(links, port, 16)
         clients[0].sendall(FRAME)
-        until(lambda: links.poll() or heard)
+        wait_for(lambda: links.poll() or heard)
         clients.append(socket.create_connection(("127.0.0.1", port), timeout=10.0))
-        until(lambda: links.poll() or status(links).error)
+        wait_for(lambda: links.poll() or status(links).error)
         assert clients[1].recv(10) == b""
         links.component(191).send(BEAT)
         assert [len(clients[number].recv(1000)) for number in (0, 2, 16)] == [len(FRAME)] * 3
@@ -260,17 +245,18 @@ def test_when_all_sixteen_clients_speak_the_seventeenth_is_turned_away() -> None
         clients = joined(links, port, 16)
         for client in clients:
             client.sendall(FRAME)
-        until(lambda: links.poll() or len(heard) == 16)
+        wait_for(lambda: links.poll() or len(heard) == 16)
         clients.append(socket.create_connection(("127.0.0.1", port), timeout=10.0))
-        until(lambda: links.poll() or status(links).error)
+        wait_for(lambda: links.poll() or status(links).error)
         assert clients[16].recv(10) == b""
         for client in clients:
             client.close()
 
 
 def test_a_server_listens_on_the_loopback_only_and_says_when_its_port_is_in_use(server: socket.socket) -> None:
-    port = open_port(f"tcpin::{free_port(socket.SOCK_STREAM)}", SystemClock())
-    assert port._socket.getsockname()[0] == "127.0.0.1"
+    port = open_port(f"tcpin::{free_port(socket.SOCK_STREAM)}", SystemClock().now)
+    (listener,) = port._listeners.values()
+    assert listener.getsockname()[0] == "127.0.0.1"
     port.close()
     with pytest.raises(LinkError, match="cannot be opened: Address already in use"):
         links_to(f"tcpin::{port_of(server)}", patient=True)

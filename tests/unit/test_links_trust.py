@@ -6,8 +6,8 @@ import pytest
 
 from links_bench import Bench
 from ross_payload.config import Link
-from ross_protocols.dialect import common
-from ross_protocols.values import Health, Heartbeat, Severity, Text
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.values import Health, Heartbeat, Severity, Text
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 VEHICLE = common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3)

@@ -1,8 +1,7 @@
-"""Links over UDP: real sockets; nothing waits, nothing piles up, nothing is raised in flight."""
+"""Router over UDP: real sockets; nothing waits, nothing piles up, nothing is raised in flight."""
 
 import socket
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
 
 import pytest
@@ -11,41 +10,34 @@ from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.errors import LinkError
-from ross_payload.links import Heard, Links, LinkStatus, open_port
-from ross_protocols.codec import Encoder
-from ross_protocols.values import Health, Heartbeat
+from ross_payload.mavlink import LinkStatus, Received, Router
+from ross_payload.transport.open_port import open_port
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.values import Health, Heartbeat
+from waiting import wait_for
 
 BEAT = Heartbeat(Health.ACTIVE, 6)
 FRAME = Encoder(255, 190).encode(BEAT)
 
 
-def until(true: Callable[[], object], seconds: float = 10.0) -> object:
-    """Wait for the kernel to deliver."""
-    deadline = time.monotonic() + seconds
-    while not (found := true()):
-        assert time.monotonic() < deadline, "nothing came"
-        time.sleep(0.001)
-    return found
-
-
-def links_to(*urls: str, patient: bool = False) -> Links:
-    return Links.open([Link(url=url) for url in urls], SystemClock(), patient=patient)
+def links_to(*urls: str, patient: bool = False) -> Router:
+    return Router.open([Link(url=url) for url in urls], SystemClock(), patient=patient)
 
 
 class Ear:
     """Polls and keeps what a component hears."""
 
-    def __init__(self, links: Links) -> None:
+    def __init__(self, links: Router) -> None:
         self._links = links
-        self.heard: list[Heard] = []
+        self.heard: list[Received] = []
         links.component(191).subscribe(self.heard.append)
 
-    def poll(self) -> list[Heard]:
+    def poll(self) -> list[Received]:
         self._links.poll()
         return self.heard
 
 
-def status(links: Links) -> LinkStatus:
+def status(links: Router) -> LinkStatus:
     (only,) = links.status()
     return only
 
@@ -79,7 +71,7 @@ def test_udpout_hears_the_one_it_sends_to_and_no_stranger(listener: socket.socke
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
             stranger.sendto(Encoder(7, 7).encode(BEAT), payload)
         listener.sendto(FRAME, payload)
-        (heard,) = until(ear.poll)
+        (heard,) = wait_for(ear.poll)
     assert (heard.packet.system_id, heard.packet.value) == (255, BEAT)
 
 
@@ -104,11 +96,11 @@ def test_what_comes_behind_a_burst_of_others_is_heard() -> None:
         ear = Ear(links)
         pilot, flooder = (stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(2))
         pilot.sendto(FRAME, ("127.0.0.1", port))
-        until(lambda: len(ear.poll()) == 1)
+        wait_for(lambda: len(ear.poll()) == 1)
         for _ in range(400):
             flooder.sendto(b"noise", ("127.0.0.1", port))
         pilot.sendto(FRAME, ("127.0.0.1", port))
-        until(lambda: len(ear.poll()) == 2)
+        wait_for(lambda: len(ear.poll()) == 2)
 
 
 def test_udpin_answers_everyone_who_has_spoken() -> None:
@@ -120,7 +112,7 @@ def test_udpin_answers_everyone_who_has_spoken() -> None:
         for number, peer in enumerate(peers):
             peer.settimeout(10.0)
             peer.sendto(FRAME, ("127.0.0.1", port))
-            until(lambda number=number: len(ear.poll()) > number)
+            wait_for(lambda number=number: len(ear.poll()) > number)
         links.component(191).send(BEAT)
         assert [peer.recv(1000)[4] for peer in peers] == [1, 1, 1]
         for peer in peers:
@@ -128,19 +120,19 @@ def test_udpin_answers_everyone_who_has_spoken() -> None:
 
 
 def test_udpin_answers_a_bounded_number_of_peers() -> None:
-    port = open_port(f"udpin::{free_port()}", SystemClock())
+    port = open_port(f"udpin::{free_port()}", SystemClock().now)
     where = port._socket.getsockname()
     for number in range(40):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
             peer.sendto(b"hello", where)
-            until(lambda number=number: port.receive() or port.counts.received == 5 * (number + 1))
+            wait_for(lambda number=number: port.receive() or port.counts.received == 5 * (number + 1))
     port.send(FRAME)
     assert port.counts.sent == 16
     port.close()
 
 
 def test_udpin_listens_on_the_loopback_only() -> None:
-    port = open_port(f"udpin::{free_port()}", SystemClock())
+    port = open_port(f"udpin::{free_port()}", SystemClock().now)
     assert port._socket.getsockname()[0] == "127.0.0.1"
     port.close()
 
@@ -172,14 +164,14 @@ def test_a_host_that_does_not_exist_is_one_clear_line() -> None:
 def test_a_patient_link_to_a_host_that_is_not_known_yet_says_so_and_goes_on() -> None:
     with links_to("udpout:no.such.host.invalid:1", patient=True) as links:
         links.component(191).send(BEAT)
-        until(lambda: links.poll() or status(links).error, seconds=60.0)
+        wait_for(lambda: links.poll() or status(links).error, seconds=60.0)
         assert not status(links).up
         assert status(links).dropped == 1
 
 
 def test_a_patient_link_finds_its_host_by_itself(listener: socket.socket) -> None:
     with links_to(f"udpout:localhost:{port_of(listener)}", patient=True) as links:
-        until(lambda: links.poll() or status(links).up)
+        wait_for(lambda: links.poll() or status(links).up)
         links.component(191).send(BEAT)
         assert listener.recv(1000)
 

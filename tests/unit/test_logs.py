@@ -22,8 +22,9 @@ from ross_payload.events import (
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.interfaces import Attitude, AudioBlock, Input
 from ross_payload.logs import Changes, LogObserver, Repeats, is_journal, logging_to, words
+from ross_payload.pointing import Pointing
 
-LOG = logging.getLogger("ross_payload.links")
+LOG = logging.getLogger("ross_payload.mavlink")
 
 
 @pytest.fixture
@@ -41,17 +42,17 @@ def written():
 
 def hop(*, earth=True):
     block = AudioBlock(np.zeros((2, 160), np.float32), index=0, time=0.0)
-    return Input(block, 0.0, 0.0, 0.0, settled=True, attitude=Attitude(0.0, known=earth))
+    return Input(block, 0.0, Pointing(earth=earth), settled=True, attitude=Attitude(0.0, known=earth))
 
 
 def said(event):
-    return lambda: LogObserver().said(event, hop())
+    return lambda: LogObserver().on_event(event, hop())
 
 
 def test_a_text_line_has_time_level_logger_and_message(written):
     line = written(lambda: LOG.warning("link %s is gone", "tcp:host:1"))
     time, rest = line.rstrip("\n").split(" ", 1)
-    assert rest == "warning links: link tcp:host:1 is gone"
+    assert rest == "warning mavlink: link tcp:host:1 is gone"
     assert time.endswith("Z")
 
 
@@ -59,13 +60,13 @@ def test_a_json_line_is_one_object_with_fields(written):
     line = written(lambda: LOG.error("lost %d", 3, extra={"fields": {"lost": 3, "rate": float("nan")}}), "json")
     assert line.count("\n") == 1
     value = json.loads(line)
-    assert (value["level"], value["logger"], value["message"]) == ("error", "ross_payload.links", "lost 3")
+    assert (value["level"], value["logger"], value["message"]) == ("error", "ross_payload.mavlink", "lost 3")
     assert value["fields"] == {"lost": 3, "rate": None}
 
 
 @pytest.mark.parametrize("form", ["text", "json"])
 def test_a_peer_cannot_forge_a_second_line(written, form):
-    text = written(lambda: LOG.info("peer said %s", "a\n2026-01-01 info links: \x1b[31mforged"), form)
+    text = written(lambda: LOG.info("peer said %s", "a\n2026-01-01 info mavlink: \x1b[31mforged"), form)
     assert text.count("\n") == 1
     assert "\x1b" not in text
 
@@ -109,7 +110,7 @@ def journal_lines(tmp_path, form):
 
 def test_the_journal_gets_a_priority_on_every_line(tmp_path):
     lines = journal_lines(tmp_path, "text")
-    assert lines[0] == "<6>info    links: good"
+    assert lines[0] == "<6>info    mavlink: good"
     assert all(line.startswith("<3>") for line in lines[1:])
     assert lines[-1] == "<3>ValueError: why"
 
@@ -176,7 +177,7 @@ def test_a_mission_tells_its_states_turns_and_end(written):
 
 def test_a_heading_in_the_log_counts_from_the_nose_while_north_is_unknown(written):
     turned = TurnStarted(1.0, 0.0, np.deg2rad(-80), "rotation 1")
-    line = written(lambda: LogObserver().said(turned, hop(earth=False)))
+    line = written(lambda: LogObserver().on_event(turned, hop(earth=False)))
     assert "heading 80.0 deg from the nose, joint 0.0 deg: rotation 1" in line
 
 

@@ -15,13 +15,14 @@ from hypothesis import strategies as st
 
 from ross_payload import plugins
 from ross_payload.angles import difference
-from ross_payload.dsp import chain, clusters
 from ross_payload.dsp.density import itd_grid
-from ross_payload.dsp.markov import Markov, explorer, plain
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Observation, Real, Score
+from ross_payload.localization import clusters, front_back_test
+from ross_payload.localization.markov import Markov
+from ross_payload.localization.markov_explorer import explorer, plain
 
 SPACING, SPEED = 0.05, 343.0
 UNIT = SPACING / SPEED
@@ -142,7 +143,7 @@ def test_the_higher_density_at_the_predicted_itd_wins() -> None:
     for itd, azimuth in ((np.cos(np.pi / 6), 60.0), (0.0, -60.0)):
         density = np.exp(-0.5 * ((GRID / UNIT - itd) / WIDTH) ** 2)
         after = Observation(np.pi / 6, GRID, density, 1.0, (itd * UNIT,))
-        (vote,) = chain.decided(before, after, 1, UNIT, power=0.0)
+        (vote,) = front_back_test.decided(before, after, 1, UNIT, power=0.0)
         assert np.rad2deg(difference(vote.azimuth, 0.0)) == pytest.approx(azimuth)
 
 
@@ -226,11 +227,11 @@ def test_loudness_does_not_matter() -> None:
 @pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH}; set ROSS_SPEECH")
 def test_real_talkers_in_the_papers_rooms_are_counted_and_placed() -> None:
     """K unknown, 2 to 5; 12 rotations, T_unit 3 s; K right and all within 10 deg in .79 / .34 / .34 of the scenes."""
-    from ross_sim.study.case import perform
-    from ross_sim.study.cast import Source
-    from ross_sim.study.design import chosen, tasks
-    from ross_sim.study.rooms import PLANES
-    from ross_sim.study.separation import VOICES
+    from ross_sim.study.mixtures import VOICES
+    from ross_sim.study.room_settings import PLANES
+    from ross_sim.study.study_case import perform
+    from ross_sim.study.study_design import chosen, tasks
+    from ross_sim.study.talker_placement import Source
 
     axes = {"settings": PLANES, "explorers": ("markov",), "rotations": (12,), "seed": 2}
     study = chosen("exploration", axes, quick=False)

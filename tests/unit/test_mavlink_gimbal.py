@@ -6,18 +6,18 @@ from itertools import pairwise
 import pytest
 
 from gimbal_rig import SERVO, Bench
-from ross_payload.actuators.mavlink_gimbal.port import ComponentPort, opener
+from ross_payload.actuators.mavlink_gimbal.component_port import ComponentPort, opener
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config, Link
 from ross_payload.errors import ActuatorFault, ConfigError
 from ross_payload.interfaces import Services
-from ross_payload.links import Links
-from ross_protocols import gimbal
-from ross_protocols.codec import Decoder, Encoder
+from ross_payload.mavlink import Router
+from ross_protocols.mavlink import gimbal_messages
+from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_sim.clock import SimClock
-from ross_sim.delay import wire
-from ross_sim.devices.gimbal import GimbalFarEnd
+from ross_sim.devices.far_end import wire
 from ross_sim.devices.gimbal_device import Servo
+from ross_sim.devices.gimbal_far_end import GimbalFarEnd
 
 ROLES = ("client", "manager")
 
@@ -221,16 +221,16 @@ def test_a_yaw_told_from_north_without_an_autopilot_is_a_fault():
 
 
 def test_set_points_have_one_frame_flag_and_no_rates():
-    for message in (gimbal.point_manager((1, 1), 1, 0.5), gimbal.point_device((1, 154), 0.5)):
+    for message in (gimbal_messages.point_manager((1, 1), 1, 0.5), gimbal_messages.point_device((1, 154), 0.5)):
         packet = Decoder().feed(Encoder(1, 191).encode(message))[0].message
         assert packet.flags == 32
-    manager = gimbal.point_manager((1, 1), 1, 0.5)
+    manager = gimbal_messages.point_manager((1, 1), 1, 0.5)
     assert (manager.pitch, manager.yaw) == (0.0, -0.5)
     assert math.isnan(manager.pitch_rate) and math.isnan(manager.yaw_rate)
 
 
 def test_yaw_on_the_wire_is_clockwise_and_the_quaternion_starts_with_w():
-    w, x, y, z = gimbal.point_device((1, 154), math.pi / 2).q  # a quarter to the left
+    w, x, y, z = gimbal_messages.point_device((1, 154), math.pi / 2).q  # a quarter to the left
     assert (w, x, y, z) == pytest.approx((math.sqrt(0.5), 0.0, 0.0, -math.sqrt(0.5)))
 
 
@@ -239,7 +239,7 @@ class Vehicle:
 
     def __init__(self, clock):
         self.far_end = GimbalFarEnd(SERVO, autopilot=True)
-        self.links = Links(clock, system_id=1)
+        self.links = Router(clock, system_id=1)
         payload, self.end = wire(clock, 0.005, 0.0, seed=1)
         self.links.attach(Link(url="udpin:vehicle:1", role="autopilot"), payload)
 
@@ -253,7 +253,7 @@ class Vehicle:
 
 def test_it_shares_the_links_of_the_payload():
     clock = SimClock()
-    with Links(clock) as alone, pytest.raises(ConfigError, match="links"):
+    with Router(clock) as alone, pytest.raises(ConfigError, match="links"):
         ComponentPort(alone, 191)
     vehicle = Vehicle(clock)
     clock.before_calls(vehicle.advance)

@@ -10,13 +10,13 @@ from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault
 from ross_payload.interfaces import Services
-from ross_protocols import gimbal
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common
-from ross_protocols.vehicle import quaternion
+from ross_protocols.mavlink import gimbal_messages
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.vehicle import quaternion
 from ross_sim.clock import SimClock
-from ross_sim.devices.gimbal import GimbalFarEnd
 from ross_sim.devices.gimbal_device import Device, Servo
+from ross_sim.devices.gimbal_far_end import GimbalFarEnd
 
 SERVO = Servo(math.radians(-202), math.radians(202), max_speed=2.0, max_acceleration=4.0)
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
@@ -223,15 +223,15 @@ class Bench:
 
 def test_a_manager_that_refuses_control_is_named_and_nothing_moves():
     far_end = GimbalFarEnd(SERVO, autopilot=True)
-    obeyed = far_end.autopilot.hear
+    obeyed = far_end.autopilot.on_packet
 
     def refusing(packet, now):
-        if packet.name == "COMMAND_LONG" and packet.message.command == gimbal.CONFIGURE:
+        if packet.name == "COMMAND_LONG" and packet.message.command == gimbal_messages.CONFIGURE:
             whom = {"target_system": packet.system_id, "target_component": packet.component_id}
-            return [common.MAVLink_command_ack_message(gimbal.CONFIGURE, DENIED, **whom)]
+            return [common.MAVLink_command_ack_message(gimbal_messages.CONFIGURE, DENIED, **whom)]
         return obeyed(packet, now)
 
-    far_end.autopilot.hear = refusing
+    far_end.autopilot.on_packet = refusing
     rig = Bench(far_end)
     assert rig.fault == ""
     rig.actuator.command(0.5)

@@ -226,7 +226,7 @@ def test_what_was_known_of_control_is_forgotten_after_a_long_silence(rig):
     autopilot._up = rig.clock.now() + 4.0
     autopilot.primary = autopilot._said_primary = FREE
     rig.clock.sleep(4.5)
-    assert rig.actuator._actuator._peer.primary != PAYLOAD
+    assert rig.actuator._actuator._driver._peer.primary != PAYLOAD
     assert not rig.state.healthy
 
 

@@ -9,10 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PRODUCT = ("ross_payload", "protocols", "sim")
-GENERATED = {
-    "ross_dialect.py",
-    "standard_dialect.py",
-}  # pymavlink's code around our descriptions, which are in ross.xml
+GENERATED = {"ross_dialect.py"}  # pymavlink's code around our descriptions, which are in ross.xml
 WORDS = re.compile(r"\bwanted\b|\bfound\b.*\bwanted\b", re.IGNORECASE)
 TERMS = re.compile(
     r"\b(nobody else|somebody|everybody|nobody (answers|gives|listens|is sought)|looks for nobody|"
@@ -21,7 +18,7 @@ TERMS = re.compile(
 KEYS = {  # names of arrays and parameters in files, not words for a user: (file, text)
     ("sim/ross_sim/study/train_refiner.py", "wanted"),
 }
-PROSE = {"sim/ross_sim/texts.py"}  # what synthetic voices read aloud
+PROSE = {"sim/ross_sim/talkers/texts.py"}  # what synthetic voices read aloud
 
 
 def product() -> list[Path]:

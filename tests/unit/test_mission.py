@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mission_bench import CHECKED, HOP, RATE, RECALLED, RUN, SETTINGS, Likes, OneGroupEach, ThreeTalkers, rig
-from ross_payload.dsp.paper_rules import paper_plan
+from ross_payload.alignment.paper_rules import paper_plan
 from ross_payload.events import (
     AlignmentPlanned,
     Checked,

@@ -7,45 +7,47 @@ import pytest
 from scipy.optimize import linear_sum_assignment
 
 from ross_payload.angles import difference
-from ross_payload.dsp import mixture, order
 from ross_payload.interfaces import Real
+from ross_payload.localization import itd_mixture, model_order
 
 STEP = np.deg2rad(15)
 HEADINGS, GRID = STEP * np.arange(13), np.linspace(-1.5, 1.5, 61)
 
 
-def toy(scale: float = 1.0) -> tuple[mixture.Data, mixture.Mixture]:
+def toy(scale: float = 1.0) -> tuple[itd_mixture.Data, itd_mixture.Mixture]:
     headings, grid = STEP * np.arange(5), np.linspace(-1.5, 1.5, 61)
     weights = np.tile([0.5, 0.4, 0.05, 0.05], (5, 1))
-    model = mixture.Mixture(np.array([0.3, 2.0]), np.ones(2), np.array([0.1, 0.1]), weights)
-    counts = mixture.densities(mixture.Data(grid, headings, np.zeros((5, 61))), model)
-    return mixture.Data(grid, headings, 200 * scale * counts), model
+    model = itd_mixture.Mixture(np.array([0.3, 2.0]), np.ones(2), np.array([0.1, 0.1]), weights)
+    counts = itd_mixture.densities(itd_mixture.Data(grid, headings, np.zeros((5, 61))), model)
+    return itd_mixture.Data(grid, headings, 200 * scale * counts), model
 
 
 def test_the_mixture_is_a_probability() -> None:
     data, model = toy()
-    np.testing.assert_allclose(mixture.densities(data, model).sum(axis=1), 1, atol=1e-3)
+    np.testing.assert_allclose(itd_mixture.densities(data, model).sum(axis=1), 1, atol=1e-3)
 
 
 def test_refining_from_nearby_finds_the_true_azimuths() -> None:
     data, model = toy()
     away = model.azimuths + np.array([0.1, -0.1])
-    start = mixture.Mixture(away, np.full(2, 0.9), np.array([0.2, 0.2]), np.full((5, 4), 1 / 4))
-    found = mixture.refine(data, start, 60)
+    start = itd_mixture.Mixture(away, np.full(2, 0.9), np.array([0.2, 0.2]), np.full((5, 4), 1 / 4))
+    found = itd_mixture.refine(data, start, 60)
     np.testing.assert_allclose(found.azimuths, model.azimuths, atol=np.deg2rad(0.5))
-    assert mixture.log_likelihood(data, found) > mixture.log_likelihood(data, start)
+    assert itd_mixture.log_likelihood(data, found) > itd_mixture.log_likelihood(data, start)
 
 
 def test_four_times_the_evidence_halves_sigma() -> None:
     once, four = toy(1.0), toy(4.0)
-    np.testing.assert_allclose(np.array(mixture.sigmas(*once)) / np.array(mixture.sigmas(*four)), 2, rtol=1e-6)
+    np.testing.assert_allclose(np.array(itd_mixture.sigmas(*once)) / np.array(itd_mixture.sigmas(*four)), 2, rtol=1e-6)
 
 
 def test_no_source_ever_loses_likelihood_and_the_missing_one_gains_most() -> None:
     data, model = toy()
-    gain, share = mixture.gains(data, mixture.remove(model, 1), (order.GRID, np.ones(len(order.GRID))), 0.1, rounds=200)
+    gain, share = itd_mixture.gains(
+        data, itd_mixture.remove(model, 1), (model_order.GRID, np.ones(len(model_order.GRID))), 0.1, rounds=200
+    )
     assert gain.min() > -1e-2
-    assert abs(float(difference(order.GRID[gain.argmax()], 2.0))) < np.deg2rad(6)
+    assert abs(float(difference(model_order.GRID[gain.argmax()], 2.0))) < np.deg2rad(6)
     assert share[:, gain.argmax()].mean() == pytest.approx(0.4, abs=0.1)
 
 
@@ -54,20 +56,20 @@ def test_no_source_ever_loses_likelihood_and_the_missing_one_gains_most() -> Non
 
 def heard(
     azimuths: Real, amplitudes: Real, shape: tuple[float, float], counts: float, seed: int | None = None
-) -> mixture.Data:
+) -> itd_mixture.Data:
     """Counts at 13 headings of equally loud talkers of a width and a diffuse share; expected ones, or drawn.
 
     A count sums the small weights of four bins.
     """
     k, (width, diffuse) = len(azimuths), shape
     weights = np.tile([*[(0.95 - diffuse) / k] * k, diffuse, 0.05], (len(HEADINGS), 1))
-    model = mixture.Mixture(azimuths, amplitudes, np.full(k, width), weights)
-    expected = counts * mixture.densities(mixture.Data(GRID, HEADINGS, np.zeros((len(HEADINGS), 61))), model)
+    model = itd_mixture.Mixture(azimuths, amplitudes, np.full(k, width), weights)
+    expected = counts * itd_mixture.densities(itd_mixture.Data(GRID, HEADINGS, np.zeros((len(HEADINGS), 61))), model)
     drawn = expected if seed is None else np.random.default_rng(seed).poisson(4 * expected) / 4
-    return mixture.Data(GRID, HEADINGS, drawn)
+    return itd_mixture.Data(GRID, HEADINGS, drawn)
 
 
-def worst_deg(model: mixture.Mixture, azimuths: Real) -> float:
+def worst_deg(model: itd_mixture.Mixture, azimuths: Real) -> float:
     apart = np.abs(difference(azimuths[:, None], model.azimuths))
     return float(np.rad2deg(apart[linear_sum_assignment(apart)].max()))
 
@@ -75,8 +77,8 @@ def worst_deg(model: mixture.Mixture, azimuths: Real) -> float:
 def test_every_talker_keeps_its_own_amplitude() -> None:
     azimuths, amplitudes = np.deg2rad([0.0, 100.0, -130.0]), np.cos(np.deg2rad([60.0, 45.0, 0.0]))
     data = heard(azimuths, amplitudes, (0.06, 0.03), 200)
-    start = mixture.Mixture(azimuths + 0.1, np.full(3, 0.8), np.full(3, 0.1), np.full((13, 5), 0.2))
-    found = mixture.refine(data, start, 60, tie=0.0)
+    start = itd_mixture.Mixture(azimuths + 0.1, np.full(3, 0.8), np.full(3, 0.1), np.full((13, 5), 0.2))
+    found = itd_mixture.refine(data, start, 60, tie=0.0)
     np.testing.assert_allclose(found.amplitudes, amplitudes, atol=0.01)
     assert worst_deg(found, azimuths) < 0.5
 
@@ -86,9 +88,9 @@ def test_the_error_of_an_amplitude_is_about_one_sigma() -> None:
     scaled = []
     for seed in range(20):
         data = heard(azimuths, amplitudes, (0.06, 0.03), 100, seed)
-        start = mixture.Mixture(azimuths, amplitudes, np.full(2, 0.06), np.full((13, 4), 0.25))
-        found = mixture.refine(data, start, 20, tie=0.0)
-        scaled.append((found.amplitudes - amplitudes) / mixture.sigmas(data, found)[1])
+        start = itd_mixture.Mixture(azimuths, amplitudes, np.full(2, 0.06), np.full((13, 4), 0.25))
+        found = itd_mixture.refine(data, start, 20, tie=0.0)
+        scaled.append((found.amplitudes - amplitudes) / itd_mixture.sigmas(data, found)[1])
     assert 0.35 < np.sqrt(np.mean(np.square(scaled))) < 0.7  # half of it: a count is four bins
 
 
@@ -97,7 +99,7 @@ def test_the_error_of_an_amplitude_is_about_one_sigma() -> None:
 def test_k_is_right_in_a_diffuse_field(degrees: tuple[float, ...], seed: int) -> None:
     """A poor room: ITDs shrunk to 0.82, wide kernels, a fifth of all counts diffuse."""
     azimuths = np.deg2rad(np.array(degrees, dtype=float))
-    fit = order.search(heard(azimuths, np.full(len(azimuths), 0.82), (0.13, 0.2), 60, seed), order.Price())
+    fit = model_order.search(heard(azimuths, np.full(len(azimuths), 0.82), (0.13, 0.2), 60, seed), model_order.Price())
     assert len(fit.model.azimuths) == len(azimuths)
     assert worst_deg(fit.model, azimuths) < 6
     assert fit.model.directness == pytest.approx(0.82, abs=0.05)
@@ -105,13 +107,13 @@ def test_k_is_right_in_a_diffuse_field(degrees: tuple[float, ...], seed: int) ->
 
 def test_a_diffuse_field_alone_is_nobody() -> None:
     data = heard(np.zeros(1), np.ones(1), (0.1, 0.95), 60, seed=1)
-    assert not len(order.search(data, order.Price()).model.azimuths)
+    assert not len(model_order.search(data, model_order.Price()).model.azimuths)
 
 
 def test_a_room_is_wet_when_itds_are_drawn_to_0_and_spread() -> None:
     def wetness(amplitude: float, width: float) -> float:
         weights = np.full((1, 3), 1 / 3)
-        return order.wetness(mixture.Mixture(np.zeros(1), np.ones(1), np.full(1, width), weights, amplitude))
+        return model_order.wetness(itd_mixture.Mixture(np.zeros(1), np.ones(1), np.full(1, width), weights, amplitude))
 
     assert wetness(0.8, 0.13) == 1
     assert wetness(1.0, 0.13) == 0  # the paper's plane
@@ -121,14 +123,14 @@ def test_a_room_is_wet_when_itds_are_drawn_to_0_and_spread() -> None:
 def test_a_source_between_two_true_ones_is_put_right() -> None:
     azimuths = np.deg2rad([0.0, 30.0, 150.0])
     data = heard(azimuths, np.ones(3), (0.08, 0.05), 100)
-    merged = mixture.Mixture(np.deg2rad([15.0, 150.0, -90.0]), np.ones(3), np.full(3, 0.15), np.full((13, 5), 0.2))
-    merged = mixture.refine(data, merged, 10)
+    merged = itd_mixture.Mixture(np.deg2rad([15.0, 150.0, -90.0]), np.ones(3), np.full(3, 0.15), np.full((13, 5), 0.2))
+    merged = itd_mixture.refine(data, merged, 10)
     assert worst_deg(merged, azimuths) > 10
-    assert worst_deg(order.rearrange(data, merged, order.Price()), azimuths) < 3
+    assert worst_deg(model_order.rearrange(data, merged, model_order.Price()), azimuths) < 3
 
 
 def test_the_likelihood_never_falls_by_refining_without_ties() -> None:
     data, model = toy()
-    start = mixture.Mixture(model.azimuths + 0.05, np.full(2, 0.9), np.full(2, 0.15), np.full((5, 4), 0.25))
-    better = mixture.refine(data, start, 10)
-    assert mixture.log_likelihood(data, better) > mixture.log_likelihood(data, start)
+    start = itd_mixture.Mixture(model.azimuths + 0.05, np.full(2, 0.9), np.full(2, 0.15), np.full((5, 4), 0.25))
+    better = itd_mixture.refine(data, start, 10)
+    assert itd_mixture.log_likelihood(data, better) > itd_mixture.log_likelihood(data, start)

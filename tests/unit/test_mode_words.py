@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from ross_payload.dsp.alignment import plan
-from ross_payload.dsp.paper_rules import paper_plan
+from ross_payload.alignment.paper_rules import paper_plan
+from ross_payload.alignment.plan import plan
 from ross_payload.events import AlignmentPlanned, Doubted, Estimate, SourceEstimate, SourcesEstimated
-from ross_payload.telemetry.scene import Stamp, alignments
-from ross_payload.telemetry.texts import line
-from ross_protocols.values import Severity
-from ross_sim.live import in_words
+from ross_payload.telemetry.event_messages import Stamp, alignments
+from ross_payload.telemetry.status_texts import line
+from ross_protocols.mavlink.values import Severity
+from ross_sim.sitl.mission_view import in_words
 
 TOLD = SourcesEstimated(
     2.0, Estimate((SourceEstimate(np.pi / 2, 0.01, 1.0, resolved=True),)), rotations=0, final=True, informed=True

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mission_bench as base
-from ross_payload.dsp.alignment import isolation
+from ross_payload.alignment.plan import isolation
 from ross_payload.dsp.steering import tdoa
 from ross_payload.events import (
     AlignmentPlanned,
@@ -23,7 +23,7 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.mission.pipeline import agree, steady
+from ross_payload.mission.orientation_scan import agree, steady
 from ross_payload.orders import Cancel, Stop
 
 PIPELINED = replace(base.SETTINGS, pipelined=True, check=0.5, unit=0.5, max_rotations=6)

@@ -7,18 +7,17 @@ import pytest
 
 from ross_payload.config import Config, Link
 from ross_payload.errors import ConfigError
-from ross_payload.links import Links
+from ross_payload.mavlink import Router
 from ross_payload.mount import FixedMount, mount_of
-from ross_payload.mount.history import MOST, AttitudeHistory
+from ross_payload.mount.autopilot_attitude import MOST, AttitudeHistory
 from ross_payload.timebase import Timebase
-from ross_protocols import vehicle
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import common
-from ross_protocols.vehicle import VehicleAttitude
-from ross_sim.autopilot import Autopilot
+from ross_protocols.mavlink import vehicle
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.vehicle import VehicleAttitude
+from ross_sim.autopilot.simulated_autopilot import Autopilot, Yaw
 from ross_sim.clock import SimClock
-from ross_sim.delay import wire
-from ross_sim.vehicle import Yaw
+from ross_sim.devices.far_end import wire
 
 SWINGING = Yaw(mean=1.0, amplitude=math.radians(15), speed=math.radians(10))
 CONFIG = Config.model_validate({"mount": {"source": "autopilot"}})
@@ -29,7 +28,7 @@ class Drone:
 
     def __init__(self, yaw=SWINGING, latency=0.04, jitter=0.02, role="autopilot", config=CONFIG, **autopilot):
         self.clock = SimClock()
-        self.links = Links.open((), self.clock, system_id=config.telemetry.system_id)
+        self.links = Router.open((), self.clock, system_id=config.telemetry.system_id)
         ours, self.other = wire(self.clock, latency, jitter, seed=1)
         self.links.attach(Link(url="udpin:autopilot:1", role=role), ours)
         self.yaw = yaw
@@ -250,7 +249,7 @@ def test_the_gimbals_feed_serves_as_well():
 
 def test_a_fixed_mount_needs_no_link():
     clock = SimClock()
-    links = Links.open((), clock)
+    links = Router.open((), clock)
     assert mount_of(Config(), clock, links, Timebase(clock)) == FixedMount(None)
     east = mount_of(Config.model_validate({"mount": {"yaw_deg": 90}}), clock, links, Timebase(clock))
     assert east.attitude(5.0).yaw == pytest.approx(-math.pi / 2)

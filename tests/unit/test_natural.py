@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 
 from ross_payload.dsp.covariance import outer
-from ross_payload.dsp.natural import demix, separator, whitening
-from ross_payload.dsp.outputs import images_of, outputs_of
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.interfaces import Scene
+from ross_payload.separation.natural_gradient_iva import demix, images_of, outputs_of, separator, whitening
 
 FREQUENCIES = np.fft.rfftfreq(256, 1 / 16000)
 LONGEST = 0.05 / 343.0

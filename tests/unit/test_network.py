@@ -1,8 +1,16 @@
 import numpy as np
 import pytest
 
-from ross_payload.dsp.network import LIMIT, Network, encode_network, network_of, places, read_network, shipped_network
 from ross_payload.errors import ConfigError
+from ross_payload.separation.network import (
+    LIMIT,
+    Network,
+    encode_network,
+    network_of,
+    places,
+    read_network,
+    shipped_network,
+)
 from ross_sim.study import refiner_model
 
 N_FEATURES, WIDTH = 8, 11.7

@@ -9,6 +9,7 @@ import pytest
 from ross_payload.events import State, StateChanged
 from ross_payload.interfaces import Attitude, AudioBlock, Input
 from ross_payload.notify import Manager, Watchdog
+from ross_payload.pointing import Pointing
 from ross_sim.clock import SimClock
 
 
@@ -78,7 +79,7 @@ def test_the_period_is_the_manager_s_and_meant_for_this_process(environment, per
 
 def hop():
     block = AudioBlock(np.zeros((2, 160), np.float32), index=0, time=0.0)
-    return Input(block, 0.0, 0.0, 0.0, settled=True, attitude=Attitude(0.0))
+    return Input(block, 0.0, Pointing(), settled=True, attitude=Attitude(0.0))
 
 
 def pings(wire):
@@ -90,7 +91,7 @@ def test_it_pings_four_times_in_a_period_while_everybody_makes_progress(systemd)
     clock = SimClock()
     watchdog = Watchdog(Manager(name, period=20.0), clock, {"pump": 1.0, "mission": 60.0})
     clock.every(0.5, lambda: watchdog.mark("pump"))
-    clock.every(0.5, lambda: watchdog.heard(hop()))
+    clock.every(0.5, lambda: watchdog.on_input(hop()))
     watchdog.start()
     clock.sleep(20.5)
     assert pings(wire) == 4
@@ -114,7 +115,7 @@ def test_a_pump_whose_work_has_died_is_not_covered_by_a_mission_that_lives(syste
     wire, name = systemd
     clock = SimClock()
     watchdog = Watchdog(Manager(name, period=20.0), clock, {"pump": 1.0, "mission": 60.0})
-    clock.every(0.5, lambda: watchdog.heard(hop()))
+    clock.every(0.5, lambda: watchdog.on_input(hop()))
     watchdog.start()
     clock.sleep(30.0)
     assert pings(wire) == 0
@@ -124,7 +125,7 @@ def test_a_pump_whose_work_has_died_is_not_covered_by_a_mission_that_lives(syste
 def test_the_manager_hears_what_the_mission_does(systemd):
     wire, name = systemd
     watchdog = Watchdog(Manager(name), SimClock(), {"mission": 60.0})
-    watchdog.said(StateChanged(1.0, State.EXPLORE_TURN, "rotation 2 of 12"), hop())
+    watchdog.on_event(StateChanged(1.0, State.EXPLORE_TURN, "rotation 2 of 12"), hop())
     assert words(wire) == ["STATUS=explore turn: rotation 2 of 12"]
 
 

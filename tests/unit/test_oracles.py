@@ -3,7 +3,7 @@ import pytest
 
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.stft import Stft
-from ross_sim.study.oracles import ORACLES, ideal_ratio_mask, multichannel_wiener, ratio_masks, varying_wiener
+from ross_sim.study.oracle_separators import ORACLES, ideal_ratio_mask, multichannel_wiener, ratio_masks, varying_wiener
 
 STFT = Stft(8000, 256, 64)
 N = 8000

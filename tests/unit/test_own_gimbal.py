@@ -6,10 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_protocols import gimbal
-from ross_protocols.commands import Command
-from ross_protocols.dialect import common
-from ross_protocols.own_gimbal import (
+from ross_protocols.mavlink import gimbal_messages
+from ross_protocols.mavlink.commands import Command
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.gimbal_device import (
     Aim,
     Axis,
     Pose,
@@ -23,7 +24,7 @@ from ross_protocols.own_gimbal import (
     manager_information,
     set_point_of,
 )
-from ross_protocols.vehicle import quaternion
+from ross_protocols.mavlink.vehicle import quaternion
 
 NAN = math.nan
 numbers = st.floats(width=32)
@@ -57,7 +58,7 @@ def test_all_three_messages_ask_for_the_same():
 
 
 def test_a_command_speaks_in_degrees():
-    aim = commanded(Command(1000, (0.0, 90.0, NAN, NAN, 32.0, 0.0, 1.0), 1, 154, long=True))
+    aim = commanded(Command(1000, (0.0, 90.0, NAN, NAN, 32.0, 0.0, 1.0), ComponentId(1, 154), long=True))
     assert aim.yaw == pytest.approx(-math.pi / 2)
 
 
@@ -77,7 +78,7 @@ def test_whatever_is_asked_is_finite_or_nothing(flags, yaw, rate):
 
 @given(st.tuples(*[numbers] * 7))
 def test_no_command_breaks_it(values):
-    aim = commanded(Command(1000, values, 1, 154, long=True))
+    aim = commanded(Command(1000, values, ComponentId(1, 154), long=True))
     assert aim is None or isinstance(aim, Aim)
 
 
@@ -92,12 +93,15 @@ def test_no_quaternion_breaks_it(q, rate):
 @pytest.mark.parametrize("rest", [None, Rest.NEUTRAL, Rest.RETRACTED])
 def test_exactly_one_frame_is_said(locked, vehicle, rest):
     flags = flags_of(pose(locked=locked, vehicle=vehicle, rest=rest))
-    assert flags & (gimbal.VEHICLE_FRAME | gimbal.EARTH_FRAME) in (gimbal.VEHICLE_FRAME, gimbal.EARTH_FRAME)
-    assert bool(flags & gimbal.YAW_LOCK) == bool(flags & gimbal.EARTH_FRAME)
+    assert flags & (gimbal_messages.VEHICLE_FRAME | gimbal_messages.EARTH_FRAME) in (
+        gimbal_messages.VEHICLE_FRAME,
+        gimbal_messages.EARTH_FRAME,
+    )
+    assert bool(flags & gimbal_messages.YAW_LOCK) == bool(flags & gimbal_messages.EARTH_FRAME)
 
 
 def test_what_we_say_is_what_our_own_driver_reads():
-    nose, north = (gimbal.read(attitude_status(0, 1, pose(locked=locked))) for locked in (False, True))
+    nose, north = (gimbal_messages.read(attitude_status(0, 1, pose(locked=locked))) for locked in (False, True))
     assert (nose.yaw, nose.rate, nose.earth) == pytest.approx((0.4, 0.1, False))
     assert (north.yaw, north.rate, north.earth) == pytest.approx((0.7, 0.15, True))
 
@@ -110,13 +114,13 @@ def test_the_other_frame_follows_by_what_is_said_beside():
 def test_the_limits_turn_around_with_the_yaw():
     for said in (device_information(0, 1, AXIS), manager_information(0, 1, AXIS)):
         assert (said.yaw_min, said.yaw_max) == (-2.0, 1.0)
-        assert gimbal.read(said) == gimbal.GimbalTravel(1, -1.0, 2.0)
+        assert gimbal_messages.read(said) == gimbal_messages.GimbalTravel(1, -1.0, 2.0)
 
 
 def test_without_an_end_it_says_so():
     said = device_information(0, 1, Axis(-math.inf, math.inf, earth=False, model="x" * 50, version="1"))
-    assert said.cap_flags & gimbal.INFINITE_YAW
-    assert gimbal.read(said).upper == math.inf
+    assert said.cap_flags & gimbal_messages.INFINITE_YAW
+    assert gimbal_messages.read(said).upper == math.inf
 
 
 @pytest.mark.parametrize(("version", "number"), [("0.1.0", 0x000100), ("2.3", 0x000302), ("", 0)])

@@ -10,8 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ross_payload.config import Config, load
+from ross_payload.config.parameter_listing import listing
+from ross_payload.config.parameter_store import Origin, Parameters
+from ross_payload.config.parameter_table import TABLE, changed, value_of
 from ross_payload.errors import ConfigError
-from ross_payload.parameters import TABLE, Origin, Parameters, changed, listing, value_of
 
 ROOT = Path(__file__).parents[2]
 names = st.sampled_from(list(TABLE))

@@ -6,16 +6,17 @@ from pathlib import Path
 import pytest
 
 from ross_payload.config import Config
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.config.parameter_table import TABLE
+from ross_payload.mavlink.command_parser import READERS, Record, asked
+from ross_payload.mavlink.component_info import files
+from ross_payload.mavlink.ftp_server import FtpServer
+from ross_payload.mavlink.param_server import GREETINGS, ParamServer
 from ross_payload.orders import Stop
-from ross_payload.parameters import TABLE, Parameters
-from ross_payload.telemetry.asked import READERS, Record, asked
-from ross_payload.telemetry.files import FileServer
-from ross_payload.telemetry.identity import Endpoint
-from ross_payload.telemetry.metadata import files
-from ross_payload.telemetry.params import GREETINGS, ParameterServer
-from ross_protocols.commands import Command
-from ross_protocols.dialect import ross
-from ross_protocols.ftp import Opcode, Packet, message_of, packet_of
+from ross_protocols.mavlink.commands import Command
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.ftp import Opcode, Packet, message_of, packet_of
 
 GCS, COPTER = 6, 2  # MAV_TYPE
 ACTIONS = Path(__file__).parents[2] / "docs" / "examples" / "qgroundcontrol-actions.json"
@@ -34,13 +35,11 @@ class QGroundControl:
     def __init__(self, sky):
         self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
         self.parameters = Parameters(Config(), None)
-        endpoint = Endpoint(self.links, 191)
+        component = self.links.component(191)
         servers = (
-            ParameterServer(endpoint, self.parameters, lambda *change: None, lambda *text: None),
-            FileServer(endpoint, files()),
+            ParamServer(component, self.parameters, lambda *change: None, lambda *text: None),
+            FtpServer(component, files()),
         )
-        for server in servers:
-            self.links.component(191).subscribe(server.heard)
         self.servers = servers
         self.found, self.values, self.answers = {}, 0, []
         self.beating = True
@@ -64,7 +63,7 @@ class QGroundControl:
     def load_as_a_file(self):
         """Ask the autopilot for its parameters as a file; tell whether anybody answers."""
         name = b"@PARAM/param.pck?withdefaults=1"
-        self.ground.send(message_of(Packet(1, Opcode.OPEN_RO, size=len(name), data=name), 1, 1))
+        self.ground.send(message_of(Packet(1, Opcode.OPEN_RO, size=len(name), data=name), ComponentId(1, 1)))
         self.live(1.0)
         return [answer for answer in self.answers if answer.opcode == Opcode.ACK]
 
@@ -151,7 +150,7 @@ def test_its_actions_are_orders_to_us():
         assert all(isinstance(value, KINDS[name]) for name, value in action.items())
         assert action["compId"] == Config().telemetry.component_id
         numbers = tuple(float(action.get(f"param{n}", 0)) for n in range(1, 8))
-        orders.append(asked(Command(action["mavCmd"], numbers, 1, 191, long=True)))
+        orders.append(asked(Command(action["mavCmd"], numbers, ComponentId(1, 191), long=True)))
     assert isinstance(orders[0], Stop), "the stop comes first"
     assert len({action["label"] for action in told["actions"]}) == len(orders)
     everything = {action["mavCmd"] for action in told["actions"]}

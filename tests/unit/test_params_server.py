@@ -7,10 +7,10 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from ross_payload.config import Config
-from ross_payload.parameters import TABLE, Parameters
-from ross_payload.telemetry.identity import Endpoint
-from ross_payload.telemetry.params import ParameterServer
-from ross_protocols.dialect import ross
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.config.parameter_table import TABLE
+from ross_payload.mavlink.param_server import ParamServer
+from ross_protocols.mavlink.dialect import ross
 
 NAMES = tuple(TABLE)
 COUNT = len(TABLE)
@@ -23,14 +23,13 @@ class Payload:
         self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
         self.changes, self.texts, self.errors = [], [], []
         self.parameters = Parameters(Config(), path)
-        endpoint = Endpoint(self.links, 191)
-        self.server = ParameterServer(
-            endpoint,
+        component = self.links.component(191)
+        self.server = ParamServer(
+            component,
             self.parameters,
             lambda *change: self.changes.append(change),
             lambda _, text: self.texts.append(text),
         )
-        self.links.component(191).subscribe(self.server.heard)
 
     def wait(self, seconds):
         """Let time pass; return the PARAM_VALUEs that the ground station hears meanwhile."""

@@ -3,8 +3,8 @@
 import pytest
 
 from ross_payload.config import Config, as_in_paper
-from ross_sim.casting import directed
 from ross_sim.scenario import load
+from ross_sim.sitl.talker_selection import directed
 
 NOTHING = {"actuator": None, "separator": None, "urls": (), "seed": None, "target": None, "informed": False}
 

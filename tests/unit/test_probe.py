@@ -15,11 +15,10 @@ from ross_payload import plugins
 from ross_payload.actuators.motion import Trapezoid
 from ross_payload.actuators.registry import checked_options
 from ross_payload.config import Config
-from ross_payload.doctor.actuators_command import CODES, probe_command
-from ross_payload.doctor.finding import Finding, Verdict, worst
+from ross_payload.doctor.commands import EXIT_CODES, probe_command
+from ross_payload.doctor.findings import Finding, Verdict, as_json, worst
 from ross_payload.doctor.probe import Results, Wishes, probe
 from ross_payload.doctor.probe_moves import Leg, figures, goals, judge
-from ross_payload.doctor.show import as_text
 from ross_payload.interfaces import ActuatorState, Capabilities, Feedback, Services
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, Fault
@@ -262,13 +261,13 @@ def test_the_command_tells_machines_all(tmp_path: Path) -> None:
     assert [check["found"] for check in told["checks"] if check["verdict"] == "warn"] == [
         "pulses stay in memory: nothing will turn"
     ]
-    assert done.return_value == CODES["warn"]
+    assert done.return_value == EXIT_CODES["warn"]
     assert told["figures"]["feedback"] == "model"
     assert told["figures"]["move"] is None
 
 
 def test_what_is_not_known_is_null() -> None:
-    assert json.loads(as_text([], Results()))["figures"]["noise_deg"] is None
+    assert json.loads(as_json([], figures=Results().as_values()))["figures"]["noise_deg"] is None
 
 
 def test_who_cannot_answer_is_not_moved(tmp_path: Path) -> None:

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common
 
-from ross_protocols.codec import Decoder, Encoder, chunks
-from ross_protocols.dialect import ross
-from ross_protocols.values import (
+from ross_protocols.mavlink.codec import Decoder, Encoder, chunks
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.values import (
     CURVE_POINTS,
     Alignment,
     Array,
@@ -92,7 +92,10 @@ VALUES = st.one_of(
     st.builds(
         Isolation, whole[64], whole[16], whole[8], flag, numbers, numbers, seconds, curves,
     ),
-    st.builds(LinkReport, whole[64], whole[8], whole[8], words(60), flag, flag, *[whole[32]] * 6, whole[16]),
+    st.builds(
+        LinkReport, whole[64], whole[8], whole[8], words(60), flag, flag, *[whole[32]] * 3,
+        maybe(st.integers(0, 2**32 - 2)), *[whole[32]] * 2, whole[16],
+    ),
     st.builds(Named, whole[32].map(lambda ms: ms / 1000), words(10), numbers),
     st.builds(Array, whole[64], words(10), whole[16], st.lists(numbers.filter(bool), max_size=58).map(tuple)),
 )  # fmt: skip

@@ -11,14 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.tb6600.pulses import EDGE, Line, Played, RecordingPulses, Segment
-from ross_payload.actuators.tb6600.steps import Interface, Wires, after, step_times, train
+from ross_payload.actuators.tb6600.pulse_segments import EDGE, Played, PulseLine, RecordingPulses, Segment
+from ross_payload.actuators.tb6600.step_edges import LineState, PulseTiming, after, step_times, train
 from ross_payload.actuators.wires import open_wire
 from ross_payload.errors import ConfigError
 from ross_sim.clock import SimClock
 
 STEP = math.radians(0.1125)
-INTERFACE = Interface(width=10e-6, setup=20e-6, hold=20e-6, period=1 / 15000)
+INTERFACE = PulseTiming(width=10e-6, setup=20e-6, hold=20e-6, period=1 / 15000)
 
 
 def test_full_speed_of_the_paper_is_2000_pulses_a_second_at_sixteenth_steps() -> None:
@@ -44,7 +44,7 @@ def test_a_reversal_counts_up_and_then_down() -> None:
     assert signs.tolist() == [1] * up + [-1] * (up + 10)
 
 
-SLOW = Interface(width=10e-6, setup=400e-6, hold=300e-6, period=1 / 15000, up=False)
+SLOW = PulseTiming(width=10e-6, setup=400e-6, hold=300e-6, period=1 / 15000, up=False)
 interfaces = st.sampled_from([INTERFACE, SLOW])
 
 
@@ -55,12 +55,12 @@ journeys = st.builds(
 
 @given(interfaces, journeys, st.floats(-4, 4), st.sampled_from([-1, 0, 1]))
 def test_edges_keep_their_distances_and_end_at_the_goal(
-    interface: Interface, plan: Trapezoid, velocity: float, before: int
+    interface: PulseTiming, plan: Trapezoid, velocity: float, before: int
 ) -> None:
-    laid = train(replace(plan, velocity=velocity), 5.0, Wires(direction=before), interface, STEP)
-    rises = _times(laid.edges, Line.STEP, True)
-    falls = _times(laid.edges, Line.STEP, False)
-    turns = laid.edges["time"][laid.edges["line"] == Line.DIRECTION]
+    laid = train(replace(plan, velocity=velocity), 5.0, LineState(direction=before), interface, STEP)
+    rises = _times(laid.edges, PulseLine.STEP, True)
+    falls = _times(laid.edges, PulseLine.STEP, False)
+    turns = laid.edges["time"][laid.edges["line"] == PulseLine.DIRECTION]
     assert laid.signs.sum() == round(plan.goal / STEP)
     assert np.all(np.diff(laid.edges["time"]) >= 0)
     assert falls - rises == pytest.approx(np.full(len(rises), interface.width), abs=1e-9)
@@ -69,14 +69,14 @@ def test_edges_keep_their_distances_and_end_at_the_goal(
         clear = (rises >= turn + interface.setup - 1e-9) | (rises + interface.width <= turn - interface.hold + 1e-9)
         assert turn >= 5.0 - 1e-9
         assert np.all(clear)
-    assert after(Wires(), laid.edges, laid.steps, laid.signs, interface).count == laid.signs.sum()
+    assert after(LineState(), laid.edges, laid.steps, laid.signs, interface).count == laid.signs.sum()
 
 
 def test_a_reversal_leaves_room_for_hold_and_set_up() -> None:
     """The turning point lies 1e-9 steps beyond a half step, so both crossings would be almost at once."""
     velocity = math.sqrt(2 * 2.0 * STEP * (0.5 + 1e-9))
-    laid = train(Trapezoid(0.0, -STEP, 4.0, 2.0, velocity), 0.0, Wires(direction=1), SLOW, STEP)
-    turn = laid.edges["time"][laid.edges["line"] == Line.DIRECTION]
+    laid = train(Trapezoid(0.0, -STEP, 4.0, 2.0, velocity), 0.0, LineState(direction=1), SLOW, STEP)
+    turn = laid.edges["time"][laid.edges["line"] == PulseLine.DIRECTION]
     assert laid.signs.tolist() == [1, -1, -1]
     assert turn - (laid.steps[0] + SLOW.width) >= SLOW.hold - 1e-12
     assert laid.steps[1] - turn == pytest.approx(SLOW.setup)
@@ -85,10 +85,10 @@ def test_a_reversal_leaves_room_for_hold_and_set_up() -> None:
 @given(st.integers(-200, 200), st.integers(-200, 200), st.floats(0, 1))
 def test_a_plan_replaced_in_flight_ends_on_the_new_goal(first: int, second: int, when: float) -> None:
     plan = Trapezoid(0.0, first * STEP, 1.0, 2.0)
-    laid = train(plan, 0.0, Wires(), INTERFACE, STEP)
+    laid = train(plan, 0.0, LineState(), INTERFACE, STEP)
     cut = when * laid.end
     n, m = np.searchsorted(laid.edges["time"], cut), np.searchsorted(laid.steps, cut)
-    wires = after(Wires(), laid.edges[:n], laid.steps[:m], laid.signs[:m], INTERFACE)
+    wires = after(LineState(), laid.edges[:n], laid.steps[:m], laid.signs[:m], INTERFACE)
     position, velocity = plan.at(cut)
     again = train(Trapezoid(position, second * STEP, 1.0, 2.0, velocity), cut, wires, INTERFACE, STEP)
     assert wires.count + again.signs.sum() == second
@@ -98,13 +98,13 @@ def test_a_plan_replaced_in_flight_ends_on_the_new_goal(first: int, second: int,
 
 def test_a_step_waits_for_the_set_up_of_a_turn_already_handed_over() -> None:
     fast = Trapezoid(0.5 * STEP, 10 * STEP, 4.0, 2.0, velocity=1.0)
-    laid = train(fast, 1.0, Wires(direction=1, last_turn=1.0 - 1e-6), INTERFACE, STEP)
+    laid = train(fast, 1.0, LineState(direction=1, last_turn=1.0 - 1e-6), INTERFACE, STEP)
     assert laid.steps[0] == pytest.approx(1.0 + 19e-6)
 
 
 def test_a_pulse_that_is_high_when_the_plan_changes_still_ends() -> None:
     here = Trapezoid(0.0, 0.0, 1.0, 1.0)
-    laid = train(here, 1.0, Wires(count=1, direction=1, last_step=1.0 - 4e-6), INTERFACE, STEP)
+    laid = train(here, 1.0, LineState(count=1, direction=1, last_step=1.0 - 4e-6), INTERFACE, STEP)
     assert laid.edges["time"] == pytest.approx([1.0 + 6e-6])
     assert not laid.edges["level"].any()
 
@@ -135,6 +135,6 @@ def test_an_unknown_pulse_port_is_an_error_that_names_those_that_exist() -> None
         open_wire("pulses:gpio17", SimClock())
 
 
-def _times(edges: np.ndarray, line: Line, level: bool) -> np.ndarray:
+def _times(edges: np.ndarray, line: PulseLine, level: bool) -> np.ndarray:
     times: np.ndarray = edges["time"][(edges["line"] == line) & (edges["level"] == level)]
     return times

@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from ross_payload.dsp.gain import best_headings
-from ross_payload.dsp.metrics import si_sdr, si_sdri
-from ross_payload.dsp.quality import OFFSET, SLOPE, qualities
-from ross_payload.dsp.refine import separator
+from ross_payload.alignment.predicted_gain import best_headings
+from ross_payload.dsp.metrics import OFFSET, SLOPE, qualities, si_sdr, si_sdri
 from ross_payload.dsp.stft import Stft
-from ross_sim.study.rooms import SETTINGS
-from ross_sim.study.separation import FRAME, HOP, RATE, record, scene_of
-from ross_sim.voices import synthetic_voice
+from ross_payload.separation.refined import separator
+from ross_sim.study.mixtures import FRAME, HOP, RATE, record, scene_of
+from ross_sim.study.room_settings import SETTINGS
+from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 WHITE = [1.0, 1.0, 0.0, 0.0]  # the covariance I
 ABREAST = [1.0, 1.0, np.sqrt(2), 0.0]  # a plane wave from abeam: all ones

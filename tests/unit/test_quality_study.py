@@ -2,13 +2,13 @@
 
 import pytest
 
-from ross_sim.study import quality
+from ross_sim.study import quality_study
 
 pytestmark = pytest.mark.lockstep
 
 
 def test_it_compares_every_group_with_the_truth(capsys):
-    assert quality.main(["--draws", "1", "--seed", "2"]) == 0
+    assert quality_study.main(["--draws", "1", "--seed", "2"]) == 0
     head, *rows = capsys.readouterr().out.splitlines()
     assert head.endswith("[dB]")
     numbers = {tuple(row.split()[:2]): [float(cell) for cell in row.split()[2:5]] for row in rows}
@@ -19,4 +19,4 @@ def test_it_compares_every_group_with_the_truth(capsys):
 
 
 def test_an_error_is_the_estimate_less_the_truth():
-    assert quality.row("S1", "x", [1.0, -1.0, 3.0]).split()[2:5] == ["+1.00", "1.91", "2.60"]
+    assert quality_study.row("S1", "x", [1.0, -1.0, 3.0]).split()[2:5] == ["+1.00", "1.91", "2.60"]

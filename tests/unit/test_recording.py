@@ -13,15 +13,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from recording_bench import HOP, beginning, block_of, equal, input_of, only, record, recording
-from ross_payload.audio.wiring import Wiring
+from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.config import Config
 from ross_payload.events import Estimate, Event, SourceEstimate, State, StateChanged
 from ross_payload.health import RecordingState
 from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Score
 from ross_payload.orders import Informed, ListenTo, Set, Stop
-from ross_payload.recording import journal
-from ross_payload.recording.memory import packed, unpacked
-from ross_payload.recording.recorder import in_background
+from ross_payload.pointing import Pointing
+from ross_payload.sessions import input_log
+from ross_payload.sessions.npz_memory import packed, unpacked
+from ross_payload.sessions.recorder import in_background
 
 ORDERS = (Set(name="RUN_S", value=0.1 + 0.2, number=7), ListenTo(2), Informed((0.1, -math.pi), 1), Stop())
 
@@ -36,11 +37,12 @@ def test_every_input_comes_back_exactly(tmp_path):
     assert all(equal(one, other) for one, other in zip(inputs, found, strict=True))
 
 
-@given(st.tuples(*[st.floats(allow_nan=False)] * 8))
+@given(st.tuples(*[st.floats(allow_nan=False, allow_infinity=False)] * 10))
 def test_every_float_comes_back_as_it_was(values):
-    start, end, joint, now, *attitude = values
-    heard = Input(replace(block_of(0), time=now), start, end, joint, True, Attitude(*attitude[:4]))
-    found = journal.input_of(journal.parsed(journal.line(heard).encode()), heard.block.samples, None)
+    start, joint, now, base, offset, rate, *attitude = values
+    pointing = Pointing(now, joint, base, offset, earth=True, base_rate=rate)
+    heard = Input(replace(block_of(0), time=now), start, pointing, True, Attitude(*attitude))
+    found = input_log.input_of(input_log.parsed(input_log.line(heard).encode()), heard.block.samples, None)
     assert found == heard
 
 
@@ -59,7 +61,7 @@ def test_the_audio_is_what_the_microphones_gave_before_gain(tmp_path):
 def test_what_a_gain_made_of_any_samples_comes_back(tmp_path):
     audio = Config.model_validate({"audio": {"gain_db": [7.3, -2.1], "invert": [True, False]}}).audio
     device = np.random.default_rng(4).normal(0, 0.3, (60, 2, HOP)).astype(np.float32)  # finer than 24 bits, and clipped
-    wired = [Wiring.of(audio).apply(samples) for samples in device]
+    wired = [ChannelMap.of(audio).apply(samples) for samples in device]
     blocks = [AudioBlock(one.samples, k * HOP, 0.0, flags=one.flags, raw=one.raw) for k, one in enumerate(wired)]
     record(tmp_path, [input_of(k, block=block) for k, block in enumerate(blocks)])
     found = list(only(tmp_path).inputs(audio))
@@ -92,8 +94,8 @@ def test_only_the_owner_can_read_it(tmp_path):
 def test_events_that_answer_what_was_not_recorded_are_left_out(tmp_path):
     with recording(tmp_path) as recorder:
         for index in range(3):
-            recorder.heard(input_of(index))
-            recorder.said(StateChanged(float(index), State.RUN), input_of(index))
+            recorder.on_input(input_of(index))
+            recorder.on_event(StateChanged(float(index), State.RUN), input_of(index))
     assert [json.loads(line)["time"] for line in only(tmp_path).events()] == [1.0, 2.0]
 
 
@@ -106,7 +108,7 @@ def test_what_the_voice_print_says_is_kept_and_the_print_is_not(tmp_path):
     with recording(tmp_path) as recorder:
         voice = recorder.noting(Voice())
         voice.score(np.zeros(10), 16000)
-        recorder.heard(input_of(0))
+        recorder.on_input(input_of(0))
         assert voice.score(np.zeros(10), 16000) == Score(0.1 + 0.2, accepted=True)
     assert only(tmp_path).scores() == [(1, Score(0.1 + 0.2, accepted=True))]
 
@@ -138,7 +140,7 @@ def test_a_recording_begins_and_ends_with_the_next_input(tmp_path):
         for index in range(30):
             if index in (10, 20):
                 assert recorder.record(index == 10) == ""
-            recorder.heard(input_of(index))
+            recorder.on_input(input_of(index))
             recorder.drain()
             assert recorder.status().state is (RecordingState.ON if 10 <= index < 20 else RecordingState.OFF)
     assert [heard.block.index for heard in only(tmp_path).inputs(Config().audio)] == [
@@ -152,23 +154,23 @@ def test_a_recording_does_not_begin_in_the_middle_of_a_task(tmp_path):
     with recording(tmp_path, begin=lambda: busy[0], always=False) as recorder:
         busy[0] = None
         assert "task" in recorder.record(True)
-        recorder.heard(input_of(0))
+        recorder.on_input(input_of(0))
         busy[0] = beginning()
         assert recorder.record(True) == ""
         busy[0] = None  # a task is quicker than the next hop
-        recorder.heard(input_of(1))
+        recorder.on_input(input_of(1))
         busy[0] = beginning()
-        recorder.heard(input_of(2))
+        recorder.on_input(input_of(2))
         busy[0] = None
         assert recorder.record(True) == ""  # it is on already
-        recorder.heard(input_of(3))
+        recorder.on_input(input_of(3))
     assert [heard.block.index for heard in only(tmp_path).inputs(Config().audio)] == [2 * HOP, 3 * HOP]
 
 
 def test_the_status_tells_what_is_being_recorded(tmp_path):
     with recording(tmp_path) as recorder:
         for index in range(200):
-            recorder.heard(input_of(index))
+            recorder.on_input(input_of(index))
         recorder.drain()
         status = recorder.status()
         assert (status.state, status.name) == (RecordingState.ON, "0001")
@@ -179,9 +181,28 @@ def test_the_status_tells_what_is_being_recorded(tmp_path):
 def test_a_thread_of_its_own_writes_while_the_mission_goes_on(tmp_path):
     with recording(tmp_path) as recorder, in_background(recorder):
         for index in range(100):
-            recorder.heard(input_of(index))
+            recorder.on_input(input_of(index))
         deadline = time.monotonic() + 20
         while recorder.status().seconds < 1.0 and time.monotonic() < deadline:
             time.sleep(0.05)
         assert recorder.status().seconds == pytest.approx(1.0)
     assert only(tmp_path).contents().inputs == 100
+
+
+def test_a_session_of_an_older_version_tells_where_the_array_pointed(tmp_path):
+    """Its lines have the heading, the joint angle and the yaw of the base, which turns at 0.2 rad/s here."""
+    base = [0.3 + 0.002 * k for k in range(40)]
+    old = [
+        {"index": k * HOP, "n": HOP, "time": k * 0.01, "heading": [yaw, yaw + 0.5], "joint": 0.4, "settled": True}
+        | {"attitude": [yaw, 0.0, 0.0, 0.0, 0.0, True]}
+        for k, yaw in enumerate(base)
+    ]
+    found = [
+        input_log.input_of(values, block_of(0).samples, None).pointing for values in input_log.completed(old, 16000)
+    ]
+    assert [each.heading for each in found] == pytest.approx([yaw + 0.5 for yaw in base], abs=1e-12)
+    assert [each.zero for each in found] == pytest.approx([yaw + 0.1 for yaw in base], abs=1e-12)
+    assert found[0].base_rate == 0.0
+    assert [each.base_rate for each in found[1:]] == pytest.approx([0.2] * 39)
+    assert all(each.earth for each in found)
+    assert found[-1].time == pytest.approx(0.4)

@@ -11,8 +11,8 @@ from recording_bench import SUPPORT, input_of, only, record, recording
 from ross_payload.config import Config
 from ross_payload.events import Event
 from ross_payload.health import RecordingState
-from ross_payload.recording import recorder as recorder_module
-from ross_payload.recording.shelf import Shelf
+from ross_payload.sessions import recorder as recorder_module
+from ross_payload.sessions.session_store import SessionStore
 
 
 def test_a_full_disk_ends_the_recording_and_not_the_mission(tmp_path):
@@ -24,7 +24,7 @@ from pathlib import Path
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
 with t.recording(Path({str(tmp_path)!r})) as recorder:
     for index in range(600):
-        recorder.heard(t.input_of(index))
+        recorder.on_input(t.input_of(index))
         recorder.drain()
     status = recorder.status()
 print(status.state, status.reason, sep="|")
@@ -54,9 +54,9 @@ def tiny_disk(tmp_path):
 def test_a_disk_that_runs_full_ends_the_recording_and_not_the_mission(tiny_disk):
     with recording(tiny_disk) as recorder:
         for index in range(2000):
-            recorder.heard(input_of(index))
-            recorder.said(Event(index / 100), None)
-            recorder.sent(index, b"telemetry")
+            recorder.on_input(input_of(index))
+            recorder.on_event(Event(index / 100), None)
+            recorder.on_frame(index, b"telemetry")
             recorder.drain()
         status = recorder.status()
     assert (status.state, status.reason) == (RecordingState.FULL, os.strerror(errno.ENOSPC))
@@ -71,8 +71,8 @@ def test_a_disk_that_is_full_already_leaves_no_folder_behind(tiny_disk, left):
         junk.write(bytes(2**20 - left - 4096))
     recorder = record(tiny_disk, [input_of(k) for k in range(200)])
     assert recorder.status().state is RecordingState.FULL
-    assert all(kept.path.name == "0001" for kept in Shelf(tiny_disk).all())
-    assert len(Shelf(tiny_disk).all()) == len([path for path in tiny_disk.iterdir() if path.is_dir()])
+    assert all(kept.path.name == "0001" for kept in SessionStore(tiny_disk).all())
+    assert len(SessionStore(tiny_disk).all()) == len([path for path in tiny_disk.iterdir() if path.is_dir()])
 
 
 def test_a_disk_that_has_too_little_left_ends_the_recording(tmp_path):
@@ -84,17 +84,17 @@ def test_a_disk_that_has_too_little_left_ends_the_recording(tmp_path):
 def test_after_a_full_disk_one_can_try_again(tmp_path):
     with recording(tmp_path, min_free_gb=9999) as recorder:
         for index in range(60):
-            recorder.heard(input_of(index))
+            recorder.on_input(input_of(index))
             recorder.drain()
         assert recorder.status().state is RecordingState.FULL
-        before = len(Shelf(tmp_path).all())
-        recorder.heard(input_of(61))
+        before = len(SessionStore(tmp_path).all())
+        recorder.on_input(input_of(61))
         recorder.drain()
-        assert len(Shelf(tmp_path).all()) == before
+        assert len(SessionStore(tmp_path).all()) == before
         recorder.record(True)
-        recorder.heard(input_of(62))
+        recorder.on_input(input_of(62))
         recorder.drain()
-        assert len(Shelf(tmp_path).all()) == before + 1
+        assert len(SessionStore(tmp_path).all()) == before + 1
 
 
 def test_a_folder_that_cannot_be_made_is_said(tmp_path):
@@ -108,7 +108,7 @@ def test_a_disk_that_stalls_for_too_long_ends_the_recording(tmp_path, monkeypatc
     monkeypatch.setattr(recorder_module, "BACKLOG", 1.0)
     with recording(tmp_path) as recorder:
         for index in range(150):  # nobody drains
-            recorder.heard(input_of(index))
+            recorder.on_input(input_of(index))
         assert recorder.status().state is RecordingState.BROKEN
         assert "slow" in recorder.status().reason
         recorder.drain()

@@ -6,9 +6,9 @@ import pytest
 
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
-from ross_payload.recording.manifest import Beginning
-from ross_payload.recording.shelf import DAY, Shelf
-from ross_payload.recording.writer import SessionWriter
+from ross_payload.sessions.manifest import Beginning
+from ross_payload.sessions.session_store import DAY, SessionStore
+from ross_payload.sessions.session_writer import SessionWriter
 
 BEGINNING = Beginning("mission", Config(), -1.0, 1.0)
 
@@ -30,7 +30,7 @@ def fill(shelf, size=0, age=0.0):
 
 @pytest.fixture
 def shelf(tmp_path):
-    return Shelf(tmp_path / "recordings")
+    return SessionStore(tmp_path / "recordings")
 
 
 def names(shelf):
@@ -94,7 +94,7 @@ def test_what_is_not_ours_stays(shelf):
         os.utime(folder / "session.json", (1.6e9, 1.6e9))
     (shelf.folder / "elsewhere").mkdir()
     outside = shelf.folder.parent / "outside"
-    fill(Shelf(outside))
+    fill(SessionStore(outside))
     (shelf.folder / "0099").symlink_to(outside / "0001")
     shelf.tidy(limits(max_gb=0.001, max_days=0.001))
     assert names(shelf) == []

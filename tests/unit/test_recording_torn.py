@@ -15,8 +15,8 @@ from recording_bench import HOP, SUPPORT, equal, input_of, only, record
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.events import Event
-from ross_payload.recording.session import Session
-from ross_payload.recording.shelf import Shelf
+from ross_payload.sessions.session_reader import RecordedSession
+from ross_payload.sessions.session_store import SessionStore
 
 # ------------------------------------------------------------------------------------------------ torn files
 
@@ -72,7 +72,7 @@ def test_a_missing_file_is_said(whole, name):
 def test_a_session_of_a_newer_version_is_read_as_far_as_it_goes(whole):
     path = whole.path / "session.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {"version": 2, "new": True}))
-    found = Session.open(whole.path)
+    found = RecordedSession.open(whole.path)
     assert found.contents().inputs == 100
     assert "expected version 1, got 2" in found.contents().notes[0]
 
@@ -81,7 +81,7 @@ def test_a_session_of_a_newer_version_is_read_as_far_as_it_goes(whole):
 def test_a_folder_that_is_no_session_is_refused_with_one_line(tmp_path, content):
     (tmp_path / "session.json").write_text(content)
     with pytest.raises(ConfigError) as refused:
-        Session.open(tmp_path)
+        RecordedSession.open(tmp_path)
     assert "\n" not in str(refused.value)
 
 
@@ -102,13 +102,13 @@ sys.path.insert(0, {SUPPORT!r})
 import recording_bench as t
 from pathlib import Path
 from ross_payload.events import Event
-from ross_payload.recording.recorder import in_background
+from ross_payload.sessions.recorder import in_background
 recorder = t.recording(Path(sys.argv[1]))
 with recorder, in_background(recorder):
     start = time.monotonic()
     for index in itertools.count():
-        recorder.heard(t.input_of(index))
-        recorder.said(Event(index / 100), None)
+        recorder.on_input(t.input_of(index))
+        recorder.on_event(Event(index / 100), None)
         sys.stdout.write(f"{{index + 1}}\\n")
         sys.stdout.flush()
         time.sleep(max(start + index * 0.01 - time.monotonic(), 0))
@@ -128,7 +128,7 @@ def killed(folder, after):
 def check_killed(folder, moments):
     for number, after in enumerate(moments):
         heard = killed(folder / str(number), after)
-        if heard < 100 and not Shelf(folder / str(number)).all():
+        if heard < 100 and not SessionStore(folder / str(number)).all():
             continue  # killed before the first write: the last second is all there was
         found = only(folder / str(number))
         inputs = list(found.inputs(Config().audio))

@@ -1,17 +1,17 @@
 import numpy as np
 import pytest
 
-from ross_payload.dsp import gaussian
 from ross_payload.dsp.covariance import direct
 from ross_payload.dsp.metrics import si_sdri
-from ross_payload.dsp.network import network_of
-from ross_payload.dsp.refine import HIGHEST, N_FEATURES, Refined, features, separator
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Scene
+from ross_payload.separation import local_gaussian_model
+from ross_payload.separation.network import network_of
+from ross_payload.separation.refined import HIGHEST, N_FEATURES, Refined, features, separator
 from ross_sim.study import refiner_model
-from ross_sim.voices import synthetic_voice
+from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 pytestmark = pytest.mark.lockstep
 
@@ -44,7 +44,7 @@ def _passive() -> Refined:
 def test_a_network_that_corrects_nothing_leaves_the_gaussian_model() -> None:
     _, mixture = _mixture([-0.8, 0.7])
     scene = _scene([-0.8, 0.7], noise=NOISE * 1024)
-    expected, found = gaussian.separator.batch(mixture, scene), _passive().batch(mixture, scene)
+    expected, found = local_gaussian_model.separator.batch(mixture, scene), _passive().batch(mixture, scene)
     error = np.abs(found.signals - expected.signals) ** 2
     assert error.sum() < 1e-3 * (np.abs(expected.signals) ** 2).sum()
     np.testing.assert_allclose(found.masks, expected.masks, atol=0.01)
@@ -97,7 +97,7 @@ def test_bins_of_another_width_keep_the_gaussian_model() -> None:
     coarse = Stft(RATE, 512, 128)
     _, mixture = _mixture([-0.8, 0.7], 1.0, coarse)
     scene = _scene([-0.8, 0.7], coarse, noise=NOISE * 256)
-    expected = gaussian.separator.batch(mixture, scene).masks
+    expected = local_gaussian_model.separator.batch(mixture, scene).masks
     np.testing.assert_allclose(separator.batch(mixture, scene).masks, expected, atol=0.02)
 
 
@@ -105,7 +105,7 @@ def test_bins_above_the_highest_keep_the_gaussian_model() -> None:
     _, mixture = _mixture([-0.8, 0.7], 1.0)
     scene = _scene([-0.8, 0.7], noise=NOISE * 1024)
     above = STFT.frequencies >= HIGHEST
-    expected, found = (method.batch(mixture, scene).masks for method in (gaussian.separator, separator))
+    expected, found = (method.batch(mixture, scene).masks for method in (local_gaussian_model.separator, separator))
     assert expected is not None
     assert found is not None
     np.testing.assert_allclose(found[:, above], expected[:, above], atol=0.02)
@@ -149,7 +149,7 @@ def test_talkers_are_separated_better_than_by_the_gaussian_model() -> None:
     mixture += STFT.analyse(np.sqrt(0.1) * np.random.default_rng(0).standard_normal((2, n)))
     heard = STFT.synthesise(mixture[0], n)
     gains = []
-    for method in (gaussian.separator, separator):
+    for method in (local_gaussian_model.separator, separator):
         signals = STFT.synthesise(method.batch(mixture, _scene(tau)).signals, n)
         gains.append(np.mean([si_sdri(s, heard, voice) for s, voice in zip(signals, voices, strict=True)]))
     assert gains[1] > gains[0]

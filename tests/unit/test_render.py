@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfilt
 
-from ross_sim.motor import FULL_STEP, MotorNoise
-from ross_sim.render import Ears, Stems, gains
-from ross_sim.responses import Responses
-from ross_sim.room import RoomSpec, respond
-from ross_sim.timeline import Timeline
+from ross_sim.acoustics.impulse_responses import Responses
+from ross_sim.acoustics.render import FULL_STEP, Microphones, MotorNoise, TalkerSignals, gains
+from ross_sim.acoustics.room import RoomSpec, respond
+from ross_sim.talkers.timeline import Timeline
 
 RATE = 16000
 QUANTUM = RATE // 100
@@ -30,13 +29,13 @@ def tone(seconds=3):
 
 def stems(tmp_path, spec, *speech):
     timelines = [Timeline.of(said, RATE) for said in speech]
-    return Stems(timelines, [1.0] * len(speech), Responses(spec, tmp_path), RATE)
+    return TalkerSignals(timelines, [1.0] * len(speech), Responses(spec, tmp_path), RATE)
 
 
 def hear(ears, path):
     """What is heard along headings at the ends of quanta, (2, n_talkers, n)."""
     parts = [
-        ears.hear(index * QUANTUM, (index + 1) * QUANTUM, begin, end)
+        ears.render(index * QUANTUM, (index + 1) * QUANTUM, begin, end)
         for index, (begin, end) in enumerate(itertools.pairwise(path))
     ]
     return np.concatenate(parts, axis=-1)
@@ -52,7 +51,7 @@ def direct(spec, heading, speech, n):
 @pytest.mark.parametrize("t60", [0.0, 0.4])
 def test_rest_is_the_response_of_the_exact_heading(tmp_path, t60):
     spec, speech, heading = room(t60), (noise(1), noise(2)), 0.123456
-    heard = hear(Ears(stems(tmp_path, spec, *speech), SPACING, heading), np.full(151, heading))
+    heard = hear(Microphones(stems(tmp_path, spec, *speech), SPACING, heading), np.full(151, heading))
     truth = direct(spec, heading, speech, heard.shape[-1])
     assert np.abs(heard - truth).max() < 1e-5 * np.abs(truth).max()
 
@@ -60,7 +59,7 @@ def test_rest_is_the_response_of_the_exact_heading(tmp_path, t60):
 def test_rest_after_a_turn_is_the_response_of_the_exact_heading_too(tmp_path):
     spec, speech, goal = room(), (noise(1), noise(2)), math.radians(15.3)
     path = np.concatenate([np.zeros(20), np.linspace(0, goal, 30), np.full(50, goal)])
-    heard = hear(Ears(stems(tmp_path, spec, *speech), SPACING, 0.0), path)
+    heard = hear(Microphones(stems(tmp_path, spec, *speech), SPACING, 0.0), path)
     truth = direct(spec, goal, speech, heard.shape[-1])
     settled = 55 * QUANTUM  # three quanta at rest, one of fading
     assert np.abs(heard - truth)[..., settled:].max() < 1e-5 * np.abs(truth).max()
@@ -75,8 +74,8 @@ def test_turning_does_not_click(tmp_path, t60):
     spec, speech = room(t60), (tone(), tone())
     there = stems(tmp_path, spec, *speech)
     path = np.concatenate([np.full(80, 0.02), 0.02 + np.linspace(0, 0.5, 40), np.full(30, 0.52)])
-    rest = hear(Ears(there, SPACING, 0.02), np.full(150, 0.02))[..., RATE // 2 :]
-    turning = hear(Ears(there, SPACING, 0.02), path)[..., RATE // 2 :]
+    rest = hear(Microphones(there, SPACING, 0.02), np.full(150, 0.02))[..., RATE // 2 :]
+    turning = hear(Microphones(there, SPACING, 0.02), path)[..., RATE // 2 :]
     assert curvature(turning) < 1.3 * curvature(rest)
 
 
@@ -90,7 +89,7 @@ def test_between_two_headings_of_the_grid_the_error_is_small(tmp_path):
     speech = tuple(sosfilt(butter(8, 4000, fs=RATE, output="sos"), noise(seed)).astype(np.float32) for seed in (1, 2))
     heading = math.radians(2.5)  # half way from 0 to 5 deg
     creeping = heading + 3e-6 * np.arange(101)  # too fast to count as rest, too slow to leave the heading
-    heard = hear(Ears(stems(tmp_path, room(), *speech), SPACING, 1.0), creeping)
+    heard = hear(Microphones(stems(tmp_path, room(), *speech), SPACING, 1.0), creeping)
     truth = direct(room(), heading, speech, heard.shape[-1])
     error = np.mean((heard - truth)[..., QUANTUM:] ** 2) / np.mean(truth**2)
     assert 10 * np.log10(error) < -35

@@ -7,10 +7,10 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from ross_payload import __version__
-from ross_payload.telemetry.commands import CommandServer
-from ross_payload.telemetry.identity import Endpoint, version_number
-from ross_payload.telemetry.requests import Requests
-from ross_protocols.dialect import ross
+from ross_payload.mavlink.component_info import version_number
+from ross_payload.mavlink.message_requests import MessageRequests
+from ross_payload.mavlink.mission_commands import MissionCommands
+from ross_protocols.mavlink.dialect import ross
 
 STATUS, SOURCE, HEARTBEAT, VERSION, PROTOCOL = 54001, 54002, 0, 148, 300
 REQUEST, SET, GET = 512, 511, 510
@@ -42,11 +42,14 @@ class Streams:
 @pytest.fixture
 def payload(sky):
     made = sky()
-    endpoint, streams, texts = Endpoint(made.links, 191), Streams(), []
-    server = CommandServer(
-        endpoint, lambda order: None, lambda on: "", lambda _, text: texts.append(text), Requests(endpoint, streams)
+    component, streams, texts = made.links.component(191), Streams(), []
+    server = MissionCommands(
+        component,
+        lambda order: None,
+        lambda on: "",
+        lambda _, text: texts.append(text),
+        MessageRequests(component, streams),
     )
-    made.links.component(191).subscribe(server.heard)
 
     def ask(number, *numbers, **how):
         """Command something; return the results and the other messages that come back."""

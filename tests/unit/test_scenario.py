@@ -6,7 +6,7 @@ import pytest
 from ross_payload.config import validated
 from ross_payload.errors import ConfigError
 from ross_sim.scenario import Scenario, load, names
-from ross_sim.speech import Voice
+from ross_sim.talkers.speech import TalkerVoice
 
 
 def scenario(*talkers, **tables):
@@ -15,7 +15,7 @@ def scenario(*talkers, **tables):
 
 def voices(*called):
     clip = np.ones(16000, dtype=np.float32)
-    return [Voice(name, clip, clip, 16000) for name in called]
+    return [TalkerVoice(name, clip, clip, 16000) for name in called]
 
 
 @pytest.mark.parametrize("name", names())

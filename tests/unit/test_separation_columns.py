@@ -7,10 +7,10 @@ from ross_payload import plugins
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
-from ross_sim.study.design import chosen
-from ross_sim.study.rooms import SETTINGS
+from ross_sim.study.mixtures import FRAME, HOP, RATE, Mixture, aligned_heading, gains, layouts, record, scene_of
+from ross_sim.study.room_settings import SETTINGS
 from ross_sim.study.scoring import NOISE_BLIND, Belief, separations, tools_of
-from ross_sim.study.separation import FRAME, HOP, RATE, Recording, aligned_heading, gains, layouts, record, scene_of
+from ross_sim.study.study_design import chosen
 
 
 def _voices(n: int = 24000) -> list[np.ndarray]:
@@ -20,21 +20,21 @@ def _voices(n: int = 24000) -> list[np.ndarray]:
 
 
 @pytest.fixture(scope="module")
-def recording() -> Recording:
+def recording() -> Mixture:
     """The first talker of the paper's layout at its alignment, in the open."""
     rng = np.random.default_rng(0)
     azimuths = layouts(3, 0, rng)[0]
     return record(_voices(), azimuths, 0, aligned_heading(azimuths, 0), SETTINGS["S1"], rng=rng)
 
 
-def test_the_reference_is_the_target_alone_and_all_talkers_and_noise_are_the_mixture(recording: Recording) -> None:
+def test_the_reference_is_the_target_alone_and_all_talkers_and_noise_are_the_mixture(recording: Mixture) -> None:
     noise = recording.mixture - recording.images.sum(axis=0)
     np.testing.assert_array_equal(recording.reference, recording.images[recording.target, 0])
     clean = (recording.images.sum(axis=0)[0] ** 2).mean()
     assert 10 * np.log10(clean / (noise[0] ** 2).mean()) == pytest.approx(15, abs=0.2)
 
 
-def test_an_oracle_beats_the_beam_and_both_have_one_number(recording: Recording) -> None:
+def test_an_oracle_beats_the_beam_and_both_have_one_number(recording: Mixture) -> None:
     asked = chosen("separation", {"separators": ("mvdr", "tvmwf")}, quick=False)
     made = list(separations(asked, tools_of(asked), recording, Belief(recording.tau)))
     assert [one.separator for one in made] == ["mvdr", "tvmwf"]
@@ -43,7 +43,7 @@ def test_an_oracle_beats_the_beam_and_both_have_one_number(recording: Recording)
 
 
 @pytest.mark.parametrize("name", sorted(NOISE_BLIND - {"fastmnmf2"}))
-def test_columns_with_one_number_do_not_depend_on_the_noise_psd(name: str, recording: Recording) -> None:
+def test_columns_with_one_number_do_not_depend_on_the_noise_psd(name: str, recording: Mixture) -> None:
     separator, stft = plugins.load("ross_payload.separators", name), Stft(RATE, FRAME, HOP)
     spectrogram = stft.analyse(recording.mixture)
     with_psd, without = (

@@ -10,21 +10,13 @@ import tty
 
 import pytest
 
+from clocks import LeapingClock
 from ross_payload.actuators.wires import open_wire
-from ross_payload.actuators.wires.serial import AGAIN, SerialWire, _why
-from ross_payload.clock import SystemClock
+from ross_payload.actuators.wires.serial import REOPEN_PAUSE_S, SerialWire, _why
 from ross_payload.errors import ConfigError, LinkError
-from ross_sim.devices.pty_port import PtyServer
-from ross_sim.devices.wires import SerialSide, WireServer
-
-
-class LeapingClock(SystemClock):
-    """Real time that can be moved on, so that nobody waits for a pause."""
-
-    ahead = 0.0
-
-    def now(self):
-        return super().now() + self.ahead
+from ross_sim.devices.connections import PtyServer
+from ross_sim.devices.wire_servers import SerialSide, WireServer
+from waiting import wait_for
 
 
 class Terminal:
@@ -61,14 +53,6 @@ def clock():
 @pytest.fixture
 def url(terminal):
     return f"serial:{terminal.link}:115200"
-
-
-def until(true, seconds=20.0):
-    deadline = time.monotonic() + seconds
-    while not (found := true()):
-        assert time.monotonic() < deadline, "nothing came"
-        time.sleep(0.001)
-    return found
 
 
 def all_of(wire, wanted):
@@ -173,13 +157,13 @@ def test_a_device_that_vanishes_is_an_error_and_comes_back(terminal, url, clock)
             return str(error)
         return ""
 
-    assert url in until(gone)
+    assert url in wait_for(gone)
     wire.send(b"lost")
-    clock.ahead += 2 * AGAIN
+    clock.ahead += 2 * REOPEN_PAUSE_S
     assert "there is no" in gone()
     terminal.plug()
     assert gone()  # not before the pause is over
-    clock.ahead += 2 * AGAIN
+    clock.ahead += 2 * REOPEN_PAUSE_S
     assert wire.receive() == []
     wire.send(b"back")
     assert os.read(terminal.ours, 100) == b"back"
@@ -225,7 +209,7 @@ def test_raw_bytes_cross_over_tcp_without_a_greeting(clock):
             got += b"".join(wire.receive())
             return got == b"$$\n\x85?"
 
-        until(echoed)
+        wait_for(echoed)
         wire.close()
 
 
@@ -241,7 +225,7 @@ def test_a_server_that_goes_is_an_error(clock):
                 return str(error)
             return ""
 
-        assert "closed the connection" in until(gone)
+        assert "closed the connection" in wait_for(gone)
         wire.close()
 
 
@@ -259,5 +243,5 @@ def test_a_pseudo_terminal_serves_one_program_after_the_other(clock):
                 got += b"".join(wire.receive())
                 return got == b"hello\n"
 
-            until(echoed)
+            wait_for(echoed)
             wire.close()

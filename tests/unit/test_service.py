@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ross_payload.actuators.registry import open_actuator
+from ross_payload.alignment.paper_rules import paper_plan
+from ross_payload.alignment.plan import plan
 from ross_payload.config import Config
-from ross_payload.dsp.alignment import plan
-from ross_payload.dsp.paper_rules import paper_plan
 from ross_payload.errors import PluginError
 from ross_payload.events import Event, Outcome
 from ross_payload.interfaces import AudioBlock, Output, Result, Services
@@ -18,7 +18,7 @@ from ross_payload.orders import Cancel, Shutdown, Stop
 from ross_payload.service.assemble import explorer_of, informed_of, settings_of, tools_of
 from ross_payload.service.runner import Runner
 from ross_sim.clock import SimClock
-from ross_sim.session import far_end_of
+from ross_sim.sitl.mission_session import far_end_of
 
 CONFIG = Config.model_validate({"actuator": {"kind": "ideal"}, "array": {"offset_deg": 10}})
 
@@ -44,10 +44,10 @@ class Recorder:
         self.inputs = []
         self.events = []
 
-    def heard(self, heard):
+    def on_input(self, heard):
         self.inputs.append(heard)
 
-    def said(self, event, heard):
+    def on_event(self, event, heard):
         self.events.append(event)
 
 
@@ -91,11 +91,11 @@ def test_a_goal_is_reached_and_the_headings_tell_the_way(bench):
     runner, recorder, far_end = bench(turns_once(0.5))
     assert runner.run().outcome is Outcome.TARGET_FOUND
     assert far_end.angle() == pytest.approx(0.5, abs=1e-6)
-    headings = [one.heading_end for one in recorder.inputs]
+    headings = [one.pointing.heading for one in recorder.inputs]
     assert headings[0] == pytest.approx(math.radians(10))
     assert headings[-1] == pytest.approx(0.5 + math.radians(10), abs=1e-6)
     for before, after in zip(recorder.inputs, recorder.inputs[1:], strict=False):
-        assert before.heading_end == pytest.approx(after.heading_start, abs=1e-9)
+        assert before.pointing.heading == pytest.approx(after.heading_start, abs=1e-9)
     assert len(recorder.events) == 1
 
 
@@ -110,8 +110,8 @@ def test_a_command_reaches_the_mission_with_the_next_hop_and_the_motor_comes_to_
     runner, recorder, far_end = bench(obeys_stop(3.0))
 
     class Press(Recorder):
-        def heard(self, heard):
-            super().heard(heard)
+        def on_input(self, heard):
+            super().on_input(heard)
             if len(self.inputs) == 60:
                 runner.order(Stop())
 
@@ -119,10 +119,10 @@ def test_a_command_reaches_the_mission_with_the_next_hop_and_the_motor_comes_to_
     runner.observers.append(press)
     assert runner.run().outcome is Outcome.STOPPED
     assert press.inputs[60].orders == (Stop(),)
-    speed = (press.inputs[60].joint - press.inputs[59].joint) / 0.01
+    speed = (press.inputs[60].pointing.joint - press.inputs[59].pointing.joint) / 0.01
     braking = speed**2 / (2 * math.radians(112.5))
-    assert far_end.angle() - press.inputs[60].joint <= braking + speed * 0.1
-    assert recorder.inputs[-1].joint == pytest.approx(far_end.angle(), abs=1e-3)
+    assert far_end.angle() - press.inputs[60].pointing.joint <= braking + speed * 0.1
+    assert recorder.inputs[-1].pointing.joint == pytest.approx(far_end.angle(), abs=1e-3)
 
 
 def computes(goal, then):
@@ -143,8 +143,8 @@ class Presses(Recorder):
         super().__init__()
         self.runner, self.order = runner, order
 
-    def heard(self, heard):
-        super().heard(heard)
+    def on_input(self, heard):
+        super().on_input(heard)
         if len(self.inputs) == 60:
             self.runner.order(self.order)
 
@@ -154,7 +154,7 @@ def test_what_ends_a_turn_decelerates_though_the_mission_computes(bench, order, 
     runner, recorder, far_end = bench(computes(3.0, then=0.2))
     runner.observers.append(Presses(runner, order))
     result = runner.run()
-    assert recorder.inputs[299].joint < 1.0
+    assert recorder.inputs[299].pointing.joint < 1.0
     assert (result.outcome is Outcome.FAULT) == latches
     assert (far_end.angle() == pytest.approx(0.2, abs=1e-3)) == (not latches)
 
@@ -266,9 +266,9 @@ def slips(angle):
 def test_headings_are_corrected_by_a_slip_where_no_zero_can_be_found(bench):
     runner, recorder, far_end = bench(slips(0.1))
     runner.run()
-    assert recorder.inputs[0].heading_end == pytest.approx(math.radians(10))
-    assert recorder.inputs[-1].heading_end == pytest.approx(math.radians(10) - 0.1)
-    assert recorder.inputs[-1].joint == far_end.angle() == 0.0
+    assert recorder.inputs[0].pointing.heading == pytest.approx(math.radians(10))
+    assert recorder.inputs[-1].pointing.heading == pytest.approx(math.radians(10) - 0.1)
+    assert recorder.inputs[-1].pointing.joint == far_end.angle() == 0.0
 
 
 class FindsItsZero:
@@ -292,7 +292,7 @@ def test_a_zero_that_can_be_found_is_looked_for_after_a_slip(bench):
     runner._actuator = switch = FindsItsZero(runner._actuator)
     runner.run()
     assert switch.homed == 1
-    assert recorder.inputs[-1].heading_end == pytest.approx(0.3 + math.radians(10), abs=1e-6)
+    assert recorder.inputs[-1].pointing.heading == pytest.approx(0.3 + math.radians(10), abs=1e-6)
     assert far_end.angle() == pytest.approx(0.3, abs=1e-6)
 
 

@@ -8,12 +8,12 @@ import pytest
 
 from ross_payload.actuators.dronecan_servo.options import Options
 from ross_protocols.can import CanFrame
-from ross_protocols.dronecan import ArrayCommand, Command, CommandKind, NodeStatus, Sender, Status
-from ross_protocols.dronecan_services import MAGIC, NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
-from ross_protocols.dronecan_speech import Ear, Voice
+from ross_protocols.dronecan.messages import ArrayCommand, Command, CommandKind, NodeStatus, Status
+from ross_protocols.dronecan.node_messages import Decoder, Encoder
+from ross_protocols.dronecan.services import MAGIC, NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
 from ross_sim.devices.can_bus import ROOM, Bus, lasts
+from ross_sim.devices.dronecan_far_end import far_end
 from ross_sim.devices.far_end import SLIP, Fault
-from ross_sim.devices.servo import far_end
 from ross_sim.devices.servo_shaft import STEP, Drive, Shaft
 
 TEN_MS = 0.01
@@ -152,7 +152,7 @@ class Lab:
         self.options = Options(**options)
         self.end = far_end.make(self.options)
         self.now = 0.0
-        self.voice, self.ear = Voice(9), Ear(9)
+        self.voice, self.ear = Encoder(9), Decoder(9)
         self.heard = []
 
     def say(self, frames):
@@ -174,7 +174,7 @@ class Lab:
         return [each.message for each in self.heard if hasattr(each, "message") and isinstance(each.message, kind)]
 
     def command(self, value, kind=CommandKind.UNITLESS):
-        self.say(Sender(9).frames(ArrayCommand((Command(1, kind, value),))))
+        self.say(Encoder(9).broadcast(ArrayCommand((Command(1, kind, value),))))
 
     @property
     def degrees(self):
@@ -226,7 +226,7 @@ def test_what_turns_slips_and_the_encoder_sees_nothing_of_it():
 
 def test_an_encoder_on_the_load_sees_a_slip_and_the_servo_turns_back():
     end = far_end.make(Options(), replace(Drive(), encoder="load"))
-    end.port.sent += Sender(9).frames(ArrayCommand((Command(1, 0, 0.0),)))
+    end.port.sent += Encoder(9).broadcast(ArrayCommand((Command(1, 0, 0.0),)))
     end.advance(0.1)
     end.afflict(Fault.SLIP)
     end.advance(1.5)

@@ -15,7 +15,7 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.mission.session import Kit
+from ross_payload.mission.live_session import Kit
 from ross_payload.mission.tasks import Memory
 from ross_payload.orders import (
     Explore,

@@ -8,11 +8,11 @@ import pytest
 
 from mission_bench import RATE, RUN, SETTINGS, Likes, OneGroupEach, Rig, ThreeTalkers, rig
 from ross_payload.dsp.stft import Stft
-from ross_payload.dsp.turned import common_turn
 from ross_payload.events import Doubted, Estimate, OrientationHeard, Outcome, Slipped, SourceEstimate, SourcesEstimated
 from ross_payload.interfaces import Observation
+from ross_payload.localization.rotation_estimate import common_shift, common_turn
 from ross_payload.mission.context import Context, Listening, Tools, hop
-from ross_payload.mission.slips import common_shift, survey, suspicion
+from ross_payload.mission.slip_detection import survey, suspicion
 
 AZIMUTHS = (170, 70, -50)
 DROPS_ONCE = {RUN: lambda count: -1.0 if count <= 3 else 1.0}

@@ -5,7 +5,7 @@ import pytest
 import soundfile
 
 from ross_payload.errors import ConfigError
-from ross_sim.speech import load_folder
+from ross_sim.talkers.speech import load_folder
 
 RATE = 16000
 

@@ -15,14 +15,14 @@ import soundfile
 from command_line import called
 from ross_payload.bounded_files import set_aside
 from ross_payload.config import Config
+from ross_payload.config.parameter_store import Parameters
 from ross_payload.events import State, StateChanged
-from ross_payload.links.signing import SigningTime
 from ross_payload.orders import Rearm
-from ross_payload.parameters import Parameters
-from ross_payload.service.latch import StopLatch
 from ross_payload.service.live import live
+from ross_payload.service.stop_latch import StopLatch
+from ross_payload.transport.signing import SigningTime
 from ross_payload.voiceprint import VoiceStore, enrol
-from ross_protocols.signing import timestamp_of
+from ross_protocols.mavlink.signing import timestamp_of
 from state_fuzz import NAMED, PRINT, RUINED, SESSION, drawn, spoil
 
 RATE = 16000
@@ -104,7 +104,6 @@ SHORT = [
     *((name, kind) for name in NAMED for kind in WORST),
     *(("state/stopped", kind) for kind in ("named pipe", "folder", "loop", "link to nothing", "noise")),
     *((f"{SESSION}/{name}", "named pipe") for name in ("inputs.jsonl", "audio.wav", "events.jsonl")),
-    *((f"state/{name}.new", kind) for name in ("params.toml", "signing-time") for kind in ("named pipe", "folder")),
     ("state/recordings", "named pipe"),
     ("state/recordings/0002", "named pipe"),
     ("state/params.toml", "escapes"),
@@ -144,7 +143,7 @@ def test_a_stop_latch_that_is_a_folder_goes_when_the_payload_is_armed_again(tmp_
     latch = StopLatch(tmp_path / "stopped")
     assert latch.closed
     latch.ordered(Rearm())
-    latch.said(StateChanged(0.0, State.IDLE), None)
+    latch.on_event(StateChanged(0.0, State.IDLE), None)
     latch.close()
     assert not latch.closed
     assert (tmp_path / "stopped.unreadable" / "something").is_dir()

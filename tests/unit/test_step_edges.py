@@ -15,7 +15,7 @@ import pytest
 from fake_lgpio import FakeLgpio
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
-from ross_payload.actuators.tb6600.pulses import EDGE, Line, Segment
+from ross_payload.actuators.tb6600.pulse_segments import EDGE, PulseLine, Segment
 from ross_payload.actuators.wires.gpio import GpioPulses, pins_of
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorError
@@ -124,10 +124,10 @@ def margins(edges: np.ndarray, bench: Bench) -> Iterator[tuple[str, float]]:
     """By how much the nearest pair of each kind is farther apart than it must be [s]."""
     options, times = bench.options, edges["time"]
     assert np.all(np.diff(times) >= 0)
-    rises = times[(edges["line"] == Line.STEP) & edges["level"]]
-    falls = times[(edges["line"] == Line.STEP) & ~edges["level"]]
-    turns = times[edges["line"] == Line.DIRECTION]
-    switches = times[(edges["line"] == Line.ENABLE) & (edges["level"] != options.enable_means_off)]
+    rises = times[(edges["line"] == PulseLine.STEP) & edges["level"]]
+    falls = times[(edges["line"] == PulseLine.STEP) & ~edges["level"]]
+    turns = times[edges["line"] == PulseLine.DIRECTION]
+    switches = times[(edges["line"] == PulseLine.ENABLE) & (edges["level"] != options.enable_means_off)]
     assert len(rises) == len(falls)
     yield from nearest("STEP high", falls - rises, options.pulse_us * 1e-6)
     yield from nearest("STEP low", rises[1:] - falls[:-1], MODULE_LOW)

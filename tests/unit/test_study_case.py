@@ -12,11 +12,11 @@ from ross_payload import plugins
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Observation
-from ross_sim.study.case import Failure, attempt, owners_of, perform
-from ross_sim.study.cast import Source, check_voices, heard_as, stage, voices_of
-from ross_sim.study.design import PRESETS, Task, chosen, mixed, tasks
-from ross_sim.study.rows import ALIGNED, ESTIMATED, UNALIGNED
-from ross_sim.voices import synthetic_voice
+from ross_sim.study.result_rows import ALIGNED, ESTIMATED, UNALIGNED
+from ross_sim.study.study_case import Failure, attempt, owners_of, perform
+from ross_sim.study.study_design import PRESETS, Task, chosen, mixed, tasks
+from ross_sim.study.talker_placement import Source, check_voices, heard_as, placed, voices_of
+from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 pytestmark = pytest.mark.lockstep
 
@@ -128,7 +128,7 @@ def test_what_goes_wrong_in_one_task_is_told_and_not_raised(source):
 
 
 def test_what_is_explored_with_is_not_what_is_separated(source):
-    here = stage(study(), source, EXPLORED)
+    here = placed(study(), source, EXPLORED)
     for clip, speech, name in zip(here.clips, here.speech, here.names, strict=True):
         (whole,) = (voice.speech for voice in voices_of(source) if voice.name == name)
         np.testing.assert_array_equal(np.concatenate([clip, speech]), whole)
@@ -136,7 +136,7 @@ def test_what_is_explored_with_is_not_what_is_separated(source):
 
 
 def test_every_room_has_the_same_layouts_and_talkers(source):
-    dry, wet = (stage(study(), source, Task(setting, 3, 2)) for setting in ("S1", "S3"))
+    dry, wet = (placed(study(), source, Task(setting, 3, 2)) for setting in ("S1", "S3"))
     np.testing.assert_array_equal(dry.azimuths, wet.azimuths)
     assert dry.names == wet.names
 

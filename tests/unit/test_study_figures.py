@@ -6,9 +6,9 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from ross_sim.study.design import chosen
 from ross_sim.study.figures import draw
-from ross_sim.study.rows import Exploration, Separation
+from ross_sim.study.result_rows import Exploration, Separation
+from ross_sim.study.study_design import chosen
 from ross_sim.study.tables import tables
 
 pytestmark = pytest.mark.lockstep

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from ross_sim.study.design import PRESETS, Study, chosen, tasks
-from ross_sim.study.rooms import SETTINGS
-from ross_sim.study.rows import Exploration, Separation, Timing, columns
+from ross_sim.study.result_rows import Exploration, Separation, Timing, columns
+from ross_sim.study.room_settings import SETTINGS
+from ross_sim.study.study_design import PRESETS, Study, chosen, tasks
 
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "study.md").read_text(encoding="utf-8")
 

@@ -9,13 +9,13 @@ import pytest
 from rich.console import Console
 
 from ross_payload.errors import ConfigError, OutputError
-from ross_sim.study import engine, store
-from ross_sim.study.case import Failure
-from ross_sim.study.design import Task
-from ross_sim.study.progress import Lines
-from ross_sim.study.rows import Exploration, Result, Separation, Timing, columns, decode, encode
-from ross_sim.study.session import measure
-from ross_sim.study.store import Store, as_csv
+from ross_sim.study import study_store, task_engine
+from ross_sim.study.progress_view import Lines
+from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, columns, decode, encode
+from ross_sim.study.study_case import Failure
+from ross_sim.study.study_design import Task
+from ross_sim.study.study_run import measure
+from ross_sim.study.study_store import Store, as_csv
 
 WANTED = {"study": {"seed": 1, "settings": ["S1", "S2"]}, "code": "abc"}
 ROW = Separation("a", "S1", 3, 0, 1, "0.1", "aligned", 2, "anna", 10.5, si_sdri_db=3.25, all_found=True)
@@ -106,10 +106,9 @@ def test_csv_has_a_column_per_field_and_lists_in_one_cell():
 
 def test_parquet_keeps_types_lists_and_what_is_not_known(tmp_path):
     pq = pytest.importorskip("pyarrow.parquet", reason="needs the extra study")
-    from ross_sim.study import parquet
 
     for kind, row in ((Separation, ROW), (Exploration, FOUND)):
-        parquet.write(tmp_path / "rows.parquet", [row, row], kind)
+        study_store.write_parquet(tmp_path / "rows.parquet", [row, row], kind)
         (first, _) = pq.read_table(tmp_path / "rows.parquet").to_pylist()
         assert {name: tuple(value) if isinstance(value, list) else value for name, value in first.items()} == {
             name: getattr(row, name) for name in columns(kind)
@@ -117,11 +116,11 @@ def test_parquet_keeps_types_lists_and_what_is_not_known(tmp_path):
 
 
 def test_the_code_is_recognised_by_its_content():
-    assert store.code_hash() == store.code_hash()
-    assert len(list(store.sources())) > 20
+    assert study_store.code_hash() == study_store.code_hash()
+    assert len(list(study_store.sources())) > 20
 
 
-@pytest.mark.parametrize("run", [engine.serial, engine.processes(2)])
+@pytest.mark.parametrize("run", [task_engine.serial, task_engine.processes(2)])
 def test_an_engine_does_every_task_once(run):
     assert sorted(run(math.sqrt, [4.0, 9.0, 16.0])) == [2.0, 3.0, 4.0]
 
@@ -129,7 +128,7 @@ def test_an_engine_does_every_task_once(run):
 def test_an_engine_that_is_closed_leaves_nobody_behind():
     import multiprocessing
 
-    running = engine.processes(2)(math.factorial, [3, 2, 4])
+    running = task_engine.processes(2)(math.factorial, [3, 2, 4])
     assert next(running) in {6, 2, 24}
     running.close()
     deadline = time.monotonic() + 10
@@ -140,7 +139,7 @@ def test_an_engine_that_is_closed_leaves_nobody_behind():
 
 def test_a_worker_that_dies_is_one_error_and_not_a_hang():
     with pytest.raises(OutputError, match="died"):
-        list(engine.processes(1)(os._exit, [3]))
+        list(task_engine.processes(1)(os._exit, [3]))
 
 
 def test_what_fails_is_told_and_not_kept_so_that_it_is_tried_again(tmp_path):
@@ -149,7 +148,7 @@ def test_what_fails_is_told_and_not_kept_so_that_it_is_tried_again(tmp_path):
 
     left = [Task("S1", 2, 0, target=target) for target in (0, 1)]
     with Store(tmp_path, WANTED) as here:
-        failures = measure(engine.serial, function, left, here, lambda: 0.0)
+        failures = measure(task_engine.serial, function, left, here, lambda: 0.0)
     assert failures == [Failure("S1-K2-L0-T1", "no")]
     with Store(tmp_path, WANTED) as again:
         assert list(again.results) == ["S1-K2-L0-T0"]

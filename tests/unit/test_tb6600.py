@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ross_payload.actuators.tb6600.pulses import Line
+from ross_payload.actuators.tb6600.pulse_segments import PulseLine
 from ross_payload.errors import ActuatorFault, ConfigError, NotHomed
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
@@ -67,8 +67,8 @@ def test_the_wrong_microsteps_turn_by_the_wrong_angle() -> None:
 def test_no_edge_comes_before_the_torque_has_had_its_lead() -> None:
     bench = Bench(enable_lead_ms=700).go(9.0)
     edges = bench.edges()
-    on = edges["time"][edges["line"] == Line.ENABLE][0]
-    others = edges["time"][edges["line"] != Line.ENABLE]
+    on = edges["time"][edges["line"] == PulseLine.ENABLE][0]
+    others = edges["time"][edges["line"] != PulseLine.ENABLE]
     assert 0.7 <= others.min() - on < 0.8
 
 
@@ -219,8 +219,8 @@ def _keeps_its_distances(edges: np.ndarray, microsteps: int) -> None:
     """Rises 1/15 kHz apart at least, and never faster than 225 deg/s between steps in one direction."""
     order = edges[np.argsort(edges["time"], kind="stable")]
     assert np.array_equal(order["time"], edges["time"])
-    rises = edges["time"][(edges["line"] == Line.STEP) & edges["level"]]
-    turns = edges["time"][edges["line"] == Line.DIRECTION]
+    rises = edges["time"][(edges["line"] == PulseLine.STEP) & edges["level"]]
+    turns = edges["time"][edges["line"] == PulseLine.DIRECTION]
     assert np.all(np.diff(rises) >= 1 / 15000 - 1e-9)
     same = np.searchsorted(turns, rises[1:]) == np.searchsorted(turns, rises[:-1])
     fastest = 1.8 / microsteps / 225

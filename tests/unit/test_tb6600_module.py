@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from ross_payload.actuators.registry import checked_options
-from ross_payload.actuators.tb6600.pulses import EDGE, Line, Segment
+from ross_payload.actuators.tb6600.pulse_segments import EDGE, PulseLine, Segment
 from ross_payload.config import Config
 from ross_sim.devices.stepper import Motor
-from ross_sim.devices.tb6600 import Tb6600FarEnd, far_end
+from ross_sim.devices.tb6600_far_end import Tb6600FarEnd, far_end
 from tb6600_bench import Bench
 
 # ------------------------------------------------------------------------------------------ torque
@@ -58,24 +58,24 @@ def test_speed_beyond_the_pull_out_torque_loses_steps() -> None:
 
 # ------------------------------------------------------------------------------------------ the module's rules
 
-UP = [(1.0, Line.DIRECTION, True)]
+UP = [(1.0, PulseLine.DIRECTION, True)]
 
-PULSE = [(1.1, Line.STEP, True), (1.1 + 1e-5, Line.STEP, False)]
+PULSE = [(1.1, PulseLine.STEP, True), (1.1 + 1e-5, PulseLine.STEP, False)]
 
 
 @pytest.mark.parametrize(
     ("edges", "rule", "found"),
     [
-        ([*UP, (1.1, Line.STEP, True), (1.1 + 1e-6, Line.STEP, False)], "STEP high", 1e-6),
-        ([*UP, *PULSE, (1.1 + 1.2e-5, Line.STEP, True), (1.2, Line.STEP, False)], "STEP low", 2e-6),
-        ([(1.1 - 3e-6, Line.DIRECTION, True), *PULSE], "DIRECTION set-up", 3e-6),
+        ([*UP, (1.1, PulseLine.STEP, True), (1.1 + 1e-6, PulseLine.STEP, False)], "STEP high", 1e-6),
+        ([*UP, *PULSE, (1.1 + 1.2e-5, PulseLine.STEP, True), (1.2, PulseLine.STEP, False)], "STEP low", 2e-6),
+        ([(1.1 - 3e-6, PulseLine.DIRECTION, True), *PULSE], "DIRECTION set-up", 3e-6),
         (
-            [*UP, (1.1, Line.STEP, True), (1.1 + 4e-6, Line.DIRECTION, False), (1.2, Line.STEP, False)],
+            [*UP, (1.1, PulseLine.STEP, True), (1.1 + 4e-6, PulseLine.DIRECTION, False), (1.2, PulseLine.STEP, False)],
             "DIRECTION hold",
             4e-6,
         ),
-        ([(1.0, Line.ENABLE, True), (1.1 - 2e-6, Line.ENABLE, False), *PULSE], "ENABLE lead", 2e-6),
-        ([(1.0, Line.ENABLE, True), *PULSE, (1.2, Line.ENABLE, False)], "STEP while off", 0.0),
+        ([(1.0, PulseLine.ENABLE, True), (1.1 - 2e-6, PulseLine.ENABLE, False), *PULSE], "ENABLE lead", 2e-6),
+        ([(1.0, PulseLine.ENABLE, True), *PULSE, (1.2, PulseLine.ENABLE, False)], "STEP while off", 0.0),
     ],
 )
 def test_the_module_names_the_rule_that_is_broken(edges: list[Any], rule: str, found: float) -> None:
@@ -87,7 +87,7 @@ def test_the_module_names_the_rule_that_is_broken(edges: list[Any], rule: str, f
 
 
 def test_clean_edges_break_no_rule_in_one_piece_or_in_many() -> None:
-    edges = [*UP, *PULSE, (1.2, Line.DIRECTION, False), (1.3, Line.STEP, True), (1.4, Line.STEP, False)]
+    edges = [*UP, *PULSE, (1.2, PulseLine.DIRECTION, False), (1.3, PulseLine.STEP, True), (1.4, PulseLine.STEP, False)]
     whole, pieces = played(edges), played(*([edge] for edge in edges))
     assert whole.violations == pieces.violations == ()
     assert whole.count == pieces.count == 0
@@ -103,7 +103,7 @@ def test_edges_handed_over_late_are_noticed() -> None:
 def played(*parts: Iterable[Any]) -> Tb6600FarEnd:
     """Play edges on a fresh module, one segment per part, until 2 s."""
     module = far_end.make(checked_options(Config.model_validate({"actuator": {"kind": "tb6600"}})))
-    module.port.send(segment_of([(0.5, Line.ENABLE, True), (0.6, Line.ENABLE, False)]))
+    module.port.send(segment_of([(0.5, PulseLine.ENABLE, True), (0.6, PulseLine.ENABLE, False)]))
     for part in parts:
         module.port.send(segment_of(part))
     for quantum in range(1, 201):

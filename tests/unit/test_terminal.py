@@ -6,12 +6,12 @@ import pytest
 from rich.console import Console
 from rich.table import Table
 
-from ross_payload.audio.devices import Device
-from ross_payload.audio.show import table as devices_table
+from ross_payload.audio.command import table as devices_table
+from ross_payload.audio.sound_devices import Device
 from ross_payload.evaluation.results import _table as evaluation_table
-from ross_payload.terminal import listed, with_whole_words
+from ross_payload.terminal_tables import listed, with_whole_words
+from ross_sim.sitl.summary import _groups, _sources
 from ross_sim.study.tables import Table as StudyTable
-from ross_sim.summary import _groups, _sources
 
 NAMES = ("arthur", "bella", "cedric", "dora", "edgar")
 SOURCES = {

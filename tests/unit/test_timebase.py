@@ -3,10 +3,10 @@
 import pytest
 
 from ross_payload.timebase import Timebase
-from ross_protocols import vehicle
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common
-from ross_protocols.vehicle import SystemTime, TimeSync
+from ross_protocols.mavlink import vehicle
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.vehicle import SystemTime, TimeSync
 from ross_sim.clock import SimClock
 
 UNIX = 1_795_000_000.0  # [s]

@@ -11,7 +11,7 @@ from ross_payload.errors import AudioError, ConfigError
 from ross_payload.voiceprint import enrol, shipped_background
 from ross_payload.voiceprint.background import encode_background, read_background
 from ross_payload.voiceprint.features import RATE, analyse, mel_filters
-from ross_payload.voiceprint.model import clipped_share
+from ross_payload.voiceprint.speaker_model import clipped_share
 
 ANN = (210.0, (850, 1650, 2900, 4100))  # pitch and formants [Hz]
 BOB = (105.0, (600, 1150, 2350, 3300))

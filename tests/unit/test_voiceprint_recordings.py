@@ -9,10 +9,10 @@ import pytest
 
 from ross_payload.voiceprint import enrol, shipped_background
 from ross_payload.voiceprint.background import read_background
-from ross_sim.speech import load_folder
-from ross_sim.study.augment import masked
 from ross_sim.study.train_voiceprint import main as train
-from ross_sim.study.voices import OUTSIDE, equal_error_rate
+from ross_sim.study.voice_augmentation import masked
+from ross_sim.study.voiceprint_study import OUTSIDE, equal_error_rate
+from ross_sim.talkers.speech import load_folder
 
 pytestmark = pytest.mark.lockstep
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ross_payload.errors import ConfigError
-from ross_sim import texts
-from ross_sim.voices import LEVEL, RECIPES, speak, speech_text, synthetic_voice
+from ross_sim.talkers import texts
+from ross_sim.talkers.synthetic_voices import LEVEL, RECIPES, speak, speech_text, synthetic_voice
 
 pytestmark = pytest.mark.skipif(
     importlib.util.find_spec("espeakng_loader") is None, reason="needs the package espeakng-loader (extra sim)"

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ross_sim.study.rooms import SETTINGS
-from ross_sim.study.voices import Trial, separated_voice, summary
+from ross_sim.study.room_settings import SETTINGS
+from ross_sim.study.voiceprint_study import Trial, separated_voice, summary
 
 RATE = 24000
 

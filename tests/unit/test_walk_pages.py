@@ -13,6 +13,7 @@ EXPLANATION = ROOT / "docs" / "explanation"
 PAGES = ("one-turn-through-the-code.md", "contradictions.md")
 PAPER = Path(os.environ.get("ROSS_PAPER", ROOT.parent / "shared" / "paper" / "RoSS.tex"))
 PACKAGES = ("ross_payload", "ross_sim", "ross_protocols")
+PACKAGE_FOLDERS = (ROOT / "ross_payload", ROOT / "protocols" / "ross_protocols", ROOT / "sim" / "ross_sim")
 ROOMS = {path.stem for path in (ROOT / "ross_payload").iterdir() if path.suffix in ("", ".py")}
 
 
@@ -80,3 +81,13 @@ def test_every_quote_is_in_the_paper():
     quotes = [plain(line) for line in re.findall(r"^> (.*)$", text("contradictions.md"), re.MULTILINE)]
     assert len(quotes) > 10
     assert [quote for quote in quotes if quote not in paper] == []
+
+
+def test_the_glossary_names_what_the_code_is_called():
+    code = "\n".join(path.read_text(encoding="utf-8") for top in PACKAGE_FOLDERS for path in top.rglob("*.py"))
+    words = {re.match(r"\w*", path.stem)[0] for top in PACKAGE_FOLDERS for path in top.rglob("*")} | set(
+        re.findall(r"\w+", code)
+    )
+    rows = [line.split("|")[-2] for line in text("glossary.md").splitlines() if line.startswith("| ")]
+    named = {name for row in rows for span in re.findall(r"`([^`]+)`", row) for name in re.findall(r"\w+", span)}
+    assert named - words - {"py", "ross_sim", "scenarios", "sim"} == set()

@@ -12,34 +12,19 @@ import numpy as np
 import pytest
 import soundfile
 
+from clocks import FakeClock
 from ross_payload.errors import ConfigError, LinkError
-from ross_protocols.pcm import Decoder, decode
-from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.devices.realtime import BEHIND, RealTime
-from ross_sim.outdir import OutDir
-from ross_sim.outlets import Fifo, PcmServer
+from ross_protocols.audio.pcm import Decoder, decode
+from ross_sim.clock import BEHIND, QUANTUM, RealTimeDriver, SimClock
+from ross_sim.live_world.audio_output import Fifo, PcmServer
+from ross_sim.live_world.world_session import later
 from ross_sim.scenario import load
-from ross_sim.truth import TruthWriter, Turns, read_truth
-from ross_sim.world import Rendered
-from ross_sim.world_session import later
+from ross_sim.sitl.ground_truth import TruthWriter, Turns
+from ross_sim.sitl.results_folder import ResultsFolder
+from ross_sim.sitl.world import Rendered
+from world_truth import read_truth
 
 RATE = 16000
-
-
-class Wall:
-    """A wall clock that a test sets."""
-
-    def __init__(self):
-        self.time = 100.0
-
-    def now(self):
-        return self.time
-
-    def sleep(self, duration):
-        self.time += max(duration, 0.0)
-
-    def every(self, period, call):
-        raise NotImplementedError
 
 
 def samples(n, seed=1):
@@ -60,8 +45,8 @@ def drained(connection, decoder, n):
 
 
 def test_a_quantum_is_lived_when_it_is_over_and_what_was_sent_has_had_time_to_arrive():
-    wall, clock, said = Wall(), SimClock(), []
-    real_time = RealTime(clock, wall, said.append)
+    wall, clock, said = FakeClock(100.0), SimClock(), []
+    real_time = RealTimeDriver(clock, wall, said.append)
     begins = []
     for _ in range(3):
         real_time.step(begins.append, lambda: None)
@@ -71,8 +56,8 @@ def test_a_quantum_is_lived_when_it_is_over_and_what_was_sent_has_had_time_to_ar
 
 
 def test_a_world_that_is_late_says_by_how_much_once_in_a_while_and_catches_up():
-    wall, clock, said = Wall(), SimClock(), []
-    real_time = RealTime(clock, wall, said.append)
+    wall, clock, said = FakeClock(100.0), SimClock(), []
+    real_time = RealTimeDriver(clock, wall, said.append)
 
     def slow():
         wall.time += 0.5
@@ -180,9 +165,9 @@ def test_the_truth_is_written_in_pieces_and_read_back_whole(tmp_path):
     pieces = [samples(4000, seed) for seed in range(3)]
     headings = np.radians([0, 0, 1, 2, 2])
     values = {"target": "b", "talkers": [{"name": name, "azimuth_deg": 40, "elevation_deg": 0} for name in "ab"]}
-    with OutDir(tmp_path / "out") as folder, TruthWriter(folder, RATE, 2) as truth:
+    with ResultsFolder(tmp_path / "out") as folder, TruthWriter(folder, RATE, 2) as truth:
         for piece in pieces:
-            truth.take(Rendered(np.stack([piece / 4, piece / 2], axis=1), piece, headings))
+            truth.write(Rendered(np.stack([piece / 4, piece / 2], axis=1), piece, headings))
         truth.finish(values)
     read = read_truth(tmp_path / "out")
     heard = np.concatenate(pieces, axis=1)

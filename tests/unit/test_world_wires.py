@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import socket
 import threading
-import time
 from contextlib import contextmanager
 
 import numpy as np
@@ -13,22 +12,25 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_payload.actuators.tb6600.pulses import EDGE, Level, Line, Played, PulseCodec, RanOut, RecordingPulses, Segment
+from ross_payload.actuators.tb6600.pulse_segments import (
+    EDGE,
+    Level,
+    Played,
+    PulseCodec,
+    PulseLine,
+    RanOut,
+    RecordingPulses,
+    Segment,
+)
 from ross_payload.actuators.wires import TcpWire, greeting, open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
 from ross_sim.devices.ideal import Goal, Halt, IdealFarEnd, Report
-from ross_sim.devices.wires import IdealCodec, IdealSide, PulseSide, WireServer, side_of
+from ross_sim.devices.wire_servers import IdealCodec, IdealSide, PulseSide, WireServer, side_of
+from waiting import wait_for
 
 CLOCK = SystemClock()
 EDGES = np.array([(0.0, 1, True), (20e-6, 0, True), (30e-6, 0, False)], dtype=EDGE)
-
-
-def until(condition, seconds=10.0):
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.002)
 
 
 @contextmanager
@@ -76,7 +78,7 @@ def same(found, wanted):
 
 @given(sizes=st.lists(st.integers(1, 40), min_size=1, max_size=30))
 def test_pulses_cross_exactly_in_pieces_of_any_size(sizes):
-    reports = [Played(2 / 7), Level(Line.HOME, True, 1 / 7), RanOut(5 / 7), Level(Line.STEP, False, 0.0)]
+    reports = [Played(2 / 7), Level(PulseLine.HOME, True, 1 / 7), RanOut(5 / 7), Level(PulseLine.STEP, False, 0.0)]
     sent = [Segment(1 / 3, 0.02, EDGES), *reports, Segment(0.4, 0.0, EDGES[:0])]
     data = b"".join(PulseCodec().pack(frame) for frame in sent)
     codec, got, position = PulseCodec(), [], 0
@@ -112,7 +114,7 @@ def test_a_segment_is_reported_when_the_clock_has_passed_it_and_played_in_the_ti
     with served(side) as (wire, _):
         wire.send(segment)
         reports = []
-        until(lambda: reports.extend(wire.receive()) or reports)
+        wait_for(lambda: reports.extend(wire.receive()) or reports)
         assert CLOCK.now() >= segment.end
         assert reports == [Played(segment.end)]
         side.exchange(begin=5.0)
@@ -125,12 +127,12 @@ def test_what_the_module_notices_crosses_in_the_time_of_the_clock():
     port, epoch = RecordingPulses(), CLOCK.now() - 5.0
     side = PulseSide(port, epoch)
     with served(side) as (wire, _):
-        for report in (Played(4.0), Level(Line.HOME, False, 4.5), RanOut(4.75)):
+        for report in (Played(4.0), Level(PulseLine.HOME, False, 4.5), RanOut(4.75)):
             port.report(report)
         side.exchange(begin=5.0)
         reports = []
-        until(lambda: reports.extend(wire.receive()) or len(reports) == 2)
-    assert reports == [Level(Line.HOME, False, 4.5 + epoch), RanOut(4.75 + epoch)]
+        wait_for(lambda: reports.extend(wire.receive()) or len(reports) == 2)
+    assert reports == [Level(PulseLine.HOME, False, 4.5 + epoch), RanOut(4.75 + epoch)]
 
 
 def test_a_goal_takes_effect_when_it_has_arrived_and_the_report_tells_the_time_of_both():
@@ -153,7 +155,7 @@ def test_the_next_payload_is_served_when_the_first_has_left():
         for _ in range(2):
             wire = open_wire(f"pulses:tcp:127.0.0.1:{server.port}", CLOCK)
             wire.send(Segment(0.0, 0.01, EDGES))
-            until(wire.receive)
+            wait_for(wire.receive)
             wire.close()
 
 
@@ -164,20 +166,20 @@ def test_a_payload_that_sends_rubbish_is_hung_up_on_and_the_next_one_served():
             rude.sendall(b"GET / HTTP/1.1\r\n\r\n")
             rude.settimeout(10)
             assert json.loads(rude.recv(200))["ross_wire"] == "pulses"
-            until(lambda: not rude.recv(200))
+            wait_for(lambda: not rude.recv(200))
         open_wire(f"pulses:tcp:127.0.0.1:{server.port}", CLOCK).close()
 
 
 def test_a_device_that_goes_is_said_after_its_last_frame():
     with device(greeting(PulseCodec(), CLOCK)) as (port, connections):
         wire = open_wire(f"pulses:tcp:127.0.0.1:{port}", CLOCK)
-        until(lambda: connections)
+        wait_for(lambda: connections)
         connections[0].sendall(PulseCodec().pack(Played(1.0)))
         connections[0].close()
         got = []
-        until(lambda: got.extend(wire.receive()) or got)
+        wait_for(lambda: got.extend(wire.receive()) or got)
         with pytest.raises(LinkError, match="closed the connection"):
-            until(wire.receive)
+            wait_for(wire.receive)
         wire.send(Segment(0.0, 0.01, EDGES))  # lost, not raised: whoever sends on the way out must not fall over it
         wire.close()
         wire.close()
@@ -222,7 +224,7 @@ GREETINGS = {
 def test_somebody_else_at_the_other_end_is_told_apart(words):
     with device(GREETINGS[words]) as (port, connections):
         if not GREETINGS[words]:
-            hang_up = threading.Thread(target=lambda: (until(lambda: connections), connections[0].close()))
+            hang_up = threading.Thread(target=lambda: (wait_for(lambda: connections), connections[0].close()))
             hang_up.start()
         with pytest.raises(LinkError, match=words):
             open_wire(f"pulses:tcp:127.0.0.1:{port}", CLOCK)

@@ -3,301 +3,256 @@
 A goal is one set-point; the drive's own reports, 50 a second, say where it is and whether it is there. The first goal
 or homing enables it, nothing else. When our heartbeat ends it stops by itself and switches off. Whatever is in doubt
 makes us send the same quick stop; only `home` resets a fault, and the drive stays off then.
-
-Only the pump (`poll`) acts; the other methods leave a request in a queue.
 """
 
 from __future__ import annotations
 
-import logging
 import math
-from dataclasses import replace
-from types import TracebackType
-from typing import Any, Self
+from collections.abc import Iterator
 
-from ross_payload.actuators.canopen_drive.axis import Axis
-from ross_payload.actuators.canopen_drive.link import Link
+from ross_payload.actuators.canopen_drive.cia402_controller import (
+    ENABLE_TIMEOUT_S,
+    TORQUE_OFF,
+    Cia402Controller,
+    DriveDiagnostics,
+)
+from ross_payload.actuators.canopen_drive.drive_client import DriveClient
+from ross_payload.actuators.canopen_drive.drive_setup import DriveSetup
 from ross_payload.actuators.canopen_drive.options import Options
-from ross_payload.actuators.canopen_drive.places import Places
-from ross_payload.actuators.canopen_drive.setup import Setup
-from ross_payload.actuators.canopen_drive.watch import ENABLE, OFF, Watch
-from ross_payload.actuators.requests import Ask, Move, Requests
-from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
-from ross_payload.interfaces import Actuator, ActuatorState, Services
-from ross_protocols import cia402
-from ross_protocols.cia402 import Homing, Mode, State
+from ross_payload.actuators.canopen_drive.position_filter import PositionFilter
+from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Driver, DriverBackend, Move, Request
+from ross_payload.errors import ActuatorFault, LinkError
+from ross_payload.interfaces import ActuatorState, Clock, Port
+from ross_protocols.canopen import cia402
+from ross_protocols.canopen.cia402 import Homing, Mode, State
 
-PARTING = 0.05  # [s] in which the last answer comes
-REPEAT = 0.1  # [s] between two equal orders
-EARLY = 1e-6  # so much before its time something is due [s]
-log = logging.getLogger(__name__)
+LAST_ANSWER_TIMEOUT_S = 0.05  # [s] in which the last answer comes
+ORDER_PERIOD_S = 0.1  # [s] between two equal orders
 
 
-class CanopenDrive:
+class CanopenDrive(Driver):
     """The driver: sans I/O over a port of CAN frames."""
 
-    def __init__(self, options: Options, services: Services) -> None:
+    def __init__(self, options: Options) -> None:
         self._options = options
-        self._services = services
-        self._requests = Requests()
-        self._link: Link | None = None
+        self._client: DriveClient
         self._leaving = False
-        self._setup = Setup(options)
-        self._axis = Axis()
+        self._setup = DriveSetup(options)
+        self._controller = Cia402Controller()
         self.capabilities = able = options.capabilities
-        self._places = Places(options.settle_ms * 1e-3, 1.5 * able.max_speed, able.max_acceleration)
+        self._positions = PositionFilter(options.settle_ms * 1e-3, 1.5 * able.max_speed, able.max_acceleration)
         self._known = False  # where the drive counts 0
         self._homing = False  # asked for, and not over
         self._next: Move | None = None  # what was asked for meanwhile
-        self._watch = Watch()
+        self._diagnostics = DriveDiagnostics()
         self._sent: tuple[int, int, int] | None = None
         self._due = -math.inf  # the next repetition [s]
         self._fault = ""
-        self._state = ActuatorState(0.0, 0.0, settled=False, homed=False, healthy=True, time=-math.inf)
+        self._published = -math.inf  # time of the last state [s]
 
     @property
     def identity(self) -> str:
         """The numbers by which the drive's maker knows it."""
         return self._setup.identity
 
-    def command(self, angle: float, rate: float | None = None) -> None:
-        """Go to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal."""
-        if not self.capabilities.lower <= angle <= self.capabilities.upper:
-            raise LimitError(f"goal {math.degrees(angle):.2f} deg is outside the travel of the drive")
-        if self._fault:
-            raise ActuatorFault(self._fault)
-        if not self._state.homed:
-            raise NotHomed("the drive's position is not known: home first")
-        self._requests.put(Move(angle, min(rate or math.inf, self.capabilities.max_speed)))
-
-    def state(self) -> ActuatorState:
-        """Return the state at the last poll; not settled while a request waits."""
-        return self._state if self._requests.empty else replace(self._state, settled=False)
-
-    def stop(self) -> None:
-        """Let the drive slow down along its ramp, and hold."""
-        self._requests.put(Ask.HALT)
-
-    def home(self) -> None:
-        """Forget a fault, reset the drive's, and find home where its encoder does not know it."""
-        self._requests.put(Ask.HOME)
-
-    def release(self) -> None:
-        """Switch the drive off; its encoder goes on counting."""
-        self._requests.put(Ask.RELEASE)
-
-    def poll(self, now: float) -> None:
-        """Read the bus, obey requests, tell the drive what is due, publish the state at ``now`` [s]."""
-        if self._link is None:
-            return
-        try:
-            self._link.take_in(now)
-            self._look(self._link, now)
-            self._set_up(self._link, now)
-            for request in self._requests.taken():
-                self._obey(request, self._link)
-            self._link.beat(now)
-            self._steer(self._link, now)
-        except LinkError as down:
-            self._latch(str(down))
-            raise
-        finally:
-            self._publish(self._link)
-
-    def __enter__(self) -> Self:
+    def open(self, port: Port, now: float) -> None:
         """Join the bus; asking the drive who it is and telling it how to move begins with the first poll."""
-        port = self._services.open_port(self._options.port)
-        self._state = replace(self._state, settled=False, homed=False, healthy=True, fault="", time=-math.inf)
-        self._link = Link(self._options, port, self._services.clock.now())
-        self._axis, self._watch, self._fault, self._homing = Axis(), Watch(), "", False
-        self._leaving = False
+        self._client = DriveClient(self._options, port, now)
+        self._controller, self._diagnostics = Cia402Controller(), DriveDiagnostics()
+        self._fault, self._homing, self._leaving, self._published = "", False, False, -math.inf
         self._known = self._options.absolute  # whoever was switched off meanwhile counts from elsewhere
-        self._begin(self._link)
-        return self
+        self._begin()
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Let the drive decelerate, which takes its time, switch off and expect no more of us; leave the bus."""
-        if self._link is None:
-            return
-        try:
-            self._leave(self._link)
-        except LinkError as gone:
-            log.warning("%s", gone)
-        self._link.close()
-        self._link = None
+    def read(self, now: float) -> None:
+        """Read the bus; look at what the drive says; go on setting it up."""
+        self._client.read(now)
+        self._on_reports(now)
+        self._set_up(now)
+
+    def obey(self, request: Move | Request, now: float) -> None:
+        """Begin what is asked for; a goal waits until homing is over."""
+        if isinstance(request, Move):
+            if self._homing:
+                self._next = request
+            elif not self._fault and self._known:
+                self._go(request)
+        elif request is Request.HALT:
+            self._homing = False
+            self._controller.halt()
+        elif request is Request.RELEASE:
+            self._homing = False
+            self._controller.end(State.QUICK_STOP_ACTIVE if self._fault else State.SWITCH_ON_DISABLED)
+        elif not self._homing:
+            self._home()
+
+    def write(self, now: float) -> None:
+        """Send our heartbeat and what the drive is to do."""
+        self._client.send_heartbeat(now)
+        self._send_order(now)
+
+    def link_lost(self, error: LinkError) -> bool:
+        """Latch that the bus is down."""
+        self._latch(str(error))
+        return False
+
+    def snapshot(self, now: float) -> ActuatorState:
+        """Return the state."""
+        client = self._client
+        homed = client.fresh and self._known
+        settled = homed and not (self._fault or self._homing) and self._arrived(client.report.status)
+        self._published = client.report.time if client.fresh else client.heard_at
+        return ActuatorState(
+            angle=self._positions.joint,
+            rate=0.0 if settled or not client.fresh else client.velocity / self._options.scale,
+            settled=settled,
+            homed=homed,
+            healthy=not self._fault,
+            time=self._published,
+            fault=self._fault,
+        )
+
+    def leave(self, clock: Clock) -> Iterator[None]:
+        """Let the drive decelerate, which takes its time, switch off and expect no more of us."""
+        self._leaving, client = True, self._client
+        braking = self.capabilities.max_speed / self.capabilities.max_acceleration
+        until = clock.now() + braking + ENABLE_TIMEOUT_S if client.running else -math.inf
+        self._homing = False
+        self._controller.end(State.QUICK_STOP_ACTIVE)
+        yield
+        while clock.now() < until and cia402.state_of(client.report.status) not in TORQUE_OFF:
+            yield
+        client.stop_heartbeat_watch()
+        until = clock.now() + LAST_ANSWER_TIMEOUT_S
+        while client.awaits_answer and clock.now() < until:  # an answer that comes later would puzzle whoever asks next
+            clock.sleep(0.005)
+            client.read(clock.now())
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._client.close()
 
     # ------------------------------------------------------------------------------------------ set-up
 
-    def _begin(self, link: Link) -> None:
+    def _begin(self) -> None:
         """Ask and tell everything from the beginning; what is not running obeys nothing."""
-        self._setup, self._sent = Setup(self._options), None
-        self._places.clear()
-        link.hold()
+        self._setup, self._sent = DriveSetup(self._options), None
+        self._positions.clear()
+        self._client.enter_pre_operational()
 
-    def _set_up(self, link: Link, now: float) -> None:
-        answers, link.answers = link.answers, []
+    def _set_up(self, now: float) -> None:
+        answers, self._client.answers = self._client.answers, []
         if self._fault or self._setup.done or self._leaving:
             return
         try:
-            asked = self._setup.go_on(answers, now)
+            asked = self._setup.advance(answers, now)
         except ActuatorFault as fault:
             self._latch(str(fault))
             return
         if asked:
-            link.ask(asked)
+            self._client.send_sdo(asked)
         elif self._setup.done:
-            link.start(now)
-
-    def _leave(self, link: Link) -> None:
-        self._leaving = True
-        clock, braking = self._services.clock, self.capabilities.max_speed / self.capabilities.max_acceleration
-        until = clock.now() + braking + ENABLE if link.running else -math.inf
-        self._axis.end(State.QUICK_STOP_ACTIVE)
-        self.poll(clock.now())
-        while clock.now() < until and cia402.state_of(link.report.status) not in OFF:
-            clock.sleep(0.01)
-            self.poll(clock.now())
-        link.part()
-        until = clock.now() + PARTING
-        while link.awaits and clock.now() < until:  # an answer that comes later would puzzle whoever asks next
-            clock.sleep(0.005)
-            link.take_in(clock.now())
+            self._client.start(now)
 
     # ------------------------------------------------------------------------------------------ what is heard
 
-    def _look(self, link: Link, now: float) -> None:
+    def _on_reports(self, now: float) -> None:
         """Remember the newest place; latch what is wrong with the drive or on the bus."""
-        if link.restarted:
+        client = self._client
+        if client.restarted:
             self._known = self._options.absolute
             if not (self._fault or self._setup.done):
-                self._begin(link)  # it has just been switched on
-        if link.running and link.report.time > self._state.time:
-            self._see(self._options.joint(link.report.position), link.velocity / self._options.scale, link.report.time)
-        self._latch(link.event)
-        link.event = ""
-        if link.fresh:
+                self._begin()  # it has just been switched on
+        if client.running and client.report.time > self._published:
+            joint, rate = self._options.joint(client.report.position), client.velocity / self._options.scale
+            self._on_position(joint, rate, client.report.time)
+        self._latch(client.event)
+        client.event = ""
+        if client.fresh:
             if self._homing:
-                self._go_home(link, now)
-            self._latch(self._watch.trouble(self._axis, link.report, link.emergency, now) if not self._fault else "")
+                self._go_home(now)
+            trouble = self._diagnostics.trouble(self._controller, client.report, client.emergency, now)
+            self._latch(trouble if not self._fault else "")
 
-    def _see(self, joint: float, rate: float, time: float) -> None:
+    def _on_position(self, joint: float, rate: float, time: float) -> None:
         """Take a new place; one that cannot be true is a fault, and no place."""
-        if self._axis.mode is Mode.HOMING:
-            self._places.clear()  # the drive will count from elsewhere
-        jump = self._places.take(joint, rate, time)
+        if self._controller.mode is Mode.HOMING:
+            self._positions.clear()  # the drive will count from elsewhere
+        jump = self._positions.update(joint, rate, time)
         self._latch(f"implausible position from the drive: it {jump}" if jump else "")
 
     def _latch(self, fault: str) -> None:
         """Keep the first fault and let the drive stop and switch off."""
         if fault:
             self._fault, self._homing = self._fault or fault, False
-            self._axis.end(State.QUICK_STOP_ACTIVE)
+            self._controller.end(State.QUICK_STOP_ACTIVE)
 
-    def _go_home(self, link: Link, now: float) -> None:
+    def _go_home(self, now: float) -> None:
         """Reset a fault, then find home where the encoder does not know it."""
-        state = cia402.state_of(link.report.status)
+        state = cia402.state_of(self._client.report.status)
         if state in (State.FAULT, State.FAULT_REACTION):
-            if not self._axis.resetting:
-                self._axis.reset()
+            if not self._controller.resetting:
+                self._controller.reset()
         elif state is State.QUICK_STOP_ACTIVE:
             return  # it brakes
         elif self._options.absolute:
-            self._axis.rest()
+            self._controller.rest()
             self._end_homing(Homing.DONE)
-        elif self._axis.mode is not Mode.HOMING:
-            self._axis.home()
+        elif self._controller.mode is not Mode.HOMING:
+            self._controller.home()
         else:
-            self._end_homing(self._watch.homing(self._axis, link.report, now))
+            self._end_homing(self._diagnostics.homing(self._controller, self._client.report, now))
 
     def _end_homing(self, homing: Homing) -> None:
         if homing is Homing.FAILED:
             self._latch("homing failed: the drive reports a homing error")
         elif homing is Homing.DONE:
             self._homing, self._known, self._sent = False, True, None
-            self._axis.mode = Mode.PROFILE_POSITION
-            self._places.clear()
+            self._controller.mode = Mode.PROFILE_POSITION
+            self._positions.clear()
             if self._next:
                 self._go(self._next)
 
     def _go(self, move: Move) -> None:
-        self._axis.go(self._options.counts(move.goal), self._options.span(math.degrees(move.rate)))
+        self._controller.go(self._options.counts(move.goal), self._options.span(math.degrees(move.rate)))
 
-    # ------------------------------------------------------------------------------------------ requests
-
-    def _obey(self, request: Move | Ask, link: Link) -> None:
-        if isinstance(request, Move):
-            if self._homing:
-                self._next = request
-            elif not self._fault and self._known:
-                self._go(request)
-        elif request is Ask.HALT:
-            self._homing = False
-            self._axis.halt()
-        elif request is Ask.RELEASE:
-            self._homing = False
-            self._axis.end(State.QUICK_STOP_ACTIVE if self._fault else State.SWITCH_ON_DISABLED)
-        elif not self._homing:
-            self._home(link)
-
-    def _home(self, link: Link) -> None:
+    def _home(self) -> None:
         self._homing, self._known, self._next = True, self._options.absolute, None
-        self._fault, link.event, link.emergency = "", "", None
-        self._watch = Watch()
-        self._places.clear()
-        if self._axis.mode is Mode.HOMING:  # one that was broken off
-            self._axis.end(State.QUICK_STOP_ACTIVE)
-        if link.restarted or not link.running:
-            self._begin(link)
+        self._fault, self._client.event, self._client.emergency = "", "", None
+        self._diagnostics = DriveDiagnostics()
+        self._positions.clear()
+        if self._controller.mode is Mode.HOMING:  # one that was broken off
+            self._controller.end(State.QUICK_STOP_ACTIVE)
+        if self._client.restarted or not self._client.running:
+            self._begin()
 
     # ------------------------------------------------------------------------------------------ out
 
-    def _steer(self, link: Link, now: float) -> None:
+    def _send_order(self, now: float) -> None:
         """Send an order that is new, or old enough to be repeated."""
-        if not link.fresh:
+        if not self._client.fresh:
             return
-        axis = self._axis
-        word = axis.word(link.report)
-        if self._sent is None and not axis.offered:
-            axis.target = link.report.position
-        order = (word, axis.target, axis.mode)
-        if order != self._sent or now >= self._due - EARLY:
-            self._sent, self._due = order, now + REPEAT
-            if axis.offered:
-                link.limit(axis.offered.speed)
-            link.steer(*order)
-
-    def _publish(self, link: Link) -> None:
-        homed = link.fresh and self._known
-        settled = homed and not (self._fault or self._homing) and self._arrived(link.report.status)
-        self._state = ActuatorState(
-            angle=self._places.joint,
-            rate=0.0 if settled or not link.fresh else link.velocity / self._options.scale,
-            settled=settled,
-            homed=homed,
-            healthy=not self._fault,
-            time=link.report.time if link.fresh else link.heard,
-            fault=self._fault,
-        )
+        controller = self._controller
+        word = controller.word(self._client.report)
+        if self._sent is None and not controller.offered:
+            controller.target = self._client.report.position
+        order = (word, controller.target, controller.mode)
+        if order != self._sent or now >= self._due - TIME_TOLERANCE_S:
+            self._sent, self._due = order, now + ORDER_PERIOD_S
+            if controller.offered:
+                self._client.send_speed_limit(controller.offered.speed)
+            self._client.send_order(*order)
 
     def _arrived(self, status: int) -> bool:
         """Whether the drive is still, and where it was last sent to as it says itself and as we see."""
-        goal, near = self._axis.goal, self.capabilities.resolution
+        goal, near = self._controller.goal, self.capabilities.resolution
         if goal is None:
-            return self._places.still(near)
-        there = abs(self._places.joint - self._options.joint(goal.target)) <= near
-        return there and self._places.still(near) and self._axis.taken and bool(status & cia402.REACHED)
+            return self._positions.still(near)
+        there = abs(self._positions.joint - self._options.joint(goal.target)) <= near
+        return there and self._positions.still(near) and self._controller.taken and bool(status & cia402.REACHED)
 
 
-class CanopenDriveBackend:
-    """Drive on a CAN bus that speaks CANopen (CiA 402): profile position, homing, position from its encoder."""
-
-    Config: type[Any] = Options
-
-    def open(self, config: Options, services: Services) -> Actuator:
-        """Make the driver."""
-        return CanopenDrive(config, services)
-
-
-backend = CanopenDriveBackend()
+backend = DriverBackend(
+    "Drive on a CAN bus that speaks CANopen (CiA 402): profile position, homing, position from its encoder.",
+    Options,
+    CanopenDrive,
+)

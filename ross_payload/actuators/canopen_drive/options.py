@@ -7,18 +7,18 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from ross_payload.actuators.driver_shell import NodeId, capabilities_of, check_geared_node
 from ross_payload.config import Degrees, Positive, Table
 from ross_payload.interfaces import Capabilities, Feedback
 
-NodeId = Annotated[int, Field(ge=1, le=127)]
-METHODS = {  # homing methods by CiA 402
+HOMING_METHODS = {  # homing methods by CiA 402
     "here": 37,
     "negative_limit": 17,
     "positive_limit": 18,
     "switch_positive": 19,
     "switch_negative": 21,
 }
-MOST = 2**31 - 1  # counts
+MAX_COUNTS = 2**31 - 1  # counts
 
 
 class Options(Table):
@@ -44,13 +44,8 @@ class Options(Table):
 
     @model_validator(mode="after")
     def _sensible(self) -> Options:
-        if self.lower_deg >= self.upper_deg:
-            raise ValueError(f"expected lower_deg below upper_deg, got {self.lower_deg:g} and {self.upper_deg:g}")
-        if self.node_id == self.own_node_id:
-            raise ValueError(f"node_id and own_node_id are both {self.node_id}")
-        if abs(self.gear_ratio) < 0.001:
-            raise ValueError(f"gear_ratio = {self.gear_ratio:g} is too near to 0")
-        if max(abs(count) for count in self.travel) > MOST or self.span(self.max_speed_deg_s) > MOST:
+        check_geared_node(self)
+        if max(abs(count) for count in self.travel) > MAX_COUNTS or self.span(self.max_speed_deg_s) > MAX_COUNTS:
             raise ValueError("counts_per_turn and gear_ratio: the travel has more counts than fit into 32 bits")
         return self
 
@@ -82,16 +77,8 @@ class Options(Table):
     @property
     def capabilities(self) -> Capabilities:
         """What is asked of drive and array."""
-        return Capabilities(
-            lower=math.radians(self.lower_deg),
-            upper=math.radians(self.upper_deg),
-            max_speed=math.radians(self.max_speed_deg_s),
-            max_acceleration=math.radians(self.max_acceleration_deg_s2),
-            resolution=self.resolution,
-            continuous=False,
-            feedback=Feedback.MEASURED,
-            finds_zero=self.homing not in ("none", "here"),
-        )
+        finds_zero = self.homing not in ("none", "here")
+        return capabilities_of(self, self.resolution, Feedback.MEASURED, finds_zero=finds_zero)
 
     def counts(self, joint: float) -> int:
         """Return the drive's position at a joint angle [rad]."""

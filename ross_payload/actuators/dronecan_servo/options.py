@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from ross_payload.actuators.driver_shell import NodeId, check_geared_node
 from ross_payload.config import Degrees, Positive, Table
-from ross_protocols.dronecan import ArrayCommand, Command, CommandKind, as_sent, spacing
-from ross_protocols.dronecan_gimbal import COARSE, AngularCommand
+from ross_protocols.dronecan.gimbal_messages import COARSE, AngularCommand
+from ross_protocols.dronecan.messages import ArrayCommand, Command, CommandKind, as_sent, spacing
 
-NodeId = Annotated[int, Field(ge=1, le=127)]
-ENDS = {"unitless": (-1.0, 1.0), "pwm": (1000.0, 2000.0)}  # values at the ends of the travel
+DEFAULT_ENDS = {"unitless": (-1.0, 1.0), "pwm": (1000.0, 2000.0)}  # values at the ends of the travel
 RANGES = {"unitless": (-1.0, 1.0), "pwm": (500.0, 2500.0)}
 
 
@@ -41,12 +41,7 @@ class Options(Table):
 
     @model_validator(mode="after")
     def _sensible(self) -> Options:
-        if self.lower_deg >= self.upper_deg:
-            raise ValueError(f"expected lower_deg below upper_deg, got {self.lower_deg:g} and {self.upper_deg:g}")
-        if self.node_id == self.own_node_id:
-            raise ValueError(f"node_id and own_node_id are both {self.node_id}")
-        if abs(self.gear_ratio) < 0.001:
-            raise ValueError(f"gear_ratio = {self.gear_ratio:g} is too near to 0")
+        check_geared_node(self)
         if self.angular:
             if self.at_lower is not None or self.at_upper is not None:
                 raise ValueError("position commands follow from gear_ratio; at_lower and at_upper are for the others")
@@ -74,7 +69,7 @@ class Options(Table):
         """Values of the command at the ends of the travel."""
         if self.angular:
             return self._position(math.radians(self.lower_deg)), self._position(math.radians(self.upper_deg))
-        lower, upper = ENDS[self.command]
+        lower, upper = DEFAULT_ENDS[self.command]
         return lower if self.at_lower is None else self.at_lower, upper if self.at_upper is None else self.at_upper
 
     @property
@@ -112,7 +107,7 @@ class Options(Table):
         value = self.ends[0] + (joint - math.radians(self.lower_deg)) * self._slope
         return value if self.command == "gimbal" else as_sent(value)
 
-    def told(self, joint: float) -> float:
+    def quantised(self, joint: float) -> float:
         """Return the joint angle [rad] that the servo takes the command for ``joint`` [rad] to mean."""
         return self.joint_of(self.value(joint))
 

@@ -8,10 +8,20 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ross_payload.config import Degrees, Positive, Table
-from ross_protocols.grbl import ACCELERATION, HOMING, IDLE_DELAY, INCHES, MAX_RATE, REPORT_MASK, STEPS, per_degree, rate
+from ross_protocols.grbl.protocol import (
+    ACCELERATION,
+    HOMING,
+    IDLE_DELAY,
+    INCHES,
+    MAX_RATE,
+    REPORT_MASK,
+    STEPS,
+    per_degree,
+    rate,
+)
 
-ROUNDING = 0.0006  # of a setting, which is told with three decimals
-PLAUSIBLE = 1e-6  # least of what must be above 0
+SETTING_ROUNDING = 0.0006  # of a setting, which is told with three decimals
+MIN_SETTING = 1e-6  # least of what must be above 0
 
 
 class Options(Table):
@@ -53,12 +63,12 @@ def complaint(settings: dict[int, float], options: Options) -> str:
         if number not in settings:
             return f"grbl does not report ${number}: does it have an axis {options.axis}, and is it version 1.1?"
     for number in (steps, speed, acceleration):
-        if settings[number] < PLAUSIBLE:
+        if settings[number] < MIN_SETTING:
             return f"grbl's ${number} is {settings[number]:g}: expected a value above 0"
     scale, cap = per_degree(options.resolution), options.max_acceleration_deg_s2
-    if abs(settings[steps] - scale) > ROUNDING:
+    if abs(settings[steps] - scale) > SETTING_ROUNDING:
         return f"grbl's ${steps} is {settings[steps]:g} steps per degree: motor and gear need ${steps}={scale:.3f}"
-    if settings[acceleration] > cap + ROUNDING:
+    if settings[acceleration] > cap + SETTING_ROUNDING:
         found = f"grbl's ${acceleration} is {settings[acceleration]:g}"
         return f"{found}, above the acceleration of {cap:g} deg/s^2 that is allowed: set ${acceleration}={cap:g}"
     if options.zero == "switch" and not settings[HOMING]:

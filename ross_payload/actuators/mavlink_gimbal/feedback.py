@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from ross_payload.actuators.mavlink_gimbal.clock import SenderClock, Verdict
+from ross_payload.actuators.mavlink_gimbal.sender_clock import SenderClock, Verdict
 from ross_payload.angles import wrap
-from ross_protocols.gimbal import GimbalAttitude
-from ross_protocols.vehicle import VehicleAttitude
+from ross_protocols.mavlink.gimbal_messages import GimbalAttitude
+from ross_protocols.mavlink.vehicle import VehicleAttitude
 
-FRESH = 0.5  # [s]: a vehicle's attitude that is older turns no yaw into a joint angle
-LASTING = 2.0  # [s] after a report of the device itself in which its manager's prove nothing: for 1 s they repeat it
-JUMP, HASTE = math.radians(2), 1.5  # no gimbal turns farther between two reports, nor faster than this share
-WEIGHT, TREMBLING = 6, 12  # of a jump against a report without one, and the balance that is no accident
+VEHICLE_TIMEOUT_S = 0.5  # [s]: a vehicle's attitude that is older turns no yaw into a joint angle
+# [s] after a report of the device itself in which its manager's prove nothing: for 1 s they repeat it
+OWN_REPORT_S = 2.0
+JUMP_RAD, OVERSPEED = math.radians(2), 1.5  # no gimbal turns farther between two reports, nor faster than this share
+JUMP_WEIGHT, MAX_JUMPS = 6, 12  # of a jump against a report without one, and the balance that is no accident
 
 
 @dataclass(slots=True)
@@ -26,10 +27,10 @@ class GimbalFeedback:
     angle: float = 0.0  # joint angle [rad]
     rate: float = 0.0  # [rad/s]
     time: float = -math.inf  # when it was there [s]; minus infinity: none yet
-    arrived: float = -math.inf  # when that was told [s]
+    arrived_at: float = -math.inf  # when that was told [s]
     failures: int = 0  # flags
     restarted: bool = False  # since somebody looked
-    twins: bool = False  # two devices report as one
+    duplicated: bool = False  # two devices report as one
     lost_vehicle: bool = False  # a yaw from north came and nobody told where the vehicle points
     _clock: SenderClock = field(default_factory=SenderClock)
     _own: float = -math.inf  # when the device itself reported last [s]
@@ -39,63 +40,63 @@ class GimbalFeedback:
     _known: bool = False  # a turn was chosen
 
     @property
-    def trembles(self) -> bool:
+    def jumps(self) -> bool:
         """Whether its angles contradict one another."""
-        return self._jumps > TREMBLING
+        return self._jumps > MAX_JUMPS
 
     @property
     def steady(self) -> bool:
         """Whether it has not jumped lately."""
         return self._jumps == 0
 
-    def turned(self, vehicle: VehicleAttitude, now: float) -> None:
+    def on_vehicle(self, vehicle: VehicleAttitude, now: float) -> None:
         """Remember where the vehicle points."""
         self._vehicle = now, vehicle
 
-    def report(self, said: GimbalAttitude, now: float, *, own: bool) -> None:
+    def on_report(self, attitude: GimbalAttitude, now: float, *, own: bool) -> None:
         """Take in a report of the device itself (``own``) or of its manager; one that is not newer proves nothing."""
-        if not own and now - self._own < LASTING:
+        if not own and now - self._own < OWN_REPORT_S:
             return
         if own != self._by_itself:
             self._clock, self._by_itself = SenderClock(), own  # another sender
-        verdict = self._clock.judge(said.boot, now)
-        self.twins = self.twins or verdict is Verdict.TWO
+        verdict = self._clock.judge(attitude.boot, now)
+        self.duplicated = self.duplicated or verdict is Verdict.TWO
         if verdict in (Verdict.OLD, Verdict.TWO):
             return
         self.restarted = self.restarted or verdict is Verdict.RESTARTED
-        base = self._base(now) if said.earth else (0.0, 0.0)
-        self.lost_vehicle, self.failures = base is None, said.failures
+        base = self._base(now) if attitude.earth else (0.0, 0.0)
+        self.lost_vehicle, self.failures = base is None, attitude.failures
         self._own = now if own else self._own
         if base is not None:
-            late = self._clock.lateness(said.boot, now)
-            self._take(said.yaw - base[0], None if said.rate is None else said.rate - base[1], now - late)
-            self.arrived = now
+            late = self._clock.lateness(attitude.boot, now)
+            self._update(attitude.yaw - base[0], None if attitude.rate is None else attitude.rate - base[1], now - late)
+            self.arrived_at = now
 
     def forget(self) -> None:
         """Believe no report that came before."""
-        self.time = self.arrived = self._own = -math.inf
+        self.time = self.arrived_at = self._own = -math.inf
         self._clock = SenderClock()
-        self.pardon()
+        self.clear_doubts()
         self.lost_vehicle = False
 
-    def pardon(self) -> None:
+    def clear_doubts(self) -> None:
         """Forget what contradicted."""
-        self.restarted = self.twins = False
+        self.restarted = self.duplicated = False
         self._jumps = 0
 
     def _base(self, now: float) -> tuple[float, float] | None:
         """Yaw [rad] and its rate [rad/s] of the vehicle at ``now`` [s]; None when nobody knows."""
-        if self._vehicle is None or now - self._vehicle[0] > FRESH:
+        if self._vehicle is None or now - self._vehicle[0] > VEHICLE_TIMEOUT_S:
             return None
         time, vehicle = self._vehicle
         return vehicle.yaw + vehicle.yaw_rate * (now - time), vehicle.yaw_rate
 
-    def _take(self, yaw: float, rate: float | None, time: float) -> None:
+    def _update(self, yaw: float, rate: float | None, time: float) -> None:
         angle = self.angle + wrap(yaw - self.angle) if self._known else self._first(wrap(yaw))
         passed = time - self.time
-        self.rate = (angle - self.angle) / passed if rate is None and 0 < passed < FRESH else rate or 0.0
-        jumped = self._known and abs(angle - self.angle) > JUMP + HASTE * self.max_speed * max(passed, 0.0)
-        self._jumps = min(self._jumps + WEIGHT, 2 * TREMBLING) if jumped else max(self._jumps - 1, 0)
+        self.rate = (angle - self.angle) / passed if rate is None and 0 < passed < VEHICLE_TIMEOUT_S else rate or 0.0
+        jumped = self._known and abs(angle - self.angle) > JUMP_RAD + OVERSPEED * self.max_speed * max(passed, 0.0)
+        self._jumps = min(self._jumps + JUMP_WEIGHT, 2 * MAX_JUMPS) if jumped else max(self._jumps - 1, 0)
         self.angle, self.time, self._known = angle, time, True
 
     def _first(self, yaw: float) -> float:

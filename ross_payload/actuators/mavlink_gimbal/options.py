@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from ross_payload.config import Degrees, Positive, Table
+from ross_protocols.mavlink.gimbal_messages import GimbalTravel
 
 
 class Options(Table):
@@ -27,3 +29,23 @@ class Options(Table):
         if not self.lower_deg < self.upper_deg:
             raise ValueError(f"lower_deg = {self.lower_deg:g} must be below upper_deg = {self.upper_deg:g}")
         return self
+
+    def travel_trouble(self, travel: GimbalTravel | None) -> str:
+        """Say when a gimbal turns less far than is asked for, or tells what cannot be; empty when it is well.
+
+        >>> Options().travel_trouble(GimbalTravel(1, -4.0, 4.0))
+        ''
+        """
+        if travel is None or (math.isnan(travel.lower) and math.isnan(travel.upper)):  # NaN: not known
+            return ""
+        lower, upper = math.degrees(travel.lower), math.degrees(travel.upper)
+        if not lower < upper:
+            return (
+                f"the limits of the gimbal: expected lower < upper, got {lower:.0f} to {upper:.0f} deg; not moving it"
+            )
+        if lower - self.resolution_deg <= self.lower_deg and self.upper_deg <= upper + self.resolution_deg:
+            return ""
+        return (
+            f"the travel of the gimbal: expected at least {self.lower_deg:g} to {self.upper_deg:g} deg "
+            f"(actuator.options.lower_deg to upper_deg), got {lower:.0f} to {upper:.0f}"
+        )

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
+from ross_payload.actuators.driver_shell import Move
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
-from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.requests import Motion, Move
+from ross_payload.actuators.motion import Motion, Trapezoid
 from ross_payload.interfaces import Capabilities
 
-PERIOD = 0.02  # between set-points [s]
-EARLY = 1e-9  # [s], of rounding
-STILL = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
+SET_POINT_PERIOD_S = 0.02  # between set-points [s]
+ROUNDING_S = 1e-9  # [s], of rounding
+STILL_RAD_S = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
 
 
 class SetPoints:
@@ -36,12 +36,11 @@ class SetPoints:
         if velocity:
             self._go(Trapezoid.to_rest(position, velocity, self._able.max_acceleration), now)
         elif position != self.motion.plan.goal:  # a goal that was given in this very moment
-            self._go(Trapezoid(position, position, 1.0, 1.0), now)
+            self._go(Trapezoid.still(position), now)
 
     def hold(self, angle: float, now: float) -> None:
         """Stay at an angle [rad]."""
-        here = self._within(angle)
-        self._go(Trapezoid(here, here, 1.0, 1.0), now)
+        self._go(Trapezoid.still(self._within(angle)), now)
 
     def resume(self, seen: GimbalFeedback, move: Move | None, now: float) -> None:
         """Go on from wherever the gimbal is seen and however fast it turns: to a goal, or to rest."""
@@ -62,23 +61,23 @@ class SetPoints:
 
     def due(self, motion: Motion, period: float, now: float) -> float | None:
         """Return the set-point that is due [rad]: where it should be when the next one comes; None: not yet."""
-        if now - self.sent < period - EARLY:
+        if now - self.sent < period - ROUNDING_S:
             return None
         self.sent = now
-        return motion.at(now + PERIOD)[0]
+        return motion.at(now + SET_POINT_PERIOD_S)[0]
 
     def rest(self, seen: GimbalFeedback, resolution: float, now: float) -> tuple[float, float]:
         """Return the rate [rad/s], 0 while it only trembles, and for how long it has rested where it should be [s]."""
         motion = self.motion
         over = motion is None or now >= motion.end
-        rate = 0.0 if over and abs(seen.rate) < STILL else seen.rate
+        rate = 0.0 if over and abs(seen.rate) < STILL_RAD_S else seen.rate
         there = motion is None or abs(seen.angle - motion.plan.goal) <= resolution
         if not (over and there and rate == 0.0) or self.restless == math.inf:
             self.restless = now
         return rate, now - self.restless
 
     def _there(self, seen: GimbalFeedback, now: float) -> tuple[float, float]:
-        rate = seen.rate if abs(seen.rate) >= STILL else 0.0
+        rate = seen.rate if abs(seen.rate) >= STILL_RAD_S else 0.0
         return self._within(seen.angle + rate * (now - seen.time)), rate
 
     def _within(self, angle: float) -> float:

@@ -4,131 +4,118 @@ A goal becomes a trapezoid, the trapezoid a list of edges, and the edges are han
 time. A stop or a new goal plans again from the end of the last segment handed over, with continuous velocity.
 Feedback is a model: the angle is the steps handed over whose time has come. Nobody measures, so the position is
 unknown after power-up (unless declared), after `release` and after a fault, until `home` declares it or finds a switch.
-
-Only the pump (`poll`) plans; the other methods leave a request in a queue.
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import replace
-from types import TracebackType
-from typing import Any, Self
 
-from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.requests import Ask, Motion, Move, Requests
-from ross_payload.actuators.tb6600.feed import Feed
-from ross_payload.actuators.tb6600.homing import Seeker
+from ross_payload.actuators.driver_shell import Driver, DriverBackend, Move, Request, capabilities_of
+from ross_payload.actuators.motion import Motion, Trapezoid
+from ross_payload.actuators.tb6600.homing import SwitchSearch
 from ross_payload.actuators.tb6600.options import Options
-from ross_payload.actuators.tb6600.pulses import Level, Line
-from ross_payload.errors import ActuatorFault, LimitError, NotHomed
-from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Services
+from ross_payload.actuators.tb6600.pulse_segments import Level, PulseLine
+from ross_payload.actuators.tb6600.segment_queue import SegmentQueue
+from ross_payload.errors import ActuatorFault
+from ross_payload.interfaces import ActuatorState, Clock, Feedback, Port
 
 
-class Tb6600:
+class Tb6600(Driver):
     """The driver: sans I/O over a pulse port."""
 
-    def __init__(self, options: Options, services: Services) -> None:
+    forgets_zero = plays_on = True
+
+    def __init__(self, options: Options) -> None:
         self._options = options
-        self._services = services
         self._step = options.resolution
-        self._feed = Feed(options.interface, self._step, options.ahead_ms * 1e-3)
-        self._requests = Requests()
-        self._motions = deque([Motion(Trapezoid(0.0, 0.0, 1.0, 1.0), -math.inf)])  # by begin, the last is the plan
+        self._queue = SegmentQueue(options.timing, self._step, options.ahead_ms * 1e-3)
+        self._motions = deque([Motion(Trapezoid.still(0.0), -math.inf)])  # by begin, the last is the plan
         self._enabled: bool | None = None
         self._homed = options.zero == "declared"
         self._declare = False  # the zero, or begin to look for it, once all is still and reported
-        self._seeker = Seeker(options.search, options.home_level == "high")
+        self._search = SwitchSearch(options.search, options.home_level == "high")
         self._fault = ""
-        self._state = ActuatorState(0.0, 0.0, False, self._homed, healthy=True, time=-math.inf)
-        self.capabilities = Capabilities(
-            lower=-math.inf,
-            upper=math.inf,
-            max_speed=math.radians(options.max_speed_deg_s),
-            max_acceleration=math.radians(options.max_acceleration_deg_s2),
-            resolution=self._step,
-            continuous=True,
-            feedback=Feedback.MODEL,
-            finds_zero=options.zero == "switch",
+        self._heard_at = math.inf  # when the port was read last, while it is open [s]
+        self.capabilities = capabilities_of(
+            options, self._step, Feedback.MODEL, endless=True, finds_zero=options.zero == "switch"
         )
 
-    def command(self, angle: float, rate: float | None = None) -> None:
-        """Go to the microstep nearest to a joint angle [rad], at most at ``rate`` [rad/s]; replaces the goal."""
-        if not math.isfinite(angle):
-            raise LimitError(f"goal {angle} rad is not finite")
-        if self._fault:
-            raise ActuatorFault(self._fault)
-        if not self._homed:
-            raise NotHomed("the zero is not known: home first")
-        speed = min(rate or math.inf, self.capabilities.max_speed)
-        self._requests.put(Move(round(angle / self._step) * self._step, speed))
+    def goal(self, angle: float) -> float:
+        """Return the microstep nearest to a joint angle [rad]."""
+        return round(angle / self._step) * self._step
 
-    def state(self) -> ActuatorState:
-        """Return the state at the last poll; not settled while a request waits."""
-        return self._state if self._requests.empty else replace(self._state, settled=False)
+    def open(self, port: Port, now: float) -> None:
+        """Hold a declared zero at once; an unknown one stays without torque, any other as it was."""
+        self._queue.open(port)
+        self._switch(self._homed if self._enabled is None else self._enabled, now)
 
-    def stop(self) -> None:
-        """Decelerate from the end of the last segment handed over."""
-        self._requests.put(Ask.HALT)
+    def read(self, now: float) -> None:
+        """Take in reports, and whether the edges ran out."""
+        for report in self._queue.receive():
+            if not isinstance(report, Level):
+                self._lose("pulse underrun: edges arrived too late to be played; the position is lost")
+                self._rest(self._from(now))
+            elif report.line is PulseLine.HOME:
+                self._search.update(report)
+        self._look_for_starvation(now)
+        self._heard_at = now
 
-    def home(self) -> None:
-        """Decelerate, energise, and declare that here is the zero, or look for the switch that tells where it is."""
-        self._homed = False
-        self._requests.put(Ask.HOME)
-
-    def release(self) -> None:
-        """Switch the module off after the last segment handed over; the position is unknown afterwards."""
-        self._requests.put(Ask.RELEASE)
-
-    def poll(self, now: float) -> None:
-        """Take in reports, obey requests, hand over segments, publish the state at ``now`` [s]."""
-        if self._feed.is_open:
-            self._take_in(now)
-            self._look_for_starvation(now)
-            for request in self._requests.taken():
-                self._obey(request, now)
-            self._seek(now)
-            self._feed.top_up(now)
-            self._declare_when_still(now)
-        self._publish(now)
-
-    def __enter__(self) -> Self:
-        """Open the wire; a declared zero is held at once, an unknown one stays without torque, any other as it was."""
-        self._feed.open(self._services.open_port(self._options.port))
-        self._switch(self._homed if self._enabled is None else self._enabled, self._services.clock.now())
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Hand over the whole deceleration at once and close; the torque stays, so that nothing falls."""
-        self._seeker.end()
-        if self._feed.is_open:
-            self._halt(self._services.clock.now())
-            self._feed.close()
-
-    # ------------------------------------------------------------------------------------------ requests
-
-    def _obey(self, request: Move | Ask, now: float) -> None:
+    def obey(self, request: Move | Request, now: float) -> None:
+        """Plan anew from the end of the last segment handed over; a release switches the module off there."""
         if isinstance(request, Move):
             if self._homed and not self._fault:
                 self._go(request, now)
             return
         self._end_search()
-        if request is Ask.RELEASE:
+        if request is Request.RELEASE:
             self._rest(self._from(now))
-            self._feed.flush()
+            self._queue.flush()
             self._switch(False, now)
             self._homed = self._declare = False
         else:
             self._halt(now)
-            if request is Ask.HOME:
-                self._declare, self._enabled = True, None  # the report of one more ENABLE edge proves the wire
+            if request is Request.HOME:
+                self._homed, self._declare = False, True
+                self._enabled = None  # the report of one more ENABLE edge proves the wire
+
+    def write(self, now: float) -> None:
+        """Go on looking for the switch, hand over segments, declare the zero."""
+        self._seek(now)
+        self._queue.top_up(now)
+        self._declare_when_still(now)
+
+    def snapshot(self, now: float) -> ActuatorState:
+        """Return the state at ``now`` [s]: the steps handed over whose time has come."""
+        while len(self._motions) > 1 and self._motions[1].begin <= now:
+            self._motions.popleft()
+        still = not self._queue.pending and now >= self._queue.committed + self._options.settle_ms * 1e-3 - 1e-9
+        return ActuatorState(
+            angle=self._queue.angle(now),
+            rate=self._motions[0].at(now)[1],
+            settled=still and not (self._declare or self._search.active or self._fault),
+            homed=self._homed,
+            healthy=not self._fault,
+            time=min(self._queue.known(now), self._heard_at),
+            fault=self._fault,
+        )
+
+    def leave(self, clock: Clock) -> tuple[()]:
+        """Plan the deceleration; the torque stays, so that nothing falls."""
+        self._search.end()
+        self._halt(clock.now())
+        return ()
+
+    def close(self) -> None:
+        """Hand over the whole deceleration at once and give the wire back."""
+        self._heard_at = math.inf
+        self._queue.close()
+
+    # ------------------------------------------------------------------------------------------ plans
 
     def _from(self, now: float) -> float:
         """From when on the future is still open [s]."""
-        return max(now, self._feed.committed)
+        return max(now, self._queue.committed)
 
     def _go(self, move: Move, now: float) -> None:
         begin = self._from(now)
@@ -140,22 +127,21 @@ class Tb6600:
         position, velocity = self._motions[-1].at(begin)
         if velocity:
             self._plan(Trapezoid.to_rest(position, velocity, self.capabilities.max_acceleration), begin)
-        elif self._feed.pending:
+        elif self._queue.pending:
             self._rest(begin)
 
     def _rest(self, begin: float) -> None:
         """Plan to stay where the counter is."""
-        here = self._feed.position
-        self._plan(Trapezoid(here, here, 1.0, 1.0), begin)
+        self._plan(Trapezoid.still(self._queue.position), begin)
 
     def _plan(self, plan: Trapezoid, begin: float) -> None:
         self._motions.append(Motion(plan, begin))
-        self._feed.load(plan, begin)
+        self._queue.load(plan, begin)
 
     def _switch(self, on: bool, now: float) -> None:
         """Send the ENABLE edge, followed by its lead time when the torque comes on."""
-        lead = self._options.enable_lead_ms * 1e-3 if on else self._options.interface.hold
-        self._feed.switch(Line.ENABLE, on != self._options.enable_means_off, self._from(now), lead)
+        lead = self._options.enable_lead_ms * 1e-3 if on else self._options.timing.hold
+        self._queue.switch(PulseLine.ENABLE, on != self._options.enable_means_off, self._from(now), lead)
         self._enabled = on
 
     # ------------------------------------------------------------------------------------------ the zero
@@ -165,63 +151,54 @@ class Tb6600:
             return
         if not self._enabled:
             self._switch(True, now)
-        if not self._feed.all_reported:
+        if not self._queue.all_reported:
             return
         self._declare, self._fault = False, ""
         if self._options.zero == "switch":
-            self._seeker.begin(now)
+            self._search.begin(now)
         else:
-            self._call_it(0.0, self._feed.position, now)
+            self._set_position(0.0, self._queue.position, now)
 
     def _seek(self, now: float) -> None:
         """Go on looking for the switch."""
-        if not self._seeker.active:
+        if not self._search.active:
             return
         try:
-            step = self._seeker.step(self._feed.angle, now, self._still(now))
+            step = self._search.step(self._queue.angle, now, self._still(now))
         except ActuatorFault as fault:
             self._lose(str(fault))
             self._halt(now)
             return
         if isinstance(step, Move):
             self._go(Move(step.goal, min(step.rate, self.capabilities.max_speed)), now)
-        elif step is Ask.HALT:
+        elif step is Request.HALT:
             self._halt(now)
-        elif self._seeker.found is not None and not self._seeker.active:
-            self._call_it(math.radians(self._options.home_offset_deg), self._seeker.found, now)
+        elif self._search.found is not None and not self._search.active:
+            self._set_position(math.radians(self._options.home_offset_deg), self._search.found, now)
 
     def _end_search(self) -> None:
         """Look for the switch no more, nor begin to."""
-        self._seeker.end()
+        self._search.end()
         self._declare = self._declare and self._options.zero != "switch"
 
-    def _call_it(self, angle: float, place: float, now: float) -> None:
+    def _set_position(self, angle: float, place: float, now: float) -> None:
         """Let a place of the counter [rad] be a joint angle [rad]: the position is known; at rest only."""
-        self._feed.shift(round((angle - place) / self._step))
-        here = self._feed.position
-        self._motions = deque([Motion(Trapezoid(here, here, 1.0, 1.0), now)])
+        self._queue.shift(round((angle - place) / self._step))
+        self._motions = deque([Motion(Trapezoid.still(self._queue.position), now)])
         self._homed = True
 
     def _still(self, now: float) -> bool:
-        return not self._feed.pending and now >= self._feed.committed
+        return not self._queue.pending and now >= self._queue.committed
 
     # ------------------------------------------------------------------------------------------ the model
 
-    def _take_in(self, now: float) -> None:
-        for report in self._feed.take_in():
-            if not isinstance(report, Level):
-                self._lose("pulse underrun: edges arrived too late to be played; the position is lost")
-                self._rest(self._from(now))
-            elif report.line is Line.HOME:
-                self._seeker.take(report)
-
     def _look_for_starvation(self, now: float) -> None:
         """Fault when the edges ran out in the middle of a move: the rotor was stopped dead, who knows where."""
-        if not self._feed.pending or now <= self._feed.committed:
+        if not self._queue.pending or now <= self._queue.committed:
             return
-        rate = self._motions[-1].at(self._feed.committed)[1]
+        rate = self._motions[-1].at(self._queue.committed)[1]
         if rate:
-            late = (now - self._feed.committed) * 1e3
+            late = (now - self._queue.committed) * 1e3
             self._lose(f"pulse underrun for {late:.0f} ms at {math.degrees(rate):.1f} deg/s: the position is lost")
             self._rest(now)
 
@@ -229,31 +206,9 @@ class Tb6600:
         """Begin a fault: nobody knows where the array is."""
         self._fault = self._fault or why
         self._homed = self._declare = False
-        self._seeker.end()
-
-    def _publish(self, now: float) -> None:
-        while len(self._motions) > 1 and self._motions[1].begin <= now:
-            self._motions.popleft()
-        still = not self._feed.pending and now >= self._feed.committed + self._options.settle_ms * 1e-3 - 1e-9
-        self._state = ActuatorState(
-            angle=self._feed.angle(now),
-            rate=self._motions[0].at(now)[1],
-            settled=still and not (self._declare or self._seeker.active or self._fault),
-            homed=self._homed,
-            healthy=not self._fault,
-            time=self._feed.known(now),
-            fault=self._fault,
-        )
+        self._search.end()
 
 
-class Tb6600Backend:
-    """Stepper motor behind a TB6600 module: step, direction and enable pulses, open loop."""
-
-    Config: type[Any] = Options
-
-    def open(self, config: Options, services: Services) -> Actuator:
-        """Make the driver."""
-        return Tb6600(config, services)
-
-
-backend = Tb6600Backend()
+backend = DriverBackend(
+    "Stepper motor behind a TB6600 module: step, direction and enable pulses, open loop.", Options, Tb6600
+)

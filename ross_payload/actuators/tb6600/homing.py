@@ -10,17 +10,17 @@ import math
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
-from ross_payload.actuators.requests import Ask, Move
-from ross_payload.actuators.tb6600.pulses import Level
+from ross_payload.actuators.driver_shell import Move, Request
+from ross_payload.actuators.tb6600.pulse_segments import Level
 from ross_payload.errors import ActuatorFault
 
-STEADY = 0.015  # a level that stays for so long is no bounce [s]
-SILENCE = 0.5  # of the wire about its switch, at most [s]
-SLOWLY = 0.1  # of the search's speed, to measure
+DEBOUNCE_S = 0.015  # a level that stays for so long is no bounce [s]
+SWITCH_TIMEOUT_S = 0.5  # of the wire about its switch, at most [s]
+MEASURING_SHARE = 0.1  # of the search's speed, to measure
 
 
 @dataclass(frozen=True, slots=True)
-class Search:
+class SearchOptions:
     """Where and how to look."""
 
     sign: int  # +1 counter-clockwise, -1 clockwise
@@ -29,7 +29,7 @@ class Search:
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class SwitchView:
     """What is known at one moment; angles are the driver's, whose zero means nothing yet."""
 
     closed: bool  # the switch, bounces taken out
@@ -38,13 +38,13 @@ class Sight:
     still: bool
 
 
-class Contact:
+class Debouncer:
     """Takes the bounces out of a switch: believes a level that has stayed for 15 ms, since it began.
 
-    >>> contact = Contact()
-    >>> [contact.take(closed, time) for closed, time in [(False, 0.0), (True, 1.0), (False, 1.01), (True, 1.02)]]
+    >>> debouncer = Debouncer()
+    >>> [debouncer.update(closed, time) for closed, time in [(False, 0.0), (True, 1.0), (False, 1.01), (True, 1.02)]]
     [False, False, False, False]
-    >>> contact.take(True, 1.04), contact.since
+    >>> debouncer.update(True, 1.04), debouncer.since
     (True, 1.02)
     """
 
@@ -59,19 +59,19 @@ class Contact:
         """Whether any level has stayed long enough."""
         return self._level is not None
 
-    def take(self, closed: bool, time: float) -> bool:
+    def update(self, closed: bool, time: float) -> bool:
         """Take in a level at ``time`` [s]; whether the switch is closed, as far as is known."""
         if closed != self._latest or math.isnan(self._began):
             self._latest, self._began = closed, time
-        if closed != self._level and time - self._began >= STEADY:
+        if closed != self._level and time - self._began >= DEBOUNCE_S:
             self._level, self.since = closed, self._began
         return bool(self._level)
 
 
-Homing = Generator[Move | Ask | None, Sight, float]
+Homing = Generator[Move | Request | None, SwitchView, float]
 
 
-def homing(search: Search) -> Homing:
+def homing(search: SearchOptions) -> Homing:
     """Find the switch: yields what to do (None: go on so), is sent what is seen, returns where it closes [rad].
 
     Raises
@@ -84,13 +84,13 @@ def homing(search: Search) -> Homing:
         sight = yield from _until(False, sight, search, -search.sign, search.speed)
     sight = yield from _until(True, sight, search, search.sign, search.speed)
     sight = yield from _until(False, sight, search, -search.sign, search.speed)
-    sight = yield from _until(True, sight, search, search.sign, search.speed * SLOWLY)
+    sight = yield from _until(True, sight, search, search.sign, search.speed * MEASURING_SHARE)
     return sight.closed_at
 
 
 def _until(
-    closed: bool, sight: Sight, search: Search, sign: int, speed: float
-) -> Generator[Move | Ask | None, Sight, Sight]:
+    closed: bool, sight: SwitchView, search: SearchOptions, sign: int, speed: float
+) -> Generator[Move | Request | None, SwitchView, SwitchView]:
     """Turn until the switch is closed, or open, and stop; what was seen when it became so."""
     sight = yield Move(sight.angle + sign * search.travel, speed)
     while sight.closed != closed:
@@ -98,29 +98,29 @@ def _until(
             found = "stays open" if closed else "stays closed"
             raise ActuatorFault(f"the home switch {found} over {math.degrees(search.travel):g} deg")
         sight = yield None
-    seen, sight = sight, (yield Ask.HALT)
+    seen, sight = sight, (yield Request.HALT)
     while not sight.still:
         sight = yield None
-    return Sight(seen.closed, seen.closed_at, sight.angle, still=True)
+    return SwitchView(seen.closed, seen.closed_at, sight.angle, still=True)
 
 
-class Seeker:
+class SwitchSearch:
     """Runs the procedure on what the wire reports of its switch.
 
     Parameters
     ----------
-    search : Search
+    search : SearchOptions
         Where and how to look.
     closed : bool
         Level of the line while the switch is closed.
     """
 
-    def __init__(self, search: Search, closed: bool) -> None:
+    def __init__(self, search: SearchOptions, closed: bool) -> None:
         self._search = search
         self._level = closed
-        self._contact = Contact()
+        self._debouncer = Debouncer()
         self._closed = False
-        self._heard = -math.inf  # last report [s]
+        self._reported_at = -math.inf  # last report [s]
         self._procedure: Homing | None = None
         self.found: float | None = None  # where the switch closes [rad]
 
@@ -129,14 +129,14 @@ class Seeker:
         """Whether it is looking."""
         return self._procedure is not None
 
-    def take(self, report: Level) -> None:
+    def update(self, report: Level) -> None:
         """Take in a report of the switch."""
-        self._closed = self._contact.take(report.level == self._level, report.time)
-        self._heard = report.time
+        self._closed = self._debouncer.update(report.level == self._level, report.time)
+        self._reported_at = report.time
 
     def begin(self, now: float) -> None:
         """Look for the switch from now on [s]."""
-        self.found, self._contact, self._heard = None, Contact(), now
+        self.found, self._debouncer, self._reported_at = None, Debouncer(), now
         self._procedure = homing(self._search)
         next(self._procedure)
 
@@ -144,7 +144,7 @@ class Seeker:
         """Look no more."""
         self._procedure = None
 
-    def step(self, angle_at: Callable[[float], float], now: float, still: bool) -> Move | Ask | None:
+    def step(self, angle_at: Callable[[float], float], now: float, still: bool) -> Move | Request | None:
         """Say what to do at ``now`` [s]; None: go on so, or `found`.
 
         Raises
@@ -152,12 +152,12 @@ class Seeker:
         ActuatorFault
             When the search fails or the wire does not tell of a switch.
         """
-        if now - self._heard > SILENCE:
-            raise ActuatorFault(f"no state of the home switch received for {now - self._heard:.2f} s")
-        if self._procedure is None or not self._contact.known:
+        if now - self._reported_at > SWITCH_TIMEOUT_S:
+            raise ActuatorFault(f"no state of the home switch received for {now - self._reported_at:.2f} s")
+        if self._procedure is None or not self._debouncer.known:
             return None
         try:
-            return self._procedure.send(Sight(self._closed, angle_at(self._contact.since), angle_at(now), still))
+            return self._procedure.send(SwitchView(self._closed, angle_at(self._debouncer.since), angle_at(now), still))
         except StopIteration as result:
             self.found, self._procedure = result.value, None
             return None

@@ -7,18 +7,19 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from ross_payload.actuators.tb6600.homing import Search
-from ross_payload.actuators.tb6600.steps import Interface
+from ross_payload.actuators.tb6600.homing import SearchOptions
+from ross_payload.actuators.tb6600.pulse_segments import RECORDING
+from ross_payload.actuators.tb6600.step_edges import PulseTiming
 from ross_payload.actuators.wires.gpio import AHEAD, SCHEME, pins_of
 from ross_payload.config import Degrees, Positive, Table
 
-NOISE = 1e-8  # of a time on the Clock, more than its last digit after a year [s]
+ROUNDING_S = 1e-8  # of a time on the Clock, more than its last digit after a year [s]
 
 
 class Options(Table):
     """[actuator.options] of ``tb6600``; speed and acceleration default to the paper's."""
 
-    port: str = "pulses:recording"
+    port: str = RECORDING
     full_steps: Annotated[int, Field(ge=20, le=400, multiple_of=4)] = 200
     microsteps: Literal[1, 2, 4, 8, 16, 32] = 16  # as set on the module; tables of makers differ
     gear_ratio: Positive = 1.0  # turns of the motor per turn of the array
@@ -45,10 +46,10 @@ class Options(Table):
         if self.max_pulse_rate_hz * 2e-6 * self.pulse_us > 1:
             raise ValueError(f"max_pulse_rate_hz = {self.max_pulse_rate_hz:g} leaves no room for pulse_us twice")
         needed = math.radians(self.max_speed_deg_s) / self.resolution
-        if needed * (self.interface.period - NOISE) > 1 + 1e-9:
+        if needed * (self.timing.period - ROUNDING_S) > 1 + 1e-9:
             found = f"max_speed_deg_s = {self.max_speed_deg_s:g} needs {needed:.0f} pulses/s"
             cap = f"max_pulse_rate_hz = {self.max_pulse_rate_hz:g} in whole microseconds"
-            raise ValueError(f"{found}, expected at most {1 / self.interface.period:.0f} ({cap})")
+            raise ValueError(f"{found}, expected at most {1 / self.timing.period:.0f} ({cap})")
         return self
 
     @model_validator(mode="after")
@@ -67,9 +68,9 @@ class Options(Table):
         return 2 * math.pi / (self.full_steps * self.microsteps * self.gear_ratio)
 
     @property
-    def interface(self) -> Interface:
+    def timing(self) -> PulseTiming:
         """What to keep between edges: whole microseconds and a trifle, so that rounding to them takes nothing away."""
-        return Interface(
+        return PulseTiming(
             width=_whole(self.pulse_us),
             setup=_whole(self.direction_setup_us),
             hold=_whole(self.direction_hold_us),
@@ -78,9 +79,9 @@ class Options(Table):
         )
 
     @property
-    def search(self) -> Search:
+    def search(self) -> SearchOptions:
         """How to look for the home switch."""
-        return Search(
+        return SearchOptions(
             sign=1 if self.home_direction == "counter-clockwise" else -1,
             speed=math.radians(self.home_speed_deg_s),
             travel=math.radians(self.home_search_deg),
@@ -89,4 +90,4 @@ class Options(Table):
 
 def _whole(microseconds: float) -> float:
     """Round up to whole microseconds, and a trifle more [s]."""
-    return math.ceil(microseconds - 1e-6) * 1e-6 + NOISE
+    return math.ceil(microseconds - 1e-6) * 1e-6 + ROUNDING_S

@@ -9,19 +9,23 @@ from __future__ import annotations
 import json
 import math
 import socket
+from contextlib import suppress
 from typing import Any, Protocol
 
 from ross_payload import plugins
-from ross_payload.errors import ConfigError, LinkError
+from ross_payload.errors import LinkError
 from ross_payload.interfaces import Clock, Port
-from ross_payload.links.address import Tcp, parse
+from ross_payload.transport.byte_stream import Handle, Stream
+from ross_payload.transport.link_url import tcp_endpoint
+from ross_payload.transport.ports import reason
+from ross_payload.transport.tcp import prepared
 
 GROUP = "ross_payload.wires"
 VERSION = 1
-PATIENCE = 2.0  # with a connection, a greeting, a last frame [s]
-SAME_CLOCK = 1.0  # two processes of one machine tell the same time, but for the way of the greeting [s]
-MOST_WAITING = 4_000_000  # [bytes]
-GREETING = 200  # longest [bytes]
+ANSWER_TIMEOUT_S = 2.0  # with a connection, a greeting, a last frame [s]
+MAX_READ_BYTES = 65536  # of one look at a stream, of which there may be many
+MAX_CLOCK_DIFFERENCE_S = 1.0  # two processes of one machine tell the same time, but for the way of the greeting [s]
+MAX_GREETING_BYTES = 200
 
 
 class Wire(Protocol):
@@ -78,7 +82,7 @@ def check_wire(url: str) -> None:
         check(url)
 
 
-def served_at(url: str) -> Tcp:
+def served_at(url: str) -> tuple[str, int]:
     """Read SCHEME:tcp:HOST:PORT.
 
     Raises
@@ -86,45 +90,40 @@ def served_at(url: str) -> Tcp:
     ConfigError
         When it is something else.
     """
-    scheme, _, rest = url.partition(":")
-    address = parse(rest)
-    if not isinstance(address, Tcp):
-        raise ConfigError(f"wire '{url}': expected {scheme}:tcp:HOST:PORT")
-    return address
+    return tcp_endpoint(url.partition(":")[2], f"wire '{url}'")
 
 
-class TcpWire:
-    """A wire over a connected socket. What was sent to a device that has gone is lost; `receive` says so.
+class StreamWire:
+    """A wire over a byte stream. What was sent to a device that has gone is lost; `receive` says so.
 
     Parameters
     ----------
-    connection
-        Connected and greeted.
+    handle
+        Open; over TCP connected and greeted.
     codec
         Of this end.
     name
         Of the other end, for messages.
     """
 
-    def __init__(self, connection: socket.socket, codec: Codec, name: str) -> None:
-        connection.setblocking(False)
-        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._connection = connection
+    empty_is_end = True
+    max_waiting_bytes = 4_000_000
+    backlog = "the other side does not read"
+
+    def __init__(self, handle: Handle, codec: Codec, name: str) -> None:
+        self._stream = Stream(handle, self.empty_is_end)
         self._codec = codec
         self._name = name
-        self._waiting = bytearray()
-        self._gone = ""
+        self.gone = ""  # why, in words
 
     def fileno(self) -> int:
-        """Return the descriptor of the socket, for who waits for it."""
-        return self._connection.fileno()
+        """Return the descriptor of the stream, for who waits for it."""
+        return self._stream.fileno()
 
     def send(self, frame: Any) -> None:
-        """Send one frame; what the socket does not take now goes later."""
-        if self._gone:
-            return
-        self._waiting += self._codec.pack(frame)
-        self._flush()
+        """Send one frame; what the stream does not take now goes later."""
+        if not self.gone:
+            self._flush(self._codec.pack(frame))
 
     def receive(self) -> list[Any]:
         """Return the frames that have arrived.
@@ -136,45 +135,48 @@ class TcpWire:
         """
         self._flush()
         frames = self._codec.feed(self._arrived())
-        if self._gone and not frames:
-            raise LinkError(f"{self._name}: {self._gone}")
+        if self.gone and not frames:
+            raise LinkError(f"{self._name}: {self.gone}")
         return frames
 
     def close(self) -> None:
-        """Hand over what still waits, for a while at most, and close; idempotent."""
-        if self._connection.fileno() < 0:
+        """Close the stream; idempotent."""
+        self.gone = self.gone or "closed"
+        self._stream.close()
+
+    def _flush(self, data: bytes = b"") -> None:
+        if self.gone:
             return
         try:
-            self._connection.settimeout(PATIENCE)
-            self._connection.sendall(self._waiting)
+            self._stream.append(data)
         except OSError as error:
-            self._gone = error.strerror or str(error)
-        self._waiting.clear()
-        self._connection.close()
-
-    def _flush(self) -> None:
-        try:
-            while self._waiting and not self._gone:
-                del self._waiting[: self._connection.send(self._waiting)]
-        except BlockingIOError:
-            if len(self._waiting) > MOST_WAITING:
-                self._gone = "the other side does not read"
-        except OSError as error:
-            self._gone = error.strerror or str(error)
+            self.gone = reason(error)
+        else:
+            self.gone = self.backlog if len(self._stream.waiting) > self.max_waiting_bytes else ""
 
     def _arrived(self) -> bytes:
         data = bytearray()
         try:
-            while not self._gone:
-                some = self._connection.recv(65536)
+            while not self.gone and (some := self._stream.read(MAX_READ_BYTES)):
                 data += some
-                if not some:
-                    self._gone = "the other side closed the connection"
-        except BlockingIOError:
-            pass
         except OSError as error:
-            self._gone = error.strerror or str(error)
+            self.gone = reason(error)
         return bytes(data)
+
+
+class TcpWire(StreamWire):
+    """A wire over a connected socket."""
+
+    def __init__(self, connection: socket.socket, codec: Codec, name: str) -> None:
+        super().__init__(prepared(connection), codec, name)
+        self._connection = connection
+
+    def close(self) -> None:
+        """Hand over what still waits, for a while at most, and close; idempotent."""
+        with suppress(OSError):  # it has gone, or was closed before
+            self._connection.settimeout(ANSWER_TIMEOUT_S)
+            self._connection.sendall(self._stream.waiting)
+        super().close()
 
 
 def greeting(codec: Codec, clock: Clock) -> bytes:
@@ -196,9 +198,9 @@ def connect(url: str, codec: Codec, clock: Clock) -> TcpWire:
     """
     address = served_at(url)
     try:
-        connection = socket.create_connection((address.host, address.port), timeout=PATIENCE)
+        connection = socket.create_connection(address, timeout=ANSWER_TIMEOUT_S)
     except OSError as error:
-        raise LinkError(f"wire '{url}': cannot connect: {error.strerror or error}") from error
+        raise LinkError(f"wire '{url}': cannot connect: {reason(error)}") from error
     try:
         if codec.name:
             _check(_first_line(connection, url), codec, clock, url)
@@ -211,13 +213,15 @@ def connect(url: str, codec: Codec, clock: Clock) -> TcpWire:
 def _first_line(connection: socket.socket, url: str) -> bytes:
     line = b""
     try:
-        while not line.endswith(b"\n") and len(line) < GREETING:
+        while not line.endswith(b"\n") and len(line) < MAX_GREETING_BYTES:
             some = connection.recv(1)  # not a byte of what follows
             if not some:
                 raise LinkError(f"wire '{url}': closed without a greeting")
             line += some
     except OSError as error:
-        raise LinkError(f"wire '{url}': no greeting in {PATIENCE:g} s; is it serving another client?") from error
+        raise LinkError(
+            f"wire '{url}': no greeting in {ANSWER_TIMEOUT_S:g} s; is it serving another client?"
+        ) from error
     return line
 
 
@@ -229,5 +233,5 @@ def _check(line: bytes, codec: Codec, clock: Clock, url: str) -> None:
         raise LinkError(f"wire '{url}': no greeting of a device: {line[:40]!r}") from error
     if (name, version) != (codec.name, VERSION):
         raise LinkError(f"wire '{url}': expected {codec.name} version {VERSION}, got {name} version {version}")
-    if not math.fabs(clock.now() - now) < SAME_CLOCK:
+    if not math.fabs(clock.now() - now) < MAX_CLOCK_DIFFERENCE_S:
         raise LinkError(f"wire '{url}': it uses a different clock; the device must run on this machine")

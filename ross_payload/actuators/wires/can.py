@@ -11,7 +11,7 @@ from typing import Any
 import can
 
 from ross_payload.actuators.wires import connect, served_at
-from ross_payload.actuators.wires.can_codec import CanCodec
+from ross_payload.actuators.wires.codecs import CanCodec
 from ross_payload.errors import ConfigError, LinkError
 from ross_payload.interfaces import Clock, Port
 from ross_protocols.can import CanFrame
@@ -19,9 +19,9 @@ from ross_protocols.can import CanFrame
 _URL = re.compile(r"can:(?P<interface>[a-z0-9_]+):(?P<channel>[^:]+)(:(?P<bitrate>\d{4,8}))?")
 _HUB = re.compile(r"can:socketcand:(?P<host>[^:\[\]]+):(?P<port>\d{1,5})(:(?P<channel>[A-Za-z0-9_.-]{1,16}))?")
 CHANNEL = "can0"  # of a socketcand server, unless told
-GREETING = 2.0  # [s]: so long a socketcand server may be silent
-MOST_AT_ONCE = 1000  # frames of one look at the bus
-PATIENCE = 10  # with frames that the bus does not take
+GREETING_TIMEOUT_S = 2.0  # [s]: so long a socketcand server may be silent
+MAX_FRAMES_PER_READ = 1000  # frames of one look at the bus
+MAX_REFUSED_FRAMES = 10  # with frames that the bus does not take
 
 
 class CanPort:
@@ -47,7 +47,7 @@ class CanPort:
             self._refused = 0
         except (can.CanError, OSError) as error:
             self._refused += 1
-            if self._refused >= PATIENCE:
+            if self._refused >= MAX_REFUSED_FRAMES:
                 raise LinkError(f"wire '{self._url}' takes no frames: {error}") from error
 
     def receive(self) -> list[Any]:
@@ -59,7 +59,7 @@ class CanPort:
             When the bus is down.
         """
         try:
-            arrived = list(islice(iter(lambda: self._bus.recv(0), None), MOST_AT_ONCE))
+            arrived = list(islice(iter(lambda: self._bus.recv(0), None), MAX_FRAMES_PER_READ))
         except (can.CanError, OSError) as error:
             raise LinkError(f"wire '{self._url}' is down: {error}") from error
         return [
@@ -137,8 +137,8 @@ def _at_hub(url: str) -> CanPort:
     found = _hub_of(url)
     host, port = found["host"], int(found["port"])
     try:
-        with socket.create_connection((host, port), GREETING) as probe:  # python-can itself tries for 10 s
-            probe.settimeout(GREETING)
+        with socket.create_connection((host, port), GREETING_TIMEOUT_S) as probe:  # python-can itself tries for 10 s
+            probe.settimeout(GREETING_TIMEOUT_S)
             if probe.recv(16)[:1] != b"<":
                 raise LinkError(f"wire '{url}': no socketcand server is there")
         options: dict[str, Any] = {"host": host, "port": port, "tcp_tune": True}

@@ -18,17 +18,25 @@ from typing import Any
 
 import numpy as np
 
-from ross_payload.actuators.tb6600.pulses import Level, Line, Played, RanOut, Report, Segment, without_steps
+from ross_payload.actuators.tb6600.pulse_segments import (
+    Level,
+    Played,
+    PulseLine,
+    RanOut,
+    Report,
+    Segment,
+    without_steps,
+)
 from ross_payload.errors import ConfigError, LinkError, PluginError
-from ross_payload.extras import install_line
 from ross_payload.interfaces import Clock
+from ross_payload.plugins import install_line
 
 SCHEME = "pulses:lgpio:"
 AHEAD = 0.040  # most that may wait at the library: nobody can take it back [s]
 WAKING = 0.020  # between two looks of the library's idle thread for new waves [s]
 LATE = 0.001  # after its start, a segment that continues another comes too late [s]
 URGENCY = 20  # real-time priority of the library's thread, above the pump's
-PATIENCE = 0.5  # beyond what still has to be played, when closing [s]
+DRAIN_MARGIN_S = 0.5  # beyond what still has to be played, when closing [s]
 
 Pulse = tuple[int, int, int]  # levels, mask, delay until the next [us]
 
@@ -150,7 +158,7 @@ class GpioPulses:
         self._hand_over()
         if self._pins.home is not None:
             high = bool(self._call(self._gpio.gpio_read, self._handle, self._pins.home))
-            self._reports.append(Level(Line.HOME, high, self._clock.now()))
+            self._reports.append(Level(PulseLine.HOME, high, self._clock.now()))
         reports, self._reports = self._reports, []
         return reports
 
@@ -176,7 +184,7 @@ class GpioPulses:
 
     def _claim(self, segment: Segment) -> None:
         """Take the outputs; STEP and DIRECTION low."""
-        switches = segment.edges[segment.edges["line"] == Line.ENABLE]
+        switches = segment.edges[segment.edges["line"] == PulseLine.ENABLE]
         levels = [0, 0, int(len(switches) > 0 and bool(switches["level"][0]))]
         outputs = [self._pins.step, self._pins.direction, self._pins.enable]  # bits 0 to 2: the order of Line
         self._call(self._gpio.group_claim_output, self._handle, outputs, levels)
@@ -199,7 +207,7 @@ class GpioPulses:
             self._playing.append(end)
 
     def _drain(self) -> None:
-        until = max(self._clock.now(), self._end) + WAKING + PATIENCE
+        until = max(self._clock.now(), self._end) + WAKING + DRAIN_MARGIN_S
         while (self._playing or self._waiting) and self._clock.now() < until:
             with contextlib.suppress(
                 RuntimeError

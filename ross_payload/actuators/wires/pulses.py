@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ross_payload.actuators.tb6600.pulses import PulseCodec, RecordingPulses
+from ross_payload.actuators.tb6600.pulse_segments import RECORDING, PulseCodec, RecordingPulses
 from ross_payload.actuators.wires import connect, served_at
 from ross_payload.actuators.wires.gpio import SCHEME, open_pins, pins_of
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clock, Port
 
-KNOWN = f"pulses:recording, pulses:tcp:HOST:PORT, {SCHEME}CHIP:STEP,DIRECTION,ENABLE[,HOME]"
+KNOWN = f"{RECORDING}, pulses:tcp:HOST:PORT, {SCHEME}CHIP:STEP,DIRECTION,ENABLE[,HOME]"
 
 
 class PulseWire:
@@ -25,7 +25,7 @@ class PulseWire:
             When it cannot be opened.
         """
         self.check(url)
-        if url == "pulses:recording":
+        if url == RECORDING:
             return RecordingPulses(clock.now)
         if url.startswith("pulses:tcp:"):
             return connect(url, PulseCodec(), clock)
@@ -43,7 +43,7 @@ class PulseWire:
             served_at(url)
         elif url.startswith(SCHEME):
             pins_of(url)
-        elif url != "pulses:recording":
+        elif url != RECORDING:
             raise ConfigError(f"pulse port '{url}' is unknown; there are: {KNOWN}")
 
 

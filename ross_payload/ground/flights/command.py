@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ross_payload.extras import install_line
 from ross_payload.ground.errors import GroundError
+from ross_payload.plugins import install_line
 
 if TYPE_CHECKING:
-    from ross_payload.ground.picture.known import Who
+    from ross_protocols.mavlink.component_id import ComponentId
 
 EPILOG = "Exit codes: 0 done, 2 bad input or an output that cannot be written."
 
@@ -31,15 +31,15 @@ class _Ending(click.Path):
         return path
 
 
-class _WhoType(click.ParamType["Who"]):
+class _WhoType(click.ParamType["ComponentId"]):
     name = "system-component"
 
-    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> Who:
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> ComponentId:
         """Return whom 1-191 means."""
-        from ross_payload.ground.picture.known import Who
+        from ross_protocols.mavlink.component_id import ComponentId
 
         try:
-            return Who.parse(value)
+            return ComponentId.parse(value)
         except ValueError as error:
             self.fail(str(error), param, ctx)
 
@@ -50,7 +50,7 @@ class _WhoType(click.ParamType["Who"]):
 @click.option("--picture", type=_Ending(".png", ".svg"), help="Draw the flight into this file.")
 @click.option("--mcap", type=_Ending(".mcap"), help="Write an MCAP file for Foxglove and other readers.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(*, file: Path, payload: Who | None, picture: Path | None, mcap: Path | None, as_json: bool) -> None:
+def command(*, file: Path, payload: ComponentId | None, picture: Path | None, mcap: Path | None, as_json: bool) -> None:
     """Tell what a telemetry log (.tlog of RoSS, Mission Planner, QGroundControl or MAVProxy) or a session folder holds.
 
     What is written replaces an earlier file of that name, when it is complete.
@@ -60,19 +60,19 @@ def command(*, file: Path, payload: Who | None, picture: Path | None, mcap: Path
     from rich.console import Console
 
     from ross_payload.ground.flights.reading import open_flight
-    from ross_payload.ground.flights.summary import Told, chosen, summary
+    from ross_payload.ground.flights.summary import FlightContent, chosen, summary
     from ross_payload.ground.flights.table import show
 
     flight = open_flight(file)
-    told = Told(flight, chosen(flight, payload))
+    content = FlightContent(flight, chosen(flight, payload))
     if picture is not None:
-        _needing("sim", "--picture", "picture").draw(told, picture)
+        _needing("sim", "--picture", "plot").draw(content, picture)
     if mcap is not None:
-        _needing("mcap", "--mcap", "mcap").export(flight, told.payloads, mcap)
+        _needing("mcap", "--mcap", "mcap").export(flight, content.payloads, mcap)
     if as_json:
-        click.echo(json.dumps(summary(told), indent=2, allow_nan=False))
+        click.echo(json.dumps(summary(content), indent=2, allow_nan=False))
     else:
-        show(summary(told), Console())
+        show(summary(content), Console())
 
 
 def _needing(extra: str, option: str, name: str) -> Any:

@@ -17,20 +17,23 @@ from foxglove.channels import (
 from foxglove.mcap import MCAPWriteOptions
 from foxglove.messages import Log, LogLevel, Timestamp
 
+from ross_payload.atomic_files import replacing
+from ross_payload.errors import refused_as
+from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights import scene
-from ross_payload.ground.flights.output import whole
-from ross_payload.ground.flights.playback import worth_hearing
+from ross_payload.ground.flights.playback import relevant_frames
 from ross_payload.ground.flights.reading import Flight
 from ross_payload.ground.flights.schemas import OUR_LAYOUTS, as_json, schema
-from ross_payload.ground.picture.fleet import Fleet
-from ross_payload.ground.picture.known import Payload, Said, Who
-from ross_protocols.codec import Packet
-from ross_protocols.tunnel import unwrap
+from ross_payload.ground.model.fleet import Fleet
+from ross_payload.ground.model.payload_state import PayloadState, StatusText
+from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.tunnel import unwrapped
 
 LEVELS = {2: LogLevel.Fatal, 3: LogLevel.Error, 4: LogLevel.Warning, 7: LogLevel.Debug}  # by MAV_SEVERITY
 
 
-def export(flight: Flight, payloads: tuple[Who, ...], path: Path) -> None:
+def export(flight: Flight, payloads: tuple[ComponentId, ...], path: Path) -> None:
     """Write a flight as MCAP; the same bytes for the same flight.
 
     Times are UNIX time, or count from the first frame when the log does not know it.
@@ -43,13 +46,13 @@ def export(flight: Flight, payloads: tuple[Who, ...], path: Path) -> None:
     context = Context()
     options = MCAPWriteOptions(profile="", compression_threads=0, disable_seeking=True)
     about = {"flight": flight.name, "time": "since the first frame" if flight.start is None else "UNIX"}
-    with whole(path) as aside, aside.open("wb") as raw:
+    with refused_as(GroundError, f"{path}: cannot be written"), replacing(path) as aside, aside.open("wb") as raw:
         file = _File(raw)
         with open_mcap(cast(BinaryIO, file), context=context, writer_options=options) as writer:
             writer.write_metadata("ross", about)
-            said = _Export(flight, payloads, context)
-            for at, packet in flight.packets(worth_hearing(flight, payloads)):
-                said.hear(packet, at)
+            exported = _Export(flight, payloads, context)
+            for at, packet in flight.packets(relevant_frames(flight, payloads)):
+                exported.on_packet(packet, at)
         file.check()
 
 
@@ -88,60 +91,60 @@ class _File:
 class _Export:
     """Says what is new after every packet, on a channel for each kind of thing."""
 
-    def __init__(self, flight: Flight, payloads: tuple[Who, ...], context: Context) -> None:
+    def __init__(self, flight: Flight, payloads: tuple[ComponentId, ...], context: Context) -> None:
         self._start = flight.start or 0.0
         self._payloads = payloads
         self._context = context
         self._channels: dict[str, Any] = {}
         self._fleet = Fleet()
 
-    def hear(self, packet: Packet, at: float) -> None:
+    def on_packet(self, packet: Packet, at: float) -> None:
         """Take a packet that came ``at`` a time [s] since the first."""
-        who = Who(packet.system_id, packet.component_id)
+        who = packet.sender
         now = round((self._start + at) * 1e6) * 1000
         before, place = self._fleet.payloads.get(who), self._fleet.vehicles.get(packet.system_id)
-        self._fleet.hear(packet, at)
+        self._fleet.on_packet(packet, at)
         after, there = self._fleet.payloads.get(who), self._fleet.vehicles.get(packet.system_id)
         if there is not None and there is not place:
             fix = scene.location(there.system, there.position, _stamp(now))
-            self._say(LocationFixChannel, f"/vehicle-{there.system}/location", fix, now)
+            self._publish(LocationFixChannel, f"/vehicle-{there.system}/location", fix, now)
         if after is not None and who in self._payloads:
             self._wire(who, packet, now)
             self._news(before, after, now)
 
-    def _wire(self, who: Who, packet: Packet, now: int) -> None:
-        told = unwrap(packet.message) if packet.name == "TUNNEL" else packet
-        if told is None or told.name not in OUR_LAYOUTS:
+    def _wire(self, who: ComponentId, packet: Packet, now: int) -> None:
+        content = unwrapped(packet)
+        if content is None or content.name not in OUR_LAYOUTS:
             return
-        topic = f"/{who}/{told.name}"
+        topic = f"/{who}/{content.name}"
         if topic not in self._channels:
-            about = Schema(name=told.name, encoding="jsonschema", data=json.dumps(schema(told.name)).encode())
+            about = Schema(name=content.name, encoding="jsonschema", data=json.dumps(schema(content.name)).encode())
             self._channels[topic] = Channel(topic, schema=about, message_encoding="json", context=self._context)
-        text = json.dumps(as_json(told.name, told.message), allow_nan=False)
+        text = json.dumps(as_json(content.name, content.message), allow_nan=False)
         self._channels[topic].log(text, log_time=now)
 
-    def _news(self, before: Payload | None, after: Payload, now: int) -> None:
+    def _news(self, before: PayloadState | None, after: PayloadState, now: int) -> None:
         who, stamp = after.who, _stamp(now)
         if after.status is not None and (before is None or before.status is not after.status):
             for transform in scene.transforms(who, after.status, stamp):
-                self._say(FrameTransformChannel, "/tf", transform, now)
+                self._publish(FrameTransformChannel, "/tf", transform, now)
             pose = scene.heading(who, after.status, stamp)
             if pose is not None:
-                self._say(PoseInFrameChannel, f"/{who}/heading", pose, now)
+                self._publish(PoseInFrameChannel, f"/{who}/heading", pose, now)
         if after.sources != (before.sources if before else ()):
-            self._say(SceneUpdateChannel, f"/{who}/scene", scene.sources(after, stamp), now)
-        if after.texts and (before is None or not before.texts or before.texts[-1] is not after.texts[-1]):
-            self._say(LogChannel, f"/{who}/log", _log(who, after.texts[-1], stamp), now)
+            self._publish(SceneUpdateChannel, f"/{who}/scene", scene.sources(after, stamp), now)
+        for text in after.texts_since(before):
+            self._publish(LogChannel, f"/{who}/log", _log(who, text, stamp), now)
 
-    def _say(self, kind: Any, topic: str, message: Any, now: int) -> None:
+    def _publish(self, kind: Any, topic: str, message: Any, now: int) -> None:
         if topic not in self._channels:
             self._channels[topic] = kind(topic, context=self._context)
         self._channels[topic].log(message, log_time=now)
 
 
-def _log(who: Who, said: Said, at: Timestamp) -> Log:
-    level = LEVELS.get(said.severity, LogLevel.Info if said.severity > 2 else LogLevel.Fatal)
-    return Log(timestamp=at, level=level, message=said.text, name=str(who), file="", line=0)
+def _log(who: ComponentId, text: StatusText, at: Timestamp) -> Log:
+    level = LEVELS.get(text.severity, LogLevel.Info if text.severity > 2 else LogLevel.Fatal)
+    return Log(timestamp=at, level=level, message=text.text, name=str(who), file="", line=0)
 
 
 def _stamp(nanoseconds: int) -> Timestamp:

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ross_payload.ground.flights.reading import Flight
-from ross_payload.ground.picture.fleet import Fleet
-from ross_payload.ground.picture.known import Who
-from ross_protocols.dialect import common
+from ross_payload.ground.model.fleet import Fleet
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
 
 SPACING = 500  # frames at least between two moments that are remembered: about 40 ms of work
 MOST_KEPT = 2000  # moments that are remembered
@@ -29,10 +29,10 @@ class Playback:
         self.at = 0.0  # since the first frame [s]
         self.playing = False
         self._speed = 1.0
-        self._which = worth_hearing(flight, flight.payloads)
+        self._which = relevant_frames(flight, flight.payloads)
         self._times = flight.at[self._which]
         self._spacing = max(SPACING, len(self._which) // MOST_KEPT)
-        self._heard = 0  # frames of those that ``fleet`` knows
+        self._known = 0  # frames of those that ``fleet`` knows
         self._kept: list[Fleet] = [Fleet()]  # after every ``_spacing`` frames
         self.seek(0.0)
 
@@ -56,9 +56,9 @@ class Playback:
         self.at = min(max(0.0, at), self.flight.duration)
         wanted = int(np.searchsorted(self._times, self.at, side="right"))
         near = min(wanted // self._spacing, len(self._kept) - 1)
-        if wanted < self._heard or near * self._spacing > self._heard:
-            self.fleet, self._heard = self._kept[near].copy(), near * self._spacing
-        self._heard = self._hear(self.fleet, self._heard, wanted)
+        if wanted < self._known or near * self._spacing > self._known:
+            self.fleet, self._known = self._kept[near].copy(), near * self._spacing
+        self._known = self._read(self.fleet, self._known, wanted)
 
     def advance(self, duration: float) -> None:
         """Go on by a duration [s] of whoever watches, when playing; stop at the end."""
@@ -71,22 +71,22 @@ class Playback:
         """Read some frames ahead of all that was read; return which share of the flight is quick to seek in."""
         known = (len(self._kept) - 1) * self._spacing
         if known + self._spacing < len(self._times):
-            self._hear(self._kept[-1].copy(), known, known + self._spacing)
+            self._read(self._kept[-1].copy(), known, known + self._spacing)
         return min(len(self._kept) * self._spacing / max(len(self._times), 1), 1.0)
 
-    def _hear(self, fleet: Fleet, heard: int, wanted: int) -> int:
-        """Let a fleet that knows ``heard`` frames hear more, and remember it on the way; return how many it knows."""
-        while heard < wanted:
-            until = min(wanted, (heard // self._spacing + 1) * self._spacing)
-            for at, packet in self.flight.packets(self._which[heard:until]):
-                fleet.hear(packet, at)
-            heard = until
-            if heard == len(self._kept) * self._spacing:
+    def _read(self, fleet: Fleet, known: int, wanted: int) -> int:
+        """Let a fleet that knows ``known`` frames read more, and remember it on the way; return how many it knows."""
+        while known < wanted:
+            until = min(wanted, (known // self._spacing + 1) * self._spacing)
+            for at, packet in self.flight.packets(self._which[known:until]):
+                fleet.on_packet(packet, at)
+            known = until
+            if known == len(self._kept) * self._spacing:
                 self._kept.append(fleet.copy())
-        return heard
+        return known
 
 
-def worth_hearing(flight: Flight, payloads: tuple[Who, ...]) -> NDArray[np.int64]:
+def relevant_frames(flight: Flight, payloads: tuple[ComponentId, ...]) -> NDArray[np.int64]:
     """Return the numbers of the frames that change what is known of payloads, and of where vehicles are."""
     senders = [256 * who.system + who.component for who in payloads]
     index = flight.index

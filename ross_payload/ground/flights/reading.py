@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.flights.marks import Mark, marks_of
-from ross_payload.ground.flights.scan import Damage, Index, scan
-from ross_payload.ground.flights.tape import EXPECTED, Tape
-from ross_payload.ground.flights.times import is_simulated, seconds_of
-from ross_payload.ground.picture.known import Who
-from ross_protocols.codec import Decoder, Packet
-from ross_protocols.dialect import MESSAGES, common
-from ross_protocols.tunnel import OURS
+from ross_payload.ground.flights.bookmarks import Bookmark, marks_of
+from ross_payload.ground.flights.log_file import EXPECTED, LogFile, is_simulated, seconds_of
+from ross_payload.ground.flights.tlog_index import Damage, Index, scan
+from ross_protocols.mavlink.codec import Decoder, Packet
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import MESSAGES, common
+from ross_protocols.mavlink.tunnel import OURS
 
 LOGS = ("telemetry.tlog", "mission.tlog")  # of a session folder, of the results of a simulation
 MANIFEST = 1 << 16  # [bytes] that a session.json has at most
@@ -47,12 +46,12 @@ class Flight:
     path: Path
     start: float | None  # UNIX time of its first frame [s]; None: the log does not know
     duration: float  # [s]
-    payloads: tuple[Who, ...]
+    payloads: tuple[ComponentId, ...]
     notes: tuple[str, ...]  # what is odd about it, in words
-    marks: tuple[Mark, ...]  # state changes and texts, in order
+    marks: tuple[Bookmark, ...]  # state changes and texts, in order
     index: Index
     at: NDArray[np.float64]  # of every frame [s], never falling
-    tape: Tape
+    file: LogFile
 
     @property
     def simulated(self) -> bool:
@@ -61,7 +60,7 @@ class Flight:
 
     def packets(self, which: NDArray[np.int64]) -> Iterator[tuple[float, Packet]]:
         """Yield times and packets of the frames with these numbers, in their order."""
-        yield from _packets(self.tape, self.index, self.at, which)
+        yield from _packets(self.file, self.index, self.at, which)
 
 
 def open_flight(path: Path) -> Flight:
@@ -73,27 +72,27 @@ def open_flight(path: Path) -> Flight:
         When it is none, or cannot be read.
     """
     log = _find(path)
-    tape = Tape(log)
-    index, damage = scan(tape)
+    file = LogFile(log)
+    index, damage = scan(file)
     if not len(index):
-        raise GroundError(f"{log}: {EXPECTED}, got {_kind(tape)}")
+        raise GroundError(f"{log}: {EXPECTED}, got {_kind(file)}")
     at, start, steps = seconds_of(index.usec)
-    payloads = _payloads(tape, index, at)
+    payloads = _payloads(file, index, at)
     manifest, odd = _manifest(log)
-    marks = marks_of(index, payloads, lambda which: _packets(tape, index, at, which))
+    marks = marks_of(index, payloads, lambda which: _packets(file, index, at, which))
     notes = (*_damaged(damage), *_strange(index, payloads), *_clock(steps), *odd)
     name = log.parent.resolve().name if log != path or log.name == LOGS[0] else log.name
     started = start if start is not None else _unix(manifest.get("started"))
-    return Flight(name, log, started, float(at[-1]), payloads, notes, marks, index, at, tape)
+    return Flight(name, log, started, float(at[-1]), payloads, notes, marks, index, at, file)
 
 
-def who_of(sender: int) -> Who:
+def who_of(sender: int) -> ComponentId:
     """Return whom a number of the index stands for.
 
     >>> str(who_of(256 + 191))
     '1-191'
     """
-    return Who(sender >> 8, sender & 255)
+    return ComponentId(sender >> 8, sender & 255)
 
 
 def name_of(message: int) -> str:
@@ -115,31 +114,31 @@ def _find(path: Path) -> Path:
 
 
 def _packets(
-    tape: Tape, index: Index, at: NDArray[np.float64], which: NDArray[np.int64]
+    file: LogFile, index: Index, at: NDArray[np.float64], which: NDArray[np.int64]
 ) -> Iterator[tuple[float, Packet]]:
     decoder = Decoder()
     columns = (index.start[which].tolist(), index.size[which].tolist(), at[which].tolist())
     for start, size, time in zip(*columns, strict=True):
-        for packet in decoder.feed(tape.read(start, size)):
+        for packet in decoder.feed(file.read(start, size)):
             yield time, packet
 
 
-def _payloads(tape: Tape, index: Index, at: NDArray[np.float64]) -> tuple[Who, ...]:
+def _payloads(file: LogFile, index: Index, at: NDArray[np.float64]) -> tuple[ComponentId, ...]:
     """Who says something of our dialect, or a mirror of it."""
     ours = set(np.unique(index.sender[np.isin(index.message, OUR_IDS)]).tolist())
     mirrors = np.isin(index.message, MIRRORS) & ~np.isin(index.sender, list(ours))
     for sender in np.unique(index.sender[mirrors]).tolist():
         which = np.flatnonzero(mirrors & (index.sender == sender))[:SAMPLE]
-        said = (packet.message.name for _, packet in _packets(tape, index, at, which))
-        if any(name.startswith("ross_") for name in said):
+        names = (packet.message.name for _, packet in _packets(file, index, at, which))
+        if any(name.startswith("ross_") for name in names):
             ours.add(sender)
     return tuple(who for who in map(who_of, sorted(ours)) if who.component != AUTOPILOT)
 
 
-def _kind(tape: Tape) -> str:
+def _kind(file: LogFile) -> str:
     """Tell what a file seems to be that is no log."""
-    head = tape.read(0, 1 << 16)
-    if not tape.size:
+    head = file.read(0, 1 << 16)
+    if not file.size:
         return "an empty file"
     if any(Decoder().feed(head[:4096])):
         return "MAVLink without times (a .raw file)"
@@ -153,8 +152,8 @@ def _manifest(log: Path) -> tuple[dict[str, Any], list[str]]:
     if log.name != LOGS[0] or not path.exists():
         return {}, []
     try:
-        tape = Tape(path)
-        manifest = json.loads(tape.read(0, MANIFEST))
+        file = LogFile(path)
+        manifest = json.loads(file.read(0, MANIFEST))
     except (GroundError, ValueError, RecursionError):
         return {}, ["session.json cannot be read"]
     if not isinstance(manifest, dict):
@@ -181,7 +180,7 @@ def _damaged(damage: Damage) -> list[str]:
     return [*notes, "the last frame is cut off"] if damage.cut else notes
 
 
-def _strange(index: Index, payloads: tuple[Who, ...]) -> list[str]:
+def _strange(index: Index, payloads: tuple[ComponentId, ...]) -> list[str]:
     """Tell of messages that nobody here knows, and of a log that is somebody else's."""
     numbers, counts = np.unique(index.message, return_counts=True)
     found = Counter(dict(zip(numbers.tolist(), counts.tolist(), strict=True)))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ross_protocols.dialect import MESSAGES
+from ross_protocols.mavlink.dialect import MESSAGES
 
 V1, V2 = 0xFE, 0xFD
 STAMP = 8  # [bytes] of the time before every frame

@@ -28,10 +28,11 @@ from foxglove.messages import (
     Vector3,
 )
 
-from ross_payload.ground.flights.look import COLOURS, parts
-from ross_payload.ground.picture.known import Payload, Who
-from ross_protocols.values import Source, Status
-from ross_protocols.vehicle import Position
+from ross_payload.ground.flights.plot_style import COLOURS, parts
+from ross_payload.ground.model.payload_state import PayloadState
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.values import Source, Status
+from ross_protocols.mavlink.vehicle import Position
 
 EARTH = "earth"
 LENGTH = 5.0  # of a wedge [m]: how far a source is nobody knows
@@ -39,7 +40,7 @@ SIGMAS = 3.0  # to each side of a wedge
 NOWHERE = Vector3(x=0.0, y=0.0, z=0.0)
 
 
-def mount(who: Who) -> str:
+def mount(who: ComponentId) -> str:
     """Return the name of a mount's frame."""
     return f"{who}/mount"
 
@@ -53,7 +54,7 @@ def yaw(angle: float, earth: bool) -> float:
     return angle + math.pi / 2 if earth else angle
 
 
-def transforms(who: Who, status: Status, at: Timestamp) -> Iterator[FrameTransform]:
+def transforms(who: ComponentId, status: Status, at: Timestamp) -> Iterator[FrameTransform]:
     """Yield how the mount stands on the earth, when that is known, and the axis on the mount."""
     if status.heading is None:
         return
@@ -66,7 +67,7 @@ def transforms(who: Who, status: Status, at: Timestamp) -> Iterator[FrameTransfo
     yield _transform(mount(who), f"{who}/axis", status.heading - base, at)
 
 
-def heading(who: Who, status: Status, at: Timestamp) -> PoseInFrame | None:
+def heading(who: ComponentId, status: Status, at: Timestamp) -> PoseInFrame | None:
     """Return where the axis points; None: that is not known."""
     if status.heading is None:
         return None
@@ -74,7 +75,7 @@ def heading(who: Who, status: Status, at: Timestamp) -> PoseInFrame | None:
     return PoseInFrame(timestamp=at, frame_id=_frame(who, status.earth), pose=pose)
 
 
-def sources(known: Payload, at: Timestamp) -> SceneUpdate:
+def sources(known: PayloadState, at: Timestamp) -> SceneUpdate:
     """Return all sources of the latest estimate: a wedge and a name each, a line where it may be instead."""
     earth = known.sources[0].earth if known.sources else known.earth
     entity = SceneEntity(
@@ -111,7 +112,7 @@ def _transform(parent: str, child: str, angle: float, at: Timestamp) -> FrameTra
     )
 
 
-def _frame(who: Who, earth: bool) -> str:
+def _frame(who: ComponentId, earth: bool) -> str:
     return EARTH if earth else mount(who)
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-from ross_protocols.dialect import ross
-from ross_protocols.layouts import LAYOUTS, Field, Layout
-from ross_protocols.tunnel import OURS
+from ross_payload.json_values import finite
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.message_map import LAYOUTS, Field, Layout
+from ross_protocols.mavlink.tunnel import OURS
 
 OUR_LAYOUTS: dict[str, Layout] = {
     layout.message.msgname: layout for layout in LAYOUTS if layout.message.msgname.startswith(OURS)
@@ -40,7 +40,7 @@ def as_json(name: str, message: Any) -> dict[str, Any]:
     for wire in message.fieldnames:
         field = layout.fields[wire]
         unknown = isinstance(field, Field) and getattr(value, field.attribute) is None
-        fields[wire] = None if unknown else _plain(getattr(message, wire))
+        fields[wire] = None if unknown else finite(getattr(message, wire))
     return fields
 
 
@@ -64,9 +64,3 @@ def _about(message: Any, field: str) -> dict[str, str]:
         names = (f"{number} {entry.name.removeprefix(enum + '_').lower()}" for number, entry in entries)
         words.append(f"{enum}: {', '.join(name for name in names if not name.endswith(' enum_end'))}")
     return {"description": " ".join(words)} if words else {}
-
-
-def _plain(part: Any) -> Any:
-    if isinstance(part, list | tuple):
-        return [_plain(each) for each in part]
-    return None if isinstance(part, float) and not math.isfinite(part) else part

@@ -10,25 +10,25 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from ross_payload.terminal import with_whole_words
+from ross_payload.terminal_tables import with_whole_words
 from ross_protocols.angle_text import frame, rounded
 
 MOST = 40  # rows of one table
 Row = dict[str, Any]
 
 
-def show(told: Row, console: Console) -> None:
+def show(flight: Row, console: Console) -> None:
     """Print a `summary`."""
-    start = told["start"]
+    start = flight["start"]
     began = "" if start is None else f", began {datetime.fromtimestamp(start, UTC):%Y-%m-%d %H:%M:%S} UTC"
-    _say(console, f"{told['name']}: {span(told['duration'])}, {told['frames']} frames{began}")
-    for note in told["notes"]:
-        _say(console, f"note: {note}", style="yellow")
-    for payload in told["payloads"]:
+    _print(console, f"{flight['name']}: {span(flight['duration'])}, {flight['frames']} frames{began}")
+    for note in flight["notes"]:
+        _print(console, f"note: {note}", style="yellow")
+    for payload in flight["payloads"]:
         _payload(console, payload)
-    if told["others"]:
-        rows = ([each["who"], each["frames"], _lost(each["lost"]), _kinds(each["kinds"])] for each in told["others"])
-        _table(console, "Others", ("who", "frames", "lost", "most of them"), rows, len(told["others"]))
+    if flight["others"]:
+        rows = ([each["who"], each["frames"], _lost(each["lost"]), _kinds(each["kinds"])] for each in flight["others"])
+        _table(console, "Others", ("who", "frames", "lost", "most of them"), rows, len(flight["others"]))
 
 
 def span(seconds: float) -> str:
@@ -51,7 +51,7 @@ def _payload(console: Console, payload: Row) -> None:
     way = "inside TUNNEL" if payload["tunnelled"] else None
     words = ", ".join(str(each) for each in (*about, counted, way) if each)
     lost = "loss unknown: they came through a router" if payload["lost"] is None else f"{payload['lost']} lost"
-    _say(console, f"{words}. {payload['frames']} frames, {lost}" if words else "")
+    _print(console, f"{words}. {payload['frames']} frames, {lost}" if words else "")
     for title, columns, rows in _parts(payload):
         _table(console, title, columns, iter(rows), len(rows))
 
@@ -121,10 +121,10 @@ def _table(console: Console, title: str, columns: tuple[str, ...], rows: Iterabl
     console.print()
     console.print(with_whole_words(table))
     if count > MOST:
-        _say(console, f"and {count - MOST} more: --json lists all")
+        _print(console, f"and {count - MOST} more: --json lists all")
 
 
-def _say(console: Console, words: str, style: str = "") -> None:
+def _print(console: Console, words: str, style: str = "") -> None:
     if words:
         console.print(_plain(words), style=style, markup=False, highlight=False, soft_wrap=True)
 

@@ -1,24 +1,25 @@
 """A log of everything that is heard and sent: what pymavlink, MAVProxy, Mission Planner and QGroundControl read.
 
-A record is the time as 8 bytes, big endian, UNIX time in microseconds, and the frame as it went over the wire. The two
-lowest bits of the time are the number of the link.
+The times are UNIX times; see ``ross_payload.transport.tlog``.
 """
 
 from __future__ import annotations
 
 import asyncio
 import os
+from contextlib import suppress
 from datetime import UTC, datetime
-from itertools import accumulate, count
+from itertools import count
 from pathlib import Path
 
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.links.ports import words
+from ross_payload.transport.ports import reason
+from ross_payload.transport.tlog import append_records, tlog_record
 
-MOST_WAITING = 16_000_000  # bytes that wait for a slow disk
+MAX_WAITING_BYTES = 16_000_000  # bytes that wait for a slow disk
 
 
-class Log:
+class BufferedTlog:
     """Collects records; `flush` writes them. A disk that takes no more ends the log, not the station.
 
     Raises
@@ -31,32 +32,38 @@ class Log:
         self.error = ""
         self._records: list[bytes] = []
         self._size = 0  # [bytes] of these
+        self._writing: asyncio.Future[None] | None = None
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self.path, self._file = _made(folder, unix)
         except OSError as error:
-            raise GroundError(f"--log {folder}: cannot be written: {words(error)}") from error
+            raise GroundError(f"--log {folder}: cannot be written: {reason(error)}") from error
 
     def add(self, unix: float, frame: bytes, link: int) -> None:
         """Append a frame of a link at its UNIX time [s]."""
         if self.error:
             return
-        if self._size > MOST_WAITING:
+        if self._size > MAX_WAITING_BYTES:
             self._end("the disk is too slow")
             return
-        self._records.append((int(unix * 1e6) & ~3 | link & 3).to_bytes(8, "big") + frame)
+        self._records.append(tlog_record(int(unix * 1e6), frame, link))
         self._size += len(self._records[-1])
 
     async def flush(self) -> None:
         """Write what was collected, on a thread: a disk may take its time."""
         records, self._records, self._size = self._records, [], 0
         if records and not self.error:
-            error = await asyncio.to_thread(_written, self._file, records)
-            if error is not None:
-                self._end(words(error))
+            self._writing = asyncio.ensure_future(asyncio.to_thread(append_records, self._file, records))
+            try:
+                await asyncio.shield(self._writing)
+            except OSError as error:
+                self._end(reason(error))
 
     async def close(self) -> None:
         """Write what was collected and close the file, which goes when nothing is in it; idempotent."""
+        if self._writing is not None:
+            with suppress(OSError):
+                await self._writing  # whoever has waited for it may have been cancelled; the file must stay open
         await self.flush()
         if self._file >= 0:
             if not os.fstat(self._file).st_size:
@@ -80,16 +87,3 @@ def _made(folder: Path, unix: float) -> tuple[Path, int]:
             return path, os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
         except FileExistsError:
             continue
-
-
-def _written(file: int, records: list[bytes]) -> OSError | None:
-    """Write the records, or as many whole ones as the disk takes; then return why not all."""
-    begin, data, done = os.lseek(file, 0, os.SEEK_CUR), b"".join(records), 0
-    try:
-        while done < len(data):
-            done += os.write(file, data[done:])
-    except OSError as error:
-        whole = [end for end in accumulate(map(len, records)) if end <= done]
-        os.ftruncate(file, begin + (whole[-1] if whole else 0))
-        return error
-    return None

@@ -32,7 +32,7 @@ def teach() -> None:
     """Let pymavlink's largest dialect, in this process, read our messages and know our commands by name."""
     from pymavlink.dialects.v20 import ardupilotmega
 
-    from ross_protocols.dialect import ross
+    from ross_protocols.mavlink.dialect import ross
 
     for number, message in ross.mavlink_map.items():
         ardupilotmega.mavlink_map.setdefault(number, message)

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from ross_payload.ground.clients.orders import Doing, Orders, order_of
-from ross_payload.ground.monitor import blocks
-from ross_payload.ground.monitor.clean import clean
-from ross_payload.ground.picture.fleet import Fleet
-from ross_payload.ground.picture.known import Payload, Who
-from ross_payload.ground.picture.view import view
-from ross_protocols.codec import Packet
+from ross_payload.ground.client.command_protocol import CommandProtocol
+from ross_payload.ground.client.command_status import CommandStatus
+from ross_payload.ground.client.command_types import order_of
+from ross_payload.ground.model.fleet import Fleet
+from ross_payload.ground.model.payload_state import PayloadState
+from ross_payload.ground.terminal import blocks
+from ross_payload.ground.terminal.blocks import clean
+from ross_payload.ground.terminal.controller import Selection
+from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.component_id import ComponentId
 
 HELP = """\
 ross status                           what the payload does, and its health
@@ -32,116 +35,102 @@ COMPLETIONS = [
     "listen <voice|azimuth>",
     "record <on|off>",
 ]
-EXPLAINED = 0.4  # [s] in which the reason of a refusal comes behind it
+REASON_WITHIN_S = 0.4  # in which the reason of a refusal comes behind it
 
 
 class Shell:
-    """Hears packets, obeys lines, and says with ``say`` what became of orders."""
+    """Takes packets and lines, and writes with ``write`` what became of commands."""
 
-    def __init__(self, orders: Orders, say: Callable[[str], None]) -> None:
+    def __init__(self, orders: CommandProtocol, write: Callable[[str], None]) -> None:
         self.fleet = Fleet()
-        self._orders, self._say = orders, say
-        self._who: Who | None = None
-        self._told: dict[int, tuple[str, str]] = {}  # state and reason, by the number of an order
-        self._now = 0.0
+        self._selection, self._write = Selection(self.fleet, orders), write
+        self._reported: dict[int, tuple[str, str]] = {}  # state and reason, by the number of a command
 
-    def heard(self, packet: Packet, now: float) -> None:
+    def on_packet(self, packet: Packet, now: float) -> None:
         """Take a packet."""
-        self.fleet.hear(packet, now)
-        self._orders.heard(packet, now)
-        known = self.fleet.payloads.get(Who(packet.system_id, packet.component_id))
-        if known is not None:
-            self._orders.met(known)
+        self.fleet.on_packet(packet, now)
+        self._selection.on_packet(packet, now)
         self.tick(now)
 
     def tick(self, now: float) -> None:
-        """Let time go on; say what became of orders."""
-        self._now = now
-        self._orders.tick(now)
-        for doing in self._orders.doing:
-            why_may_come = doing.state in ("refused", "failed") and now - doing.at < EXPLAINED
-            if not why_may_come and self._told.get(doing.number) != (doing.state, doing.reason):
-                self._told[doing.number] = doing.state, doing.reason
-                self._say(_fate(doing))
+        """Let time go on; write what became of commands."""
+        self._selection.tick(now)
+        for doing in self._selection.orders.doing:
+            why_may_come = doing.state in ("refused", "failed") and now - doing.at < REASON_WITHIN_S
+            if not why_may_come and self._reported.get(doing.number) != (doing.state, doing.reason):
+                self._reported[doing.number] = doing.state, doing.reason
+                self._write(_fate(doing))
 
     @property
-    def payload(self) -> Payload | None:
+    def payload(self) -> PayloadState | None:
         """The one that is meant: the one chosen, else the first that was heard."""
-        known = self.fleet.payloads
-        if self._who is None and known:
-            self._who = next(iter(known))
-        return None if self._who is None else known.get(self._who)
+        return self._selection.payload
 
     def summary(self) -> tuple[str, str]:
         """Return one short line for a status bar, and how that is: ``good``, ``act`` or ``unknown``."""
         known = self.payload
         if known is None:
             return "RoSS -", "unknown"
-        if self._now - known.last > blocks.SILENT:
+        if self._selection.now - known.last > blocks.SILENT_S:
             return f"RoSS {known.who} no data", "act"
-        picture = self._picture(known)
-        k = picture["mission"]["k"]
-        state = (picture["standing"]["state"] or "?").replace("_", " ")
+        view = blocks.safe_view(known)
+        k = view["mission"]["k"]
+        state = (view["standing"]["state"] or "?").replace("_", " ")
         level = "act" if state == "fault" else "good"
         return f"RoSS {known.who} {state}{'' if k is None else f' K {k}'}", level
 
-    def obey(self, words: Sequence[str]) -> None:
-        """Obey the words behind ``ross``."""
+    def execute(self, words: Sequence[str]) -> None:
+        """Do what the words say behind ``ross``."""
         what, *rest = [word.lower() for word in words] or ["status"]
         try:
             if what == "help":
-                self._say(HELP)
+                self._write(HELP)
             elif what == "payload":
                 self._choose(rest)
             elif what in ("status", "sources"):
                 self._show(what)
             else:
-                order = order_of(asked(what, rest))
-                self._orders.order(self._known().who, order)
-                self.tick(self._now)
+                order = order_of(order_of_words(what, rest))
+                self._selection.orders.order(self._known().who, order)
+                self.tick(self._selection.now)
         except ValueError as error:
-            self._say(f"ross: {error}")
+            self._write(f"ross: {error}")
 
-    def _known(self) -> Payload:
+    def _known(self) -> PayloadState:
         known = self.payload
         if known is None:
-            who = "no payload" if self._who is None else f"{self._who} not"
+            who = "no payload" if self._selection.wanted is None else f"{self._selection.wanted} not"
             raise ValueError(f"{who} received yet: is it on, and do its [[links]] lead here?")
         return known
 
     def _show(self, what: str) -> None:
-        picture = self._picture(self._known())
+        view = blocks.safe_view(self._known())
         if what == "status":
-            lines = blocks.head(picture, self._now) + blocks.strip(picture) + blocks.health(picture)
+            lines = blocks.head(view, self._selection.now) + blocks.strip(view) + blocks.health(view)
         else:
-            lines = blocks.sources(picture, chosen=None) + blocks.plan(picture)
+            lines = blocks.sources(view, chosen=None) + blocks.plan(view)
         for line in lines:
-            self._say(line.plain)
+            self._write(line.plain)
 
     def _choose(self, rest: list[str]) -> None:
         if rest:
-            who = Who.parse(rest[0])
+            who = ComponentId.parse(rest[0])
             if who not in self.fleet.payloads:
                 raise ValueError(f"{who} was not received")
-            self._who = who
-        self._say("payloads: " + (", ".join(map(str, sorted(self.fleet.payloads))) or "none received yet"))
-        self._say(f"commands go to {self._known().who}")
-
-    @staticmethod
-    def _picture(known: Payload) -> dict[str, Any]:
-        picture: dict[str, Any] = clean(view(known))
-        return picture
+            self._selection.wanted = who
+        self._write("payloads: " + (", ".join(map(str, sorted(self.fleet.payloads))) or "none received yet"))
+        self._write(f"commands go to {self._known().who}")
 
 
-def _fate(doing: Doing) -> str:
+def _fate(doing: CommandStatus) -> str:
     reason = f": {clean(doing.reason)}" if doing.reason else ""
     return f"RoSS {doing.who} {doing.words}: {doing.state.replace('_', ' ')}{reason}"
 
 
-def asked(what: str, rest: list[str]) -> dict[str, Any]:
+def order_of_words(what: str, rest: list[str]) -> dict[str, Any]:
     """Return the order that some words ask for, as `order_of` reads it.
 
-    >>> asked("listen", ["azimuth", "90"]), asked("record", ["off"])
+    >>> order_of_words("listen", ["azimuth", "90"]), order_of_words("record", ["off"])
     ({'kind': 'listen', 'azimuth': 90.0}, {'kind': 'record', 'on': False})
 
     Raises

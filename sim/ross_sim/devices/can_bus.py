@@ -5,31 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from ross_protocols.can import CanFrame
+from ross_sim.devices.far_end import WireEnd
 
 BITRATE = 1e6  # [bit/s]
 STUFFED = 1.1  # bits of a frame with those that are stuffed in, over those without
 ROOM = 100  # frames that wait in an interface; more are lost
 
 
-class Plug:
-    """One end of the bus, a `Port`; ``damage`` is the share of its frames that nobody can read."""
+class Plug(WireEnd):
+    """One end of the bus; ``damage`` is the share of its frames that nobody can read."""
 
-    def __init__(self) -> None:
-        self.sent: list[CanFrame] = []
-        self.arrived: list[CanFrame] = []
-        self.damage = 0.0
-
-    def send(self, frame: CanFrame) -> None:
-        """Send one frame to everybody else, as soon as the bus is free."""
-        self.sent.append(frame)
-
-    def receive(self) -> list[CanFrame]:
-        """Return what the others have sent."""
-        arrived, self.arrived = self.arrived, []
-        return arrived
-
-    def close(self) -> None:
-        """Return at once: an in-process bus holds nothing."""
+    damage = 0.0
 
 
 class Bus:

@@ -1,4 +1,4 @@
-"""``ross device``: one simulated device in a process of its own."""
+"""``ross device`` and ``ross hub``: one simulated device, and a CAN bus, in processes of their own."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def command(
     """
     from contextlib import ExitStack
 
-    from ross_sim.devices.device_leads import Lead, configured_wire, connected
+    from ross_sim.devices.connections import Coupling, configured_wire, connected
     from ross_sim.devices.device_session import live, planned
     from ross_sim.devices.far_end import far_end_of
 
@@ -54,9 +54,9 @@ def command(
     far_end = far_end_of(config)
     turns = [turn for fault in faults for turn in planned(fault, far_end.faults)]
 
-    def connect(epoch: float, stack: ExitStack) -> Lead:
+    def connect(epoch: float, stack: ExitStack) -> Coupling:
         connection = connected(config, wire or configured_wire(config), far_end, epoch=epoch, stack=stack)
-        _tell(config, connection.address, as_json)
+        _print_ready(config, connection.address, as_json)
         return connection.lead
 
     live(far_end, connect, turns, click.echo)
@@ -81,24 +81,56 @@ def _configured(kind: str, options: Sequence[str], file: Path | None) -> Any:
 
 def _option(text: str) -> tuple[str, Any]:
     """Read KEY=VALUE; the value as in TOML, or else as a word."""
-    import tomllib
-
+    from ross_payload.bounded_files import toml_value
     from ross_payload.errors import ConfigError
 
     key, equals, value = text.partition("=")
     if not (key.strip() and equals):
         raise ConfigError(f"--option: expected KEY=VALUE, got '{text}'")
-    try:
-        return key.strip(), tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        return key.strip(), value.strip()
+    return key.strip(), toml_value(value.strip())
 
 
-def _tell(config: Any, address: str, as_json: bool) -> None:
+def _print_ready(config: Any, address: str, as_json: bool) -> None:
     """Say that the device is ready, and what a payload's configuration needs."""
-    from ross_sim.devices.device_leads import advice
+    from ross_sim.devices.connections import advice
 
     if as_json:
         click.echo(json.dumps({"kind": config.actuator.kind, "wire": address}))
     else:
         click.echo(f"ready. The payload's configuration:\n\n{advice(config, address)}")
+
+
+HUB_EPILOG = """Who can reach the port can use it: keep it on the loopback. Ctrl-C or SIGTERM ends it. Exit codes: 0
+ended by the user, 2 bad input. Port 0: any free port."""
+
+
+@click.command("hub", short_help="Provide a CAN bus between processes, without a kernel driver.", epilog=HUB_EPILOG)
+@click.option("--listen", default="tcp:127.0.0.1:29536", show_default=True, metavar="tcp:HOST:PORT")
+@click.option("--json", "as_json", is_flag=True, help="Print the address as one line of JSON.")
+def hub(*, listen: str, as_json: bool) -> int:
+    """Be a CAN bus between processes, without a kernel driver: a socketcand server with any number of channels.
+
+    Nodes join with python-can's interface socketcand, and RoSS with port = "can:socketcand:HOST:PORT:CHANNEL".
+    """
+    import asyncio
+    import signal
+
+    from ross_payload.clock import SystemClock
+    from ross_payload.transport.link_url import tcp_endpoint
+    from ross_sim.devices.can_hub import CanHub
+
+    host, port = tcp_endpoint(listen, "--listen", min_port=0)
+
+    def on_port(port: int) -> None:
+        name = f"[{host}]" if ":" in host else host
+        address = f"can:socketcand:{name}:{port}"
+        click.echo(json.dumps({"hub": address}) if as_json else f"ready: {address}:CHANNEL, any CHANNEL")
+
+    async def live() -> None:
+        ended = asyncio.Event()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            asyncio.get_running_loop().add_signal_handler(number, ended.set)
+        await CanHub(SystemClock()).serve(host, port, on_port, ended)
+
+    asyncio.run(live())
+    return 0

@@ -16,9 +16,9 @@ from typing import Any
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clock
-from ross_sim.devices.device_leads import Lead
+from ross_payload.notify import on_signal
+from ross_sim.devices.connections import Coupling
 from ross_sim.devices.far_end import FarEnd, Fault, checked
-from ross_sim.signals import on_signal
 
 TICK = 0.004  # [s] between two looks at the wire; a whole number of every far end's own steps
 ONCE = (Fault.SLIP, Fault.REBOOT)  # over as soon as they happen
@@ -77,10 +77,10 @@ class DeviceSession:
     """A far end, what connects it, and what is going to happen to it."""
 
     far_end: FarEnd
-    lead: Lead
+    lead: Coupling
     turns: list[Turn]
     console: Console
-    say: Callable[[str], None]
+    print_line: Callable[[str], None]
     _lasting: set[Fault] = field(default_factory=set)
     _now: float = 0.0
     _ticks: int = 0
@@ -96,7 +96,7 @@ class DeviceSession:
                 turn = self.turns.pop(0)
                 self._turn(turn.fault, turn.on)
             for line in self.console.lines():
-                self.say(json.dumps(self._answer(line.split())))
+                self.print_line(json.dumps(self._answer(line.split())))
             self.lead.exchange(self._now)
             self.far_end.advance(self._now)
             self.lead.exchange(self._now)
@@ -133,13 +133,16 @@ class DeviceSession:
 
 
 def live(
-    far_end: FarEnd, connect: Callable[[float, ExitStack], Lead], turns: list[Turn], say: Callable[[str], None]
+    far_end: FarEnd,
+    connect: Callable[[float, ExitStack], Coupling],
+    turns: list[Turn],
+    print_line: Callable[[str], None],
 ) -> None:
     """Let a device live until SIGINT or SIGTERM; ``connect`` is told its time 0 on the monotonic clock [s]."""
     ended, clock = threading.Event(), SystemClock()
-    with on_signal(ended.set), ExitStack() as stack:
+    with on_signal(lambda _: ended.set()), ExitStack() as stack:
         epoch = clock.now()
-        session = DeviceSession(far_end, connect(epoch, stack), turns, Console(_descriptor()), say)
+        session = DeviceSession(far_end, connect(epoch, stack), turns, Console(_descriptor()), print_line)
         session.live(clock, epoch, ended.is_set)
 
 

@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from enum import Enum
 
-from ross_payload.actuators.motion import Trapezoid
-from ross_payload.actuators.requests import Motion
-from ross_protocols import cia402
-from ross_protocols.canopen import Emergency, Item
-from ross_protocols.cia402 import Mode, State
+from ross_payload.actuators.motion import Motion, Trapezoid
+from ross_protocols.canopen import cia402
+from ross_protocols.canopen.cia402 import Mode, State
+from ross_protocols.canopen.frames import Emergency, Item
 from ross_sim.devices.drive_objects import Objects
 from ross_sim.devices.drive_servo import STEP, Axle
 
@@ -130,9 +129,9 @@ class Axis:
         self._objects[cia402.VELOCITY] = round(self._axle.counts_rate)
 
     def _watch(self, lag: float) -> None:
-        window, patience = self._objects[cia402.FOLLOWING_WINDOW], self._objects[cia402.FOLLOWING_TIME] * 1e-3
+        window, timeout = self._objects[cia402.FOLLOWING_WINDOW], self._objects[cia402.FOLLOWING_TIME] * 1e-3
         self._behind = self._behind + STEP if window != NEVER and lag > window else 0.0
-        if self._behind > patience and self.state is State.OPERATION_ENABLED:
+        if self._behind > timeout and self.state is State.OPERATION_ENABLED:
             self.fail(FOLLOWING_ERROR)
 
     def _proceed(self, now: float) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ross_protocols import cia402
 from ross_protocols.can import CanFrame
-from ross_protocols.canopen import (
+from ross_protocols.canopen import cia402
+from ross_protocols.canopen.frames import (
     HEARTBEAT,
     NMT,
     NOT_VALID,
@@ -19,12 +19,12 @@ from ross_protocols.canopen import (
     mapped,
     state_of,
 )
-from ross_protocols.canopen_sdo import UNKNOWN_COMMAND, Abort, Read, Write, reply, request_of
+from ross_protocols.canopen.sdo import UNKNOWN_COMMAND, Abort, Read, Write, reply, request_of
+from ross_sim.devices.bus_nodes import EARLY
 from ross_sim.devices.drive_axis import Axis
 from ross_sim.devices.drive_objects import Objects
 from ross_sim.devices.drive_servo import STEP
 
-EARLY = 1e-6  # so much before its time something is due [s]
 PDOS = (0, 1)  # numbers of process data, either way
 STATES = {
     NmtCommand.START: NmtState.OPERATIONAL,
@@ -59,14 +59,14 @@ class DriveNode:
         self.axis = self._power_up(self.objects)
         self.axis.step(self._now)
         self.nmt = NmtState.PRE_OPERATIONAL
-        self._said = [heartbeat(self.node, NmtState.BOOT_UP)]
+        self._outgoing = [heartbeat(self.node, NmtState.BOOT_UP)]
         self._next_beat = self._now
         self._next_report = [self._now for _ in PDOS]
         self._syncs = [0 for _ in PDOS]
-        self._told = -1  # the statusword that the others know
+        self._sent_status = -1  # the statusword that the others know
         self._master_until: float | None = None  # when the master's heartbeat is missed [s]
 
-    def take(self, frame: CanFrame) -> None:
+    def on_frame(self, frame: CanFrame) -> None:
         """Obey a frame."""
         if frame.extended:
             return
@@ -77,7 +77,7 @@ class DriveNode:
         elif frame.id == SYNC and self.nmt is NmtState.OPERATIONAL:
             self._synchronise()
         elif frame.id > HEARTBEAT:
-            self._hear(frame.id - HEARTBEAT, frame.data)
+            self._on_heartbeat(frame.id - HEARTBEAT, frame.data)
         elif self.nmt is NmtState.OPERATIONAL:
             for number in PDOS:
                 if frame.id == self.objects.at(0x1400 + number, 1) & (NOT_VALID | 0x7FF):
@@ -95,7 +95,7 @@ class DriveNode:
         self.objects[cia402.STATUSWORD] = self.axis.status
         self._report(until)
         self._beat(until)
-        said, self._said = self._said, []
+        said, self._outgoing = self._outgoing, []
         return said
 
     # ------------------------------------------------------------------------------------------ network
@@ -105,9 +105,9 @@ class DriveNode:
             self.boot()
         elif command in STATES:
             self.nmt = STATES[NmtCommand(command)]
-            self._told = -1
+            self._sent_status = -1
 
-    def _hear(self, node: int, data: bytes) -> None:
+    def _on_heartbeat(self, node: int, data: bytes) -> None:
         """Expect the master's next heartbeat; from the first one on it is missed."""
         whom = self.objects[cia402.CONSUMER_HEARTBEAT]
         if whom >> 16 == node and whom & 0xFFFF and state_of(data) is not None:
@@ -124,13 +124,13 @@ class DriveNode:
         period = self.objects[cia402.PRODUCER_HEARTBEAT] * 1e-3
         if period and now >= self._next_beat - EARLY:
             self._next_beat = now + period
-            self._said.append(heartbeat(self.node, self.nmt))
+            self._outgoing.append(heartbeat(self.node, self.nmt))
 
     def _say_emergency(self, emergency: Emergency) -> None:
         self.objects.write(0x603F, 0, emergency.code)
         self.objects.write(0x1001, 0, emergency.register)
         if self.nmt is not NmtState.STOPPED:
-            self._said.append(emergency.frame(self.node))
+            self._outgoing.append(emergency.frame(self.node))
 
     # ------------------------------------------------------------------------------------------ dictionary
 
@@ -138,10 +138,10 @@ class DriveNode:
         asked = request_of(data)
         if isinstance(asked, Read | Write):
             self.objects[cia402.STATUSWORD] = self.axis.status
-            self._said.append(reply(self.node, self.objects.answer(asked)))
+            self._outgoing.append(reply(self.node, self.objects.answer(asked)))
         elif asked is None and len(data) == 8:
             index, sub = int.from_bytes(data[1:3], "little"), data[3]
-            self._said.append(reply(self.node, Abort(index, sub, UNKNOWN_COMMAND)))
+            self._outgoing.append(reply(self.node, Abort(index, sub, UNKNOWN_COMMAND)))
 
     def _written(self, index: int, sub: int) -> None:
         if index == cia402.CONTROLWORD.index:
@@ -175,11 +175,11 @@ class DriveNode:
         for number in PDOS:
             parameter = 0x1800 + number
             on_event, timer = self.objects.at(parameter, 2) >= 254, self.objects.at(parameter, 5) * 1e-3
-            news = status != self._told and (cia402.STATUSWORD.index, 0, 2) in self._mapping(0x1A00 + number)
+            news = status != self._sent_status and (cia402.STATUSWORD.index, 0, 2) in self._mapping(0x1A00 + number)
             if on_event and (news or (timer and now >= self._next_report[number] - EARLY)):
                 self._next_report[number] = now + timer
                 self._send(number)
-        self._told = status
+        self._sent_status = status
 
     def _synchronise(self) -> None:
         self.objects[cia402.STATUSWORD] = self.axis.status
@@ -194,4 +194,4 @@ class DriveNode:
         cob = self.objects.at(0x1800 + number, 1)
         if not cob & NOT_VALID:
             data = b"".join(self.objects.data(index, sub) for index, sub, _ in self._mapping(0x1A00 + number))
-            self._said.append(CanFrame(cob & 0x7FF, data, extended=False))
+            self._outgoing.append(CanFrame(cob & 0x7FF, data, extended=False))

@@ -5,8 +5,9 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 
-from ross_protocols.canopen import Item, mapped
-from ross_protocols.canopen_sdo import (
+from ross_protocols.canopen.eds import Entry, data_sheet, entries_of
+from ross_protocols.canopen.frames import Item, mapped
+from ross_protocols.canopen.sdo import (
     NO_OBJECT,
     NO_SUBINDEX,
     NOT_MAPPABLE,
@@ -21,7 +22,6 @@ from ross_protocols.canopen_sdo import (
     Write,
     Written,
 )
-from ross_protocols.eds import Entry, data_sheet, entries_of
 
 MAPPINGS = (0x1600 >> 9, 0x1A00 >> 9)  # of process data to the drive and from it
 

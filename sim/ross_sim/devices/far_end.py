@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections import deque
+from dataclasses import replace
 from enum import StrEnum
 from typing import Any, Protocol
+
+import numpy as np
 
 from ross_payload import plugins
 from ross_payload.actuators.registry import checked_options
 from ross_payload.config import Config
-from ross_payload.interfaces import Port
+from ross_payload.interfaces import Clock, Port
+from ross_payload.transport.ports import Counts
 
 
 class Fault(StrEnum):
@@ -28,6 +33,26 @@ class Fault(StrEnum):
 
 
 SLIP = math.radians(10)  # [rad]
+
+
+class WireEnd:
+    """The payload's end of an in-process wire, a `Port`: what it sends waits for the far end."""
+
+    def __init__(self) -> None:
+        self.sent: list[Any] = []
+        self.arrived: list[Any] = []
+
+    def send(self, frame: Any) -> None:
+        """Send one frame."""
+        self.sent.append(frame)
+
+    def receive(self) -> list[Any]:
+        """Return what has arrived since the last call."""
+        arrived, self.arrived = self.arrived, []
+        return arrived
+
+    def close(self) -> None:
+        """Return at once: an in-process wire holds nothing."""
 
 
 class FarEnd(Protocol):
@@ -86,3 +111,48 @@ def checked(fault: Fault, faults: frozenset[Fault]) -> Fault:
     if fault not in faults:
         raise ValueError(f"fault: expected one of {', '.join(sorted(faults)) or 'none'}, got '{fault}'")
     return fault
+
+
+class End:
+    """One end of the wire: a port of the router, or of a simulated autopilot."""
+
+    def __init__(self, clock: Clock, latency: float, jitter: float, generator: np.random.Generator) -> None:
+        self._clock = clock
+        self._latency = latency
+        self._jitter = jitter
+        self._generator = generator
+        self._other = self
+        self._coming: deque[tuple[float, bytes]] = deque()  # when it arrives [s], what
+        self.counts = Counts()
+
+    def join(self, other: End) -> None:
+        """Lead to another end, and back."""
+        self._other, other._other = other, self
+
+    def send(self, frame: bytes) -> None:
+        """Send one frame; none overtakes another."""
+        due = self._clock.now() + self._latency + self._jitter * self._generator.random()
+        coming = self._other._coming
+        coming.append((max(due, coming[-1][0]) if coming else due, frame))
+        self.counts = replace(self.counts, sent=self.counts.sent + 1)
+
+    def receive(self) -> list[bytes]:
+        """Return what has arrived."""
+        arrived, now = [], self._clock.now()
+        while self._coming and self._coming[0][0] <= now:
+            arrived.append(self._coming.popleft()[1])
+        self.counts = replace(self.counts, received=self.counts.received + sum(map(len, arrived)))
+        return arrived
+
+    def close(self) -> None:
+        """Return at once: an in-process wire holds nothing."""
+
+
+def wire(clock: Clock, latency: float, jitter: float, seed: int) -> tuple[End, End]:
+    """Make a wire that delays by ``latency`` [s] at least and up to ``jitter`` [s] more; return both its ends."""
+    one, other = (
+        End(clock, latency, jitter, np.random.Generator(np.random.PCG64(own)))
+        for own in np.random.SeedSequence(seed).spawn(2)  # what one says does not change how the other is delayed
+    )
+    one.join(other)
+    return one, other

@@ -11,12 +11,12 @@ from typing import Any
 from numpy.random import Generator
 
 from ross_payload.angles import wrap
-from ross_protocols import gimbal
-from ross_protocols.codec import Packet
-from ross_protocols.dialect import common
-from ross_protocols.gimbal import Address
-from ross_protocols.pairs import clockwise
-from ross_protocols.vehicle import euler, quaternion
+from ross_protocols.mavlink import gimbal_messages
+from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.field_converters import clockwise
+from ross_protocols.mavlink.vehicle import euler, quaternion
 
 STEP = 0.002  # of the servo loop [s]
 COASTING = 3.0  # friction of a motor without torque [rad/s^2]
@@ -51,7 +51,7 @@ class Device:
 
     def __init__(
         self,
-        address: Address,
+        address: ComponentId,
         servo: Servo,
         vehicle: Callable[[float], float],
         *,
@@ -75,16 +75,16 @@ class Device:
         self._locked: float | None = None  # set-point from north [rad]
         self._now, self._boot, self._lags = now, now - up, cycle(STAMP_LAGS)
         self._managed = -math.inf
-        self._due = {0: 0.0, gimbal.DEVICE_ATTITUDE: 0.0}
-        self._periods = {0: 1.0, gimbal.DEVICE_ATTITUDE: 0.1}
+        self._due = {0: 0.0, gimbal_messages.DEVICE_ATTITUDE: 0.0}
+        self._periods = {0: 1.0, gimbal_messages.DEVICE_ATTITUDE: 0.1}
 
     def restart(self) -> None:
         """Boot: forget set-points and requests, stand still; its clock begins again."""
         self._boot, self._rate, self._locked = self._now, 0.0, None
         self._goal = self._from = self.angle
-        self._periods[gimbal.DEVICE_ATTITUDE] = 0.1
+        self._periods[gimbal_messages.DEVICE_ATTITUDE] = 0.1
 
-    def hear(self, packet: Packet, now: float) -> list[Any]:
+    def on_packet(self, packet: Packet, now: float) -> list[Any]:
         """Obey set-points and requests."""
         message = packet.message
         if (getattr(message, "target_system", 0), getattr(message, "target_component", 0)) != self.address:
@@ -154,7 +154,7 @@ class Device:
         yaw = euler(message.q)[0]
         if not math.isfinite(yaw):
             return
-        earth = gimbal.in_earth_frame(message.flags)
+        earth = gimbal_messages.in_earth_frame(message.flags)
         self._locked = clockwise(yaw) if earth else None
         self._aim(clockwise(yaw) - (self._vehicle(now) if earth else 0.0), now)
 
@@ -170,11 +170,15 @@ class Device:
     def _command(self, packet: Packet, now: float) -> list[Any]:
         message, number = packet.message, packet.message.param1
         answers = []
-        if message.command == gimbal.REQUEST_MESSAGE and number == gimbal.DEVICE_INFORMATION:
+        if message.command == gimbal_messages.REQUEST_MESSAGE and number == gimbal_messages.DEVICE_INFORMATION:
             answers = [self._information(now)]
-        elif message.command == gimbal.MESSAGE_INTERVAL and number == gimbal.DEVICE_ATTITUDE and message.param2 > 0:
-            self._periods[gimbal.DEVICE_ATTITUDE] = max(message.param2 / 1e6, GLIDE)
-            self._due[gimbal.DEVICE_ATTITUDE] = now
+        elif (
+            message.command == gimbal_messages.MESSAGE_INTERVAL
+            and number == gimbal_messages.DEVICE_ATTITUDE
+            and message.param2 > 0
+        ):
+            self._periods[gimbal_messages.DEVICE_ATTITUDE] = max(message.param2 / 1e6, GLIDE)
+            self._due[gimbal_messages.DEVICE_ATTITUDE] = now
         else:
             return [_acknowledged(packet, common.MAV_RESULT_UNSUPPORTED)]
         return [_acknowledged(packet, common.MAV_RESULT_ACCEPTED), *answers]
@@ -191,8 +195,12 @@ class Device:
         then, angle = now - lag, self._encoder(self._rate * lag)
         base = self._vehicle(then) if self._earth else 0.0
         turn = (self._vehicle(then + STEP) - base) / STEP if self._earth else 0.0
-        flags = 4 | 8 | (gimbal.YAW_LOCK | gimbal.EARTH_FRAME if self._earth else gimbal.VEHICLE_FRAME)
-        unmanaged = gimbal.NO_MANAGER if now - self._managed > 1.0 else 0
+        flags = (
+            4
+            | 8
+            | (gimbal_messages.YAW_LOCK | gimbal_messages.EARTH_FRAME if self._earth else gimbal_messages.VEHICLE_FRAME)
+        )
+        unmanaged = gimbal_messages.NO_MANAGER if now - self._managed > 1.0 else 0
         noise = 0.0 if self.trembling is None else self.trembling.normal(0.0, TREMBLE)
         q = quaternion(clockwise(angle + base + noise), 0.0, 0.0)
         rates = (0.0, 0.0, -(self._rate + turn))

@@ -8,21 +8,21 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
 
-from ross_protocols import gimbal, vehicle
-from ross_protocols.codec import Packet
-from ross_protocols.dialect import common
-from ross_protocols.gimbal import Address
-from ross_protocols.pairs import clockwise
-from ross_protocols.vehicle import VehicleAttitude
+from ross_protocols.mavlink import gimbal_messages, vehicle
+from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.component_id import NOBODY, ComponentId
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.field_converters import clockwise
+from ross_protocols.mavlink.vehicle import VehicleAttitude
 from ross_sim.devices.gimbal_device import EARLY, Servo
 
 HEARTBEAT, ATTITUDE, SET_ATTITUDE = 0, 30, 284  # message ids
 PITCH_YAW = 1000  # command, in degrees
-HANDLED = (PITCH_YAW, gimbal.CONFIGURE)  # commands of gimbal managers alone
+HANDLED = (PITCH_YAW, gimbal_messages.CONFIGURE)  # commands of gimbal managers alone
 SHORTEST = 0.01  # of the periods that it can be asked for [s]
 FAILED = common.MAV_RESULT_FAILED
 PERIODS = {HEARTBEAT: 1.0, ATTITUDE: 0.04, SET_ATTITUDE: 0.02}  # [s]
-ADJUSTABLE = (gimbal.DEVICE_ATTITUDE, ATTITUDE)
+ADJUSTABLE = (gimbal_messages.DEVICE_ATTITUDE, ATTITUDE)
 STATUS_PERIOD = 30.0  # [s] between two manager statuses that nobody asked for and nothing caused
 DEVICE_ID = 1  # of its first gimbal, whatever its component id is
 BOOTING = 1.0  # [s] of a restart
@@ -55,11 +55,11 @@ class ArduPilot:
     """
 
     def __init__(
-        self, address: Address, device: Address, servo: Servo, yaw: Callable[[float], float], *, up: float = 0.0
+        self, address: ComponentId, device: ComponentId, servo: Servo, yaw: Callable[[float], float], *, up: float = 0.0
     ) -> None:
         self.address = address
-        self.primary: Address = (0, 0)
-        self._said_primary: Address = (0, 0)
+        self.primary: ComponentId = NOBODY
+        self._said_primary: ComponentId = NOBODY
         self._status_due = STATUS_PERIOD
         self._boot, self._up = -up, 0.0  # when it was switched on, from when it hears and speaks [s]
         self._lags = cycle(STAMP_LAGS)
@@ -69,23 +69,23 @@ class ArduPilot:
         self._aim = 0.0  # counter-clockwise [rad]
         self._lock = False  # from north
         self._running = 0.0  # a rate [rad/s] that nobody has stopped
-        self._heard: tuple[float, Any] | None = None  # when [s], the device's attitude
-        self._told: Any = None  # what the device is
+        self._attitude: tuple[float, Any] | None = None  # when [s], the device's attitude
+        self._information: Any = None  # what the device is
         self._asked = -math.inf
         self._periods = dict(PERIODS)
         self._due: dict[int, float] = {}
         self._then = 0.0
 
-    def hear(self, packet: Packet, now: float) -> list[Any]:
+    def on_packet(self, packet: Packet, now: float) -> list[Any]:
         """Obey, and remember what the device says."""
         message = packet.message
         if now < self._up:
             return []
-        if (packet.system_id, packet.component_id) == self._device:
+        if packet.sender == self._device:
             if packet.name == "GIMBAL_DEVICE_INFORMATION":
-                self._told = message
+                self._information = message
             if packet.name == "GIMBAL_DEVICE_ATTITUDE_STATUS":
-                self._heard = now, message
+                self._attitude = now, message
         if (getattr(message, "target_system", 0), getattr(message, "target_component", 0)) != self.address:
             return []
         if packet.name == "GIMBAL_MANAGER_SET_PITCHYAW":
@@ -106,17 +106,17 @@ class ArduPilot:
         said = []
         if self.primary != self._said_primary or now >= self._status_due - EARLY:
             self._said_primary, self._status_due = self.primary, now + STATUS_PERIOD
-            said += self._message(gimbal.MANAGER_STATUS, now)
-        if self._told is None and now - self._asked >= 1.0:
+            said += self._message(gimbal_messages.MANAGER_STATUS, now)
+        if self._information is None and now - self._asked >= 1.0:
             self._asked = now
-            said.append(gimbal.request(self._device, gimbal.DEVICE_INFORMATION))
+            said.append(gimbal_messages.request(self._device, gimbal_messages.DEVICE_INFORMATION))
         for number, period in self._periods.items():
             if now >= self._due.get(number, now) - EARLY:
                 self._due[number] = now + period
                 said += self._message(number, now)
         return said
 
-    def take_control(self, whom: Address) -> None:
+    def take_control(self, whom: ComponentId) -> None:
         """Let somebody else configure the gimbal."""
         self.primary = whom
 
@@ -126,8 +126,8 @@ class ArduPilot:
         It forgets who was in control, what was asked for and where to point.
         """
         self._up = now + BOOTING
-        self.primary = self._said_primary = 0, 0
-        self._boot, self._told, self._heard, self._asked = now, None, None, -math.inf
+        self.primary = self._said_primary = NOBODY
+        self._boot, self._information, self._attitude, self._asked = now, None, None, -math.inf
         self._aim, self._lock, self._running = 0.0, False, 0.0
         self._periods, self._due = dict(PERIODS), {}
 
@@ -137,7 +137,7 @@ class ArduPilot:
             return False
         angled, rated = all(map(math.isfinite, angles)), all(map(math.isfinite, rates))
         if angled and not rated:
-            self._running, self._lock = 0.0, bool(message.flags & gimbal.YAW_LOCK)
+            self._running, self._lock = 0.0, bool(message.flags & gimbal_messages.YAW_LOCK)
             aim = clockwise(angles[1])
             self._aim = aim if self._lock else self._within(aim)
         elif rated and not angled:
@@ -152,19 +152,19 @@ class ArduPilot:
 
     def _command(self, packet: Packet, now: float) -> list[Any]:
         order = _Order.of(packet.message)
-        sender = packet.system_id, packet.component_id
+        sender = packet.sender
         result, answers = common.MAV_RESULT_ACCEPTED, list[Any]()
         if order.number == PITCH_YAW:
             pitch, yaw, *rates = map(math.radians, order.values[:4])
             result = FAILED if not self._point(order, (pitch, yaw), (rates[0], rates[1])) else result
-        elif order.number == gimbal.CONFIGURE:
+        elif order.number == gimbal_messages.CONFIGURE:
             result = FAILED if not self._configure(order, sender) else result
-        elif order.number == gimbal.REQUEST_MESSAGE:
+        elif order.number == gimbal_messages.REQUEST_MESSAGE:
             answers = self._message(_whole(order.values[0]), now)
             result = result if answers else FAILED
-        elif order.number == gimbal.MESSAGE_INTERVAL and order.values[0] in ADJUSTABLE:
+        elif order.number == gimbal_messages.MESSAGE_INTERVAL and order.values[0] in ADJUSTABLE:
             self._set_interval(int(order.values[0]), order.values[1])
-        elif order.number != gimbal.MESSAGE_INTERVAL:
+        elif order.number != gimbal_messages.MESSAGE_INTERVAL:
             result = common.MAV_RESULT_UNSUPPORTED
         whom = {"target_system": sender[0], "target_component": sender[1]}
         return [common.MAVLink_command_ack_message(order.number, result, **whom), *answers]
@@ -176,17 +176,17 @@ class ArduPilot:
         else:
             self._periods.pop(number, None)
 
-    def _configure(self, order: _Order, sender: Address) -> bool:
+    def _configure(self, order: _Order, sender: ComponentId) -> bool:
         """Record who is in control; tell whether that could be."""
         system, component = order.values[:2]
         if order.gimbal_device_id not in (0, DEVICE_ID) or not (-3 <= system <= 255 and -3 <= component <= 255):
             return False
-        if system == gimbal.ITSELF:
+        if system == gimbal_messages.ITSELF:
             self.primary = sender
-        elif system == gimbal.NOBODY and self.primary == sender:
-            self.primary = 0, 0
-        elif system >= 0:
-            self.primary = int(system), int(component)
+        elif system == gimbal_messages.NOBODY and self.primary == sender:
+            self.primary = NOBODY
+        elif min(system, component) >= 0:  # a negative one of the two leaves control as it is
+            self.primary = ComponentId(int(system), int(component))
         return True
 
     def _message(self, number: int, now: float) -> list[Any]:
@@ -199,19 +199,19 @@ class ArduPilot:
             case 30:
                 rate = (self._yaw(now) - self._yaw(now - 0.01)) / 0.01
                 return [vehicle.attitude(VehicleAttitude(boot / 1e3, self._yaw(now), 0.0, 0.0, rate))]
-            case gimbal.MANAGER_INFORMATION:
+            case gimbal_messages.MANAGER_INFORMATION:
                 return [common.MAVLink_gimbal_manager_information_message(boot, 0, DEVICE_ID, *travel)]
-            case gimbal.MANAGER_STATUS:
+            case gimbal_messages.MANAGER_STATUS:
                 return [common.MAVLink_gimbal_manager_status_message(boot, 12, DEVICE_ID, *self.primary, 0, 0)]
         return self._gimbal_message(number, boot, now)
 
     def _gimbal_message(self, number: int, boot: int, now: float) -> list[Any]:
-        if number == SET_ATTITUDE and self._told is not None:
-            said = gimbal.point_device(self._device, self._aim)
-            said.flags = 4 | 8 | gimbal.YAW_LOCK if self._lock else 0
+        if number == SET_ATTITUDE and self._information is not None:
+            said = gimbal_messages.point_device(self._device, self._aim)
+            said.flags = 4 | 8 | gimbal_messages.YAW_LOCK if self._lock else 0
             return [said]
-        if number == gimbal.DEVICE_ATTITUDE and self._heard and now - self._heard[0] <= SILENT:
-            seen, lag = self._heard[1], round(next(self._lags) * 1e3)
+        if number == gimbal_messages.DEVICE_ATTITUDE and self._attitude and now - self._attitude[0] <= SILENT:
+            seen, lag = self._attitude[1], round(next(self._lags) * 1e3)
             said = common.MAVLink_gimbal_device_attitude_status_message(
                 0, 0, max(boot - lag, 0), seen.flags, seen.q, *(math.nan,) * 3, seen.failure_flags, 0, 0, DEVICE_ID
             )

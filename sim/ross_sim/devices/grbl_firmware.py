@@ -10,11 +10,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Generator
 
-from ross_protocols.grbl import HOMING, IDLE_DELAY, SOFT_LIMITS, State
-from ross_sim.devices.grbl_gcode import Line, Modes, Refused, understood
-from ross_sim.devices.grbl_homing import homing
+from ross_protocols.grbl.protocol import HOMING, IDLE_DELAY, SOFT_LIMITS, State
+from ross_sim.devices.grbl_gcode import GcodeError, GcodeLine, Modes, understood
 from ross_sim.devices.grbl_planner import Motion
-from ross_sim.devices.grbl_settings import DEVIATION, Settings
+from ross_sim.devices.grbl_settings import DEVIATION, Settings, homing
 
 RECEIVE_BUFFER = 128  # [bytes]
 LONGEST = 80  # line [bytes]
@@ -80,7 +79,7 @@ class Firmware:
         """Whether the axis that turns is not to go back."""
         return self.motion.planned[self._turning] >= self.count
 
-    def take(self, data: bytes) -> None:
+    def on_bytes(self, data: bytes) -> None:
         """Take in bytes from the line; what does not fit into the buffer is lost."""
         for byte in data:
             if byte in b"?!~\x18" or byte >= 0x80:
@@ -92,7 +91,7 @@ class Firmware:
         """Live for one piece; return where the axis that turns was before and is after it [steps]."""
         if self._asked and self.state is not State.HOME:
             self._asked = False
-            self._say(self._report())
+            self._send(self._report())
         if self._homing is not None:
             self._home(self._homing)
         else:
@@ -117,10 +116,10 @@ class Firmware:
         self._line = bytearray()
         self._asked = self._cancelling = False
         self._homing: Generator[None, None, int] | None = None
-        self._told = 0  # reports, which tell more now and then
-        self._say(BANNER)
+        self._reports = 0  # reports, which tell more now and then
+        self._send(BANNER)
         if state is State.ALARM:
-            self._say(LOCKED)
+            self._send(LOCKED)
 
     def _at_once(self, byte: int) -> None:
         if byte == 0x18:
@@ -148,7 +147,7 @@ class Firmware:
     def _alarm(self, number: int) -> None:
         self.motion.clear()
         self.state, self._homing = State.ALARM, None
-        self._say(f"ALARM:{number}")
+        self._send(f"ALARM:{number}")
 
     def _home(self, cycle: Generator[None, None, int]) -> None:
         try:
@@ -159,7 +158,7 @@ class Firmware:
                 self._begin(State.ALARM)
             else:
                 self.state, self._homing = State.IDLE, None
-                self._say("ok")
+                self._send("ok")
 
     def _come_to_rest(self) -> None:
         if self.state is State.HOLD:
@@ -181,10 +180,10 @@ class Firmware:
             line, self._line = self._line.decode("ascii").upper().replace(" ", ""), bytearray()
             try:
                 if len(line) > LONGEST:
-                    raise Refused(11)
+                    raise GcodeError(11)
                 self._execute(line)
-            except Refused as refusal:
-                self._say(f"error:{refusal.number}")
+            except GcodeError as refusal:
+                self._send(f"error:{refusal.number}")
 
     def _execute(self, line: str) -> None:
         if line.startswith("$"):
@@ -193,42 +192,42 @@ class Firmware:
                 return  # answers when it is over
         elif line:
             self._move(line)
-        self._say("ok")
+        self._send("ok")
 
     def _system(self, command: str) -> None:
         if command.startswith("J"):
             self._jog(command)
         elif command == "$":
             if self.state in (State.RUN, State.HOLD):
-                raise Refused(8)
-            self._say(*self.settings.lines())
+                raise GcodeError(8)
+            self._send(*self.settings.lines())
         elif command == "X":
             if self.state is State.ALARM:
                 self.state = State.IDLE
-                self._say("[MSG:Caution: Unlocked]")
+                self._send("[MSG:Caution: Unlocked]")
         elif command in ("", "G"):
             modes = self._modes
             kept = f"[GC:{modes.motion} G54 G17 {modes.units} {modes.distance} G94 M5 M9 T0 F{modes.feed:.0f} S0]"
-            self._say(kept if command else HELP)
+            self._send(kept if command else HELP)
         elif self.state not in (State.IDLE, State.ALARM):
-            raise Refused(8)
+            raise GcodeError(8)
         else:
             self._at_rest(command)
 
     def _at_rest(self, command: str) -> None:
         if command == "I":
-            self._say(*BUILD)
+            self._send(*BUILD)
         elif command == "#":
             zeros = self._vector([0.0] * len(self._axes))
-            self._say(*(f"[{name}:{zeros}]" for name in OFFSETS), "[TLO:0.000]", f"[PRB:{zeros}:0]")
+            self._send(*(f"[{name}:{zeros}]" for name in OFFSETS), "[TLO:0.000]", f"[PRB:{zeros}:0]")
         elif command == "H":
             if not self.settings[HOMING]:
-                raise Refused(5)
+                raise GcodeError(5)
             self.state = State.HOME
             self._homing = homing(self.motion, self.settings, self._turning, self._switch)
         elif command == "SLP":
             self.state = State.SLEEP
-            self._say("[MSG:Sleeping]")
+            self._send("[MSG:Sleeping]")
         else:
             self._set(command)
 
@@ -238,19 +237,19 @@ class Firmware:
 
     def _jog(self, command: str) -> None:
         if self.state not in (State.IDLE, State.JOG):
-            raise Refused(8)
+            raise GcodeError(8)
         if not command.startswith("J="):
-            raise Refused(3)
+            raise GcodeError(3)
         line = understood(command[2:], self._modes, self._axes, jog=True)
         target = self._target(line)
         if self.settings[SOFT_LIMITS] and self.settings.beyond(target):
-            raise Refused(15)
+            raise GcodeError(15)
         if self.motion.add(target, line.feed):
             self.state = State.JOG
 
     def _move(self, text: str) -> None:
         if self.state not in (State.IDLE, State.RUN):
-            raise Refused(9)
+            raise GcodeError(9)
         line = understood(text, self._modes, self._axes)
         self._modes = line.modes
         if not line.axes:
@@ -261,7 +260,7 @@ class Firmware:
         elif self.motion.add(target, line.feed):
             self.state = State.RUN
 
-    def _target(self, line: Line) -> list[int]:
+    def _target(self, line: GcodeLine) -> list[int]:
         absolute = line.machine or line.modes.distance == "G90"
         target = list(self.motion.planned)
         for n, (letter, axis) in enumerate(zip(self._axes, self.motion.axes, strict=True)):
@@ -278,14 +277,14 @@ class Firmware:
         held = f":{int(self.motion.moving)}" if self.state is State.HOLD else ""
         machine = self._vector(places)
         zeros = self._vector([0.0] * len(self._axes))
-        more = {0: f"|WCO:{zeros}", 1: "|Ov:100,100,100"}.get(self._told % 30, "")
+        more = {0: f"|WCO:{zeros}", 1: "|Ov:100,100,100"}.get(self._reports % 30, "")
         pins = f"|Pn:{self._axes[self._turning]}" if self._switch() else ""
-        self._told += 1
+        self._reports += 1
         return f"<{self.state}{held}|MPos:{machine}|FS:{speed:.0f},0{pins}{more}>"
 
     def _vector(self, places: list[float]) -> str:
         return ",".join(f"{place:.3f}" for place in places)
 
-    def _say(self, *lines: str) -> None:
+    def _send(self, *lines: str) -> None:
         for line in lines:
             self.out += line.encode() + b"\r\n"

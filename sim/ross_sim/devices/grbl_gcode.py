@@ -11,7 +11,7 @@ _MOTION, _UNITS, _DISTANCE = {"G0", "G1"}, {"G20", "G21"}, {"G90", "G91"}
 INCH = 25.4  # [mm]
 
 
-class Refused(Exception):
+class GcodeError(Exception):
     """A line that is not obeyed, with its error number."""
 
     def __init__(self, number: int) -> None:
@@ -35,7 +35,7 @@ class Modes:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class GcodeLine:
     """One line, understood."""
 
     modes: Modes
@@ -48,7 +48,7 @@ class Line:
         return float("inf") if self.modes.motion == "G0" else self.modes.feed
 
 
-def understood(text: str, modes: Modes, axes: str, *, jog: bool = False) -> Line:
+def understood(text: str, modes: Modes, axes: str, *, jog: bool = False) -> GcodeLine:
     """Read one line in the light of the modes.
 
     >>> understood("G91X1.5F100", Modes(), "XYZ", jog=True).axes
@@ -64,14 +64,14 @@ def understood(text: str, modes: Modes, axes: str, *, jog: bool = False) -> Line
     values = {letter: value for letter, value in words if letter not in "GM"}
     allowed = _UNITS | _DISTANCE | {"G53"} | (set() if jog else _MOTION | _IGNORED)
     if any(command not in allowed for command in commands):
-        raise Refused(16 if jog else 20)
+        raise GcodeError(16 if jog else 20)
     modes = _changed(modes, commands, jog)
     feed = values.pop("F", None)
     if feed is not None:
         modes = replace(modes, feed=feed * modes.scale)
     elif jog:
-        raise Refused(22)
-    return _checked(Line(modes, "G53" in commands, _lengths(values, axes, modes.scale)), jog)
+        raise GcodeError(22)
+    return _checked(GcodeLine(modes, "G53" in commands, _lengths(values, axes, modes.scale)), jog)
 
 
 def _changed(modes: Modes, commands: list[str], jog: bool) -> Modes:
@@ -92,25 +92,25 @@ def _words(text: str) -> list[tuple[str, float]]:
     while end < len(text):
         match = _WORD.match(text, end)
         if match is None:
-            raise Refused(2 if text[end].isalpha() else 1)
+            raise GcodeError(2 if text[end].isalpha() else 1)
         found.append((match[1], float(match[2])))
         end = match.end()
     letters = [letter for letter, _ in found if letter not in "GM"]
     if len(letters) != len(set(letters)):
-        raise Refused(25)
+        raise GcodeError(25)
     return found
 
 
 def _lengths(values: dict[str, float], axes: str, scale: float) -> dict[str, float]:
     lengths = {letter: value * scale for letter, value in values.items() if letter in axes}
     if set(values) - set(lengths) - set("NST"):
-        raise Refused(36)
+        raise GcodeError(36)
     return lengths
 
 
-def _checked(line: Line, jog: bool) -> Line:
+def _checked(line: GcodeLine, jog: bool) -> GcodeLine:
     if jog and not line.axes:
-        raise Refused(26)
+        raise GcodeError(26)
     if line.axes and line.modes.motion == "G1" and line.modes.feed <= 0:
-        raise Refused(22)
+        raise GcodeError(22)
     return line

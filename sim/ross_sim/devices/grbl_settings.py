@@ -1,12 +1,12 @@
-"""The settings of the simulated grbl, with the defaults of grbl 1.1."""
+"""The settings of the simulated grbl, with the defaults of grbl 1.1, and the homing cycle that follows them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Generator, Sequence
 
-from ross_protocols.grbl import ACCELERATION, MAX_RATE, STEPS, TRAVEL
-from ross_sim.devices.grbl_gcode import Refused
-from ross_sim.devices.grbl_planner import Axis
+from ross_protocols.grbl.protocol import ACCELERATION, MAX_RATE, STEPS, TRAVEL
+from ross_sim.devices.grbl_gcode import GcodeError
+from ross_sim.devices.grbl_planner import Axis, Motion
 
 DEVIATION, DIRECTION, LOCATE, SEEK, PULL_OFF = 11, 23, 24, 25, 27
 DEFAULTS: dict[int, float] = {
@@ -46,11 +46,11 @@ class Settings:
         try:
             number, value = int(name), float(amount)
         except ValueError as error:
-            raise Refused(2 if equals else 3) from error
+            raise GcodeError(2 if equals else 3) from error
         if number not in self._values:
-            raise Refused(3)
+            raise GcodeError(3)
         if value < 0:
-            raise Refused(4)
+            raise GcodeError(4)
         self._values[number] = value
 
     def lines(self) -> list[str]:
@@ -73,3 +73,36 @@ class Settings:
         """Whether a target [steps] lies outside the travel, which ends at 0."""
         places = [steps / axis.steps for steps, axis in zip(target, self.axes, strict=True)]
         return any(not -travel - 1e-6 <= place <= 1e-6 for place, travel in zip(places, self.travels, strict=True))
+
+
+NOT_CLEARED, NOT_FOUND = 8, 9  # alarms
+
+
+def homing(motion: Motion, settings: Settings, n: int, switch: Callable[[], bool]) -> Generator[None, None, int]:
+    """Seek the switch of axis ``n``, pull off, find it again slowly, pull off; the position is then known.
+
+    Returns the alarm it ends with, 0 when all is well.
+    """
+    sign = -1 if int(settings[DIRECTION]) >> n & 1 else 1
+    travel, pull_off, steps = settings.travels[n], settings[PULL_OFF], motion.axes[n].steps
+    for rate, search in ((settings[SEEK], 1.5 * travel), (settings[LOCATE], 5 * pull_off)):
+        _go(motion, n, sign * search, rate)
+        while motion.moving and not switch():
+            yield
+        found = switch()
+        motion.clear()
+        _go(motion, n, -sign * pull_off, rate)
+        while motion.moving:
+            yield
+        if switch() or not found:
+            return NOT_CLEARED if found else NOT_FOUND
+    place = list(motion.position)
+    place[n] = round((-pull_off if sign > 0 else pull_off - travel) * steps)
+    motion.place(place)
+    return 0
+
+
+def _go(motion: Motion, n: int, distance: float, rate: float) -> None:
+    target = list(motion.position)
+    target[n] += round(distance * motion.axes[n].steps)
+    motion.add(target, rate)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Annotated, Any, Self
 
 from pydantic import Field
@@ -16,7 +15,7 @@ from pydantic import Field
 from ross_payload.actuators.motion import Trapezoid
 from ross_payload.config import Degrees, Positive, Table
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Feedback, Port, Services
-from ross_sim.devices.far_end import SLIP, Fault, checked
+from ross_sim.devices.far_end import SLIP, Fault, WireEnd, checked
 
 RESOLUTION = 1e-6  # [rad]
 
@@ -110,9 +109,7 @@ class IdealActuator:
         self._report = Report(self._report.angle, 0.0, -math.inf)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         """Stop and close the wire."""
         if self._port is not None:
             self.stop()
@@ -124,33 +121,13 @@ class IdealActuator:
             self._port.send(frame)
 
 
-class Wire:
-    """The driver's end of the in-process wire."""
-
-    def __init__(self) -> None:
-        self.sent: list[Any] = []
-        self.arrived: list[Any] = []
-
-    def send(self, frame: Any) -> None:
-        """Send one frame to the device."""
-        self.sent.append(frame)
-
-    def receive(self) -> list[Any]:
-        """Return what the device has sent."""
-        arrived, self.arrived = self.arrived, []
-        return arrived
-
-    def close(self) -> None:
-        """Return at once: an in-process wire holds nothing."""
-
-
 class IdealFarEnd:
     """The device: moves exactly as planned, reports at every advance."""
 
     faults = frozenset({Fault.SILENT, Fault.STUCK, Fault.SLIP})
 
     def __init__(self) -> None:
-        self.port = Wire()
+        self.port = WireEnd()
         self._suffers: set[Fault] = set()
         self._slipped = 0.0  # [rad]
         self._now = 0.0
@@ -189,6 +166,11 @@ class IdealFarEnd:
         """Return nothing: nothing ever goes wrong."""
         return []
 
+    @classmethod
+    def make(cls, config: Options) -> IdealFarEnd:
+        """Make the device at joint angle 0."""
+        return cls()
+
 
 class IdealBackend:
     """Ideal turntable for simulations: follows the trapezoid exactly and measures where it is."""
@@ -200,13 +182,5 @@ class IdealBackend:
         return IdealActuator(config, services)
 
 
-class IdealFarEndPlugin:
-    """The device behind ``ideal``."""
-
-    def make(self, config: Options) -> IdealFarEnd:
-        """Make the device at joint angle 0."""
-        return IdealFarEnd()
-
-
 backend = IdealBackend()
-far_end = IdealFarEndPlugin()
+far_end = IdealFarEnd

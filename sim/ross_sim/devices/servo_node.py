@@ -10,16 +10,24 @@ from ross_payload.actuators.dronecan_servo.options import Options
 from ross_payload.angles import wrap
 from ross_payload.dronecan.allocatee import Allocatee
 from ross_protocols.can import CanFrame
-from ross_protocols.dronecan import ArrayCommand, CommandKind, Health, Mode, NodeStatus, Received, Status
-from ross_protocols.dronecan_allocation import Allocation
-from ross_protocols.dronecan_gimbal import AngularCommand, GimbalMode, GimbalStatus
-from ross_protocols.dronecan_services import MAGIC, NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
-from ross_protocols.dronecan_speech import Call, Ear, Voice
+from ross_protocols.dronecan.gimbal_messages import AngularCommand, GimbalMode, GimbalStatus
+from ross_protocols.dronecan.messages import (
+    Allocation,
+    ArrayCommand,
+    CommandKind,
+    Health,
+    Mode,
+    NodeStatus,
+    Received,
+    Status,
+)
+from ross_protocols.dronecan.node_messages import Call, Decoder, Encoder
+from ross_protocols.dronecan.services import MAGIC, NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
+from ross_sim.devices.bus_nodes import EARLY
 from ross_sim.devices.servo_shaft import STEP, Shaft
 
 NAME = "org.ross.servo"
 REPORT, BEAT = 0.020, 1.0  # [s] between two reports, two NodeStatus
-EARLY = 1e-6  # so much before its time something is due [s]
 
 
 class ServoNode:
@@ -48,11 +56,11 @@ class ServoNode:
         self._now = self._next_report = 0.0
         self.restart()
 
-    def take(self, frame: CanFrame) -> None:
+    def on_frame(self, frame: CanFrame) -> None:
         """Hear a frame of somebody else."""
         match self._ear.feed(frame):
             case Received(node, Allocation() as told) if not self.node_id:
-                self._adopt(self._allocatee.heard(node, told, self._now) or 0)
+                self._adopt(self._allocatee.on_allocation(node, told, self._now) or 0)
             case Received(_, message):
                 self._command(message)
             case Call() as call:
@@ -89,7 +97,7 @@ class ServoNode:
 
     def _adopt(self, node_id: int) -> None:
         self.node_id = node_id  # 0: it has none yet
-        self._voice, self._ear = Voice(node_id), Ear(node_id)
+        self._voice, self._ear = Encoder(node_id), Decoder(node_id)
 
     def _ask(self) -> list[CanFrame]:
         """Ask for a node id, when it is time for it."""

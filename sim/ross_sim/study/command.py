@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from ross_payload.errors import ConfigError
-from ross_payload.extras import install_line
+from ross_payload.plugins import install_line
 
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
@@ -63,7 +63,7 @@ def command(preset: str, *, out: Path, speech: Path | None, workers: int | None,
     Presets: quick, paper, separation, exploration, full. Every option of an axis replaces the preset's.
     """
     try:
-        from ross_sim.study.session import conduct
+        from ross_sim.study.study_run import conduct
     except ModuleNotFoundError as error:
         raise ConfigError(f"a study needs the package {error.name}: {install_line('study')}") from error
 

@@ -17,8 +17,8 @@ from ross_payload.angles import difference
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Explorer, Observation, Real, Samples
-from ross_sim.study.rooms import Setting
-from ross_sim.study.separation import RATE, SNR_DB, spread
+from ross_sim.study.mixtures import RATE, SNR_DB, spread
+from ross_sim.study.room_settings import Setting
 
 FRAME = 1024
 UNIT, STEP = 3.0, np.deg2rad(15.0)  # [s], [rad]
@@ -49,20 +49,20 @@ def render(
     unit, before = round(seconds * rate), round(BEFORE * rate)
     places = setting.places(azimuths, np.random.default_rng(np.abs(azimuths * 1e6).astype(int)))
     responses = setting.responses(places, headings.tolist(), rate)
-    heard = np.zeros((len(headings), 2, unit))
+    received = np.zeros((len(headings), 2, unit))
     for source, voice in enumerate(voices):
         speech = np.resize(np.roll(voice, -int(rng.integers(len(voice)))), unit * len(headings) + before)
         pieces = np.stack([speech[r * unit : (r + 1) * unit + before] for r in range(len(headings))])
         image = oaconvolve(pieces[:, None], responses[:, :, source], axes=-1)[..., before : before + unit]
-        heard += image / np.sqrt(np.mean(image[:, 0] ** 2))
-    noise = np.sqrt(np.mean(heard[:, 0] ** 2)) * 10 ** (-SNR_DB / 20)
-    mixture = heard + noise * rng.standard_normal(heard.shape)
+        received += image / np.sqrt(np.mean(image[:, 0] ** 2))
+    noise = np.sqrt(np.mean(received[:, 0] ** 2)) * 10 ** (-SNR_DB / 20)
+    mixture = received + noise * rng.standard_normal(received.shape)
     return np.asarray(0.05 / np.sqrt(np.mean(mixture**2)) * mixture)
 
 
-def observed(explorer: Explorer, stft: Stft, heard: Real, headings: Real) -> Iterator[Observation]:
+def observed(explorer: Explorer, stft: Stft, received: Real, headings: Real) -> Iterator[Observation]:
     """What an explorer, whom nobody tells the noise, observes of (n_headings, 2, n_samples)."""
-    for samples, heading in zip(heard.astype(np.float32), headings, strict=True):
+    for samples, heading in zip(received.astype(np.float32), headings, strict=True):
         spectrogram = stft.analyse(samples)
         yield explorer.observe(spectrogram, stft.frequencies, float(heading), None, frame_period=stft.period)
 
@@ -75,8 +75,8 @@ def explore(
     azimuths = spread(k, rng)
     chosen = tuple(voices[i] for i in rng.permutation(len(voices))[:k])
     headings = STEP * np.arange(rotations + 1)
-    heard = render(chosen, azimuths, setting, headings, rng)
-    return Explored(azimuths, chosen, tuple(observed(explorer, Stft(RATE, FRAME, FRAME // 4), heard, headings)))
+    received = render(chosen, azimuths, setting, headings, rng)
+    return Explored(azimuths, chosen, tuple(observed(explorer, Stft(RATE, FRAME, FRAME // 4), received, headings)))
 
 
 def matched(azimuths: Real, estimate: Estimate) -> tuple[Real, Real]:

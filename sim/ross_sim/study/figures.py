@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ross_payload.interfaces import Real
-from ross_sim.study.rows import ALIGNED, ESTIMATED, UNALIGNED, Exploration, Separation
+from ross_sim.study.result_rows import ALIGNED, ESTIMATED, UNALIGNED, Exploration, Separation
 from ross_sim.study.tables import grouped, mean
 
 COLUMN, PAGE = 3.5, 7.16  # widths of one and of two columns [inch]

@@ -12,15 +12,15 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import fftconvolve
 
-from ross_payload.dsp.gaussian import FLOOR, fitted
 from ross_payload.dsp.noise import guessed_psd
-from ross_payload.dsp.refine import HIGHEST, features
 from ross_payload.dsp.steering import directions_of, tdoa
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Complex, Real, Scene
-from ross_sim.room import RoomSpec, respond
-from ross_sim.study.augment import at_speed
-from ross_sim.study.separation import aligned_heading, spread
+from ross_payload.separation.local_gaussian_model import FLOOR, fitted
+from ross_payload.separation.refined import HIGHEST, features
+from ross_sim.acoustics.room import RoomSpec, respond
+from ross_sim.study.mixtures import aligned_heading, spread
+from ross_sim.study.voice_augmentation import at_speed
 
 SPACING, SPEED_OF_SOUND = 0.05, 343.0  # d [m], v_p [m/s]
 SECONDS = 4.5
@@ -57,7 +57,7 @@ def clip(voices: Mapping[str, Mapping[int, Real]], seed: int, index: int) -> Cli
     if rng.random() < 0.75 and n_sources > 2:
         heading = aligned_heading(azimuths, int(rng.integers(n_sources)))
     images = _images(cast, azimuths, heading, rate, rng)
-    return _fitted(images, *_heard(azimuths, heading, rng), rate, rng)
+    return _fitted(images, *_believed_tdoas(azimuths, heading, rng), rate, rng)
 
 
 def _voice(speech: Real, rate: int, rng: np.random.Generator) -> Real:
@@ -97,7 +97,7 @@ def _images(cast: Sequence[Real], azimuths: Real, heading: float, rate: int, rng
     return np.asarray(images / level * levels[:, None, None])
 
 
-def _heard(azimuths: Real, heading: float, rng: np.random.Generator) -> tuple[Real, list[int]]:
+def _believed_tdoas(azimuths: Real, heading: float, rng: np.random.Generator) -> tuple[Real, list[int]]:
     """TDOAs [s] as the explorer might have them, and the source that each belongs to (-1: nobody)."""
     believed, owners = azimuths.copy(), list(range(len(azimuths)))
     if rng.random() < 0.5:

@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from ross_payload.dsp.network import COLUMNS, LIMIT, PLACES, ROWS, STEPS
-from ross_payload.dsp.refine import N_FEATURES, SCALE, STEADY
 from ross_payload.interfaces import Real
+from ross_payload.separation.network import COLUMNS, LIMIT, PLACES, ROWS, STEPS
+from ross_payload.separation.refined import N_FEATURES, SCALE, STEADY
 
 CLIPPED, QUIET = 1e-3, 3e-3  # error that counts as none, and of a group that is silent, relative to its power
 
 
 def initial(n_channels: int, n_blocks: int, rng: np.random.Generator) -> dict[str, Real]:
-    """Random weights by name as `ross_payload.dsp.network.network_of` reads them; the output starts near 0."""
+    """Random weights by name as `ross_payload.separation.network.network_of` reads them; the output starts near 0."""
     n_in, n_out, c = N_FEATURES * ROWS * COLUMNS + PLACES, ROWS * COLUMNS, n_channels
     weights = {"in": rng.normal(0, np.sqrt(2 / n_in), (c, n_in)), "in_b": np.zeros((c, 1))}
     weights |= {"out": rng.normal(0, 0.01, (n_out, c)), "skip": np.zeros((n_out, n_in)), "out_b": np.zeros((n_out, 1))}
@@ -33,14 +33,14 @@ def initial(n_channels: int, n_blocks: int, rng: np.random.Generator) -> dict[st
 
 
 def corrections(xp: Any, weights: Mapping[str, Any], shown: Any, where: Any) -> Any:
-    """Log PSD corrections as `ross_payload.dsp.network.Network.corrections`; whole patches only.
+    """Log PSD corrections as `ross_payload.separation.network.Network.corrections`; whole patches only.
 
     Parameters
     ----------
     shown
         (n_groups, N_FEATURES, n_freqs, n_frames).
     where
-        `ross_payload.dsp.network.places`, (PLACES, n_freqs / ROWS).
+        `ross_payload.separation.network.places`, (PLACES, n_freqs / ROWS).
     """
     n_groups, n_features, n_freqs, n_frames = shown.shape
     rows, columns = n_freqs // ROWS, n_frames // COLUMNS

@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ross_payload.dsp.alignment import isolation
-from ross_payload.dsp.checked import load_separator
+from ross_payload.alignment.plan import isolation
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.interfaces import Real, Scene, Separator
-from ross_sim.study.design import Study
-from ross_sim.study.oracles import ORACLES
-from ross_sim.study.rooms import SPACING, SPEED_OF_SOUND
-from ross_sim.study.rows import DIGITS, Separation, degrees, number
-from ross_sim.study.separation import Recording
+from ross_payload.plugin_checks import load_separator
+from ross_sim.study.mixtures import Mixture
+from ross_sim.study.oracle_separators import ORACLES
+from ross_sim.study.result_rows import DIGITS, Separation, degrees, number
+from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
+from ross_sim.study.study_design import Study
 
 NOISE_BLIND = frozenset({"mvdr", "lcmv", "iva", "ilrma", "fastmnmf2"})  # never look at the noise PSD
 
@@ -66,7 +66,7 @@ def tools_of(study: Study) -> dict[str, Separator]:
 
 
 def separations(
-    study: Study, tools: Mapping[str, Separator], recording: Recording, belief: Belief
+    study: Study, tools: Mapping[str, Separator], recording: Mixture, belief: Belief
 ) -> Iterator[Separated]:
     """What every separator makes of a recording."""
     stft, n = study.stft, recording.mixture.shape[1]
@@ -86,7 +86,7 @@ def separations(
 
 
 def scored(
-    row: Separation, recording: Recording, separated: Separated, *, source: int, heading: float, azimuths: Real
+    row: Separation, recording: Mixture, separated: Separated, *, source: int, heading: float, azimuths: Real
 ) -> Separation:
     """Complete a row: SI-SDR of the group that holds ``source``, against the target alone at microphone 1.
 

@@ -11,11 +11,11 @@ import numpy as np
 from rich.markup import escape
 from rich.table import Table as Screen
 
-from ross_payload.terminal import with_whole_words
-from ross_sim.study.case import stopped
-from ross_sim.study.design import STOP, Study
+from ross_payload.terminal_tables import with_whole_words
 from ross_sim.study.exploration import NEAR_DEG
-from ross_sim.study.rows import ALIGNED, ESTIMATED, UNALIGNED, Exploration, Separation
+from ross_sim.study.result_rows import ALIGNED, ESTIMATED, UNALIGNED, Exploration, Separation
+from ross_sim.study.study_case import stopped
+from ross_sim.study.study_design import STOP, Study
 
 Row = TypeVar("Row")
 Key = TypeVar("Key", bound=Hashable)

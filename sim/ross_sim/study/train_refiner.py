@@ -15,15 +15,15 @@ import click
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ross_payload.dsp.network import encode_network, places
 from ross_payload.errors import ConfigError, RossError
 from ross_payload.interfaces import Real
-from ross_sim.speech import load_folder, resampled
+from ross_payload.separation.network import encode_network, places
 from ross_sim.study import refiner_model
+from ross_sim.study.mixtures import VOICES
 from ross_sim.study.refiner_data import FRAME, RATES, Clip, clip
 from ross_sim.study.refiner_model import initial
-from ross_sim.study.separation import VOICES
 from ross_sim.study.train_voiceprint import recipes, synthetic
+from ross_sim.talkers.speech import load_folder, resampled
 
 N_SYNTHETIC, SYNTHETIC_RATE, SYNTHETIC_SEED = 3, 16000, 5
 N_CHANNELS, N_BLOCKS = 32, 4

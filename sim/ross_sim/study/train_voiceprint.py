@@ -26,11 +26,11 @@ from ross_payload.interfaces import Real
 from ross_payload.voiceprint.background import COHORT_STEP, Background, encode_background, read_background, reliability
 from ross_payload.voiceprint.features import CEPSTRA, Features, analyse
 from ross_sim.cache import cache_folder, cached, fingerprint
-from ross_sim.speech import Voice, load_folder
-from ross_sim.study.augment import RATE, at_speed, disturbed, excerpt
-from ross_sim.study.separation import RATE as MIXTURE_RATE
-from ross_sim.study.voices import OUTSIDE, scenes
-from ross_sim.voices import Recipe, levelled, speak, speech_text
+from ross_sim.study.mixtures import RATE as MIXTURE_RATE
+from ross_sim.study.voice_augmentation import RATE, at_speed, disturbed, excerpt
+from ross_sim.study.voiceprint_study import OUTSIDE, scenes
+from ross_sim.talkers.speech import TalkerVoice, load_folder
+from ross_sim.talkers.synthetic_voices import Recipe, levelled, speak, speech_text
 
 COHORT_SPEEDS = (0.93, 1.0, 1.07)
 SPEEDS = (0.86, 0.93, 1.0, 1.07, 1.15)
@@ -120,7 +120,7 @@ def with_cohort(background: Background, people: Sequence[Talker]) -> Background:
     return replace(background, cohort=np.clip(np.round(offsets / COHORT_STEP), -127, 127))
 
 
-def calibrated(background: Background, voices: Sequence[Voice], draws: int, seed: int) -> Background:
+def calibrated(background: Background, voices: Sequence[TalkerVoice], draws: int, seed: int) -> Background:
     """Fit the calibration to clean and separated recordings of mixtures of ``voices``, at their own rate.
 
     Targets and strangers weigh the same. A talker is kept out of the cohort (its first rows, COHORT_SPEEDS of each

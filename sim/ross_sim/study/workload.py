@@ -15,9 +15,9 @@ from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.steering import tdoa
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Complex, Real, Scene
-from ross_sim.speech import resampled
-from ross_sim.study.rooms import SETTINGS, SPACING, SPEED_OF_SOUND
-from ross_sim.study.separation import aligned_heading, images_of, layouts
+from ross_sim.study.mixtures import aligned_heading, images_of, layouts
+from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
+from ross_sim.talkers.speech import resampled
 
 VOICE_RATE = 48000  # the voices are loaded at [Hz]; every lower rate divides its resampling
 FRAME = 0.1  # rounded to a power of two in samples [s]

@@ -9,10 +9,10 @@ import pytest
 from command_line import called
 from flight_logs import frames, log_of, raw_frame, record
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.flights import scan as scanning
+from ross_payload.ground.flights import tlog_index as scanning
 from ross_payload.ground.flights.reading import open_flight
 from ross_payload.ground.flights.resync import LONGEST, chained
-from ross_protocols.dialect import common
+from ross_protocols.mavlink.dialect import common
 
 HEARTBEAT = raw_frame(common.MAVLINK_MSG_ID_HEARTBEAT, bytes(9))
 SIZE = 20_000_000

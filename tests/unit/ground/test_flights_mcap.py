@@ -14,17 +14,17 @@ from mcap.reader import make_reader
 
 from flight_logs import UNIX, full_tick, record, vehicle_frames
 from ross_payload.ground.errors import GroundError
+from ross_payload.ground.flights.frame_stats import tallies
 from ross_payload.ground.flights.reading import open_flight
-from ross_payload.ground.flights.tally import tallies
-from ross_payload.ground.picture.known import Who
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import MESSAGES
-from ross_protocols.tunnel import Wrapper
-from ross_protocols.values import Severity, Source, Status, Text
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import MESSAGES
+from ross_protocols.mavlink.tunnel import Wrapper
+from ross_protocols.mavlink.values import Severity, Source, Status, Text
 
 pytest.importorskip("foxglove", reason="needs the extra 'mcap'")
 
-US = Who(1, 191)
+US = ComponentId(1, 191)
 TEXTS = 13  # field of foxglove.SceneEntity
 
 

@@ -12,12 +12,12 @@ from rich.console import Console
 from flight_logs import UNIX, raw_frame, record
 from ross_payload.ground.flights.playback import Playback
 from ross_payload.ground.flights.reading import open_flight
-from ross_payload.ground.flights.summary import Told, summary
+from ross_payload.ground.flights.summary import FlightContent, summary
 from ross_payload.ground.flights.table import show
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import MESSAGES, common
-from ross_protocols.tunnel import OURS
-from ross_protocols.values import Source, Status
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import MESSAGES, common
+from ross_protocols.mavlink.tunnel import OURS
+from ross_protocols.mavlink.values import Source, Status
 
 pytestmark = pytest.mark.lockstep
 
@@ -53,7 +53,7 @@ def test_no_message_is_too_odd(place, frames):
     (place / "odd.tlog").write_bytes(b"".join(record(UNIX + 1000 * count, frame) for count, frame in enumerate(frames)))
     flight = open_flight(place / "odd.tlog")
     assert len(flight.index) == len(frames)
-    told = Told(flight, flight.payloads)
+    told = FlightContent(flight, flight.payloads)
     json.dumps(summary(told), allow_nan=False)
     show(summary(told), Console(file=io.StringIO(), width=80))
     Playback(flight).seek(flight.duration)
@@ -64,18 +64,18 @@ def test_no_message_is_too_odd(place, frames):
 @settings(max_examples=6)
 @given(frames=st.lists(messages(), min_size=10, max_size=25))
 def test_no_message_is_too_odd_to_be_drawn(place, frames):
-    picture = pytest.importorskip("ross_payload.ground.flights.picture", reason="needs the extra 'sim'")
+    picture = pytest.importorskip("ross_payload.ground.flights.plot", reason="needs the extra 'sim'")
     (place / "drawn.tlog").write_bytes(b"".join(record(UNIX, frame) for frame in frames))
     flight = open_flight(place / "drawn.tlog")
     if flight.payloads:
-        picture.draw(Told(flight, flight.payloads), place / "a.png")
+        picture.draw(FlightContent(flight, flight.payloads), place / "a.png")
 
 
 NASTY = [-3e38, -1.0, 0.0, 1e-38, 4.0, 3e38]
 
 
 def test_sources_and_scores_beyond_all_measure_are_drawn(place):
-    picture = pytest.importorskip("ross_payload.ground.flights.picture", reason="needs the extra 'sim'")
+    picture = pytest.importorskip("ross_payload.ground.flights.plot", reason="needs the extra 'sim'")
     export = pytest.importorskip("ross_payload.ground.flights.mcap", reason="needs the extra 'mcap'").export
     encoder, said = Encoder(1, 191), []
     for index, (sigma, confidence) in enumerate(itertools.product(NASTY, NASTY)):
@@ -83,5 +83,5 @@ def test_sources_and_scores_beyond_all_measure_are_drawn(place):
         said.append(Status(0, 0.0, index, True, score=sigma, criterion=confidence, heading=sigma, mount_yaw=confidence))
     (place / "nasty.tlog").write_bytes(b"".join(record(UNIX, encoder.encode(each)) for each in said))
     flight = open_flight(place / "nasty.tlog")
-    picture.draw(Told(flight, flight.payloads), place / "nasty.svg")
+    picture.draw(FlightContent(flight, flight.payloads), place / "nasty.svg")
     export(flight, flight.payloads, place / "nasty.mcap")

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from flight_logs import UNIX, full_tick, record, vehicle_frames, write_hour
 from ross_payload.ground.flights.playback import SPACING, Playback
 from ross_payload.ground.flights.reading import open_flight
-from ross_payload.ground.picture.fleet import Fleet
-from ross_protocols.codec import Encoder, chunks
-from ross_protocols.values import Health, Heartbeat, Severity
+from ross_payload.ground.model.fleet import Fleet
+from ross_protocols.mavlink.codec import Encoder, chunks
+from ross_protocols.mavlink.values import Health, Heartbeat, Severity
 
 pytestmark = pytest.mark.lockstep
 
@@ -44,7 +44,7 @@ def heard_all(flight, at):
     """The fleet that has heard every frame until a time, one by one."""
     fleet = Fleet()
     for time_of_frame, packet in flight.packets(np.flatnonzero(flight.at <= at)):
-        fleet.hear(packet, time_of_frame)
+        fleet.on_packet(packet, time_of_frame)
     return fleet
 
 

@@ -13,15 +13,15 @@ from pymavlink.dialects.v20 import common as pymavlink_common
 
 from flight_logs import UNIX, frames, full_tick, log_of, vehicle_frames
 from ross_payload.ground.errors import GroundError
+from ross_payload.ground.flights.frame_stats import tallies
+from ross_payload.ground.flights.log_file import PIECE
 from ross_payload.ground.flights.reading import open_flight
-from ross_payload.ground.flights.tally import tallies
-from ross_payload.ground.flights.tape import PIECE
-from ross_payload.ground.picture.known import Who
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.tunnel import Wrapper
-from ross_protocols.values import Health, Heartbeat, Named, Severity, Status, Text
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.tunnel import Wrapper
+from ross_protocols.mavlink.values import Health, Heartbeat, Named, Severity, Status, Text
 
-US = Who(1, 191)
+US = ComponentId(1, 191)
 
 
 def test_every_frame_of_a_log_is_found_with_its_sender_and_time(opened):
@@ -173,7 +173,7 @@ def test_a_log_that_shrinks_under_the_reader_ends_early(tmp_path):
 MAVLOGDUMP = """
 import runpy, sys
 from pymavlink.dialects import v20
-from ross_protocols.dialect import ross
+from ross_protocols.mavlink.dialect import ross
 v20.ross = ross
 sys.modules["pymavlink.dialects.v20.ross"] = ross
 runpy.run_module("pymavlink.tools.mavlogdump", run_name="__main__")

@@ -1,29 +1,30 @@
 """What a ground station says when nothing, or too little, is heard: each cause has words of its own and a remedy."""
 
-import asyncio
-from collections.abc import Awaitable, Callable
 from dataclasses import replace
 
 import pytest
 
+from clocks import LeapingClock
 from ports import free_port
-from ross_payload.ground.links.advice import advice
+from ross_payload.ground.links.diagnostics import advice
 from ross_payload.ground.links.link import LinkState
-from ross_payload.ground.picture.known import Payload, Who
+from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.station import Station
-from ross_protocols.values import Named
-from station_bench import BEAT, Far, HandClock, status, until
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.values import Named
+from station_bench import BEAT, Far, status
+from waiting import wait_for_async
 
 URL = "udpin:127.0.0.1:14550"
 SILENT = LinkState(
     url=URL, up=True, error="", frames=0, bytes=0, lost=0, bad=0, skipped=0, refused=0, signed=0, strangers=0, peers=0,
     senders=(), last=None, frames_s=0.0, bytes_s=0.0, loss=0.0,
 )  # fmt: skip
-PAYLOAD = Payload(Who(1, 191), first=0.0, last=30.0)
+PAYLOAD = PayloadState(ComponentId(1, 191), first=0.0, last=30.0)
 TALKING = replace(SILENT, frames=100, bytes=4000, last=30.0, frames_s=10.0, bytes_s=400.0)
 
 
-def says(link: LinkState, *payloads: Payload, now: float = 30.0, key: bool = False) -> str:
+def says(link: LinkState, *payloads: PayloadState, now: float = 30.0, key: bool = False) -> str:
     return advice([link], payloads, now=now, began=0.0, key=key)
 
 
@@ -54,10 +55,10 @@ def test_a_silent_port_names_what_the_payload_needs_for_it(url: str, remedy: str
         (replace(SILENT, url="serial:/dev/ttyUSB0:57600", bytes_s=5000.0), "the baud rate may differ, try serial:"),
         (replace(SILENT, bytes_s=800.0), "receiving 800 bytes/s, but no MAVLink: another program is sending"),
         (replace(SILENT, bytes_s=800.0, refused=40, signed=40), "both sides need the same key, and clocks that agree"),
-        (replace(TALKING, senders=(Who(1, 1), Who(1, 154))),
+        (replace(TALKING, senders=(ComponentId(1, 1), ComponentId(1, 154))),
          'receiving 1-1 (an autopilot), 1-154, but no payload: is it on? behind ArduPilot, set role = "autopilot"'),
-        (replace(TALKING, senders=(Who(1, 191),)), "receiving 1-191, but no payload: is it on?"),
-        (replace(TALKING, senders=(Who(1, 191),), bad=7), "7 frames have a wrong checksum: does it use another"),
+        (replace(TALKING, senders=(ComponentId(1, 191),)), "receiving 1-191, but no payload: is it on?"),
+        (replace(TALKING, senders=(ComponentId(1, 191),), bad=7), "7 frames have a wrong checksum: does it use"),
     ],
 )  # fmt: skip
 def test_every_cause_has_its_words(link: LinkState, words: str) -> None:
@@ -92,27 +93,20 @@ def test_who_signs_is_told_to_who_does_not() -> None:
     assert says(replace(TALKING, signed=3), PAYLOAD) == f"{URL}: {words}"
 
 
-def run(claim: Callable[[], Awaitable[None]]) -> None:
-    asyncio.run(asyncio.wait_for(claim(), 120), debug=True)
-
-
-def test_a_station_tells_from_silence_to_noise_to_an_autopilot_to_mirrors_to_a_payload() -> None:
-    async def claim() -> None:
-        port, clock = free_port(), HandClock()
-        async with Station([f"udpin:127.0.0.1:{port}"], now=clock.now) as station:
-            with Far(port) as payload, Far(port, component=1) as autopilot:
-                clock.ahead += 6.0
-                assert "nothing received on" in station.advice()
-                payload.throw(b"hello" * 100)
-                await until(lambda: "no MAVLink" in station.advice())
-                autopilot.say(BEAT)
-                await until(lambda: "1-1 (an autopilot)" in station.advice())
-                payload.say(Named(1.0, "ross_k", 2.0))
-                await until(lambda: station.fleet.payloads)
-                clock.ahead += 11.0
-                payload.say(Named(12.0, "ross_k", 2.0))
-                await until(lambda: "only summary values" in station.advice())
-                payload.say(status(12.0))
-                await until(lambda: station.advice() == "")
-
-    run(claim)
+async def test_a_station_tells_from_silence_to_noise_to_an_autopilot_to_mirrors_to_a_payload() -> None:
+    port, clock = free_port(), LeapingClock()
+    async with Station([f"udpin:127.0.0.1:{port}"], now=clock.now) as station:
+        with Far(port) as payload, Far(port, component=1) as autopilot:
+            clock.ahead += 6.0
+            assert "nothing received on" in station.advice()
+            payload.throw(b"hello" * 100)
+            await wait_for_async(lambda: "no MAVLink" in station.advice())
+            autopilot.say(BEAT)
+            await wait_for_async(lambda: "1-1 (an autopilot)" in station.advice())
+            payload.say(Named(1.0, "ross_k", 2.0))
+            await wait_for_async(lambda: station.fleet.payloads)
+            clock.ahead += 11.0
+            payload.say(Named(12.0, "ross_k", 2.0))
+            await wait_for_async(lambda: "only summary values" in station.advice())
+            payload.say(status(12.0))
+            await wait_for_async(lambda: station.advice() == "")

@@ -7,14 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_payload.ground.picture.bearings import Bearing, bearings_of, cross
-from ross_payload.ground.picture.crossing import Line, Plane, cross_two
-from ross_payload.ground.picture.known import Payload, Who
-from ross_payload.ground.picture.pairing import marginals
-from ross_protocols.pairs import wrap
-from ross_protocols.values import Source
+from ross_payload.ground.model.bearing_geometry import BearingLine, Plane, cross_two
+from ross_payload.ground.model.jpda import marginals
+from ross_payload.ground.model.payload_state import PayloadState
+from ross_payload.ground.model.triangulation import Bearing, bearings_of, cross
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.field_converters import wrap
+from ross_protocols.mavlink.values import Source
 
-A, B, C = Who(1, 191), Who(2, 191), Who(3, 191)
+A, B, C = ComponentId(1, 191), ComponentId(2, 191), ComponentId(3, 191)
 LATITUDE, LONGITUDE = math.radians(47.4), math.radians(8.5)
 PLANE = Plane(LATITUDE, LONGITUDE)
 SIGMA = math.radians(2)
@@ -70,12 +71,14 @@ def test_two_exact_bearings_of_a_point_cross_there(east, north):
 
 
 def test_the_covariance_is_that_of_a_monte_carlo():
-    first, second = Line(0, 0, -0.6, math.radians(1.0), 1.5), Line(60, 0, 0.5, math.radians(1.5), 1.5)
+    first, second = BearingLine(0, 0, -0.6, math.radians(1.0), 1.5), BearingLine(60, 0, 0.5, math.radians(1.5), 1.5)
     rng = np.random.default_rng(7)
     points = []
     for _ in range(20_000):
         lines = [
-            Line(*rng.normal((line.east, line.north), line.position_sigma), rng.normal(line.azimuth, line.sigma), 0, 0)
+            BearingLine(
+                *rng.normal((line.east, line.north), line.position_sigma), rng.normal(line.azimuth, line.sigma), 0, 0
+            )
             for line in (first, second)
         ]
         at = cross_two(*lines)
@@ -249,14 +252,14 @@ def source(index, azimuth, **how):
 
 
 def test_azimuths_from_north_are_bearings_as_they_are():
-    payload = Payload(A, 0.0, 0.0, sources=(source(0, 0.4),))
+    payload = PayloadState(A, 0.0, 0.0, sources=(source(0, 0.4),))
     (bearing,) = bearings_of(payload, LATITUDE, LONGITUDE, mount=1.0)
     assert (bearing.azimuth, bearing.sigma, bearing.source) == (0.4, 0.02, 0)
 
 
 def test_azimuths_from_the_mount_turn_with_it_and_mean_nothing_without():
     """The mount points east: what is ahead of it is in the east, which is -90 deg counter-clockwise."""
-    payload = Payload(A, 0.0, 0.0, sources=(source(0, 0.0, earth=False),))
+    payload = PayloadState(A, 0.0, 0.0, sources=(source(0, 0.0, earth=False),))
     (bearing,) = bearings_of(payload, LATITUDE, LONGITUDE, mount=math.pi / 2)
     assert wrap(bearing.azimuth) == pytest.approx(-math.pi / 2)
     assert bearings_of(payload, LATITUDE, LONGITUDE, mount=None) == []
@@ -265,7 +268,7 @@ def test_azimuths_from_the_mount_turn_with_it_and_mean_nothing_without():
 def test_a_source_with_a_mirror_image_may_be_at_either_and_the_other_payload_decides():
     """The first payload's axis points north: its source is at (30, 80) or at (-30, 80); the second is told apart."""
     true = towards(A, (30, 80))
-    first = Payload(A, 0.0, 0.0, sources=(source(0, true.azimuth, mirror=-true.azimuth, resolved=False),))
+    first = PayloadState(A, 0.0, 0.0, sources=(source(0, true.azimuth, mirror=-true.azimuth, resolved=False),))
     there = towards(B, (30, 80))
     bearings = [*bearings_of(first, LATITUDE, LONGITUDE, None), there]
     fixes = cross(bearings)

@@ -3,9 +3,9 @@
 import pytest
 
 from fleet_ear import status
-from ross_payload.ground.picture.condition import condition, worst
-from ross_protocols import values as v
-from ross_protocols.computer import Computer, computer_message
+from ross_payload.ground.model.health import condition, worst
+from ross_protocols.mavlink import values as v
+from ross_protocols.mavlink.computer import Computer, computer_message
 
 
 def test_every_part_that_nobody_speaks_of_is_unknown(ground):

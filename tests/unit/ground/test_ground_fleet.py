@@ -6,12 +6,12 @@ from dataclasses import replace
 import pytest
 
 from fleet_ear import WHO, source, status
-from ross_payload.ground.picture.fleet import MOST_PAYLOADS
-from ross_payload.ground.picture.known import Who
-from ross_protocols import values as v
-from ross_protocols.codec import chunks, message_of
-from ross_protocols.dialect import common
-from ross_protocols.tunnel import Wrapper
+from ross_payload.ground.model.fleet import MOST_PAYLOADS
+from ross_protocols.mavlink import values as v
+from ross_protocols.mavlink.codec import chunks, message_of
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.tunnel import Wrapper
 
 # ------------------------------------------------------------------------------------------- who is there
 
@@ -35,13 +35,13 @@ def test_who_was_silent_for_long_makes_room_and_nobody_else_does(ground):
     for system in range(1, MOST_PAYLOADS + 1):
         ground.say(status(1.0), who=(system, 191))
     ground.say(status(1.0), who=(200, 191))
-    assert Who(200, 191) not in ground.fleet.payloads
-    assert ground.fleet.hidden(1.0) == (1, [Who(200, 191)])
+    assert ComponentId(200, 191) not in ground.fleet.payloads
+    assert ground.fleet.hidden(1.0) == (1, [ComponentId(200, 191)])
     ground.at = 61.0
     for system in range(2, MOST_PAYLOADS + 1):
         ground.say(status(61.0), who=(system, 191))
     ground.say(status(61.0), who=(200, 191))
-    assert Who(200, 191) in ground.fleet.payloads
+    assert ComponentId(200, 191) in ground.fleet.payloads
     assert WHO not in ground.fleet.payloads
     assert len(ground.fleet.payloads) == MOST_PAYLOADS
     assert ground.fleet.hidden(61.0) == (0, [])
@@ -81,8 +81,8 @@ def test_who_has_no_place_is_counted_until_it_is_silent_for_a_minute_and_the_ste
     for at in (4.2, 5.0):
         ground.at = at
         ground.say(status(at), who=(200, 191))
-    assert ground.fleet.hidden(5.0, most=1) == (51, [Who(200, 191)])
-    assert ground.fleet.hidden(64.5) == (1, [Who(200, 191)])
+    assert ground.fleet.hidden(5.0, most=1) == (51, [ComponentId(200, 191)])
+    assert ground.fleet.hidden(64.5) == (1, [ComponentId(200, 191)])
     assert ground.fleet.hidden(66.0) == (0, [])
 
 
@@ -91,7 +91,7 @@ def test_who_is_watched_has_a_place_at_once_and_keeps_it(ground):
         ground.at += 1.0
         for system in range(1, MOST_PAYLOADS + 1):
             ground.say(status(ground.at), who=(system, 191))
-    late = Who(200, 191)
+    late = ComponentId(200, 191)
     ground.say(status(ground.at), who=(200, 191))
     assert late not in ground.fleet.payloads
     ground.fleet.pinned = frozenset({late})

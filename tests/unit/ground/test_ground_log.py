@@ -1,8 +1,6 @@
 """The log of a ground station: whole, private, never written over, and no reason to stop."""
 
-import asyncio
 import resource
-from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -11,20 +9,17 @@ from pymavlink import mavutil
 
 from ports import free_port
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.links.tlog import MOST_WAITING, Log
-from ross_payload.ground.picture.known import Who
+from ross_payload.ground.links.tlog import MAX_WAITING_BYTES, BufferedTlog
 from ross_payload.ground.station import Station
-from ross_protocols.codec import Encoder
-from ross_protocols.commands import long_message
-from station_bench import AUDIO, BEAT, Far, until
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.commands import long_message
+from ross_protocols.mavlink.component_id import ComponentId
+from station_bench import AUDIO, BEAT, Far
+from waiting import wait_for_async
 
 TODAY = 1_795_000_000.0  # UNIX [s]
 NAME = datetime.fromtimestamp(TODAY, UTC).strftime("%Y%m%dT%H%M%SZ")
 FRAME = Encoder(1, 191).encode(BEAT)
-
-
-def run(claim: Callable[[], Awaitable[None]]) -> None:
-    asyncio.run(asyncio.wait_for(claim(), 120), debug=True)
 
 
 def records(path: Path) -> list[tuple[float, int, str]]:
@@ -37,17 +32,14 @@ def records(path: Path) -> list[tuple[float, int, str]]:
     return found
 
 
-def test_pymavlink_reads_all_that_was_heard_and_sent_with_its_time(tmp_path: Path) -> None:
-    async def claim() -> None:
-        port, clock = free_port(), [TODAY]
-        async with Station([f"udpin:127.0.0.1:{port}"], log=tmp_path / "logs", unix=lambda: clock[0]) as station:
-            with Far(port) as payload:
-                payload.say(BEAT)
-                await until(lambda: station.links()[0].frames)
-                clock[0] += 12.5
-                station.send(long_message(54004, [0.0] * 7, 1, 191, 0), Who(1, 191))
-
-    run(claim)
+async def test_pymavlink_reads_all_that_was_heard_and_sent_with_its_time(tmp_path: Path) -> None:
+    port, clock = free_port(), [TODAY]
+    async with Station([f"udpin:127.0.0.1:{port}"], log=tmp_path / "logs", unix=lambda: clock[0]) as station:
+        with Far(port) as payload:
+            payload.say(BEAT)
+            await wait_for_async(lambda: station.links()[0].frames)
+            clock[0] += 12.5
+            station.send(long_message(54004, [0.0] * 7, ComponentId(1, 191), 0), ComponentId(1, 191))
     (path,) = (tmp_path / "logs").iterdir()
     assert path.name == f"{NAME}.tlog"
     assert path.stat().st_mode & 0o777 == 0o600
@@ -57,73 +49,57 @@ def test_pymavlink_reads_all_that_was_heard_and_sent_with_its_time(tmp_path: Pat
     assert (TODAY + 12.5, 190, "COMMAND_LONG") in found
 
 
-def test_what_is_refused_is_not_in_the_log(tmp_path: Path) -> None:
-    async def claim() -> None:
-        port = free_port()
-        async with Station([f"udpin:127.0.0.1:{port}"], key=bytes(32), log=tmp_path) as station:
-            with Far(port) as payload:
-                payload.say(BEAT)
-                await until(lambda: station.links()[0].refused)
-
-    run(claim)
+async def test_what_is_refused_is_not_in_the_log(tmp_path: Path) -> None:
+    port = free_port()
+    async with Station([f"udpin:127.0.0.1:{port}"], key=bytes(32), log=tmp_path) as station:
+        with Far(port) as payload:
+            payload.say(BEAT)
+            await wait_for_async(lambda: station.links()[0].refused)
     (path,) = tmp_path.iterdir()
     assert {component for _, component, _ in records(path)} == {190}
 
 
-def test_the_log_is_on_the_disk_while_the_station_goes_on(tmp_path: Path) -> None:
-    async def claim() -> None:
-        port = free_port()
-        async with Station([f"udpin:127.0.0.1:{port}"], log=tmp_path):
-            with Far(port) as payload:
-                payload.say(AUDIO)
-                (path,) = tmp_path.iterdir()
-                await until(lambda: b"\xfd" in path.read_bytes())
-
-    run(claim)
+async def test_the_log_is_on_the_disk_while_the_station_goes_on(tmp_path: Path) -> None:
+    port = free_port()
+    async with Station([f"udpin:127.0.0.1:{port}"], log=tmp_path):
+        with Far(port) as payload:
+            payload.say(AUDIO)
+            (path,) = tmp_path.iterdir()
+            await wait_for_async(lambda: b"\xfd" in path.read_bytes())
 
 
-def test_a_log_is_never_written_over(tmp_path: Path) -> None:
+async def test_a_log_is_never_written_over(tmp_path: Path) -> None:
     (tmp_path / f"{NAME}.tlog").write_text("mine")
 
-    async def claim() -> None:
-        log = Log(tmp_path, TODAY)
-        log.add(TODAY, FRAME, 0)
-        await log.close()
-        await log.close()
-        assert log.path.name == f"{NAME}-2.tlog"
-
-    run(claim)
+    log = BufferedTlog(tmp_path, TODAY)
+    log.add(TODAY, FRAME, 0)
+    await log.close()
+    await log.close()
+    assert log.path.name == f"{NAME}-2.tlog"
     assert (tmp_path / f"{NAME}.tlog").read_text() == "mine"
 
 
-def test_the_link_stands_in_the_lowest_bits_of_the_time(tmp_path: Path) -> None:
-    async def claim() -> None:
-        log = Log(tmp_path, TODAY)
-        log.add(TODAY, FRAME, 2)
-        await log.close()
-        assert log.path.read_bytes() == (round(TODAY * 1e6) | 2).to_bytes(8, "big") + FRAME
-
-    run(claim)
+async def test_the_link_stands_in_the_lowest_bits_of_the_time(tmp_path: Path) -> None:
+    log = BufferedTlog(tmp_path, TODAY)
+    log.add(TODAY, FRAME, 2)
+    await log.close()
+    assert log.path.read_bytes() == (round(TODAY * 1e6) | 2).to_bytes(8, "big") + FRAME
 
 
-def test_a_full_disk_ends_the_log_with_whole_records_and_words_and_the_station_goes_on(tmp_path: Path) -> None:
+async def test_a_full_disk_ends_the_log_with_whole_records_and_words_and_the_station_goes_on(tmp_path: Path) -> None:
     room, usual = 1000, resource.getrlimit(resource.RLIMIT_FSIZE)
 
-    async def claim() -> None:
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (room, usual[1]))
         port = free_port()
         async with Station([f"udpin:127.0.0.1:{port}"], log=tmp_path) as station:
             with Far(port) as payload:
                 for number in range(100):
                     payload.say(BEAT)
-                    await until(lambda number=number: station.links()[0].frames == number + 1)
-                await until(station.advice)
-                assert "the log has ended: File too large" in station.advice()
+                    await wait_for_async(lambda number=number: station.links()[0].frames == number + 1)
+                await wait_for_async(lambda: "the log has ended: File too large" in station.advice())
                 payload.say(BEAT)
-                await until(lambda: station.links()[0].frames == 101)
-
-    try:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (room, usual[1]))
-        run(claim)
+                await wait_for_async(lambda: station.links()[0].frames == 101)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, usual)
     (path,) = tmp_path.iterdir()
@@ -131,25 +107,19 @@ def test_a_full_disk_ends_the_log_with_whole_records_and_words_and_the_station_g
     assert path.stat().st_size == sum(8 + 21 for _ in records(path))
 
 
-def test_a_disk_that_hangs_does_not_fill_the_memory(tmp_path: Path) -> None:
-    async def claim() -> None:
-        log = Log(tmp_path, TODAY)
-        for _ in range(MOST_WAITING // len(FRAME)):
-            log.add(TODAY, FRAME, 0)
-        assert log.error.endswith("the log has ended: the disk is too slow")
-        assert len(log._records) == 0
-        await log.close()
-
-    run(claim)
+async def test_a_disk_that_hangs_does_not_fill_the_memory(tmp_path: Path) -> None:
+    log = BufferedTlog(tmp_path, TODAY)
+    for _ in range(MAX_WAITING_BYTES // len(FRAME)):
+        log.add(TODAY, FRAME, 0)
+    assert log.error.endswith("the log has ended: the disk is too slow")
+    assert len(log._records) == 0
+    await log.close()
 
 
-def test_a_folder_that_cannot_be_written_is_one_clear_line_and_no_port_stays_open(tmp_path: Path) -> None:
+async def test_a_folder_that_cannot_be_written_is_one_clear_line_and_no_port_stays_open(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("no folder")
 
-    async def claim() -> None:
+    with pytest.raises(GroundError, match=rf"^--log {file}: cannot be written: File exists$"):
         async with Station([f"udpin:127.0.0.1:{free_port()}"], log=file):
             pass
-
-    with pytest.raises(GroundError, match=rf"^--log {file}: cannot be written: File exists$"):
-        run(claim)

@@ -9,14 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from client_bench import US, WHO, Served, Station
-from ross_payload.ground.clients.files import MOST_BYTES, Reading
-from ross_payload.ground.clients.metadata import Metadata, described_in, parameter_place, place_of
-from ross_payload.parameters import TABLE
-from ross_payload.telemetry.metadata import PARAMETERS, files
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.commands import Result, acknowledgement
-from ross_protocols.dialect import standard
-from ross_protocols.ftp import MOST, Opcode, Packet, message_of, packet_of
+from ross_payload.config.parameter_table import TABLE
+from ross_payload.ground.client.component_metadata import Metadata, described_in, parameter_place, place_of
+from ross_payload.ground.client.ftp_client import MOST_BYTES, FileReader
+from ross_payload.mavlink.component_info import PARAMETERS, files
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.commands import Result, acknowledgement
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.ftp import MOST, Opcode, Packet, message_of, packet_of
 
 LONG = bytes(range(256)) * 40
 
@@ -28,7 +29,7 @@ def rig_of(sky, content=None, **odds):
 
 
 def reading_of(rig, path):
-    reading = Reading(lambda message: rig.station.send(message, WHO), WHO, US, path)
+    reading = FileReader(lambda message: rig.station.send(message, WHO), WHO, US, path)
     rig.station.clients = [reading]
     return reading
 
@@ -79,7 +80,7 @@ def test_a_server_that_forgets_in_mid_burst_is_asked_from_the_beginning(sky):
     rig.station.wait(1.0)
     for number in range(8):
         Station(rig.payload, (100 + number, 190)).send(
-            message_of(Packet(1, Opcode.OPEN_RO, size=12, data=b"general.json"), 1, 191), WHO
+            message_of(Packet(1, Opcode.OPEN_RO, size=12, data=b"general.json"), ComponentId(1, 191)), WHO
         )
     assert rig.station.wait(20, lambda: reading.over)
     assert reading.content == LONG
@@ -100,13 +101,13 @@ class Script:
 
     def __init__(self, path="/file", sequence=0):
         self.asked, self.now = [], 0.0
-        self.reading = Reading(lambda message: self.asked.append(packet_of(message)), WHO, US, path, sequence)
+        self.reading = FileReader(lambda message: self.asked.append(packet_of(message)), WHO, US, path, sequence)
         self.encoder, self.decoder = Encoder(1, 191), Decoder()
         self.reading.tick(0.0)
 
     def say(self, packet, to=US, encoder=None):
-        for heard in self.decoder.feed((encoder or self.encoder).encode(message_of(packet, *to))):
-            self.reading.heard(heard, self.now)
+        for heard in self.decoder.feed((encoder or self.encoder).encode(message_of(packet, ComponentId(*to)))):
+            self.reading.on_packet(heard, self.now)
 
     def open(self, size, session=3, **how):
         answer = Packet(
@@ -180,10 +181,10 @@ def test_more_than_was_announced_is_cut_off():
 def test_whatever_a_server_says_nothing_breaks(answers):
     script = Script()
     for _opcode, payload in answers:
-        message = message_of(Packet(0, 0), *US)
+        message = message_of(Packet(0, 0), ComponentId(*US))
         message.payload = list(payload.ljust(251, b"\0"))
         for heard in script.decoder.feed(script.encoder.encode(message)):
-            script.reading.heard(heard, 0.0)
+            script.reading.on_packet(heard, 0.0)
         script.reading.tick(script.now)
     assert script.reading.content is None or len(script.reading.content) <= MOST_BYTES
 
@@ -197,7 +198,7 @@ def test_the_payload_tells_what_each_of_its_parameters_means(sky):
     assert rig.station.wait(30, lambda: metadata.over)
     assert metadata.note == ""
     assert set(metadata.described) == set(TABLE)
-    assert all(row.least <= row.default <= row.most and row.description for row in metadata.described.values())
+    assert all(row.min <= row.default <= row.max and row.description for row in metadata.described.values())
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -229,14 +230,14 @@ class Teller:
 
     def say(self, message):
         for packet in self.decoder.feed(self.encoder.encode(message)):
-            self.metadata.heard(packet, 0.1)
+            self.metadata.on_packet(packet, 0.1)
         self.metadata.tick(60.0)
 
 
 @pytest.mark.parametrize("result", [Result.DENIED, Result.UNSUPPORTED])
 def test_a_payload_that_denies_the_request_is_not_asked_again(result):
     teller = Teller()
-    teller.say(acknowledgement(512, result, *US))
+    teller.say(acknowledgement(512, result, ComponentId(*US)))
     assert (teller.metadata.over, len(teller.asked)) == (True, 1)
     assert teller.metadata.note == "the payload provides no parameter metadata"
 
@@ -246,13 +247,14 @@ def test_a_payload_that_denies_the_request_is_not_asked_again(result):
 )
 def test_any_other_answer_leaves_it_asking(answer):
     teller = Teller()
-    teller.say(acknowledgement(*answer))
+    number, result, *to = answer
+    teller.say(acknowledgement(number, result, ComponentId(*to)))
     assert (teller.metadata.over, len(teller.asked)) == (False, 2)
 
 
 def test_a_place_that_is_not_ours_to_fetch_from_ends_with_a_note():
     teller = Teller()
-    teller.say(standard.MAVLink_component_metadata_message(0, 7, b"https://example.org/general.json.xz"))
+    teller.say(ross.MAVLink_component_metadata_message(0, 7, b"https://example.org/general.json.xz"))
     assert teller.metadata.note == "https://example.org/general.json.xz: only mftp:// is fetched"
     assert len(teller.asked) == 1
 
@@ -297,7 +299,7 @@ def test_what_is_odd_in_a_description_is_left_out_and_the_rest_kept():
     }  # fmt: skip
     described, note = described_in(json.dumps({"parameters": [row, 3]}).encode())
     (told,) = described.values()
-    assert (told.default, told.least, told.most, told.unit, told.group) == (None, None, None, "", "")
+    assert (told.default, told.min, told.max, told.unit, told.group) == (None, None, None, "", "")
     assert told.description == "a [31m <b>b</b>", "plain text, whatever it looks like"
     assert note == "1 descriptions left out"
 

@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fleet_ear import Ground, source, status
-from ross_payload.ground.picture.view import view
-from ross_protocols import values as v
-from ross_protocols.codec import Encoder, message_of
-from ross_protocols.dialect import MESSAGES, common
-from ross_protocols.layouts import LAYOUTS
+from ross_payload.ground.model.view import view
+from ross_protocols.mavlink import values as v
+from ross_protocols.mavlink.codec import Encoder, message_of
+from ross_protocols.mavlink.dialect import MESSAGES, common
+from ross_protocols.mavlink.message_map import LAYOUTS
 
 FULL = [
     v.Heartbeat(v.Health.ACTIVE, 2),

@@ -5,22 +5,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from client_bench import OVER, US, WHO
-from ross_payload.ground.clients.orders import (
-    Cancel,
-    Explore,
-    Listen,
-    Orders,
-    Rearm,
-    Record,
-    Stop,
-    Turn,
-)
-from ross_payload.ground.picture.known import Payload as Known
-from ross_payload.ground.picture.known import Who
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.commands import Result, acknowledgement
-from ross_protocols.dialect import ross
-from ross_protocols.values import Severity, Text
+from ross_payload.ground.client.command_protocol import CommandProtocol
+from ross_payload.ground.client.command_types import Cancel, Explore, Listen, Rearm, Record, Stop, Turn
+from ross_payload.ground.model.payload_state import PayloadState as Known
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.commands import Result, acknowledgement
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.values import Severity, Text
 
 TURN, LISTEN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_LISTEN, ross.MAV_CMD_ROSS_STOP
 
@@ -31,17 +23,17 @@ class Script:
     def __init__(self, *, met=True):
         self.heard = []
         self.now = 0.0
-        self.orders = Orders(lambda message, who: self.heard.append((self.now, message)), *US)
+        self.orders = CommandProtocol(lambda message, who: self.heard.append((self.now, message)), *US)
         if met:
-            self.orders.met(Known(WHO, 0.0, 0.0))
+            self.orders.on_state(Known(WHO, 0.0, 0.0))
         self.encoder, self.decoder = Encoder(1, 191), Decoder()
 
     def say(self, message, encoder=None):
         for packet in self.decoder.feed((encoder or self.encoder).encode(message)):
-            self.orders.heard(packet, self.now)
+            self.orders.on_packet(packet, self.now)
 
     def ack(self, number, result, to=US, progress=None, encoder=None):
-        self.say(acknowledgement(number, result, *to, progress), encoder)
+        self.say(acknowledgement(number, result, ComponentId(*to), progress), encoder)
 
     def wait(self, seconds):
         for _ in range(round(seconds * 20)):
@@ -92,7 +84,7 @@ def test_a_stop_is_sent_anew_as_soon_as_its_payload_is_heard_for_the_first_time(
     script = Script(met=False)
     script.orders.order(WHO, Stop())
     script.wait(20.05)
-    script.orders.met(Known(WHO, 0.0, script.now))
+    script.orders.on_state(Known(WHO, 0.0, script.now))
     said = len(script.heard)
     script.wait(0.05)
     assert len(script.heard) == said + 1
@@ -232,10 +224,10 @@ def test_an_answer_after_all_is_shown_though_it_was_given_up(script):
 
 
 def test_a_payload_that_starts_anew_does_not_do_what_it_was_told_before(script):
-    script.orders.met(Known(WHO, 0.0, 0.0, boots=1))
+    script.orders.on_state(Known(WHO, 0.0, 0.0, boots=1))
     script.orders.order(WHO, Turn(40))
-    script.orders.order(Who(2, 191), Turn(40))
-    script.orders.met(Known(WHO, 0.0, 1.0, boots=2))
+    script.orders.order(ComponentId(2, 191), Turn(40))
+    script.orders.on_state(Known(WHO, 0.0, 1.0, boots=2))
     assert script.states() == ["failed", "sent"]
     assert script.orders.doing[0].reason == "the payload restarted"
     script.wait(3)
@@ -283,7 +275,7 @@ def test_whatever_is_answered_what_is_over_stays_over_and_silence_ends_every_tal
                 script.orders.cancel(how[0])
             case "restart":
                 boots += 1
-                script.orders.met(Known(WHO, 0.0, script.now, boots=boots))
+                script.orders.on_state(Known(WHO, 0.0, script.now, boots=boots))
         now = {doing.number: doing.state for doing in script.orders.doing if doing.state in OVER[:-1]}
         assert over.items() <= now.items()
         over = now

@@ -9,13 +9,13 @@ from pymavlink.dialects.v20 import common
 
 from client_bench import US, WHO, Served, Station
 from ross_payload.config import Config
-from ross_payload.ground.clients.metadata import MOST_PARAMETERS
-from ross_payload.ground.clients.settings import Settings
-from ross_payload.ground.picture.known import Payload as Known
-from ross_payload.parameters import TABLE, value_of
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.params import NO_INDEX, ParamError, value_message
-from ross_protocols.values import Severity, Text
+from ross_payload.config.parameter_table import TABLE, value_of
+from ross_payload.ground.client.component_metadata import MOST_PARAMETERS
+from ross_payload.ground.client.param_client import ParamClient
+from ross_payload.ground.model.payload_state import PayloadState as Known
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.params import NO_INDEX, ParamError, value_message
+from ross_protocols.mavlink.values import Severity, Text
 
 DEFAULTS = {name: value_of(Config(), name) for name in TABLE}
 
@@ -23,7 +23,7 @@ DEFAULTS = {name: value_of(Config(), name) for name in TABLE}
 def rig_of(sky, **odds):
     payload = Served(sky(**odds))
     station = Station(payload)
-    settings = Settings(station.send, WHO, *US)
+    settings = ParamClient(station.send, WHO, *US)
     station.clients.append(settings)
     return SimpleNamespace(payload=payload, station=station, settings=settings)
 
@@ -118,13 +118,13 @@ class Script:
 
     def __init__(self):
         self.heard, self.now = [], 0.0
-        self.settings = Settings(lambda message, who: self.heard.append(message), WHO, *US)
+        self.settings = ParamClient(lambda message, who: self.heard.append(message), WHO, *US)
         self.encoder, self.decoder = Encoder(1, 191), Decoder()
         self.wait(0.05)
 
     def say(self, message):
         for packet in self.decoder.feed(self.encoder.encode(message)):
-            self.settings.heard(packet, self.now)
+            self.settings.on_packet(packet, self.now)
 
     def tell(self, values, start=0, count=None):
         for index, (name, value) in enumerate(values.items(), start):
@@ -167,9 +167,9 @@ def test_what_is_missing_is_asked_for_by_index(script):
 
 
 def test_a_payload_that_starts_with_other_parameters_is_listed_again(script):
-    script.settings.met(Known(WHO, 0.0, 0.0, boots=1))
+    script.settings.on_state(Known(WHO, 0.0, 0.0, boots=1))
     script.tell({"ALPHA": 1.0, "BETA": 2.5})
-    script.settings.met(Known(WHO, 0.0, 1.0, boots=2))
+    script.settings.on_state(Known(WHO, 0.0, 1.0, boots=2))
     assert script.settings.values == {}
     script.wait(0.1)
     assert script.names()[-1] == "PARAM_REQUEST_LIST"
@@ -274,14 +274,14 @@ def test_what_another_component_says_is_no_parameter_of_this_one(script):
 @pytest.mark.parametrize("times", [12, pytest.param(95, marks=pytest.mark.soak)])
 def test_hostile_parameter_names_do_not_fill_the_memory(times):
     """Each has a name of its own, and no two agree on how many there are."""
-    encoder, decoder, settings = Encoder(1, 191), Decoder(), Settings(lambda message, who: None, WHO, *US)
+    encoder, decoder, settings = Encoder(1, 191), Decoder(), ParamClient(lambda message, who: None, WHO, *US)
     odd = ["A{:x}", "<script>{:x}", "\x1b[2J{:x}", "__proto__{:x}"]
 
     def flood(first, last):
         for number in range(first, last):
             name = odd[number % len(odd)].format(number)[:16]
             for packet in decoder.feed(encoder.encode(value_message(name, 1.0, number % 65535, 65535 - number % 7))):
-                settings.heard(packet, number / 1000)
+                settings.on_packet(packet, number / 1000)
             if number % 1000 == 0:
                 settings.tick(number / 1000)
                 settings.rows()

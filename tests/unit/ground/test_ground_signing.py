@@ -2,7 +2,7 @@
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,22 +13,19 @@ from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.links.keys import SigningTime, read_key
-from ross_payload.ground.picture.known import Who
-from ross_payload.ground.station import Station
-from ross_payload.links import Heard, Links, open_port
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import ross
-from ross_protocols.signing import LATEST, SECOND, is_signed, link_and_time, timestamp_of
-from station_bench import AUDIO, BEAT, Far, until
+from ross_payload.ground.station import SigningTime, Station, read_key
+from ross_payload.mavlink import Received, Router
+from ross_payload.transport.open_port import open_port
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.signing import LATEST, SECOND, is_signed, link_and_time, timestamp_of
+from station_bench import AUDIO, BEAT, Far
+from waiting import wait_for_async
 
 KEY, OTHER = bytes(range(32)), bytes(32)
 TODAY = 1_795_000_000.0  # UNIX [s]
 STOP = ross.MAV_CMD_ROSS_STOP
-
-
-def run(claim: Callable[[], Awaitable[None]]) -> None:
-    asyncio.run(asyncio.wait_for(claim(), 120), debug=True)
 
 
 def unix() -> float:
@@ -38,10 +35,10 @@ def unix() -> float:
 class Payload:
     """The payload's own links, polled on this loop."""
 
-    def __init__(self, links: Links) -> None:
+    def __init__(self, links: Router) -> None:
         self.links = links
         self.component = links.component(191)
-        self.heard: list[Heard] = []
+        self.heard: list[Received] = []
         self.component.subscribe(self.heard.append)
 
     async def live(self) -> None:
@@ -60,9 +57,9 @@ async def payload(port: int, folder: Path, key: bytes | None, time: float = TODA
         (folder / "key").write_bytes(key)
         (folder / "key").chmod(0o600)
         file = str(folder / "key")
-    with Links(SystemClock(), 1, folder / "state", lambda: time) as links:
+    with Router(SystemClock(), 1, folder / "state", lambda: time) as links:
         url = f"udpout:127.0.0.1:{port}"
-        links.attach(Link(url=url, key_file=file), open_port(url, SystemClock()))
+        links.attach(Link(url=url, key_file=file), open_port(url, SystemClock().now))
         alive = Payload(links)
         living = asyncio.create_task(alive.live())
         yield alive
@@ -71,109 +68,90 @@ async def payload(port: int, folder: Path, key: bytes | None, time: float = TODA
             await living
 
 
-def test_a_payload_and_its_ground_station_believe_each_other(tmp_path: Path) -> None:
-    async def claim() -> None:
-        port = free_port()
-        async with Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix) as station:
-            async with payload(port, tmp_path, KEY) as aboard:
-                await until(lambda: station.fleet.payloads)
-                station.send(common.MAVLink_command_long_message(1, 191, STOP, 0, *[0] * 7), Who(1, 191))
-                await until(lambda: [h for h in aboard.heard if h.packet.name == "COMMAND_LONG" and h.may_order])
-                (link,) = aboard.links.status()
-                assert link.refused == 0
-            (state,) = station.links()
-            assert state.refused == 0
-            assert state.signed == state.frames > 0
-
-    run(claim)
+async def test_a_payload_and_its_ground_station_believe_each_other(tmp_path: Path) -> None:
+    port = free_port()
+    async with Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix) as station:
+        async with payload(port, tmp_path, KEY) as aboard:
+            await wait_for_async(lambda: station.fleet.payloads)
+            station.send(common.MAVLink_command_long_message(1, 191, STOP, 0, *[0] * 7), ComponentId(1, 191))
+            await wait_for_async(lambda: [h for h in aboard.heard if h.packet.name == "COMMAND_LONG" and h.may_order])
+            (link,) = aboard.links.status()
+            assert link.refused == 0
+        (state,) = station.links()
+        assert state.refused == 0
+        assert state.signed == state.frames > 0
 
 
 @pytest.mark.parametrize("key", [None, OTHER], ids=["unsigned", "another key"])
-def test_what_is_not_signed_with_our_key_is_refused_counted_and_explained(tmp_path: Path, key: bytes | None) -> None:
-    async def claim() -> None:
-        port, ahead = free_port(), [0.0]
-        station = Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix, now=lambda: ahead[0] + SystemClock().now())
-        async with station, payload(port, tmp_path, key):
-            await until(lambda: station.links()[0].refused > 3)
-            ahead[0] = 6.0
-            assert not station.fleet.payloads
-            assert station.links()[0].frames == 0
-            assert "both sides need the same key" in station.advice()
-
-    run(claim)
-
-
-def test_a_payload_that_signs_does_not_obey_a_station_without_its_key(tmp_path: Path) -> None:
-    async def claim() -> None:
-        port = free_port()
-        async with Station([f"udpin:127.0.0.1:{port}"]) as station, payload(port, tmp_path, KEY) as aboard:
-            await until(lambda: station.fleet.payloads)
-            await until(lambda: aboard.links.status()[0].refused)
-            assert station.links()[0].signed > 0
-            assert aboard.heard == []
-            assert "accepts commands only from stations with its key" in station.advice()
-
-    run(claim)
+async def test_what_is_not_signed_with_our_key_is_refused_counted_and_explained(
+    tmp_path: Path, key: bytes | None
+) -> None:
+    port, ahead = free_port(), [0.0]
+    station = Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix, now=lambda: ahead[0] + SystemClock().now())
+    async with station, payload(port, tmp_path, key):
+        await wait_for_async(lambda: station.links()[0].refused > 3)
+        ahead[0] = 6.0
+        assert not station.fleet.payloads
+        assert station.links()[0].frames == 0
+        assert "both sides need the same key" in station.advice()
 
 
-def test_a_payload_without_a_clock_follows_ours_and_is_heard(tmp_path: Path) -> None:
-    async def claim() -> None:
-        port = free_port()
-        station = Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix)
-        async with station, payload(port, tmp_path, KEY, time=TODAY - 1e7):
-            await until(lambda: station.links()[0].refused)
-            await until(lambda: station.fleet.payloads)
-
-    run(claim)
-
-
-def test_pymavlink_believes_us_and_we_believe_it() -> None:
-    async def claim() -> None:
-        port = free_port()
-        ear = common.MAVLink(None)
-        ear.robust_parsing = True
-        ear.signing.secret_key, ear.signing.timestamp = KEY, timestamp_of(TODAY)
-        mouth = common.MAVLink(None, srcSystem=1, srcComponent=1)
-        mouth.signing.secret_key, mouth.signing.sign_outgoing = KEY, True
-        mouth.signing.timestamp = timestamp_of(TODAY)
-        async with Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix) as station:
-            with Far(port) as far:
-                far.throw(bytes(common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3).pack(mouth)))
-                await until(lambda: station.links()[0].frames == 1)
-                frame = (await until(far.listen))[0].frame
-        assert is_signed(frame)
-        assert [message.get_type() for message in ear.parse_buffer(frame)] == ["HEARTBEAT"]
-
-    run(claim)
+async def test_a_payload_that_signs_does_not_obey_a_station_without_its_key(tmp_path: Path) -> None:
+    port = free_port()
+    async with Station([f"udpin:127.0.0.1:{port}"]) as station, payload(port, tmp_path, KEY) as aboard:
+        await wait_for_async(lambda: station.fleet.payloads)
+        await wait_for_async(lambda: aboard.links.status()[0].refused)
+        assert station.links()[0].signed > 0
+        assert aboard.heard == []
+        assert "accepts commands only from stations with its key" in station.advice()
 
 
-def test_nothing_is_believed_twice_and_nothing_old_at_all() -> None:
-    async def claim() -> None:
-        port = free_port()
-        async with Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix) as station:
-            with Far(port) as far:
-                voice = Encoder(1, 191, KEY)
-                frames = [voice.encode(AUDIO, timestamp_of(TODAY) + number) for number in range(10)]
-                old = Encoder(2, 191, KEY).encode(AUDIO, timestamp_of(TODAY - 61))
-                for frame in (*frames, *frames, old):
-                    far.throw(frame)
-                await until(lambda: station.links()[0].signed == 21)
-            (link,) = station.links()
-            assert (link.frames, link.refused) == (10, 11)
-
-    run(claim)
+async def test_a_payload_without_a_clock_follows_ours_and_is_heard(tmp_path: Path) -> None:
+    port = free_port()
+    station = Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix)
+    async with station, payload(port, tmp_path, KEY, time=TODAY - 1e7):
+        await wait_for_async(lambda: station.links()[0].refused)
+        await wait_for_async(lambda: station.fleet.payloads)
 
 
-def test_a_radio_may_report_unsigned() -> None:
-    async def claim() -> None:
-        port = free_port()
-        async with Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix) as station:
-            with Far(port, system=51, component=68) as radio:
-                radio.say(common.MAVLink_radio_status_message(90, 90, 100, 20, 20, 0, 0), BEAT)
-                await until(lambda: station.links()[0].refused)
-            assert station.links()[0].frames == 1
+async def test_pymavlink_believes_us_and_we_believe_it() -> None:
+    port = free_port()
+    ear = common.MAVLink(None)
+    ear.robust_parsing = True
+    ear.signing.secret_key, ear.signing.timestamp = KEY, timestamp_of(TODAY)
+    mouth = common.MAVLink(None, srcSystem=1, srcComponent=1)
+    mouth.signing.secret_key, mouth.signing.sign_outgoing = KEY, True
+    mouth.signing.timestamp = timestamp_of(TODAY)
+    async with Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix) as station:
+        with Far(port) as far:
+            far.throw(bytes(common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3).pack(mouth)))
+            await wait_for_async(lambda: station.links()[0].frames == 1)
+            frame = (await wait_for_async(far.listen))[0].frame
+    assert is_signed(frame)
+    assert [message.get_type() for message in ear.parse_buffer(frame)] == ["HEARTBEAT"]
 
-    run(claim)
+
+async def test_nothing_is_believed_twice_and_nothing_old_at_all() -> None:
+    port = free_port()
+    async with Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix) as station:
+        with Far(port) as far:
+            voice = Encoder(1, 191, KEY)
+            frames = [voice.encode(AUDIO, timestamp_of(TODAY) + number) for number in range(10)]
+            old = Encoder(2, 191, KEY).encode(AUDIO, timestamp_of(TODAY - 61))
+            for frame in (*frames, *frames, old):
+                far.throw(frame)
+            await wait_for_async(lambda: station.links()[0].signed == 21)
+        (link,) = station.links()
+        assert (link.frames, link.refused) == (10, 11)
+
+
+async def test_a_radio_may_report_unsigned() -> None:
+    port = free_port()
+    async with Station([f"udpin:127.0.0.1:{port}"], key=KEY, unix=unix) as station:
+        with Far(port, system=51, component=68) as radio:
+            radio.say(common.MAVLink_radio_status_message(90, 90, 100, 20, 20, 0, 0), BEAT)
+            await wait_for_async(lambda: station.links()[0].refused)
+        assert station.links()[0].frames == 1
 
 
 def test_no_timestamp_is_used_twice_though_the_clock_goes_back() -> None:
@@ -191,17 +169,14 @@ def test_a_peer_that_is_ahead_is_followed_but_not_to_the_end_of_time() -> None:
     assert not time.covers(LATEST - SECOND, 0.0)
 
 
-def test_two_links_have_two_link_ids() -> None:
-    async def claim() -> None:
-        ports = free_port(), free_port()
-        async with Station([f"udpin:127.0.0.1:{port}" for port in ports], key=KEY, unix=unix):
-            with Far(ports[0]) as one, Far(ports[1]) as other:
-                for far in (one, other):
-                    far.say(BEAT)
-                frames = [(await until(far.listen))[0].frame for far in (one, other)]
-        assert [link_and_time(frame)[0] for frame in frames] == [0, 1]
-
-    run(claim)
+async def test_two_links_have_two_link_ids() -> None:
+    ports = free_port(), free_port()
+    async with Station([f"udpin:127.0.0.1:{port}" for port in ports], key=KEY, unix=unix):
+        with Far(ports[0]) as one, Far(ports[1]) as other:
+            for far in (one, other):
+                far.say(BEAT)
+            frames = [(await wait_for_async(far.listen))[0].frame for far in (one, other)]
+    assert [link_and_time(frame)[0] for frame in frames] == [0, 1]
 
 
 def test_a_key_file_is_read_like_the_payload_reads_it(tmp_path: Path) -> None:

@@ -6,8 +6,8 @@ from itertools import pairwise
 import pytest
 
 from fleet_ear import source, status
-from ross_payload.ground.picture.learning import MOST_SOURCES
-from ross_protocols import values as v
+from ross_payload.ground.model.state_reducer import MOST_SOURCES
+from ross_protocols.mavlink import values as v
 
 # ------------------------------------------------------------------------------------------- sources
 

@@ -5,10 +5,11 @@ import contextlib
 import socket
 
 from ports import free_port
-from ross_payload.ground.links.tcp import MOST_CLIENTS
+from ross_payload.ground.links.link import MAX_PEERS
 from ross_payload.ground.station import Station
-from ross_protocols.codec import Decoder, Encoder
-from station_bench import AUDIO, BEAT, FRAME, known, run, until
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from station_bench import AUDIO, BEAT, FRAME, known
+from waiting import wait_for_async
 
 
 class Server:
@@ -38,72 +39,62 @@ class Server:
         await asyncio.sleep(0.05)
 
 
-def test_a_tcp_client_goes_both_ways_and_finds_a_server_again_within_seconds() -> None:
-    async def claim() -> None:
-        port = free_port(socket.SOCK_STREAM)
-        async with Station([f"tcp:127.0.0.1:{port}"]) as station:
-            await until(lambda: station.links()[0].error == "Connection refused")
-            for life in (1, 2, 3):
-                async with Server(port) as server:
-                    began = asyncio.get_running_loop().time()
-                    await until(lambda life=life: station.links()[0].frames == life)
-                    assert asyncio.get_running_loop().time() - began < 10.0, "3 s, on a computer that is busy"
-                    await until(lambda server=server: Decoder().feed(bytes(server.heard)))
-                    assert station.links()[0].up
-                    assert station.links()[0].error == ""
-                await until(lambda: not station.links()[0].up)
-                assert station.links()[0].error
-
-    run(claim)
+async def test_a_tcp_client_goes_both_ways_and_finds_a_server_again_within_seconds() -> None:
+    port = free_port(socket.SOCK_STREAM)
+    async with Station([f"tcp:127.0.0.1:{port}"]) as station:
+        await wait_for_async(lambda: station.links()[0].error == "Connection refused")
+        for life in (1, 2, 3):
+            async with Server(port) as server:
+                began = asyncio.get_running_loop().time()
+                await wait_for_async(lambda life=life: station.links()[0].frames == life)
+                assert asyncio.get_running_loop().time() - began < 10.0, "3 s, on a computer that is busy"
+                await wait_for_async(lambda server=server: Decoder().feed(bytes(server.heard)))
+                assert station.links()[0].up
+                assert station.links()[0].error == ""
+            await wait_for_async(lambda: not station.links()[0].up)
+            assert station.links()[0].error
 
 
-def test_a_tcp_server_hears_several_clients_and_answers_each() -> None:
-    async def claim() -> None:
-        port = free_port(socket.SOCK_STREAM)
-        async with Station([f"tcpin:127.0.0.1:{port}"]) as station:
-            clients = [await asyncio.open_connection("127.0.0.1", port) for _ in range(3)]
-            for number, (_, writer) in enumerate(clients):
-                frame = Encoder(1, 191 + number).encode(AUDIO)
-                writer.write(frame[:10])
-                await asyncio.sleep(0.01)
-                writer.write(frame[10:])
-            await until(lambda: len(station.fleet.payloads) == 3)
-            for reader, _ in clients:
-                assert Decoder().feed(await reader.read(21))[0].name == "HEARTBEAT"
-            for _, writer in clients:
-                writer.close()
-                await writer.wait_closed()
-            await until(lambda: station.links()[0].peers == 0)
-            assert station.links()[0].up
-
-    run(claim)
+async def test_a_tcp_server_hears_several_clients_and_answers_each() -> None:
+    port = free_port(socket.SOCK_STREAM)
+    async with Station([f"tcpin:127.0.0.1:{port}"]) as station:
+        clients = [await asyncio.open_connection("127.0.0.1", port) for _ in range(3)]
+        for number, (_, writer) in enumerate(clients):
+            frame = Encoder(1, 191 + number).encode(AUDIO)
+            writer.write(frame[:10])
+            await asyncio.sleep(0.01)
+            writer.write(frame[10:])
+        await wait_for_async(lambda: len(station.fleet.payloads) == 3)
+        for reader, _ in clients:
+            assert Decoder().feed(await reader.read(21))[0].name == "HEARTBEAT"
+        for _, writer in clients:
+            writer.close()
+            await writer.wait_closed()
+        await wait_for_async(lambda: station.links()[0].peers == 0)
+        assert station.links()[0].up
 
 
-def test_a_tcp_server_takes_so_many_clients_and_no_more() -> None:
-    async def claim() -> None:
-        port = free_port(socket.SOCK_STREAM)
-        async with Station([f"tcpin:127.0.0.1:{port}"]) as station:
-            clients = [await asyncio.open_connection("127.0.0.1", port) for _ in range(MOST_CLIENTS + 5)]
-            await until(lambda: station.links()[0].peers == MOST_CLIENTS)
-            with contextlib.suppress(ConnectionError):
-                assert await clients[-1][0].read() == b"", "it is sent away"
-            clients[0][1].write(FRAME)
-            await until(lambda: known(station))
-            for _, writer in clients:
-                writer.transport.abort()
-
-    run(claim)
+async def test_a_tcp_server_takes_so_many_clients_and_no_more() -> None:
+    port = free_port(socket.SOCK_STREAM)
+    async with Station([f"tcpin:127.0.0.1:{port}"]) as station:
+        clients = [await asyncio.open_connection("127.0.0.1", port) for _ in range(MAX_PEERS + 5)]
+        await wait_for_async(lambda: station.links()[0].peers == MAX_PEERS)
+        with contextlib.suppress(ConnectionError):
+            assert await clients[-1][0].read() == b"", "it is sent away"
+        clients[0][1].write(FRAME)
+        await wait_for_async(lambda: known(station))
+        for _, writer in clients:
+            writer.transport.abort()
 
 
-def test_a_client_that_reads_nothing_does_not_fill_the_memory() -> None:
-    async def claim() -> None:
-        port = free_port(socket.SOCK_STREAM)
-        async with Station([f"tcpin:127.0.0.1:{port}"]) as station:
-            with socket.create_connection(("127.0.0.1", port)):
-                await until(lambda: station.links()[0].peers == 1)
-                for _ in range(200_000):
-                    station.send(BEAT)
-                (connection,) = station._links[0]._port._crowd.values()  # type: ignore[union-attr]
-                assert connection._transport.get_write_buffer_size() < 100_000
-
-    run(claim)
+async def test_a_client_that_reads_nothing_does_not_fill_the_memory() -> None:
+    port = free_port(socket.SOCK_STREAM)
+    async with Station([f"tcpin:127.0.0.1:{port}"]) as station:
+        with socket.create_connection(("127.0.0.1", port)):
+            await wait_for_async(lambda: station.links()[0].peers == 1)
+            server = station._links[0]._port
+            (client,) = server._clients.values()  # type: ignore[union-attr]
+            while server.counts.sent < 100_000 and not server.counts.dropped:  # type: ignore[union-attr]
+                server.send(bytes(1000))  # type: ignore[union-attr]
+            station.send(BEAT)
+            assert 0 < len(client.stream.waiting) <= 1000

@@ -10,7 +10,7 @@ import pytest
 from fleet_bench import FleetBench
 from ports import free_port
 from ross_payload.ground.station import Station
-from station_bench import until
+from waiting import wait_for_async
 
 PAYLOADS, HZ, SPAN, WARM = 5, 10.0, 60.0, 5.0  # SPAN and WARM in seconds
 MOST = 0.3  # of a core
@@ -23,12 +23,14 @@ def resident() -> float:
 
 
 @pytest.mark.soak
-def test_full_telemetry_of_five_payloads_ten_times_a_second_costs_less_than_a_third_of_a_core(tmp_path: Path) -> None:
+async def test_full_telemetry_of_five_payloads_ten_times_a_second_costs_less_than_a_third_of_a_core(
+    tmp_path: Path,
+) -> None:
     async def measured() -> tuple[float, float, float]:
         port = free_port()
         async with Station([f"udpin:127.0.0.1:{port}"], log=tmp_path) as station:
             with FleetBench(port, PAYLOADS, HZ):
-                await until(lambda: len(station.fleet.payloads) == PAYLOADS)
+                await wait_for_async(lambda: len(station.fleet.payloads) == PAYLOADS)
                 await asyncio.sleep(WARM)
                 used, began, heard = time.process_time(), time.monotonic(), station.links()[0].frames
                 memory = resident()
@@ -37,7 +39,7 @@ def test_full_telemetry_of_five_payloads_ten_times_a_second_costs_less_than_a_th
                 rate = (station.links()[0].frames - heard) / span
                 return (time.process_time() - used) / span, rate, resident() - memory
 
-    share, rate, growth = asyncio.run(measured())
+    share, rate, growth = await measured()
     print(  # noqa: T201  the figure itself
         f"\n{share:.3f} of a core for {rate:.0f} messages/s with a log; {growth:+.1f} MB in {SPAN:.0f} s"
     )

@@ -5,13 +5,14 @@ import math
 import pytest
 
 from ross_payload.config import Config
-from ross_payload.ground.picture.known import Payload, Who
-from ross_payload.ground.picture.learning import learn
-from ross_payload.ground.picture.view import SECTIONS, view
-from ross_payload.parameters import TABLE, value_of
-from ross_protocols import values as v
+from ross_payload.config.parameter_table import TABLE, value_of
+from ross_payload.ground.model.payload_state import PayloadState
+from ross_payload.ground.model.state_reducer import learn
+from ross_payload.ground.model.view import SECTIONS, view
+from ross_protocols.mavlink import values as v
+from ross_protocols.mavlink.component_id import ComponentId
 
-WHO = Who(1, 191)
+WHO = ComponentId(1, 191)
 
 
 def deg(clockwise):
@@ -28,7 +29,7 @@ def information(lower, upper):
 
 
 def payload(**how):
-    return Payload(WHO, 0.0, 0.0, **how)
+    return PayloadState(WHO, 0.0, 0.0, **how)
 
 
 def test_of_somebody_unknown_everything_is_null_or_empty():

@@ -12,22 +12,22 @@ from click.testing import CliRunner
 from fleet_ear import status
 from flight_logs import UNIX, record
 from ross_payload.ground.flights.command import command
-from ross_payload.ground.flights.tally import tallies
+from ross_payload.ground.flights.frame_stats import tallies
 from ross_payload.ground.mavproxy.shell import Shell
-from ross_payload.ground.monitor import blocks
-from ross_payload.ground.picture.condition import condition
-from ross_payload.ground.picture.fleet import Fleet
-from ross_payload.ground.picture.known import Who
-from ross_payload.ground.picture.view import view
-from ross_protocols import values as v
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common
-from ross_protocols.peers import Peers
-from ross_protocols.tunnel import Wrapper
-from ross_sim.routing import Router
+from ross_payload.ground.model.fleet import Fleet
+from ross_payload.ground.model.health import condition
+from ross_payload.ground.model.view import view
+from ross_payload.ground.terminal import blocks
+from ross_protocols.mavlink import values as v
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.peers import Peers
+from ross_protocols.mavlink.tunnel import Wrapper
+from ross_sim.autopilot.mavlink_routing import RoutingTable
 
 PAYLOAD, AUTOPILOT, STATION, OTHER = (1, 191), (1, 1), (255, 190), (254, 190)
-WHO = Who(*PAYLOAD)
+WHO = ComponentId(*PAYLOAD)
 STATION_BEAT = common.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
 AUTOPILOT_BEAT = common.MAVLink_heartbeat_message(2, 3, 81, 0, 4, 3)
 ACK = common.MAVLink_command_ack_message(54000, 0, 0, 0, *OTHER)  # concerns nobody but the other station
@@ -43,7 +43,7 @@ class Air:
     def __init__(self, *, autopilot=True, mine=False):
         self._voices = {who: Encoder(*who) for who in EVERYBODY}
         self._ears = {who: Decoder() for who in EVERYBODY}
-        self._router, self._autopilot, self._mine = Router(1), autopilot, mine
+        self._router, self._autopilot, self._mine = RoutingTable(1), autopilot, mine
         self.heard, self.frames = [], []
         self.say(STATION, STATION_BEAT)
         self.say(OTHER, STATION_BEAT)
@@ -76,7 +76,7 @@ class Air:
     def fleet(self, way=None):
         fleet = Fleet()
         for step, packet in enumerate(self.heard):
-            fleet.hear(packet, step / 20, way)
+            fleet.on_packet(packet, step / 20, way)
         return fleet
 
 
@@ -107,31 +107,31 @@ def test_a_direct_link_is_judged_by_itself_beside_one_to_the_autopilot():
     fleet, step = Fleet(), 0
     for packet in Air().live(20).heard:
         if packet.component_id == 1:
-            fleet.hear(packet, 0.0, (1, "radio"))
+            fleet.on_packet(packet, 0.0, (1, "radio"))
     for packet in Air(autopilot=False).live(100, drop=lambda step: step % 4 == 1).heard:
-        fleet.hear(packet, step, (0, "cable"))
+        fleet.on_packet(packet, step, (0, "cable"))
     assert fleet.payloads[WHO].counts.lost == 25
 
 
 def test_mavproxy_tells_no_loss_behind_an_autopilot():
     said = []
-    shell = Shell(Orders(), said.append)
+    shell = Shell(NoCommands(), said.append)
     for step, packet in enumerate(Air().live().heard):
-        shell.heard(packet, step / 20)
-    shell.obey(["status"])
+        shell.on_packet(packet, step / 20)
+    shell.execute(["status"])
     assert "loss unknown: its frames come through a router" in "\n".join(said)
     assert "of its frames were lost" not in "\n".join(said)
 
 
-class Orders:
+class NoCommands:
     """Orders that nobody gives."""
 
     doing = ()
 
-    def heard(self, packet, now):
+    def on_packet(self, packet, now):
         """Hear."""
 
-    def met(self, known):
+    def on_state(self, state):
         """Meet."""
 
     def tick(self, now):
@@ -151,7 +151,7 @@ def test_a_log_behind_an_autopilot_tells_no_loss(tmp_path, opened, mine):
 
 def test_a_log_of_a_direct_link_tells_its_loss_though_the_station_is_in_it(tmp_path, opened):
     air = Air(autopilot=False, mine=True).live(drop=lambda step: step % 4 == 1)
-    assert Who(*STATION) in tallies(opened(log(tmp_path, air).read_bytes()))
+    assert ComponentId(*STATION) in tallies(opened(log(tmp_path, air).read_bytes()))
     assert tallies(opened(log(tmp_path, air).read_bytes()))[WHO].lost == 50
 
 
@@ -169,7 +169,7 @@ def test_an_unknown_loss_of_a_link_crosses_the_wire_as_unknown():
     (packet,) = Decoder().feed(Encoder(*PAYLOAD).encode(link))
     assert packet.value.lost is None
     fleet = Fleet()
-    fleet.hear(packet, 0.0)
+    fleet.on_packet(packet, 0.0)
     (told,) = condition(fleet.payloads[WHO])["links"]
     assert (told["level"], told["lost"]) == ("good", None)
     assert told["words"] == "loss unknown: messages reach the payload through a router"

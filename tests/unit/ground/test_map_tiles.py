@@ -1,6 +1,5 @@
 """Tiles of a local MBTiles file: read only, images only, and one line for what is none."""
 
-import asyncio
 import sqlite3
 from contextlib import closing
 
@@ -10,8 +9,8 @@ from click.testing import CliRunner
 from ground_page import page
 from map_file import LEVELS, PLACE, map_file, png, tile_at
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.page.command import command
-from ross_payload.ground.page.tiles import Tiles
+from ross_payload.ground.web.command import command
+from ross_payload.ground.web.tiles import Tiles
 
 aiohttp = pytest.importorskip("aiohttp", reason="the extra [ground]")
 
@@ -133,13 +132,13 @@ async def answers(field, wanted):
                 return told, again.status
 
 
-def test_the_page_serves_a_tile_once(field):
+async def test_the_page_serves_a_tile_once(field):
     column, row = tile_at(16)
-    (status, kind, _), again = asyncio.run(answers(field, f"16/{column}/{row}"))
+    (status, kind, _), again = await answers(field, f"16/{column}/{row}")
     assert (status, kind, again) == (200, "image/png", 304)
 
 
 @pytest.mark.parametrize(("wanted", "status"), [("16/0/0", 204), ("16/0/x", 404), ("16/../../0", 404)])
-def test_the_page_serves_nothing_else(field, wanted, status):
-    (found, _, _), _ = asyncio.run(answers(field, wanted))
+async def test_the_page_serves_nothing_else(field, wanted, status):
+    (found, _, _), _ = await answers(field, wanted)
     assert found == status

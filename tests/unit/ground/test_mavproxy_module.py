@@ -7,7 +7,7 @@ import pytest
 
 from emulated_scene import full
 from ross_payload.ground.mavproxy.mavproxy_ross import Hooks
-from ross_protocols.codec import Decoder, Encoder
+from ross_protocols.mavlink.codec import Decoder, Encoder
 
 
 class Link:

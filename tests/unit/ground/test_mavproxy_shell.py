@@ -3,11 +3,12 @@
 import pytest
 
 from emulated_scene import full
-from ross_payload.ground.clients.orders import Orders
+from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.mavproxy.shell import Shell
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.commands import Result, acknowledgement, command_of
-from ross_protocols.values import Severity, Text
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.commands import Result, acknowledgement, command_of
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.values import Severity, Text
 
 
 class Prompt:
@@ -15,7 +16,7 @@ class Prompt:
 
     def __init__(self, *systems):
         self.said, self.sent = [], []
-        orders = Orders(lambda message, who: self.sent.append((who, command_of(message))), 255, 230)
+        orders = CommandProtocol(lambda message, who: self.sent.append((who, command_of(message))), 255, 230)
         self.shell = Shell(orders, self.said.append)
         self._encoders = {system: Encoder(system, 191) for system in systems}
         self.now = 0.0
@@ -25,11 +26,11 @@ class Prompt:
 
     def hear(self, system, value):
         for packet in Decoder().feed(self._encoders[system].encode(value)):
-            self.shell.heard(packet, self.now)
+            self.shell.on_packet(packet, self.now)
 
     def type(self, line):
         before = len(self.said)
-        self.shell.obey(line.split())
+        self.shell.execute(line.split())
         return "\n".join(self.said[before:])
 
     def wait(self, seconds):
@@ -121,7 +122,7 @@ def test_help_names_every_command():
 def test_a_refusal_is_said_once_and_with_its_reason():
     prompt = Prompt(1)
     prompt.type("explore")
-    prompt.hear(1, acknowledgement(54000, Result.TEMPORARILY_REJECTED, 255, 230))
+    prompt.hear(1, acknowledgement(54000, Result.TEMPORARILY_REJECTED, ComponentId(255, 230)))
     prompt.hear(1, Text(Severity.WARNING, "RoSS: explore refused: stopped: re-arm first"))
     prompt.wait(1.0)
     assert prompt.said == ["RoSS 1-191 explore: sent", "RoSS 1-191 explore: refused: stopped: re-arm first"]
@@ -130,7 +131,7 @@ def test_a_refusal_is_said_once_and_with_its_reason():
 def test_a_refusal_without_a_reason_is_said_too():
     prompt = Prompt(1)
     prompt.type("explore")
-    prompt.hear(1, acknowledgement(54000, Result.UNSUPPORTED, 255, 230))
+    prompt.hear(1, acknowledgement(54000, Result.UNSUPPORTED, ComponentId(255, 230)))
     prompt.wait(1.0)
     assert prompt.said[-1] == "RoSS 1-191 explore: refused: this payload does not support the command"
 
@@ -139,8 +140,8 @@ def test_what_is_done_is_said_and_progress_only_begins():
     prompt = Prompt(1)
     prompt.type("turn 40")
     for share in (0.1, 0.5, 0.9):
-        prompt.hear(1, acknowledgement(54003, Result.IN_PROGRESS, 255, 230, share))
-    prompt.hear(1, acknowledgement(54003, Result.ACCEPTED, 255, 230))
+        prompt.hear(1, acknowledgement(54003, Result.IN_PROGRESS, ComponentId(255, 230), share))
+    prompt.hear(1, acknowledgement(54003, Result.ACCEPTED, ComponentId(255, 230)))
     assert [line.rpartition(": ")[2] for line in prompt.said] == ["sent", "in progress", "done"]
 
 
@@ -172,7 +173,7 @@ def test_the_status_bar_says_state_and_silence():
 def test_texts_of_others_cannot_move_the_cursor():
     prompt = Prompt(1)
     prompt.type("explore")
-    prompt.hear(1, acknowledgement(54000, Result.DENIED, 255, 230))
+    prompt.hear(1, acknowledgement(54000, Result.DENIED, ComponentId(255, 230)))
     prompt.hear(1, Text(Severity.WARNING, "RoSS: explore refused: \x1b[2J"))
     prompt.wait(1.0)
     assert "\x1b" not in "".join(prompt.said)

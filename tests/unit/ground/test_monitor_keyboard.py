@@ -7,7 +7,7 @@ import termios
 
 import pytest
 
-from ross_payload.ground.monitor.keyboard import Keyboard
+from ross_payload.ground.terminal.keyboard import Keyboard
 
 
 @pytest.fixture
@@ -21,23 +21,16 @@ def terminal():
             continue  # a test has closed it
 
 
-def listen(slave, act):
+async def listen(slave, act):
     """Run a keyboard while ``act`` does something; the keys that came, and how often it was told that it is alone."""
     pressed, gone = [], []
-
-    async def run():
+    async with asyncio.timeout(20):
         with Keyboard(slave, pressed.append, lambda: gone.append(True)):
             await act(pressed)
-
-    async def soon():
-        async with asyncio.timeout(20):
-            await run()
-
-    asyncio.run(soon())
     return pressed, len(gone)
 
 
-def test_every_key_is_told_at_once(terminal):
+async def test_every_key_is_told_at_once(terminal):
     master, slave = terminal
 
     async def act(pressed):
@@ -45,10 +38,10 @@ def test_every_key_is_told_at_once(terminal):
         while len(pressed) < 2:
             await asyncio.sleep(0.01)
 
-    assert listen(slave, act) == (["s", "left"], 0)
+    assert await listen(slave, act) == (["s", "left"], 0)
 
 
-def test_a_key_that_is_taken_away_before_it_is_read_holds_nothing_up(terminal):
+async def test_a_key_that_is_taken_away_before_it_is_read_holds_nothing_up(terminal):
     """As Ctrl-C does: the loop has seen that there is a key, and finds none."""
     master, slave = terminal
 
@@ -64,10 +57,10 @@ def test_a_key_that_is_taken_away_before_it_is_read_holds_nothing_up(terminal):
         while not pressed:
             await asyncio.sleep(0.01)
 
-    assert listen(slave, act) == (["q"], 0)
+    assert await listen(slave, act) == (["q"], 0)
 
 
-def test_ctrl_s_and_ctrl_z_are_keys_and_nothing_stands_still(terminal):
+async def test_ctrl_s_and_ctrl_z_are_keys_and_nothing_stands_still(terminal):
     master, slave = terminal
 
     async def act(pressed):
@@ -76,26 +69,26 @@ def test_ctrl_s_and_ctrl_z_are_keys_and_nothing_stands_still(terminal):
             await asyncio.sleep(0.01)
         await asyncio.wait_for(asyncio.to_thread(os.write, slave, b"drawn"), 5)
 
-    assert listen(slave, act) == (["\x13", "\x1a"], 0)
+    assert await listen(slave, act) == (["\x13", "\x1a"], 0)
     assert os.read(master, 100) == b"drawn"
 
 
-def test_a_terminal_that_is_closed_is_told_once_and_nothing_spins(terminal):
+async def test_a_terminal_that_is_closed_is_told_once_and_nothing_spins(terminal):
     master, slave = terminal
 
     async def act(pressed):
         os.close(master)
         await asyncio.sleep(0.3)
 
-    assert listen(slave, act) == ([], 1)
+    assert await listen(slave, act) == ([], 1)
 
 
-def test_the_terminal_is_left_as_it_was(terminal):
+async def test_the_terminal_is_left_as_it_was(terminal):
     _, slave = terminal
     before = termios.tcgetattr(slave)
 
     async def act(pressed):
         assert termios.tcgetattr(slave) != before
 
-    listen(slave, act)
+    await listen(slave, act)
     assert termios.tcgetattr(slave) == before

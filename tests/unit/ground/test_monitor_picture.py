@@ -8,15 +8,16 @@ from rich.cells import cell_len
 from rich.console import Console, Group
 
 from emulated_scene import full
-from ross_payload.ground.clients.orders import Orders, Stop, Turn
-from ross_payload.ground.monitor.clean import clean
-from ross_payload.ground.monitor.rose import rose
-from ross_payload.ground.monitor.screen import Shown, compose
-from ross_payload.ground.picture.fleet import Fleet
-from ross_payload.ground.picture.known import Who
-from ross_payload.ground.picture.view import view
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.values import Information, Severity, Source, Status, Text
+from ross_payload.ground.client.command_protocol import CommandProtocol
+from ross_payload.ground.client.command_types import Stop, Turn
+from ross_payload.ground.model.fleet import Fleet
+from ross_payload.ground.model.view import view
+from ross_payload.ground.terminal.blocks import clean
+from ross_payload.ground.terminal.polar_plot import polar_plot
+from ross_payload.ground.terminal.screen import ScreenState, compose
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.values import Information, Severity, Source, Status, Text
 
 SIZES = [(80, 24), (200, 60), (60, 20), (132, 43), (40, 12), (20, 6), (10, 2)]
 NOTHING = {
@@ -32,12 +33,12 @@ def known(*said, sources=3):
     fleet, encoder, decoder = Fleet(), Encoder(1, 191), Decoder()
     for value in [*full(30.0, sources, 1), *said]:
         for packet in decoder.feed(encoder.encode(value)):
-            fleet.hear(packet, at=100.0)
-    return fleet.payloads[Who(1, 191)]
+            fleet.on_packet(packet, at=100.0)
+    return fleet.payloads[ComponentId(1, 191)]
 
 
 def shown(*said, sources=3, now=100.5, **more):
-    return Shown(picture=clean(view(known(*said, sources=sources))), now=now, **more)
+    return ScreenState(view=clean(view(known(*said, sources=sources))), now=now, **more)
 
 
 def text(*said, size=(80, 24), sources=3, now=100.5, braille=True, **more):
@@ -46,7 +47,7 @@ def text(*said, size=(80, 24), sources=3, now=100.5, braille=True, **more):
 
 
 def drawn(sections, columns=40, rows=20, **more):
-    return [line.plain for line in rose(NOTHING | sections, columns, rows, **more)]
+    return [line.plain for line in polar_plot(NOTHING | sections, columns, rows, **more)]
 
 
 def place(lines, label):
@@ -217,24 +218,24 @@ def test_texts_of_others_cannot_move_the_cursor():
 def test_a_mission_that_knows_nothing_yet_is_drawn():
     fleet, encoder = Fleet(), Encoder(1, 191)
     for packet in Decoder().feed(encoder.encode(Status(time_usec=1, mission_time=0.0, state=0, earth=False))):
-        fleet.hear(packet, at=0.0)
-    picture = view(fleet.payloads[Who(1, 191)])
-    seen = "\n".join(line.plain for line in compose(Shown(picture, 0.1), 80, 24))
+        fleet.on_packet(packet, at=0.0)
+    picture = view(fleet.payloads[ComponentId(1, 191)])
+    seen = "\n".join(line.plain for line in compose(ScreenState(picture, 0.1), 80, 24))
     assert "IDLE" in seen
     assert "none yet" in seen
 
 
 def test_what_was_ordered_is_followed():
-    orders = Orders(lambda message, who: None, 255, 190)
-    orders.order(Who(1, 191), Turn(40.0))
-    orders.order(Who(1, 191), Stop())
+    orders = CommandProtocol(lambda message, who: None, 255, 190)
+    orders.order(ComponentId(1, 191), Turn(40.0))
+    orders.order(ComponentId(1, 191), Stop())
     seen = text(doings=orders.doing)
     assert "1-191 turn to 40 deg: cancelled: stop was sent" in seen
     assert "1-191 stop: sent" in seen
 
 
 def test_nothing_heard_shows_the_advice():
-    lines = compose(Shown(None, 9.0, advice="nothing received on udpin:127.0.0.1:1: " + "do this " * 40), 40, 20)
+    lines = compose(ScreenState(None, 9.0, advice="nothing received on udpin:127.0.0.1:1: " + "do this " * 40), 40, 20)
     seen = "\n".join(line.plain for line in lines)
     assert "no telemetry yet" in seen
     assert seen.count("this") == 40

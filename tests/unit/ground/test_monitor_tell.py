@@ -3,34 +3,34 @@
 from dataclasses import replace
 
 from emulated_scene import full
-from ross_payload.ground.monitor.tell import Teller
-from ross_payload.ground.picture.fleet import Fleet
-from ross_payload.ground.picture.known import Who
-from ross_payload.ground.picture.view import view
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.values import Audio, Severity, Source, Status, Text
+from ross_payload.ground.model.fleet import Fleet
+from ross_payload.ground.model.view import view
+from ross_payload.ground.terminal.change_log import ChangeLog
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.values import Audio, Severity, Source, Status, Text
 
 
 class Told:
-    """What a teller says after each message."""
+    """What is logged after each message."""
 
     def __init__(self):
         self._fleet, self._encoder, self._decoder = Fleet(), Encoder(1, 191), Decoder()
-        self.teller = Teller()
+        self.change_log = ChangeLog()
         self.scene = list(full(30.0, 3, 1))
         self.words(*self.scene)
 
     def _picture(self, values):
         for value in values:
             for packet in self._decoder.feed(self._encoder.encode(value)):
-                self._fleet.hear(packet, at=1.0)
-        return view(self._fleet.payloads[Who(1, 191)])
+                self._fleet.on_packet(packet, at=1.0)
+        return view(self._fleet.payloads[ComponentId(1, 191)])
 
     def words(self, *values):
-        return self.teller.words(self._picture(values))
+        return self.change_log.words(self._picture(values))
 
     def sections(self, *values):
-        return self.teller.sections(self._picture(values))
+        return self.change_log.sections(self._picture(values))
 
     def one(self, kind):
         return next(value for value in self.scene if isinstance(value, kind))
@@ -95,11 +95,11 @@ def test_only_a_level_that_changes_is_told_of_health():
 
 
 def test_silence_is_told_once_and_so_is_its_end():
-    teller = Teller()
-    assert teller.presence(10.0, 11.0) == []
-    assert teller.presence(10.0, 13.0) == ["no telemetry for 3.0 s"]
-    assert teller.presence(10.0, 14.0) == []
-    assert teller.presence(14.5, 14.6) == ["telemetry resumed"]
+    change_log = ChangeLog()
+    assert change_log.presence(10.0, 11.0) == []
+    assert change_log.presence(10.0, 13.0) == ["no telemetry for 3.0 s"]
+    assert change_log.presence(10.0, 14.0) == []
+    assert change_log.presence(14.5, 14.6) == ["telemetry resumed"]
 
 
 def test_json_has_only_the_sections_that_changed():

@@ -3,13 +3,13 @@
 import pytest
 
 from emulated_scene import full
-from ross_payload.ground.clients.orders import Orders
-from ross_payload.ground.monitor.keyboard import keys
-from ross_payload.ground.monitor.watch import Watch
-from ross_payload.ground.picture.fleet import Fleet
-from ross_payload.ground.picture.known import Who
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.commands import command_of
+from ross_payload.ground.client.command_protocol import CommandProtocol
+from ross_payload.ground.model.fleet import Fleet
+from ross_payload.ground.terminal.controller import Controller
+from ross_payload.ground.terminal.keyboard import keys
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.commands import command_of
+from ross_protocols.mavlink.component_id import ComponentId
 
 STOP, EXPLORE, LISTEN, CANCEL, REARM = 54004, 54000, 54001, 54005, 54009
 STOPS = [("s", STOP), ("S", STOP), ("\x13", STOP)]  # Shift, caps lock and Ctrl take nothing from a stop
@@ -21,8 +21,8 @@ class Bench:
 
     def __init__(self, *systems, wanted=None):
         self.fleet, self.sent = Fleet(), []
-        orders = Orders(lambda message, who: self.sent.append((who, command_of(message))), 255, 190)
-        self.watch = Watch(self.fleet, orders, wanted)
+        orders = CommandProtocol(lambda message, who: self.sent.append((who, command_of(message))), 255, 190)
+        self.watch = Controller(self.fleet, orders, wanted)
         for system in systems:
             self.hear(system)
 
@@ -30,7 +30,7 @@ class Bench:
         encoder, decoder = Encoder(system, 191), Decoder()
         for value in full(30.0, sources, system):
             for packet in decoder.feed(encoder.encode(value)):
-                self.fleet.hear(packet, at)
+                self.fleet.on_packet(packet, at)
 
     def press(self, *pressed):
         for key in pressed:
@@ -84,9 +84,9 @@ def test_a_payload_that_is_not_there_is_not_chosen():
 
 
 def test_the_first_that_is_heard_is_looked_at_unless_another_is_wanted():
-    assert Bench(4, 2).watch.payload.who == Who(4, 191)
-    assert Bench(4, 2, wanted=Who(2, 191)).watch.payload.who == Who(2, 191)
-    assert Bench(4, wanted=Who(2, 191)).watch.payload is None
+    assert Bench(4, 2).watch.payload.who == ComponentId(4, 191)
+    assert Bench(4, 2, wanted=ComponentId(2, 191)).watch.payload.who == ComponentId(2, 191)
+    assert Bench(4, wanted=ComponentId(2, 191)).watch.payload is None
 
 
 def test_without_a_payload_nothing_is_ordered_and_that_is_said():
@@ -96,7 +96,7 @@ def test_without_a_payload_nothing_is_ordered_and_that_is_said():
 
 
 def test_who_is_wanted_may_hear_a_stop_though_nobody_hears_it():
-    bench = Bench(4, wanted=Who(2, 191)).press("e", "s")
+    bench = Bench(4, wanted=ComponentId(2, 191)).press("e", "s")
     assert bench.orders == [(2, STOP)]
 
 

@@ -4,8 +4,7 @@ import math
 
 import pytest
 
-from ross_payload.ground.clients.asking import order_of
-from ross_payload.ground.clients.orders import (
+from ross_payload.ground.client.command_types import (
     Cancel,
     Explore,
     Home,
@@ -16,6 +15,7 @@ from ross_payload.ground.clients.orders import (
     Record,
     Stop,
     Turn,
+    order_of,
 )
 
 

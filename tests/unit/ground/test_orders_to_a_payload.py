@@ -6,14 +6,8 @@ from types import SimpleNamespace
 import pytest
 
 from client_bench import OVER, US, WHO, Served, Station
-from ross_payload.ground.clients.orders import (
-    Explore,
-    Listen,
-    Orders,
-    Rearm,
-    Stop,
-    Turn,
-)
+from ross_payload.ground.client.command_protocol import CommandProtocol
+from ross_payload.ground.client.command_types import Explore, Listen, Rearm, Stop, Turn
 from ross_payload.orders import Rearm as Rearmed
 from ross_payload.orders import TurnTo
 
@@ -21,7 +15,7 @@ from ross_payload.orders import TurnTo
 def rig_of(sky, **odds):
     payload = Served(sky(**odds))
     station = Station(payload)
-    orders = Orders(station.send, *US)
+    orders = CommandProtocol(station.send, *US)
     station.clients.append(orders)
 
     def state(number=-1):

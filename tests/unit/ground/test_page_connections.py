@@ -9,7 +9,7 @@ import pytest
 
 from ground_page import browser, page
 from hand_station import HandStation
-from ross_payload.ground.page.connections import Connections, raise_descriptor_limit
+from ross_payload.ground.web.connections import Connections, raise_descriptor_limit
 
 HALF = b"GET / HTTP/1.1\r\nHost: here\r\nX-Slow: "
 WAIT = 20.0  # [s] for what must come
@@ -90,96 +90,78 @@ class Client:
         return not self.reader.at_eof() and self.reader.exception() is None
 
 
-def test_the_oldest_half_open_one_gives_way_first():
-    async def run():
-        async with served(most=20, most_per_address=20) as (connections, connected):
-            inside = await connected()
-            assert await inside.ask(b"let me in") == b"yes"
-            first = await connected()
-            for _ in range(30):
-                await connected()
-            assert await first.is_cut()
-            assert await inside.ask(b"let me in") == b"yes"
-            newest = await connected()
-            assert await newest.ask(b"let me in") == b"yes"
-            assert len(connections) <= 20
-
-    asyncio.run(run())
+async def test_the_oldest_half_open_one_gives_way_first():
+    async with served(most=20, most_per_address=20) as (connections, connected):
+        inside = await connected()
+        assert await inside.ask(b"let me in") == b"yes"
+        first = await connected()
+        for _ in range(30):
+            await connected()
+        assert await first.is_cut()
+        assert await inside.ask(b"let me in") == b"yes"
+        newest = await connected()
+        assert await newest.ask(b"let me in") == b"yes"
+        assert len(connections) <= 20
 
 
-def test_idle_ones_give_way_before_downloads_and_a_web_socket_never():
-    async def run():
-        async with served(most=18, most_per_address=18) as (_, connected):
-            live, download, idle = [await connected() for _ in range(3)]
-            assert await live.ask(b"socket") == b"yes"
-            assert await download.ask(b"download") == b"yes"
-            assert await idle.ask(b"let me in") == b"yes"
-            for _ in range(16):
-                assert await (await connected()).ask(b"socket") == b"yes"
-            assert await idle.is_cut()
-            assert download.is_open
+async def test_idle_ones_give_way_before_downloads_and_a_web_socket_never():
+    async with served(most=18, most_per_address=18) as (_, connected):
+        live, download, idle = [await connected() for _ in range(3)]
+        assert await live.ask(b"socket") == b"yes"
+        assert await download.ask(b"download") == b"yes"
+        assert await idle.ask(b"let me in") == b"yes"
+        for _ in range(16):
             assert await (await connected()).ask(b"socket") == b"yes"
-            assert await download.is_cut()
-            assert live.is_open
+        assert await idle.is_cut()
+        assert download.is_open
+        assert await (await connected()).ask(b"socket") == b"yes"
+        assert await download.is_cut()
+        assert live.is_open
 
-    asyncio.run(run())
 
-
-def test_one_address_makes_room_among_its_own():
-    async def run():
-        async with served(most=40, most_per_address=20) as (connections, connected):
-            honest = await connected("127.0.0.2")
-            flood = [await connected() for _ in range(60)]
-            assert await flood[0].is_cut()
-            assert await honest.ask(b"let me in") == b"yes"
-            assert len(connections) <= 21
-
-    asyncio.run(run())
+async def test_one_address_makes_room_among_its_own():
+    async with served(most=40, most_per_address=20) as (connections, connected):
+        honest = await connected("127.0.0.2")
+        flood = [await connected() for _ in range(60)]
+        assert await flood[0].is_cut()
+        assert await honest.ask(b"let me in") == b"yes"
+        assert len(connections) <= 21
 
 
 @pytest.mark.parametrize("trickles", [False, True])
-def test_a_header_that_does_not_come_to_its_end_is_cut(trickles):
-    async def run():
-        async with served(header_timeout=0.5) as (connections, connected):
-            slow = await connected()
-            start = asyncio.get_running_loop().time()
-            while trickles and not slow.reader.at_eof() and slow.reader.exception() is None:
-                slow.writer.write(b"x")
-                await asyncio.sleep(0.05)
-            assert await slow.is_cut()
-            assert 0.4 < asyncio.get_running_loop().time() - start < WAIT
-            assert len(connections) == 0
-
-    asyncio.run(run())
+async def test_a_header_that_does_not_come_to_its_end_is_cut(trickles):
+    async with served(header_timeout=0.5) as (connections, connected):
+        slow = await connected()
+        start = asyncio.get_running_loop().time()
+        while trickles and not slow.reader.at_eof() and slow.reader.exception() is None:
+            slow.writer.write(b"x")
+            await asyncio.sleep(0.05)
+        assert await slow.is_cut()
+        assert 0.4 < asyncio.get_running_loop().time() - start < WAIT
+        assert len(connections) == 0
 
 
 @pytest.mark.parametrize("limits", [{"header_timeout": 0.3}, {"most": 16, "most_per_address": 16}])
-def test_a_handshake_that_does_not_begin_gives_way_too(limits):
-    async def run():
-        async with served(ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER), **limits) as (connections, connected):
-            silent = [await connected() for _ in range(40)]
-            assert await silent[0].is_cut()
-            nonsense = await connected()
-            nonsense.writer.write(b"GET / HTTP/1.1\r\n\r\n")
-            assert await nonsense.is_cut()
-            assert len(connections) <= 40
-
-    asyncio.run(run())
+async def test_a_handshake_that_does_not_begin_gives_way_too(limits):
+    async with served(ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER), **limits) as (connections, connected):
+        silent = [await connected() for _ in range(40)]
+        assert await silent[0].is_cut()
+        nonsense = await connected()
+        nonsense.writer.write(b"GET / HTTP/1.1\r\n\r\n")
+        assert await nonsense.is_cut()
+        assert len(connections) <= 40
 
 
-def test_whoever_is_let_in_outlives_the_time_for_headers():
-    async def run():
-        async with served(header_timeout=0.2) as (_, connected):
-            inside, slow = await connected(), await connected()
-            assert await inside.ask(b"let me in") == b"yes"
-            assert await slow.is_cut()
-            assert await inside.ask(b"let me in") == b"yes"
-
-    asyncio.run(run())
+async def test_whoever_is_let_in_outlives_the_time_for_headers():
+    async with served(header_timeout=0.2) as (_, connected):
+        inside, slow = await connected(), await connected()
+        assert await inside.ask(b"let me in") == b"yes"
+        assert await slow.is_cut()
+        assert await inside.ask(b"let me in") == b"yes"
 
 
-def test_a_browser_that_watches_keeps_its_socket_in_a_flood_of_half_open_requests():
-    async def run():
+async def test_a_browser_that_watches_keeps_its_socket_in_a_flood_of_half_open_requests():
+    with descriptors(2000):
         async with page(HandStation()) as here, browser(here.url) as one:
             await one.next("hello")
             async with crowd(("127.0.0.1", int(here.url.rstrip("/").rpartition(":")[2]))) as connected:
@@ -191,9 +173,6 @@ def test_a_browser_that_watches_keeps_its_socket_in_a_flood_of_half_open_request
                 await one.next("refused")
                 async with browser(here.url) as other:
                     await other.next("hello")
-
-    with descriptors(2000):
-        asyncio.run(run())
 
 
 @contextmanager

@@ -6,9 +6,9 @@ import pytest
 
 from ground_page import browser, page
 from hand_station import HandStation
-from ross_payload.ground.page.control import GRACE, Control
-from ross_protocols.dialect import common, ross
-from ross_protocols.values import Audio
+from ross_payload.ground.web.page_state import CONTROL_GRACE_S, Control
+from ross_protocols.mavlink.dialect import common, ross
+from ross_protocols.mavlink.values import Audio
 
 TURN = {"kind": "turn", "heading": 40}
 
@@ -23,24 +23,21 @@ def commands(station):
     return [message.command for message, _ in station.sent if message.get_type() == "COMMAND_LONG"]
 
 
-def test_an_order_goes_to_the_payload_and_its_fate_comes_back():
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as one:
-            await one.say(type="watch", id="1-191")
-            await one.say(type="order", id="1-191", order=TURN)
-            told = await one.next("payload", lambda message: message["sections"].get("orders"))
-            doing = told["sections"]["orders"][-1]
-            assert doing["words"] == "turn to 40 deg"
-            assert doing["state"] == "sent"
-            assert commands(station)[-1] == ross.MAV_CMD_ROSS_TURN
-            message, who = next(each for each in station.sent if each[0].get_type() == "COMMAND_LONG")
-            assert message.param1 == 40.0
-            assert str(who) == "1-191"
-            station.say(acknowledged(ross.MAV_CMD_ROSS_TURN, common.MAV_RESULT_ACCEPTED))
-            await one.next("payload", lambda message: states(message)[-1:] == ["done"])
-
-    asyncio.run(run())
+async def test_an_order_goes_to_the_payload_and_its_fate_comes_back():
+    station = there()
+    async with page(station) as served, browser(served.url) as one:
+        await one.say(type="watch", id="1-191")
+        await one.say(type="order", id="1-191", order=TURN)
+        told = await one.next("payload", lambda message: message["sections"].get("orders"))
+        doing = told["sections"]["orders"][-1]
+        assert doing["words"] == "turn to 40 deg"
+        assert doing["state"] == "sent"
+        assert commands(station)[-1] == ross.MAV_CMD_ROSS_TURN
+        message, who = next(each for each in station.sent if each[0].get_type() == "COMMAND_LONG")
+        assert message.param1 == 40.0
+        assert str(who) == "1-191"
+        station.say(acknowledged(ross.MAV_CMD_ROSS_TURN, common.MAV_RESULT_ACCEPTED))
+        await one.next("payload", lambda message: states(message)[-1:] == ["done"])
 
 
 def acknowledged(command, result):
@@ -51,116 +48,95 @@ def states(message):
     return [each["state"] for each in message["sections"].get("orders", [])]
 
 
-def test_an_order_that_nobody_answers_is_told_to_be_so():
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as one:
-            await one.say(type="watch", id="1-191")
-            await one.say(type="order", id="1-191", order={"kind": "park"})
-            await one.next("payload", lambda message: states(message) == ["sent"])
-            for _ in range(8):
-                station.later += 1.0
-                await asyncio.sleep(0.15)
-            await one.next("payload", lambda message: states(message) == ["no_answer"])
-            assert commands(station).count(ross.MAV_CMD_ROSS_PARK) > 1
-
-    asyncio.run(run())
+async def test_an_order_that_nobody_answers_is_told_to_be_so():
+    station = there()
+    async with page(station) as served, browser(served.url) as one:
+        await one.say(type="watch", id="1-191")
+        await one.say(type="order", id="1-191", order={"kind": "park"})
+        await one.next("payload", lambda message: states(message) == ["sent"])
+        for _ in range(8):
+            station.later += 1.0
+            await asyncio.sleep(0.15)
+        await one.next("payload", lambda message: states(message) == ["no_answer"])
+        assert commands(station).count(ross.MAV_CMD_ROSS_PARK) > 1
 
 
-def test_the_first_who_orders_has_control_and_the_other_is_refused():
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as one, browser(served.url) as other:
-            mine = (await one.next("hello"))["you"]
-            await one.say(type="order", id="1-191", order=TURN)
-            assert (await one.next("control", lambda message: message["holder"]))["yours"]
-            told = await other.next("control", lambda message: message["holder"])
-            assert told["holder"] == mine
-            assert not told["yours"]
-            await other.say(type="order", id="1-191", order={"kind": "explore"})
-            refused = await other.next("refused")
-            assert refused["what"] == "explore"
-            assert refused["reason"] == f"{told['name']} has control: take control first"
-            assert ross.MAV_CMD_ROSS_EXPLORE not in commands(station)
-
-    asyncio.run(run())
+async def test_the_first_who_orders_has_control_and_the_other_is_refused():
+    station = there()
+    async with page(station) as served, browser(served.url) as one, browser(served.url) as other:
+        mine = (await one.next("hello"))["you"]
+        await one.say(type="order", id="1-191", order=TURN)
+        assert (await one.next("control", lambda message: message["holder"]))["yours"]
+        told = await other.next("control", lambda message: message["holder"])
+        assert told["holder"] == mine
+        assert not told["yours"]
+        await other.say(type="order", id="1-191", order={"kind": "explore"})
+        refused = await other.next("refused")
+        assert refused["what"] == "explore"
+        assert refused["reason"] == f"{told['name']} has control: take control first"
+        assert ross.MAV_CMD_ROSS_EXPLORE not in commands(station)
 
 
-def test_control_that_is_taken_is_seen_by_both():
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as one, browser(served.url) as other:
-            await one.say(type="control", take=True)
-            await one.next("control", lambda message: message["yours"])
-            await other.say(type="control", take=True)
-            await other.next("control", lambda message: message["yours"])
-            await one.next("control", lambda message: message["holder"] and not message["yours"])
-            await other.say(type="control", take=False)
-            await one.next("control", lambda message: message["holder"] is None)
-            await one.say(type="order", id="1-191", order=TURN)
-            await one.next("control", lambda message: message["yours"])
-
-    asyncio.run(run())
+async def test_control_that_is_taken_is_seen_by_both():
+    station = there()
+    async with page(station) as served, browser(served.url) as one, browser(served.url) as other:
+        await one.say(type="control", take=True)
+        await one.next("control", lambda message: message["yours"])
+        await other.say(type="control", take=True)
+        await other.next("control", lambda message: message["yours"])
+        await one.next("control", lambda message: message["holder"] and not message["yours"])
+        await other.say(type="control", take=False)
+        await one.next("control", lambda message: message["holder"] is None)
+        await one.say(type="order", id="1-191", order=TURN)
+        await one.next("control", lambda message: message["yours"])
 
 
-def test_a_stop_is_obeyed_from_everybody_and_takes_no_control():
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as one, browser(served.url) as other:
-            await one.say(type="control", take=True)
-            await one.next("control", lambda message: message["yours"])
-            await other.say(type="watch", id="1-191")
-            await other.say(type="order", id="1-191", order={"kind": "stop"})
-            await other.next("payload", lambda message: states(message) == ["sent"])
-            assert ross.MAV_CMD_ROSS_STOP in commands(station)
-            await one.say(type="order", id="1-191", order=TURN)
-            await other.next("payload", lambda message: len(states(message)) == 2)
-
-    asyncio.run(run())
+async def test_a_stop_is_obeyed_from_everybody_and_takes_no_control():
+    station = there()
+    async with page(station) as served, browser(served.url) as one, browser(served.url) as other:
+        await one.say(type="control", take=True)
+        await one.next("control", lambda message: message["yours"])
+        await other.say(type="watch", id="1-191")
+        await other.say(type="order", id="1-191", order={"kind": "stop"})
+        await other.next("payload", lambda message: states(message) == ["sent"])
+        assert ross.MAV_CMD_ROSS_STOP in commands(station)
+        await one.say(type="order", id="1-191", order=TURN)
+        await other.next("payload", lambda message: len(states(message)) == 2)
 
 
-def test_a_stop_is_sent_to_a_payload_that_was_not_heard_yet():
-    async def run():
-        station = HandStation()
-        async with page(station) as served, browser(served.url) as one:
-            await one.say(type="order", id="1-191", order={"kind": "stop"})
-            await one.say(type="order", id="1-191", order=TURN)
-            assert "expected a payload that was received, got" in (await one.next("refused"))["reason"]
-            assert set(commands(station)) == {ross.MAV_CMD_ROSS_STOP}
-
-    asyncio.run(run())
+async def test_a_stop_is_sent_to_a_payload_that_was_not_heard_yet():
+    station = HandStation()
+    async with page(station) as served, browser(served.url) as one:
+        await one.say(type="order", id="1-191", order={"kind": "stop"})
+        await one.say(type="order", id="1-191", order=TURN)
+        assert "expected a payload that was received, got" in (await one.next("refused"))["reason"]
+        assert set(commands(station)) == {ross.MAV_CMD_ROSS_STOP}
 
 
-def test_a_browser_that_comes_back_in_time_still_has_control():
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as other:
-            async with browser(served.url) as one:
-                mine = (await one.next("hello"))["you"]
-                await one.say(type="control", take=True)
-                await one.next("control", lambda message: message["yours"])
-            async with browser(served.url, you=mine) as again:
-                assert (await again.next("hello"))["you"] == mine
-                assert (await again.next("control"))["yours"]
-                station.later = GRACE + 1
-                await again.next("fleet")
-                await again.next("fleet")
-            station.later = 2 * GRACE + 2
-            await other.next("control", lambda message: message["holder"] is None)
-
-    asyncio.run(run())
-
-
-def test_nobody_takes_the_id_of_a_browser_that_is_there():
-    async def run():
-        async with page(there()) as served, browser(served.url) as one:
+async def test_a_browser_that_comes_back_in_time_still_has_control():
+    station = there()
+    async with page(station) as served, browser(served.url) as other:
+        async with browser(served.url) as one:
             mine = (await one.next("hello"))["you"]
             await one.say(type="control", take=True)
-            async with browser(served.url, you=mine) as other:
-                assert (await other.next("hello"))["you"] != mine
-                assert not (await other.next("control", lambda message: message["holder"]))["yours"]
+            await one.next("control", lambda message: message["yours"])
+        async with browser(served.url, you=mine) as again:
+            assert (await again.next("hello"))["you"] == mine
+            assert (await again.next("control"))["yours"]
+            station.later = CONTROL_GRACE_S + 1
+            await again.next("fleet")
+            await again.next("fleet")
+        station.later = 2 * CONTROL_GRACE_S + 2
+        await other.next("control", lambda message: message["holder"] is None)
 
-    asyncio.run(run())
+
+async def test_nobody_takes_the_id_of_a_browser_that_is_there():
+    async with page(there()) as served, browser(served.url) as one:
+        mine = (await one.next("hello"))["you"]
+        await one.say(type="control", take=True)
+        async with browser(served.url, you=mine) as other:
+            assert (await other.next("hello"))["you"] != mine
+            assert not (await other.next("control", lambda message: message["holder"]))["yours"]
 
 
 @pytest.mark.parametrize(
@@ -181,35 +157,29 @@ def test_nobody_takes_the_id_of_a_browser_that_is_there():
         ({"id": "3-191", "order": TURN}, "id: expected a payload that was received, got 3-191"),
     ],
 )
-def test_an_order_that_cannot_be_meant_reaches_no_payload_and_takes_no_control(message, reason):
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as one:
-            await one.say(type="order", **message)
-            assert reason in (await one.next("refused"))["reason"]
-            assert not commands(station)
-            await one.say(type="watch", id="1-191")
-            await one.next("payload")
-            assert not any(each.get("yours") for each in one.got)
-
-    asyncio.run(run())
+async def test_an_order_that_cannot_be_meant_reaches_no_payload_and_takes_no_control(message, reason):
+    station = there()
+    async with page(station) as served, browser(served.url) as one:
+        await one.say(type="order", **message)
+        assert reason in (await one.next("refused"))["reason"]
+        assert not commands(station)
+        await one.say(type="watch", id="1-191")
+        await one.next("payload")
+        assert not any(each.get("yours") for each in one.got)
 
 
-def test_an_order_can_be_cancelled_by_its_number():
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as one:
-            await one.say(type="watch", id="1-191")
-            await one.say(type="order", id="1-191", order=TURN)
-            told = await one.next("payload", states)
-            number = told["sections"]["orders"][-1]["number"]
-            await one.say(type="order", id="1-191", order={"kind": "cancel", "number": number})
-            await one.say(type="order", id="1-191", order={"kind": "record", "on": True})
-            await one.next("payload", lambda message: len(states(message)) == 2)
-            kinds = [message.get_type() for message, _ in station.sent]
-            assert "COMMAND_CANCEL" in kinds
-
-    asyncio.run(run())
+async def test_an_order_can_be_cancelled_by_its_number():
+    station = there()
+    async with page(station) as served, browser(served.url) as one:
+        await one.say(type="watch", id="1-191")
+        await one.say(type="order", id="1-191", order=TURN)
+        told = await one.next("payload", states)
+        number = told["sections"]["orders"][-1]["number"]
+        await one.say(type="order", id="1-191", order={"kind": "cancel", "number": number})
+        await one.say(type="order", id="1-191", order={"kind": "record", "on": True})
+        await one.next("payload", lambda message: len(states(message)) == 2)
+        kinds = [message.get_type() for message, _ in station.sent]
+        assert "COMMAND_CANCEL" in kinds
 
 
 def parameter(name, value, index=0, count=1):
@@ -224,43 +194,37 @@ def asked(station, kind):
     return [message for message, _ in station.sent if message.get_type() == kind]
 
 
-def test_parameters_are_asked_for_when_somebody_watches_and_not_before():
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as one:
-            await one.next("fleet")
-            await one.next("fleet")
-            assert not station.sent
-            await one.say(type="watch", id="1-191")
-            await one.next("payload")
-            await one.next("fleet")
-            assert asked(station, "PARAM_REQUEST_LIST")
-            station.say(parameter("EXP_UNIT", 2.0))
-            await one.next("payload", lambda message: values(message) == {"EXP_UNIT": (2.0, "known")})
-            await one.say(type="refresh", id="1-191")
-            await one.next("payload", lambda message: message["sections"].get("parameters") == [])
-            assert len(asked(station, "PARAM_REQUEST_LIST")) == 2
-
-    asyncio.run(run())
+async def test_parameters_are_asked_for_when_somebody_watches_and_not_before():
+    station = there()
+    async with page(station) as served, browser(served.url) as one:
+        await one.next("fleet")
+        await one.next("fleet")
+        assert not station.sent
+        await one.say(type="watch", id="1-191")
+        await one.next("payload")
+        await one.next("fleet")
+        assert asked(station, "PARAM_REQUEST_LIST")
+        station.say(parameter("EXP_UNIT", 2.0))
+        await one.next("payload", lambda message: values(message) == {"EXP_UNIT": (2.0, "known")})
+        await one.say(type="refresh", id="1-191")
+        await one.next("payload", lambda message: message["sections"].get("parameters") == [])
+        assert len(asked(station, "PARAM_REQUEST_LIST")) == 2
 
 
-def test_a_parameter_is_set_by_who_has_control_and_read_back():
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as one, browser(served.url) as other:
-            await one.say(type="watch", id="1-191")
-            await one.next("payload")
-            station.say(parameter("EXP_UNIT", 2.0))
-            await one.next("payload", values)
-            await one.say(type="set", id="1-191", name="EXP_UNIT", value=3)
-            await one.next("payload", lambda message: values(message).get("EXP_UNIT") == (2.0, "sending"))
-            station.say(parameter("EXP_UNIT", 3.0))
-            await one.next("payload", lambda message: values(message).get("EXP_UNIT") == (3.0, "set"))
-            await other.say(type="set", id="1-191", name="EXP_UNIT", value=4)
-            assert "has control" in (await other.next("refused"))["reason"]
-            assert len(asked(station, "PARAM_SET")) == 1
-
-    asyncio.run(run())
+async def test_a_parameter_is_set_by_who_has_control_and_read_back():
+    station = there()
+    async with page(station) as served, browser(served.url) as one, browser(served.url) as other:
+        await one.say(type="watch", id="1-191")
+        await one.next("payload")
+        station.say(parameter("EXP_UNIT", 2.0))
+        await one.next("payload", values)
+        await one.say(type="set", id="1-191", name="EXP_UNIT", value=3)
+        await one.next("payload", lambda message: values(message).get("EXP_UNIT") == (2.0, "sending"))
+        station.say(parameter("EXP_UNIT", 3.0))
+        await one.next("payload", lambda message: values(message).get("EXP_UNIT") == (3.0, "set"))
+        await other.say(type="set", id="1-191", name="EXP_UNIT", value=4)
+        assert "has control" in (await other.next("refused"))["reason"]
+        assert len(asked(station, "PARAM_SET")) == 1
 
 
 @pytest.mark.parametrize(
@@ -275,35 +239,32 @@ def test_a_parameter_is_set_by_who_has_control_and_read_back():
         (["EXP_UNIT"], 1, "expected the name of a parameter"),
     ],
 )
-def test_a_parameter_that_cannot_be_meant_is_not_set(name, value, reason):
-    async def run():
-        station = there()
-        async with page(station) as served, browser(served.url) as one:
-            await one.say(type="watch", id="1-191")
-            await one.next("payload")
-            station.say(parameter("EXP_UNIT", 2.0))
-            await one.next("payload", values)
-            await one.say(type="set", id="1-191", name=name, value=value)
-            assert reason in (await one.next("refused"))["reason"]
-            assert not asked(station, "PARAM_SET")
-
-    asyncio.run(run())
+async def test_a_parameter_that_cannot_be_meant_is_not_set(name, value, reason):
+    station = there()
+    async with page(station) as served, browser(served.url) as one:
+        await one.say(type="watch", id="1-191")
+        await one.next("payload")
+        station.say(parameter("EXP_UNIT", 2.0))
+        await one.next("payload", values)
+        await one.say(type="set", id="1-191", name=name, value=value)
+        assert reason in (await one.next("refused"))["reason"]
+        assert not asked(station, "PARAM_SET")
 
 
 def test_control_waits_for_its_holder_for_the_grace_and_no_longer():
     control = Control()
-    control.take("a1", "chrome")
-    control.went("a1", now=5.0)
-    control.tick(5.0 + GRACE)
+    control.acquire("a1", "chrome")
+    control.on_disconnect("a1", now=5.0)
+    control.tick(5.0 + CONTROL_GRACE_S)
     assert control.holder == "a1"
-    control.tick(5.1 + GRACE)
+    control.tick(5.1 + CONTROL_GRACE_S)
     assert control.holder is None
 
 
 def test_who_gives_up_what_another_has_changes_nothing():
     control = Control()
-    control.take("a1", "chrome")
-    control.give_up("b2")
-    control.went("b2", now=0.0)
+    control.acquire("a1", "chrome")
+    control.release("b2")
+    control.on_disconnect("b2", now=0.0)
     control.tick(100.0)
     assert control.holder == "a1"

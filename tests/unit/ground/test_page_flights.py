@@ -15,10 +15,10 @@ import pytest
 from emulated_log import log
 from flight_logs import UNIX, record, write_hour
 from ground_page import browser, page
-from ross_payload.ground.page import shelf
-from ross_payload.ground.page.shelf import Flights
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import common
+from ross_payload.ground.web import flight_library
+from ross_payload.ground.web.flight_library import FlightLibrary
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import common
 
 
 @pytest.fixture
@@ -41,18 +41,15 @@ async def opened(one, name="two.tlog", slot="a"):
     return await one.next("flight", lambda message: message["slot"] == slot)
 
 
-def test_the_flights_of_the_folder_are_listed_with_what_is_odd_about_them(folder):
-    async def run():
-        async with page(None, Flights(folder)) as served, browser(served.url) as one:
-            told = await one.next("flights", lambda message: message["known"])
-            known = {each["name"]: each for each in told["known"]}
-            assert set(known) == {"two.tlog", "session", "other.tlog", "text.tlog"}
-            assert "got a text" in known["text.tlog"]["notes"][0]
-            assert "no messages of a payload" in known["other.tlog"]["notes"][0]
-
+async def test_the_flights_of_the_folder_are_listed_with_what_is_odd_about_them(folder):
     for path in folder.rglob("*.tlog"):
         make_old(path)
-    asyncio.run(run())
+    async with page(None, FlightLibrary(folder)) as served, browser(served.url) as one:
+        told = await one.next("flights", lambda message: message["known"])
+        known = {each["name"]: each for each in told["known"]}
+        assert set(known) == {"two.tlog", "session", "other.tlog", "text.tlog"}
+        assert "got a text" in known["text.tlog"]["notes"][0]
+        assert "no messages of a payload" in known["other.tlog"]["notes"][0]
 
 
 def make_old(path):
@@ -60,7 +57,7 @@ def make_old(path):
 
 
 def test_a_flight_that_is_still_written_is_listed_and_not_read_again_and_again(folder):
-    flights = Flights(folder)
+    flights = FlightLibrary(folder)
     rows = {each["name"]: each for each in flights.known()}
     assert rows["two.tlog"]["duration"] is None
     assert rows["two.tlog"]["start"] == pytest.approx(UNIX / 1e6)
@@ -72,7 +69,7 @@ def test_a_flight_that_is_still_written_is_listed_and_not_read_again_and_again(f
 def test_a_simulated_flight_has_no_date_while_it_is_written_either(tmp_path):
     log(tmp_path / "mission.tlog", start=0)  # a simulation's clock counts from its own start
     log(tmp_path / "booted.tlog", start=60_000_000)  # a computer that knows no date counts from its boot
-    flights = Flights(tmp_path)
+    flights = FlightLibrary(tmp_path)
     for _ in ("still written", "whole"):
         rows = {each["name"]: each for each in flights.known()}
         assert [rows["mission.tlog"][key] for key in ("start", "simulated")] == [None, True]
@@ -82,100 +79,87 @@ def test_a_simulated_flight_has_no_date_while_it_is_written_either(tmp_path):
     assert rows["mission.tlog"]["duration"] == pytest.approx(19.8, abs=0.2)
 
 
-def test_an_opened_flight_tells_what_is_in_it_and_shows_its_first_payload(folder):
-    async def run():
-        async with page(None, Flights(folder)) as served, browser(served.url) as one:
-            told = await opened(one)
-            assert told["name"] == "two.tlog"
-            assert told["payloads"] == ["1-191", "2-191"]
-            assert told["duration"] == pytest.approx(59.9, abs=0.2)
-            assert (told["at"], told["playing"], told["speed"]) == (0, False, 1)
-            assert told["marks"][0]["words"]
-            await one.say(type="flight", slot="a", seek=30)
-            shown = await one.next("payload", lambda message: message["now"] == 30)
-            assert (shown["slot"], shown["id"]) == ("a", "1-191")
-            assert shown["sections"]["mission"]["time"] == pytest.approx(30, abs=0.2)
-            await one.say(type="flight", slot="a", watch="2-191")
-            shown = await one.next("payload", lambda message: message["id"] == "2-191")
-            assert len(shown["sections"]) == 11
-
-    asyncio.run(run())
+async def test_an_opened_flight_tells_what_is_in_it_and_shows_its_first_payload(folder):
+    async with page(None, FlightLibrary(folder)) as served, browser(served.url) as one:
+        told = await opened(one)
+        assert told["name"] == "two.tlog"
+        assert told["payloads"] == ["1-191", "2-191"]
+        assert told["duration"] == pytest.approx(59.9, abs=0.2)
+        assert (told["at"], told["playing"], told["speed"]) == (0, False, 1)
+        assert told["marks"][0]["words"]
+        await one.say(type="flight", slot="a", seek=30)
+        shown = await one.next("payload", lambda message: message["now"] == 30)
+        assert (shown["slot"], shown["id"]) == ("a", "1-191")
+        assert shown["sections"]["mission"]["time"] == pytest.approx(30, abs=0.2)
+        await one.say(type="flight", slot="a", watch="2-191")
+        shown = await one.next("payload", lambda message: message["id"] == "2-191")
+        assert len(shown["sections"]) == 11
 
 
-def test_a_playing_flight_goes_on_with_the_wall_clock_times_its_speed(folder):
-    async def run():
-        async with page(None, Flights(folder)) as served, browser(served.url) as one:
-            await opened(one)
-            await one.say(type="flight", slot="a", speed=8)
-            await one.say(type="flight", slot="a", play=True)
-            first = await one.next("flight", lambda message: message["playing"])
-            start = time.monotonic()
-            last = await one.next("flight", lambda message: message["at"] > first["at"] + 8)
-            lasted = time.monotonic() - start
-            assert last["speed"] == 8
-            assert 0.4 * 8 * lasted < last["at"] - first["at"] < 1.3 * 8 * lasted + 3
-            times = [each["now"] for each in one.got if each["type"] == "payload"]
-            assert times == sorted(times)
-            await one.say(type="flight", slot="a", play=False)
-            paused = await one.next("flight", lambda message: not message["playing"])
-            await one.next("fleet")
-            await one.next("fleet")
-            assert not [each for each in one.got if each["type"] == "payload" and each["now"] > paused["at"] + 0.01]
-
-    asyncio.run(run())
+async def test_a_playing_flight_goes_on_with_the_wall_clock_times_its_speed(folder):
+    async with page(None, FlightLibrary(folder)) as served, browser(served.url) as one:
+        await opened(one)
+        await one.say(type="flight", slot="a", speed=8)
+        await one.say(type="flight", slot="a", play=True)
+        first = await one.next("flight", lambda message: message["playing"])
+        start = time.monotonic()
+        last = await one.next("flight", lambda message: message["at"] > first["at"] + 8)
+        lasted = time.monotonic() - start
+        assert last["speed"] == 8
+        assert 0.4 * 8 * lasted < last["at"] - first["at"] < 1.3 * 8 * lasted + 3
+        times = [each["now"] for each in one.got if each["type"] == "payload"]
+        assert times == sorted(times)
+        await one.say(type="flight", slot="a", play=False)
+        paused = await one.next("flight", lambda message: not message["playing"])
+        await one.next("fleet")
+        await one.next("fleet")
+        assert not [each for each in one.got if each["type"] == "payload" and each["now"] > paused["at"] + 0.01]
 
 
-def test_a_flight_stops_at_its_end_and_plays_from_the_beginning_again(folder):
-    async def run():
-        async with page(None, Flights(folder)) as served, browser(served.url) as one:
-            told = await opened(one)
-            await one.say(type="flight", slot="a", seek=told["duration"] - 0.2)
-            await one.say(type="flight", slot="a", play=True)
-            ended = await one.next(
-                "flight", lambda message: message["at"] == told["duration"] and not message["playing"]
-            )
-            assert ended["at"] == told["duration"]
-            await one.say(type="flight", slot="a", play=True)
-            await one.next("flight", lambda message: message["playing"] and message["at"] < 20)
-
-    asyncio.run(run())
+async def test_a_flight_stops_at_its_end_and_plays_from_the_beginning_again(folder):
+    async with page(None, FlightLibrary(folder)) as served, browser(served.url) as one:
+        told = await opened(one)
+        await one.say(type="flight", slot="a", seek=told["duration"] - 0.2)
+        await one.say(type="flight", slot="a", play=True)
+        ended = await one.next("flight", lambda message: message["at"] == told["duration"] and not message["playing"])
+        assert ended["at"] == told["duration"]
+        await one.say(type="flight", slot="a", play=True)
+        await one.next("flight", lambda message: message["playing"] and message["at"] < 20)
 
 
-def test_before_its_first_word_nothing_is_known_of_a_payload(folder):
+async def test_before_its_first_word_nothing_is_known_of_a_payload(folder):
     beat = Encoder(1, 1).encode(common.MAVLink_heartbeat_message(2, 3, 81, 0, 4, 3))
     late = (folder / "session" / "telemetry.tlog").read_bytes()
     (folder / "late.tlog").write_bytes(record(UNIX - 20_000_000, beat) + late)
 
-    async def run():
-        async with page(None, Flights(folder)) as served, browser(served.url) as one:
-            await opened(one, "late.tlog")
-            await one.say(type="flight", slot="a", seek=23.0)
-            await one.next("payload", lambda message: (message["sections"].get("standing") or {}).get("state"))
-            await one.say(type="flight", slot="a", seek=5.0)
-            told = await one.next("payload", lambda message: "standing" in message["sections"])
-            assert (told["sections"]["standing"]["state"], told["sections"]["standing"]["last"]) == (None, None)
-            assert told["sections"]["sources"] == []
-
-    asyncio.run(run())
+    async with page(None, FlightLibrary(folder)) as served, browser(served.url) as one:
+        await opened(one, "late.tlog")
+        await one.say(type="flight", slot="a", seek=23.0)
+        await one.next("payload", lambda message: (message["sections"].get("standing") or {}).get("state"))
+        await one.say(type="flight", slot="a", seek=5.0)
+        told = await one.next("payload", lambda message: "standing" in message["sections"])
+        assert (told["sections"]["standing"]["state"], told["sections"]["standing"]["last"]) == (None, None)
+        assert told["sections"]["sources"] == []
 
 
-def test_two_flights_play_apart(folder):
-    async def run():
-        async with page(None, Flights(folder)) as served, browser(served.url) as one, browser(served.url) as other:
-            await opened(one, "two.tlog", "a")
-            await opened(one, "session", "b")
-            await opened(other, "session", "a")
-            await one.say(type="flight", slot="a", seek=20)
-            await one.next("flight", lambda message: message["at"] == 20)
-            await one.say(type="flight", slot="b", seek=3)
-            told = await one.next("flight", lambda message: message["at"] == 3)
-            assert (told["slot"], told["name"]) == ("b", "session")
-            await one.say(type="flight", slot="b", close=True)
-            await one.say(type="flight", slot="b", seek=1)
-            assert (await one.next("refused"))["reason"] == "no flight is open in b"
-            assert all(each["at"] == 0 for each in other.got if each["type"] == "flight")
-
-    asyncio.run(run())
+async def test_two_flights_play_apart(folder):
+    async with (
+        page(None, FlightLibrary(folder)) as served,
+        browser(served.url) as one,
+        browser(served.url) as other,
+    ):
+        await opened(one, "two.tlog", "a")
+        await opened(one, "session", "b")
+        await opened(other, "session", "a")
+        await one.say(type="flight", slot="a", seek=20)
+        await one.next("flight", lambda message: message["at"] == 20)
+        await one.say(type="flight", slot="b", seek=3)
+        told = await one.next("flight", lambda message: message["at"] == 3)
+        assert (told["slot"], told["name"]) == ("b", "session")
+        await one.say(type="flight", slot="b", close=True)
+        await one.say(type="flight", slot="b", seek=1)
+        assert (await one.next("refused"))["reason"] == "no flight is open in b"
+        assert all(each["at"] == 0 for each in other.got if each["type"] == "flight")
 
 
 @pytest.mark.parametrize(
@@ -193,14 +177,11 @@ def test_two_flights_play_apart(folder):
         ({"slot": "a", "watch": "all"}, "expected system-component, as in 1-191, got 'all'"),
     ],
 )
-def test_what_no_flight_can_do_is_refused(folder, message, reason):
-    async def run():
-        async with page(None, Flights(folder)) as served, browser(served.url) as one:
-            await opened(one)
-            await one.say(type="flight", **message)
-            assert reason in (await one.next("refused"))["reason"]
-
-    asyncio.run(run())
+async def test_what_no_flight_can_do_is_refused(folder, message, reason):
+    async with page(None, FlightLibrary(folder)) as served, browser(served.url) as one:
+        await opened(one)
+        await one.say(type="flight", **message)
+        assert reason in (await one.next("refused"))["reason"]
 
 
 async def bring(served, name, data):
@@ -209,22 +190,19 @@ async def bring(served, name, data):
         return answer.status, await answer.json()
 
 
-def test_a_flight_that_is_brought_is_played_and_gone_with_the_page(folder):
-    async def run():
-        flights = Flights(None)
-        async with page(None, flights) as served, browser(served.url) as one:
-            data = (folder / "two.tlog").read_bytes()
-            assert await bring(served, "two.tlog", data) == (200, {"name": "two.tlog"})
-            told = await one.next("flights", lambda message: message["known"])
-            assert told["known"][0]["name"] == "two.tlog"
-            kept = flights.path("two.tlog")
-            assert stat.S_IMODE(kept.parent.stat().st_mode) == 0o700
-            status, answer = await bring(served, "two.tlog", data)
-            assert (status, answer) == (200, {"name": "two 2.tlog"})
-            assert (await opened(one, "two 2.tlog"))["payloads"] == ["1-191", "2-191"]
-        return kept
-
-    assert not asyncio.run(run()).parent.exists()
+async def test_a_flight_that_is_brought_is_played_and_gone_with_the_page(folder):
+    flights = FlightLibrary(None)
+    async with page(None, flights) as served, browser(served.url) as one:
+        data = (folder / "two.tlog").read_bytes()
+        assert await bring(served, "two.tlog", data) == (200, {"name": "two.tlog"})
+        told = await one.next("flights", lambda message: message["known"])
+        assert told["known"][0]["name"] == "two.tlog"
+        kept = flights.path("two.tlog")
+        assert stat.S_IMODE(kept.parent.stat().st_mode) == 0o700
+        status, answer = await bring(served, "two.tlog", data)
+        assert (status, answer) == (200, {"name": "two 2.tlog"})
+        assert (await opened(one, "two 2.tlog"))["payloads"] == ["1-191", "2-191"]
+    assert not kept.parent.exists()
 
 
 @pytest.mark.parametrize(
@@ -237,66 +215,44 @@ def test_a_flight_that_is_brought_is_played_and_gone_with_the_page(folder):
         ("large.tlog", b"x" * 3_000_000, 413, "expected at most 2 MB, got more"),
     ],
 )
-def test_what_is_no_flight_is_refused_in_one_line_and_not_kept(name, data, status, why, monkeypatch):
-    async def run():
-        flights = Flights(None)
-        async with page(None, flights) as served:
-            found, answer = await bring(served, name, data)
-            assert found == status
-            assert why in answer["error"]
-            assert "\n" not in answer["error"]
-            assert "/tmp" not in answer["error"]  # noqa: S108
-            assert flights.known() == []
-
-    monkeypatch.setattr(shelf, "LARGEST", 2 << 20)
-    asyncio.run(run())
+async def test_what_is_no_flight_is_refused_in_one_line_and_not_kept(name, data, status, why, monkeypatch):
+    monkeypatch.setattr(flight_library, "MAX_BYTES", 2 << 20)
+    flights = FlightLibrary(None)
+    async with page(None, flights) as served:
+        found, answer = await bring(served, name, data)
+        assert found == status
+        assert why in answer["error"]
+        assert "\n" not in answer["error"]
+        assert "/tmp" not in answer["error"]  # noqa: S108
+        assert flights.known() == []
 
 
 @pytest.mark.parametrize(
     "name", ["../../evil.tlog", "/etc/evil.tlog", "..\\evil.tlog", ".tlog", "....tlog", "a\0b.tlog"]
 )
-def test_no_name_leads_out_of_the_folder(folder, name):
-    async def run():
-        flights = Flights(None)
-        async with page(None, flights) as served:
-            status, answer = await bring(served, name, (folder / "session" / "telemetry.tlog").read_bytes())
-            assert status == 200
-            kept = flights.path(answer["name"])
-            assert kept.parent.name.startswith("ross-flights-")
-            assert kept.resolve().parent == kept.parent.resolve()
-            assert not Path(answer["name"]).name.startswith(".")
-
-    asyncio.run(run())
+async def test_no_name_leads_out_of_the_folder(folder, name):
+    flights = FlightLibrary(None)
+    async with page(None, flights) as served:
+        status, answer = await bring(served, name, (folder / "session" / "telemetry.tlog").read_bytes())
+        assert status == 200
+        kept = flights.path(answer["name"])
+        assert kept.parent.name.startswith("ross-flights-")
+        assert kept.resolve().parent == kept.parent.resolve()
+        assert not Path(answer["name"]).name.startswith(".")
 
 
-def test_no_more_flights_are_brought_than_there_is_room_for(folder, monkeypatch):
-    async def run():
-        async with page(None, Flights(None)) as served:
-            data = (folder / "session" / "telemetry.tlog").read_bytes()
-            assert (await bring(served, "a.tlog", data))[0] == 200
-            assert (await bring(served, "b.tlog", data))[0] == 200
-            assert await bring(served, "c.tlog", data) == (
-                507, {"error": "2 flights were brought already: no more are accepted"},
-            )  # fmt: skip
-
-    monkeypatch.setattr(shelf, "MOST_BROUGHT", 2)
-    asyncio.run(run())
+async def test_no_more_flights_are_brought_than_there_is_room_for(folder, monkeypatch):
+    monkeypatch.setattr(flight_library, "MAX_UPLOADED", 2)
+    async with page(None, FlightLibrary(None)) as served:
+        data = (folder / "session" / "telemetry.tlog").read_bytes()
+        assert (await bring(served, "a.tlog", data))[0] == 200
+        assert (await bring(served, "b.tlog", data))[0] == 200
+        assert await bring(served, "c.tlog", data) == (
+            507, {"error": "2 flights were brought already: no more are accepted"},
+        )  # fmt: skip
 
 
-def test_a_browser_that_goes_while_it_brings_a_flight_leaves_nothing():
-    async def run():
-        flights = Flights(None)
-        async with page(None, flights) as served:
-            host, port = served.url.removeprefix("http://").strip("/").split(":")
-            _, writer = await asyncio.open_connection(host, int(port))
-            head = f"POST /flights?name=gone-{os.getpid()}.tlog HTTP/1.1\r\nHost: {host}:{port}\r\n"
-            head += "Content-Length: 1000000\r\n\r\n"
-            writer.write(head.encode() + b"x" * 1000)
-            await writer.drain()
-            await until(parts)
-            writer.transport.abort()
-            await until(lambda: not parts())
-
+async def test_a_browser_that_goes_while_it_brings_a_flight_leaves_nothing():
     def parts():
         return list(Path(tempfile.gettempdir()).glob(f"ross-flights-*/gone-{os.getpid()}*.part"))
 
@@ -307,4 +263,14 @@ def test_a_browser_that_goes_while_it_brings_a_flight_leaves_nothing():
                     return
                 await asyncio.sleep(0.02)
 
-    asyncio.run(run())
+    flights = FlightLibrary(None)
+    async with page(None, flights) as served:
+        host, port = served.url.removeprefix("http://").strip("/").split(":")
+        _, writer = await asyncio.open_connection(host, int(port))
+        head = f"POST /flights?name=gone-{os.getpid()}.tlog HTTP/1.1\r\nHost: {host}:{port}\r\n"
+        head += "Content-Length: 1000000\r\n\r\n"
+        writer.write(head.encode() + b"x" * 1000)
+        await writer.drain()
+        await until(parts)
+        writer.transport.abort()
+        await until(lambda: not parts())

@@ -1,6 +1,5 @@
 """Recorded sessions over the page: listed, downloaded and deleted by whoever may open it, and by nobody else."""
 
-import asyncio
 import io
 import stat
 import zipfile
@@ -11,8 +10,8 @@ import pytest
 from ground_page import browser, page
 from hand_station import HandStation
 from recording_bench import input_of, record, recording
-from ross_payload.recording.catalog import Catalog
-from ross_payload.recording.shelf import Shelf
+from ross_payload.sessions.catalog import Catalog
+from ross_payload.sessions.session_store import SessionStore
 
 TOKEN = "open-sesame-open-sesame"  # noqa: S105
 
@@ -23,17 +22,13 @@ def catalog(tmp_path):
     folder = tmp_path / "recordings"
     for _ in range(2):
         record(folder, [input_of(index) for index in range(50)])
-    return Catalog(Shelf(folder))
+    return Catalog(SessionStore(folder))
 
 
-def visited(catalog, visit, **options):
+async def visited(catalog, visit, **options):
     """Serve the recordings and visit them with a browser's session and the address of the page."""
-
-    async def run():
-        async with page(HandStation(), recordings=catalog, **options) as served, aiohttp.ClientSession() as client:
-            return await visit(client, served.url)
-
-    return asyncio.run(run())
+    async with page(HandStation(), recordings=catalog, **options) as served, aiohttp.ClientSession() as client:
+        return await visit(client, served.url)
 
 
 async def fetched(client, url, method="GET", **options):
@@ -41,28 +36,25 @@ async def fetched(client, url, method="GET", **options):
         return answer.status, await answer.read(), answer.headers
 
 
-def test_the_page_tells_where_recordings_are_kept_and_which_there_are(catalog):
-    async def run():
-        async with page(HandStation(), recordings=catalog) as served, browser(served.url) as one:
-            told = await one.next("recordings")
-            assert told["folder"] == str(catalog.folder)
-            first, second = told["known"]
-            assert (first["name"], second["name"]) == ("0001", "0002")
-            assert first["seconds"] == pytest.approx(0.5)
-            assert first["bytes"] == sum(path.stat().st_size for path in catalog.files("0001").values())
-            assert not first["running"]
-            record(catalog.folder, [input_of(0)])
-            again = await one.next("recordings")
-            assert [each["name"] for each in again["known"]] == ["0001", "0002", "0003"]
-
-    asyncio.run(run())
+async def test_the_page_tells_where_recordings_are_kept_and_which_there_are(catalog):
+    async with page(HandStation(), recordings=catalog) as served, browser(served.url) as one:
+        told = await one.next("recordings")
+        assert told["folder"] == str(catalog.folder)
+        first, second = told["known"]
+        assert (first["name"], second["name"]) == ("0001", "0002")
+        assert first["seconds"] == pytest.approx(0.5)
+        assert first["bytes"] == sum(path.stat().st_size for path in catalog.files("0001").values())
+        assert not first["running"]
+        record(catalog.folder, [input_of(0)])
+        again = await one.next("recordings")
+        assert [each["name"] for each in again["known"]] == ["0001", "0002", "0003"]
 
 
-def test_an_archive_holds_every_file_to_the_byte(catalog):
+async def test_an_archive_holds_every_file_to_the_byte(catalog):
     async def visit(client, url):
         return await fetched(client, f"{url}recordings/0002.zip")
 
-    status, body, headers = visited(catalog, visit)
+    status, body, headers = await visited(catalog, visit)
     assert status == 200
     assert headers["Content-Disposition"] == 'attachment; filename="0002.zip"'
     assert headers["Cache-Control"] == "no-store"
@@ -74,26 +66,26 @@ def test_an_archive_holds_every_file_to_the_byte(catalog):
     assert "0002/audio.wav" in found
 
 
-def test_one_file_can_be_had_alone_and_in_parts(catalog):
+async def test_one_file_can_be_had_alone_and_in_parts(catalog):
     async def visit(client, url):
         whole = await fetched(client, f"{url}recordings/0001/audio.wav")
         part = await fetched(client, f"{url}recordings/0001/audio.wav", headers={"Range": "bytes=4-11"})
         return whole, part
 
-    (status, body, headers), (part_status, part, _) = visited(catalog, visit)
+    (status, body, headers), (part_status, part, _) = await visited(catalog, visit)
     assert (status, part_status) == (200, 206)
     assert body == catalog.files("0001")["audio.wav"].read_bytes()
     assert part == body[4:12]
     assert headers["Cache-Control"] == "no-store"
 
 
-def test_a_deleted_recording_is_gone_and_the_others_stay(catalog):
+async def test_a_deleted_recording_is_gone_and_the_others_stay(catalog):
     async def visit(client, url):
         status, _, _ = await fetched(client, f"{url}recordings/0001", "DELETE")
         again, why, _ = await fetched(client, f"{url}recordings/0001", "DELETE")
         return status, again, why, await fetched(client, f"{url}recordings")
 
-    status, again, why, (_, left, _) = visited(catalog, visit)
+    status, again, why, (_, left, _) = await visited(catalog, visit)
     assert (status, again) == (200, 404)
     assert b"not found" in why
     assert b"0002" in left
@@ -101,16 +93,16 @@ def test_a_deleted_recording_is_gone_and_the_others_stay(catalog):
     assert not (catalog.folder / "0001").exists()
 
 
-def test_a_recording_that_goes_on_is_downloaded_as_far_as_it_has_come_and_not_deleted(catalog):
+async def test_a_recording_that_goes_on_is_downloaded_as_far_as_it_has_come_and_not_deleted(catalog):
     async def visit(client, url):
         refused = await fetched(client, f"{url}recordings/0003", "DELETE")
         return refused, await fetched(client, f"{url}recordings/0003.zip")
 
     with recording(catalog.folder) as recorder:
         for index in range(300):
-            recorder.heard(input_of(index))
+            recorder.on_input(input_of(index))
         recorder.drain()
-        (status, why, _), (_, body, _) = visited(catalog, visit)
+        (status, why, _), (_, body, _) = await visited(catalog, visit)
         written = catalog.files("0003")["inputs.jsonl"].read_bytes()
     assert status == 409
     assert b"is being recorded" in why
@@ -120,7 +112,7 @@ def test_a_recording_that_goes_on_is_downloaded_as_far_as_it_has_come_and_not_de
     assert written.count(b"\n") >= 100
 
 
-def test_without_the_token_or_from_another_site_nothing_is_listed_given_or_deleted(catalog):
+async def test_without_the_token_or_from_another_site_nothing_is_listed_given_or_deleted(catalog):
     paths = [("GET", "recordings"), ("GET", "recordings/0001.zip"), ("GET", "recordings/0001/audio.wav")]
     requests = [*paths, ("DELETE", "recordings/0001")]
 
@@ -131,8 +123,8 @@ def test_without_the_token_or_from_another_site_nothing_is_listed_given_or_delet
         origin = {"Origin": "http://evil.example"}
         return [(await fetched(client, url + path, method, headers=origin))[0] for method, path in requests]
 
-    assert visited(catalog, stranger, token=TOKEN) == [401] * 4
-    assert visited(catalog, elsewhere) == [403] * 4
+    assert await visited(catalog, stranger, token=TOKEN) == [401] * 4
+    assert await visited(catalog, elsewhere) == [403] * 4
     assert (catalog.folder / "0001" / "audio.wav").is_file()
 
 
@@ -145,7 +137,7 @@ def test_without_the_token_or_from_another_site_nothing_is_listed_given_or_delet
         "recordings/0001/voice.npz", "recordings/", "recordings/0001/", "recordings/0001%00.zip", "recordings/%ff.zip",
     ],
 )  # fmt: skip
-def test_no_path_leads_to_anything_but_the_files_of_a_recording(catalog, path):
+async def test_no_path_leads_to_anything_but_the_files_of_a_recording(catalog, path):
     (catalog.folder / "secret").write_text("secret")
     (catalog.folder / "0001" / "secret").write_text("secret")
     (catalog.folder / "0001" / "voice.npz").symlink_to(catalog.folder / "secret")
@@ -153,15 +145,15 @@ def test_no_path_leads_to_anything_but_the_files_of_a_recording(catalog, path):
     async def visit(client, url):
         return await fetched(client, aiohttp.client.URL(url + path, encoded=True))
 
-    status, body, _ = visited(catalog, visit)
+    status, body, _ = await visited(catalog, visit)
     assert status == 404
     assert b"secret" not in body
 
 
-def test_a_ground_without_recordings_offers_none(catalog):
+async def test_a_ground_without_recordings_offers_none(catalog):
     async def visit(client, url):
         return [(await fetched(client, url + path))[:2] for path in ("recordings", "recordings/0001.zip")]
 
-    (status, listed), (missing, _) = visited(None, visit)
+    (status, listed), (missing, _) = await visited(None, visit)
     assert (status, listed) == (200, b'{"folder": null, "known": []}')
     assert missing == 404

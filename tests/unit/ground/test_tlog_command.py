@@ -12,10 +12,11 @@ from click.testing import CliRunner
 from command_line import called
 from flight_logs import UNIX, full_tick, record, vehicle_frames
 from ross_payload.ground.flights.command import command
-from ross_protocols.codec import Encoder, chunks
-from ross_protocols.commands import Result, acknowledgement
-from ross_protocols.dialect import common
-from ross_protocols.values import (
+from ross_protocols.mavlink.codec import Encoder, chunks
+from ross_protocols.mavlink.commands import Result, acknowledgement
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.values import (
     Alignment,
     CandidateState,
     Health,
@@ -27,7 +28,7 @@ from ross_protocols.values import (
     Source,
     Status,
 )
-from ross_sim.sitl import command as sitl
+from ross_sim.sitl.command import command as sitl
 from short_mission import SHORT
 
 pytestmark = pytest.mark.lockstep
@@ -145,7 +146,7 @@ def test_orders_are_told_with_their_answers(told):
         return sender.encode(common.MAVLink_command_long_message(1, 191, TURN, confirmation, *numbers))
 
     def answer(result, to=255, progress=None):
-        return payload.encode(acknowledgement(TURN, result, to, 190, progress))
+        return payload.encode(acknowledgement(TURN, result, ComponentId(to, 190), progress))
 
     (told_of,) = told(
         (0.0, payload.encode(Status(0, 0.0, 0, True))),
@@ -179,7 +180,12 @@ def test_orders_hold_nothing_that_is_meant_for_other_components(told):
         (1.2, command(autopilot, common.MAV_CMD_REQUEST_MESSAGE, 0, 0)),
         (1.3, command(ground, STOP, 0, 0)),  # only payloads know it
         (1.4, command(ground, common.MAV_CMD_SET_MESSAGE_INTERVAL, 1, 0)),
-        (1.5, payload.encode(acknowledgement(common.MAV_CMD_SET_MESSAGE_INTERVAL, Result.ACCEPTED, 255, 190))),
+        (
+            1.5,
+            payload.encode(
+                acknowledgement(common.MAV_CMD_SET_MESSAGE_INTERVAL, Result.ACCEPTED, ComponentId(255, 190))
+            ),
+        ),
         (1.6, command(ground, common.MAV_CMD_REQUEST_MESSAGE, 1, 191)),
     )["payloads"]
     found = [(each["at"], each["command"]) for each in told_of["commands"]]
@@ -190,7 +196,7 @@ def test_answers_to_orders_that_were_not_heard_are_told_too(told):
     one = Encoder(1, 191)
     (payload,) = told(
         (0.0, one.encode(Status(0, 0.0, 0, True))),
-        (1.0, one.encode(acknowledgement(TURN, Result.ACCEPTED, 255, 190))),
+        (1.0, one.encode(acknowledgement(TURN, Result.ACCEPTED, ComponentId(255, 190)))),
     )["payloads"]
     (order,) = payload["commands"]
     assert (order["at"], order["command"], order["answers"][0]["result"]) == (None, "turn", "accepted")

@@ -10,17 +10,18 @@ import pytest
 from ross_payload.config import Config, Link
 from ross_payload.events import Event
 from ross_payload.interfaces import Attitude, AudioBlock, Input
-from ross_payload.links import Links
-from ross_payload.links.ports import Counts
-from ross_payload.telemetry.outlets import periods
-from ross_payload.telemetry.report import Reporter
-from ross_payload.telemetry.service import Telemetry
-from ross_payload.telemetry.standing import Snapshot
-from ross_payload.telemetry.streams import Board, Stream
-from ross_protocols import values as v
-from ross_protocols.codec import Decoder
-from ross_protocols.dialect import ross
-from ross_protocols.values import Value
+from ross_payload.mavlink import Router
+from ross_payload.mavlink.message_board import Board
+from ross_payload.mavlink.message_scheduler import Stream, periods
+from ross_payload.pointing import Pointing
+from ross_payload.telemetry.component import Telemetry
+from ross_payload.telemetry.reporter import Reporter
+from ross_payload.telemetry.snapshot import Snapshot
+from ross_payload.transport.ports import Counts
+from ross_protocols.mavlink import values as v
+from ross_protocols.mavlink.codec import Decoder
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.values import Value
 from ross_sim.clock import SimClock
 
 REST = Snapshot(
@@ -70,7 +71,8 @@ class Ground:
 def hop(index: int = 16000, start: float = 0.0, end: float = 0.01, known: bool = True, fault: str = "") -> Input:
     """One Input of 10 ms; angles in radians."""
     block = AudioBlock(np.zeros((2, 160), np.float32), index, index / 16000)
-    return Input(block, start, end, end, settled=False, attitude=Attitude(0.5, known=known), fault=fault)
+    pointing = Pointing(joint=end, base=0.5, offset=-0.5, earth=known)
+    return Input(block, start, pointing, settled=False, attitude=Attitude(0.5, known=known), fault=fault)
 
 
 class Port:
@@ -121,7 +123,7 @@ class Sky:
 
     def __init__(self, *links: Link, **parts) -> None:
         self.clock = SimClock()
-        self.links = Links(self.clock, 1)
+        self.links = Router(self.clock, 1)
         self.ports = [Port() for _ in links]
         for link, port in zip(links, self.ports, strict=True):
             self.links.attach(link, port)
@@ -138,7 +140,7 @@ class Sky:
 
     def live(self, seconds: float) -> None:
         for index in range(round(seconds * 100)):
-            self.telemetry.heard(hop(index * 160))
+            self.telemetry.on_input(hop(index * 160))
             self.clock.advance()
 
 

@@ -5,15 +5,16 @@ from dataclasses import replace
 import pytest
 
 from ross_payload.config import Config, Link
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.config.parameter_table import TABLE
 from ross_payload.events import Answer, Answered
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.interfaces import ActuatorState, Capabilities, Feedback
-from ross_payload.parameters import TABLE, Parameters
-from ross_payload.telemetry.service import information
+from ross_payload.telemetry.component import information
 from ross_payload.timebase import Timebase
-from ross_protocols import values as v
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import common, ross
+from ross_protocols.mavlink import values as v
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import common, ross
 from ross_sim.clock import SimClock
 
 GROUND = Link(url="udpout:127.0.0.1:14550")
@@ -28,9 +29,9 @@ def test_a_command_becomes_an_order_and_its_answer_an_acknowledgement(aloft) -> 
     with aloft(GROUND, give=orders.append) as sky:
         sky.ports[0].call(common.MAVLink_command_long_message(1, 191, ross.MAV_CMD_ROSS_EXPLORE, 0, *[0] * 7))
         sky.live(0.05)
-        sky.telemetry.said(Answered(0.0, orders[0].number, Answer.ACCEPTED), sky.hop())
+        sky.telemetry.on_event(Answered(0.0, orders[0].number, Answer.ACCEPTED), sky.hop())
         sky.live(0.1)
-        sky.telemetry.said(Answered(0.0, orders[0].number, Answer.DONE), sky.hop())
+        sky.telemetry.on_event(Answered(0.0, orders[0].number, Answer.DONE), sky.hop())
         sky.live(0.1)
     results = [ack.result for ack in sky.ports[0].messages("COMMAND_ACK")]
     assert results[0] == common.MAV_RESULT_IN_PROGRESS
@@ -128,7 +129,7 @@ def test_before_anything_was_heard_the_actuator_speaks(aloft) -> None:
 def test_while_the_mission_computes_the_array_is_seen_to_turn(aloft) -> None:
     motor = Motor()
     with aloft(GROUND, actuator=motor) as sky:
-        sky.telemetry.heard(sky.hop(start=0.51, end=0.51))
+        sky.telemetry.on_input(sky.hop(start=0.51, end=0.51))
         sky.clock.sleep(0.5)
         motor.now = replace(motor.now, angle=0.61, rate=1.5)
         sky.clock.sleep(0.5)
@@ -139,11 +140,11 @@ def test_while_the_mission_computes_the_array_is_seen_to_turn(aloft) -> None:
 
 def test_a_fault_is_said_once_and_flagged_while_it_lasts(aloft) -> None:
     with aloft(GROUND) as sky:
-        sky.telemetry.heard(sky.hop(fault="the motor is hot"))
+        sky.telemetry.on_input(sky.hop(fault="the motor is hot"))
         sky.clock.sleep(3.0)
         assert sky.ports[0].texts() == ["RoSS: fault: the motor is hot"]
         assert sky.ports[0].values(v.Status)[-1].fault
-        sky.telemetry.heard(sky.hop())
+        sky.telemetry.on_input(sky.hop())
         sky.clock.sleep(0.5)
     assert not sky.ports[0].values(v.Status)[-1].fault
 

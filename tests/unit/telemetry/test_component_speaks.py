@@ -1,26 +1,21 @@
 """The MAVLink component on its links: who listens is told, on every link what fits, whatever the mission computes."""
 
 import math
-import threading
-import time
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, Finished, Outcome, SourceEstimate, SourcesEstimated, State, StateChanged
 from ross_payload.interfaces import Capabilities, Feedback
-from ross_payload.links import Links
 from ross_payload.orders import Explore
-from ross_payload.telemetry.service import Telemetry, information
-from ross_protocols import values as v
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common, ross
-from ross_protocols.tunnel import unwrap
+from ross_payload.telemetry.component import information
+from ross_protocols.mavlink import values as v
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common, ross
+from ross_protocols.mavlink.tunnel import unwrap
 
 GROUND = Link(url="udpout:127.0.0.1:14550")
 RADIO = Link(url="udpout:127.0.0.1:14551", max_bytes_s=350)
@@ -47,8 +42,8 @@ def test_what_the_mission_says_goes_out_on_the_pump(aloft) -> None:
     with aloft(GROUND) as sky:
         sky.live(0.1)
         before = len(sky.ports[0].packets)
-        sky.telemetry.said(THREE, sky.hop())
-        sky.telemetry.heard(sky.hop())
+        sky.telemetry.on_event(THREE, sky.hop())
+        sky.telemetry.on_input(sky.hop())
         assert len(sky.ports[0].packets) == before
         sky.clock.sleep(0.02)
         assert [source.source for source in sky.ports[0].values(v.Source)] == [0, 1, 2]
@@ -58,7 +53,7 @@ def test_what_is_said_while_a_link_is_down_is_told_when_it_is_up(aloft) -> None:
     with aloft(GROUND) as sky:
         (port,) = sky.ports
         port.counts = replace(port.counts, up=False)
-        sky.telemetry.said(Finished(0.0, Outcome.NO_TARGET, "nobody is there"), sky.hop())
+        sky.telemetry.on_event(Finished(0.0, Outcome.NO_TARGET, "nobody is there"), sky.hop())
         sky.live(5.0)
         assert port.packets == []
         port.counts = replace(port.counts, up=True)
@@ -71,7 +66,7 @@ def test_until_the_vehicle_is_known_a_heartbeat_a_second_goes_out_and_texts_wait
     with aloft(AUTOPILOT) as sky:
         (port,) = sky.ports
         sky.links.system_id = 0
-        sky.telemetry.said(Finished(0.0, Outcome.NO_TARGET, "nobody is there"), sky.hop())
+        sky.telemetry.on_event(Finished(0.0, Outcome.NO_TARGET, "nobody is there"), sky.hop())
         sky.live(5.0)
         assert port.names() == {"HEARTBEAT"}
         assert len(port.packets) == pytest.approx(5, abs=1)
@@ -83,36 +78,14 @@ def test_until_the_vehicle_is_known_a_heartbeat_a_second_goes_out_and_texts_wait
 def test_what_is_said_last_is_told_before_the_end(aloft, tmp_path: Path) -> None:
     with aloft(GROUND, tlog=tmp_path / "a.tlog") as sky:
         sky.live(0.1)
-        sky.telemetry.said(StateChanged(0.0, State.DONE), sky.hop())
+        sky.telemetry.on_event(StateChanged(0.0, State.DONE), sky.hop())
     assert sky.ports[0].values(v.Heartbeat)[-1] == v.Heartbeat(v.Health.STANDBY, State.DONE)
     assert logged(tmp_path / "a.tlog")[-1].state == State.DONE
 
 
-def test_a_computing_mission_delays_no_heartbeat(aloft) -> None:
-    """Two seconds of linear algebra on the mission's thread, and the pump goes on."""
-    port, clock = aloft.Port(), SystemClock()
-    with Links(clock, 1) as links:
-        links.attach(GROUND, port)
-        with Telemetry(Config(), clock, links) as telemetry:
-            end = time.monotonic() + 3.5
-
-            def mission() -> None:
-                telemetry.heard(aloft.hop())
-                matrix = np.eye(200)
-                while time.monotonic() < end:
-                    matrix = matrix @ matrix
-
-            thread = threading.Thread(target=mission)
-            thread.start()
-            thread.join()
-    beats = [when for when, packet in zip(port.times, port.packets, strict=True) if packet.name == "HEARTBEAT"]
-    assert len(beats) >= 3
-    assert max(np.diff(beats)) < 1.5
-
-
 def test_a_link_with_a_small_budget_is_told_what_matters(aloft) -> None:
     with aloft(GROUND, RADIO) as sky:
-        sky.telemetry.said(THREE, sky.hop())
+        sky.telemetry.on_event(THREE, sky.hop())
         sky.live(30.0)
     rich, poor = sky.ports
     assert len(poor.values(v.Heartbeat)) == pytest.approx(30, abs=1)
@@ -125,8 +98,8 @@ def test_a_link_with_a_small_budget_is_told_what_matters(aloft) -> None:
 
 def test_who_comes_late_knows_everything_after_ten_seconds(aloft) -> None:
     with aloft(GROUND) as sky:
-        sky.telemetry.said(StateChanged(0.0, State.RUN), sky.hop())
-        sky.telemetry.said(THREE, sky.hop())
+        sky.telemetry.on_event(StateChanged(0.0, State.RUN), sky.hop())
+        sky.telemetry.on_event(THREE, sky.hop())
         sky.live(13.0)
         early, late = sky.ports[0], aloft.Port()
         sky.links.attach(RADIO, late)
@@ -148,7 +121,7 @@ def test_every_link_counts_without_gaps(aloft) -> None:
 def test_an_autopilot_hands_everything_on_that_a_ground_station_needs(aloft) -> None:
     """It hands on what it knows: the common dialect without ours."""
     with aloft(AUTOPILOT) as sky:
-        sky.telemetry.said(THREE, sky.hop())
+        sky.telemetry.on_event(THREE, sky.hop())
         sky.live(6.0)
     handed_on = [packet for packet in sky.ports[0].packets if packet.message.id in common.mavlink_map]
     assert len(handed_on) == len(sky.ports[0].packets)
@@ -189,7 +162,7 @@ def logged(path: Path) -> list:
 def test_the_log_holds_everything_once_however_many_links_there_are(aloft, tmp_path: Path) -> None:
     for name, links in (("none", ()), ("two", (GROUND, RADIO))):
         with aloft(*links, tlog=tmp_path / name) as sky:
-            sky.telemetry.said(THREE, sky.hop())
+            sky.telemetry.on_event(THREE, sky.hop())
             sky.live(5.0)
     none, two = (
         [value for value in logged(tmp_path / name) if type(value) is not v.LinkReport] for name in ("none", "two")
@@ -210,7 +183,7 @@ def test_every_link_is_reported(aloft) -> None:
 
 def test_without_an_attitude_angles_are_in_the_mount_frame(aloft, tmp_path: Path) -> None:
     with aloft(tlog=tmp_path / "a") as sky:
-        sky.telemetry.heard(sky.hop(known=False))
+        sky.telemetry.on_input(sky.hop(known=False))
         sky.clock.sleep(0.3)
     status = [value for value in logged(tmp_path / "a") if isinstance(value, v.Status)][-1]
     assert (status.earth, status.mount_yaw) == (False, None)
@@ -218,7 +191,7 @@ def test_without_an_attitude_angles_are_in_the_mount_frame(aloft, tmp_path: Path
 
 def test_turning_through_the_back_is_no_jump_in_rate(aloft, tmp_path: Path) -> None:
     with aloft(tlog=tmp_path / "a") as sky:
-        sky.telemetry.heard(sky.hop(start=math.pi - 0.005, end=-math.pi + 0.005))
+        sky.telemetry.on_input(sky.hop(start=math.pi - 0.005, end=-math.pi + 0.005))
         sky.clock.sleep(0.3)
     status = [value for value in logged(tmp_path / "a") if isinstance(value, v.Status)][-1]
     assert status.joint_rate == pytest.approx(1.0)  # 0.01 rad in a hop of 10 ms

@@ -4,8 +4,8 @@ import pytest
 
 from ross_payload.config import Link
 from ross_payload.telemetry.computer import ComputerReader
-from ross_protocols.computer import Computer, computer_of
-from ross_protocols.dialect import common, ross
+from ross_protocols.mavlink.computer import Computer, computer_of
+from ross_protocols.mavlink.dialect import common, ross
 
 NUMBER = common.MAVLINK_MSG_ID_ONBOARD_COMPUTER_STATUS
 GROUND = Link(url="udpout:127.0.0.1:14550")

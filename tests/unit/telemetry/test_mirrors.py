@@ -5,10 +5,10 @@ import math
 import pytest
 
 from ross_payload.health import AudioHealth
-from ross_payload.telemetry.mirrors import azimuths, named
-from ross_protocols.codec import Decoder, Encoder
-from ross_protocols.dialect import common
-from ross_protocols.values import Source, Status
+from ross_payload.telemetry.event_messages import azimuths, named
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.values import Source, Status
 
 STATUS = Status(0, 1.0, 6, earth=True, heading=math.radians(-30), k=2, score=3.5)
 

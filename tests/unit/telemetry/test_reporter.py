@@ -18,13 +18,8 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.telemetry.standing import Snapshot
-from ross_protocols.values import (
-    Health,
-    Heartbeat,
-    Source,
-    Status,
-)
+from ross_payload.telemetry.snapshot import Snapshot
+from ross_protocols.mavlink.values import Health, Heartbeat, Source, Status
 
 EMPTY = np.zeros(0)
 

@@ -20,7 +20,7 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_protocols.values import (
+from ross_protocols.mavlink.values import (
     CURVE_POINTS,
     Alignment,
     CandidateState,

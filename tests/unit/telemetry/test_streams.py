@@ -6,8 +6,9 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_payload.telemetry.streams import MESSAGE_IDS, RESERVE, SHORTEST, TEXTS, Board, Rank, Stream
-from ross_protocols.values import Array, Health, Heartbeat, Named, Severity, Source, Status, Text, Value
+from ross_payload.mavlink.message_board import MESSAGE_IDS, Board, Rank
+from ross_payload.mavlink.message_scheduler import RESERVE, SHORTEST, TEXTS, Stream
+from ross_protocols.mavlink.values import Array, Health, Heartbeat, Named, Severity, Source, Status, Text, Value
 
 PERIODS = {MESSAGE_IDS[Heartbeat]: 1.0, MESSAGE_IDS[Status]: 0.25, MESSAGE_IDS[Source]: 5.0, MESSAGE_IDS[Named]: 1.0}
 SIZES = {Heartbeat: 20, Status: 80, Text: 66, Source: 70, Named: 30}
@@ -54,7 +55,7 @@ def count(heard: list[tuple[float, Value]], kind: type) -> int:
 
 def test_what_matters_most_goes_first() -> None:
     link = stream()
-    link.say([Text(Severity.INFO, "hello")])
+    link.queue_texts([Text(Severity.INFO, "hello")])
     kinds = [type(value) for value in link.due(full_board(), 0.0, math.inf)]
     assert kinds == [Heartbeat, Status, Text, Source, Source]
 
@@ -67,7 +68,7 @@ def test_everything_keeps_its_rate() -> None:
 def test_news_are_told_at_once_and_only_what_is_new() -> None:
     link, board = stream(), full_board()
     link.due(board, 0.0, math.inf)
-    board.tell(Rank.SOURCE, [source(0), source(1, azimuth=0.6)])
+    board.announce(Rank.SOURCE, [source(0), source(1, azimuth=0.6)])
     assert link.due(board, 0.02, math.inf) == [source(1, azimuth=0.6)]
 
 
@@ -112,7 +113,7 @@ def test_room_is_left_for_an_answer() -> None:
 def test_texts_that_find_no_room_do_not_pile_up() -> None:
     link = stream()
     for number in range(1000):
-        link.say([Text(Severity.INFO, str(number))])
+        link.queue_texts([Text(Severity.INFO, str(number))])
         assert link.due(Board(), number * 0.02, 0.0) == []
     waiting = link.due(Board(), 20.0, math.inf)
     assert [text.text for text in waiting] == [str(number) for number in range(1000 - TEXTS, 1000)]
@@ -121,7 +122,7 @@ def test_texts_that_find_no_room_do_not_pile_up() -> None:
 def test_a_value_that_is_taken_from_the_board_is_not_told() -> None:
     link, board = stream(), full_board()
     link.due(board, 0.0, math.inf)
-    board.tell(Rank.SOURCE, [source(0)])
+    board.announce(Rank.SOURCE, [source(0)])
     assert [value.source for _, value in told(link, board, 6.0) if isinstance(value, Source)] == [0]
 
 
@@ -143,7 +144,7 @@ def test_a_rate_that_is_asked_for_holds_on_this_link_alone() -> None:
 def test_what_is_switched_off_is_not_told_even_when_it_is_new() -> None:
     link, board = stream(), full_board()
     assert link.set_period(SOURCE, math.inf)
-    board.tell(Rank.SOURCE, [source(0, azimuth=1.0)])
+    board.announce(Rank.SOURCE, [source(0, azimuth=1.0)])
     assert count(told(link, board, 20.0), Source) == 0
     assert link.request(board, SOURCE)
     assert count(told(link, board, 20.0), Source) == 1, "unless it is asked for"
@@ -178,7 +179,7 @@ def test_whatever_the_room_the_first_to_find_none_holds_back_the_rest(rooms: lis
     link, board = stream(), full_board()
     for step, (room, news) in enumerate(rooms):
         if news:
-            board.tell(Rank.SOURCE, [source(0, azimuth=step / 100), source(1)])
+            board.announce(Rank.SOURCE, [source(0, azimuth=step / 100), source(1)])
         chosen = link.due(board, step * 0.1, room)
         assert sum(SIZES[type(value)] for value in chosen) <= room
         kinds = [type(value) for value in chosen]

@@ -21,9 +21,9 @@ from ross_payload.events import (
     StateChanged,
 )
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
-from ross_payload.telemetry import texts
-from ross_payload.telemetry.texts import PREFIX, Speaker, line
-from ross_protocols.values import Severity, Text
+from ross_payload.telemetry import status_texts
+from ross_payload.telemetry.status_texts import PREFIX, OperatorTexts, line
+from ross_protocols.mavlink.values import Severity, Text
 
 CANDIDATE = AlignmentCandidate(1, 0.5, 0.5, 210e-6, "gain")
 SOURCE = SourceEstimate(0.0, sigma=0.02, confidence=0.9, resolved=True)
@@ -37,7 +37,7 @@ class Ear:
     def __init__(self) -> None:
         self.now = 0.0
         self.heard: list[Text] = []
-        self.say = Speaker(self.heard.extend, lambda: self.now).say
+        self.say = OperatorTexts(self.heard.extend, lambda: self.now).send
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_texts_do_not_flood_and_faults_are_never_held_back() -> None:
     ear = Ear()
     for _ in range(100):
         ear.say(Severity.INFO, "again")
-    assert len(ear.heard) == texts.BURST
+    assert len(ear.heard) == status_texts.BURST
     ear.say(Severity.ERROR, "the motor is hot")
     assert ear.heard[-1] == Text(Severity.ERROR, f"{PREFIX}the motor is hot")
     ear.now += 100.0
@@ -92,19 +92,19 @@ def test_two_long_texts_are_told_apart() -> None:
 
 def test_what_is_wrong_with_the_microphones_is_named() -> None:
     well, ill = AudioHealth(), AudioHealth(AudioTrouble.CLIPPING | AudioTrouble.DEAD_2)
-    assert texts.ears(well, ill) == (Severity.WARNING, "microphones: clipping, dead 2")
-    assert texts.ears(ill, ill) is None
-    assert texts.ears(ill, well) == (Severity.NOTICE, "microphones recovered")
+    assert status_texts.microphone_text(well, ill) == (Severity.WARNING, "microphones: clipping, dead 2")
+    assert status_texts.microphone_text(ill, ill) is None
+    assert status_texts.microphone_text(ill, well) == (Severity.NOTICE, "microphones recovered")
 
 
 def test_a_recording_that_stops_by_itself_is_a_warning() -> None:
     on = RecordingStatus(RecordingState.ON, "20261121T120000Z")
     full = RecordingStatus(RecordingState.FULL, reason="the disk is full")
-    assert texts.recorder(RecordingStatus(), on) == (Severity.INFO, "recording 20261121T120000Z")
-    assert texts.recorder(on, full) == (Severity.WARNING, "recording stopped: the disk is full")
-    assert texts.recorder(on, RecordingStatus()) == (Severity.INFO, "recording ended")
+    assert status_texts.recorder_text(RecordingStatus(), on) == (Severity.INFO, "recording 20261121T120000Z")
+    assert status_texts.recorder_text(on, full) == (Severity.WARNING, "recording stopped: the disk is full")
+    assert status_texts.recorder_text(on, RecordingStatus()) == (Severity.INFO, "recording ended")
     path = "/var/lib/ross/recordings/0001"
     begun, over = replace(on, path=path), RecordingStatus(seconds=41.2, path=path)
-    assert texts.recorder(RecordingStatus(), begun) == (Severity.INFO, f"recording to {path}")
-    assert texts.recorder(begun, over) == (Severity.INFO, f"recorded 41 s to {path}")
-    assert texts.recorder(full, full) is None
+    assert status_texts.recorder_text(RecordingStatus(), begun) == (Severity.INFO, f"recording to {path}")
+    assert status_texts.recorder_text(begun, over) == (Severity.INFO, f"recorded 41 s to {path}")
+    assert status_texts.recorder_text(full, full) is None

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from ross_payload.errors import ConfigError, OutputError
-from ross_payload.telemetry.tlog import TlogRecorder
-from ross_protocols.codec import Encoder
-from ross_protocols.values import Health, Heartbeat
+from ross_payload.transport.tlog import TlogRecorder
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.values import Health, Heartbeat
 
 FRAME = Encoder(1, 191).encode(Heartbeat(Health.ACTIVE, 6))
 

@@ -5,10 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega
 
-from ross_protocols.codec import Encoder
-from ross_protocols.dialect import common
-from ross_protocols.tunnel import SIZE, TYPE, Wrapper, unwrap
-from ross_protocols.values import CURVE_POINTS, Density, Heartbeat, Information, Named, Source, Status, Value
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.tunnel import SIZE, TYPE, Wrapper, unwrap
+from ross_protocols.mavlink.values import CURVE_POINTS, Density, Heartbeat, Information, Named, Source, Status, Value
 
 LARGEST: list[Value] = [
     Density(2**64 - 1, 65535, 255, 3.0, True, -1e-4, 1e-4, (1.0,) * CURVE_POINTS),

@@ -1,0 +1,1 @@
+"""DroneCAN: messages, services and transfers to CAN frames and back. No bus, no clock, no threads."""

@@ -1,0 +1,1 @@
+"""MAVLink: values of the wire, and bytes to values and back."""

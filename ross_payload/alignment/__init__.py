@@ -1,0 +1,1 @@
+"""Where to turn, so that interferers arrive with one delay. Pure functions on geometry."""

@@ -1,0 +1,71 @@
+"""Files that are whole or not there, also after a kill or a power cut, and files for their owner alone."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import FileIO
+from pathlib import Path
+from typing import Any
+
+PART = ".part"  # in the name of what is not whole yet
+
+
+@contextmanager
+def replacing(path: Path, mode: int = 0o666) -> Iterator[Path]:
+    """Give an empty file beside ``path``; it takes the place of ``path`` in the end, unless something went wrong.
+
+    Its name is its own, so that of two writers the last wins with a whole file. ``mode`` is narrowed by the umask.
+
+    Raises
+    ------
+    OSError
+        When it cannot be made or put in place.
+    """
+    part = path.with_name(f".{secrets.token_hex(4)}{PART}-{path.name}")  # with its suffix, by which formats are chosen
+    os.close(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode))
+    try:
+        yield part
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file crash-safe, for its owner alone, and its folder where it is missing.
+
+    Raises
+    ------
+    OSError
+        When it cannot be written.
+    """
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    with replacing(path, 0o600) as part, part.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)  # the new name, too, outlives a power cut
+    finally:
+        os.close(folder)
+
+
+def json_text(values: Any) -> str:
+    """Return plain values as indented JSON, as it stands in a file of results."""
+    return json.dumps(values, indent=2, allow_nan=False) + "\n"
+
+
+def create(path: Path) -> FileIO:
+    """Make a new file for its owner alone, without a buffer of our own: what was written survives a kill."""
+    return FileIO(os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), "r+")
+
+
+def append(file: FileIO, data: bytes) -> None:
+    """Write all of it; a disk that takes only a part of it raises with the rest."""
+    view = memoryview(data)
+    while view:
+        view = view[file.write(view) or 0 :]

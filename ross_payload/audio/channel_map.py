@@ -1,0 +1,110 @@
+"""Which channels of a device are the two microphones, and what is done to their samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ross_payload.config import Audio
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import AudioFlag, Samples
+
+FULL_SCALE = 2**23  # of the 24-bit grid
+CLIPPED = 1 - 2**-15  # what a 16-bit converter says at full scale
+
+
+@dataclass(frozen=True, slots=True)
+class Preset:
+    """A known array of microphones."""
+
+    channels: tuple[int, int]  # of microphones 1 and 2
+    device_channels: int
+    names: tuple[str, ...]  # parts of the names under which sound systems list it, in lower case
+
+
+# Channel orders are the makers' usual ones and differ between firmwares: `ross devices --tap` tells.
+PRESETS = {
+    "respeaker-2mic": Preset((0, 1), 2, ("seeed-2mic", "seeed2mic", "wm8960")),
+    "respeaker-4mic": Preset((0, 1), 4, ("seeed-4mic", "seeed4mic", "ac108")),
+    "respeaker-usb": Preset((1, 2), 6, ("respeaker 4 mic array", "arrayuac10")),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class MappedSamples:
+    """The two microphones of one block."""
+
+    samples: Samples  # (2, n), on a 24-bit grid
+    raw: Samples | None  # before gain and polarity; None: the same
+    flags: AudioFlag
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelMap:
+    """From the channels of a device to microphones 1 and 2."""
+
+    channels: tuple[int, int]  # of microphones 1 and 2, from 0
+    device_channels: int | None = None  # to open; None: as many as needed
+    factors: tuple[float, float] = (1.0, 1.0)  # gain and polarity
+
+    @classmethod
+    def of(cls, audio: Audio) -> ChannelMap:
+        """Take what a configuration says, and where it is silent what its preset does.
+
+        Raises
+        ------
+        ConfigError
+            When a microphone lies outside the channels to open, or both are one channel.
+        """
+        preset = PRESETS.get(audio.preset)
+        channels = audio.channels or (preset.channels if preset else (0, 1))
+        opened = audio.device_channels or (preset.device_channels if preset else None)
+        if channels[0] == channels[1]:
+            raise ConfigError(f"audio.channels: expected two different channels, got {list(channels)}")
+        if opened is not None and max(channels) >= opened:
+            raise ConfigError(
+                f"audio.channels: expected 0 to {opened - 1}, as {opened} channels are opened, got {list(channels)}"
+            )
+        signs = [-1.0 if inverted else 1.0 for inverted in audio.invert]
+        first, second = (sign * 10 ** (gain / 20) for sign, gain in zip(signs, audio.gain_db, strict=True))
+        return cls(channels, opened, (first, second))
+
+    @property
+    def needed(self) -> int:
+        """Channels that a source must have."""
+        return self.device_channels or max(self.channels) + 1
+
+    def apply(self, raw: Samples) -> MappedSamples:
+        """Bring samples of the two channels (2, n) to full scale 1 on the 24-bit grid, gain and polarity applied."""
+        flags = AudioFlag.NONE
+        if not np.isfinite(raw).all():
+            raw, flags = np.where(np.isfinite(raw), raw, np.float32(0)), AudioFlag.INVALID
+        factors = np.array(self.factors, np.float32)[:, None]
+        same = self.factors == (1.0, 1.0)
+        raw = _on_grid(raw)  # first, so that a 24-bit recording of it gives the same samples again
+        samples = raw if same else _on_grid(raw * factors)
+        if max(_peak(raw), _peak(samples)) >= CLIPPED:
+            flags |= AudioFlag.CLIPPED
+        return MappedSamples(samples, None if same else raw, flags)
+
+
+def fitting(name: str) -> str:
+    """Return the preset that fits a device of this name; empty when none does.
+
+    >>> fitting("ReSpeaker 4 Mic Array (UAC1.0): USB Audio (hw:1,0)")
+    'respeaker-usb'
+    """
+    words = name.lower()
+    return next((key for key, preset in PRESETS.items() if any(part in words for part in preset.names)), "")
+
+
+def _on_grid(samples: Samples) -> Samples:
+    """Round to 24 bits; what lies beyond full scale is clipped."""
+    counts = np.clip(np.rint(samples * np.float32(FULL_SCALE)), -FULL_SCALE, FULL_SCALE - 1)
+    grid: Samples = counts / np.float32(FULL_SCALE)
+    return grid
+
+
+def _peak(samples: Samples) -> float:
+    return float(np.abs(samples).max(initial=0.0))

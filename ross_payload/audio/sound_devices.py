@@ -1,0 +1,92 @@
+"""The sound cards that PortAudio sees, and how one is found by a part of its name."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+from typing import Any
+
+from ross_payload.audio.channel_map import fitting
+from ross_payload.errors import AudioError, ConfigError
+from ross_payload.plugins import install_line
+
+MODULE = "sounddevice"
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """One device that can record."""
+
+    number: int  # PortAudio's, which changes when devices come and go
+    name: str
+    host_api: str
+    channels: int
+    default_rate: float  # [Hz]
+    preset: str  # that fits its name, or empty
+
+    def __str__(self) -> str:
+        return f"'{self.name}' ({self.host_api}, {self.channels} channels)"
+
+
+def portaudio() -> Any:
+    """Import the binding to PortAudio.
+
+    Raises
+    ------
+    ConfigError
+        When the binding is not installed.
+    AudioError
+        When the system has no PortAudio.
+    """
+    try:
+        return importlib.import_module(MODULE)
+    except ModuleNotFoundError as error:
+        raise ConfigError(f"sound cards need the package {MODULE}: {install_line('capture')}") from error
+    except OSError as error:
+        raise AudioError("sound cards need the library PortAudio: apt install libportaudio2") from error
+
+
+def devices(module: Any) -> list[Device]:
+    """Return every device that can record."""
+    hosts = [host["name"] for host in module.query_hostapis()]
+    return [
+        Device(
+            number=number,
+            name=found["name"],
+            host_api=hosts[found["hostapi"]],
+            channels=found["max_input_channels"],
+            default_rate=found["default_samplerate"],
+            preset=fitting(found["name"]),
+        )
+        for number, found in enumerate(module.query_devices())
+        if found["max_input_channels"] > 0
+    ]
+
+
+def device_named(module: Any, name: str) -> Device:
+    """Find one device: ``default``, its whole name, or a part of it that no other has; the case does not matter.
+
+    Raises
+    ------
+    AudioError
+        When there is none, or more than one; lists them.
+    """
+    there = devices(module)
+    if name == "default":
+        number = module.default.device[0]
+        chosen = [device for device in there if device.number == number] or there[:1]
+    else:
+        wanted = name.lower()
+        chosen = [device for device in there if device.name.lower() == wanted]
+        chosen = chosen or [device for device in there if wanted in device.name.lower()]
+    if not chosen:
+        raise AudioError(f"audio.source: no microphones named '{name}'; there are: {_listed(there)}")
+    if len(chosen) > 1:
+        raise AudioError(
+            f"audio.source: '{name}' matches more than one device: {_listed(chosen)}; use a longer part of the name"
+        )
+    return chosen[0]
+
+
+def _listed(there: list[Device]) -> str:
+    return ", ".join(map(str, there)) or "none at all"

@@ -1,0 +1,86 @@
+"""The tables of microphones and actuator: array, audio, actuator, guard, mount."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from ross_payload.config.table import Degrees, Positive, Table
+
+Channel = Annotated[int, Field(ge=0, le=63)]
+Decibels = Annotated[float, Field(ge=-60, le=60)]
+
+
+class Array(Table):
+    """[array]: the two microphones."""
+
+    spacing_m: Annotated[float, Field(ge=0.005, le=1.0)] = 0.05  # d, between the microphones [m]
+    speed_of_sound_m_s: Annotated[float, Field(ge=250, le=450)] = 343.0  # v_p [m/s]; 331 at 0 deg Celsius, 343 at 20
+    offset_deg: Degrees = 0.0  # heading of the axis from microphone 1 to 2 when the joint angle and mount yaw are 0
+
+
+class Audio(Table):
+    """[audio]: rates and frames."""
+
+    source: Annotated[str, Field(pattern=r"^(device|file|tcp):.+")] = (
+        "device:default"  # device:NAME (a part of it), file:PATH or tcp:HOST:PORT, see `ross devices`
+    )
+    preset: Literal["", "respeaker-2mic", "respeaker-4mic", "respeaker-usb"] = ""  # channels of known arrays
+    channels: tuple[Channel, Channel] | None = (
+        None  # of microphones 1 and 2, from 0; absent: the preset's, else 0 and 1
+    )
+    device_channels: Annotated[int, Field(ge=1, le=64)] | None = (
+        None  # to open; absent: the preset's, else as many as needed
+    )
+    gain_db: tuple[Decibels, Decibels] = (0.0, 0.0)  # added to microphones 1 and 2
+    invert: tuple[bool, bool] = (False, False)  # a microphone whose polarity is wrong
+    latency_ms: Annotated[float, Field(gt=0, le=1000)] = 50.0  # requested from the sound card
+    buffer_s: Annotated[float, Field(ge=1, le=600)] = 60.0  # audio that waits while a separation computes
+    rate_hz: Annotated[int, Field(ge=16000, le=48000)] = 16000  # of both microphones [Hz]
+    hop_ms: Annotated[int, Field(ge=1, le=20)] = 10  # one step of the mission: a stop takes effect within it [ms]
+    frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] = 2048  # STFT frame of the separation [samples]
+    overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of neighbouring frames, as a share of the frame
+
+
+class Actuator(Table):
+    """[actuator]: the actuator that turns the array; options belong to the back end."""
+
+    kind: str = "tb6600"  # back end, see `ross actuators`
+    options: dict[str, Any] = Field(default_factory=dict)  # a table of the back end's own
+
+
+class Guard(Table):
+    """[guard]: limits and what to do on a fault."""
+
+    lower_deg: Degrees = -200.0  # lowest joint angle, never below the hardware's
+    upper_deg: Degrees = 200.0  # highest joint angle, never above the hardware's
+    max_speed_deg_s: Positive = 225.0  # no move is faster
+    max_acceleration_deg_s2: Positive = 112.5  # no move accelerates or brakes harder
+    max_move_s: Positive = 30.0  # a move that takes longer is a fault [s]
+    watchdog_s: Positive = 0.5  # feedback that is older than this while moving is a fault [s]
+    on_fault: Literal["hold", "release", "park"] = (
+        "hold"  # hold: stay energised; release: let go; park: go to park_deg, then hold
+    )
+    park_deg: Degrees = 0.0  # where to park
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Guard:
+        if self.lower_deg >= self.upper_deg:
+            raise ValueError(f"expected lower_deg below upper_deg, got {self.lower_deg:g} and {self.upper_deg:g}")
+        if not self.lower_deg <= self.park_deg <= self.upper_deg:
+            raise ValueError(
+                f"park_deg: expected {self.lower_deg:g} to {self.upper_deg:g}, the limits, got {self.park_deg:g}"
+            )
+        return self
+
+
+class Mount(Table):
+    """[mount]: where the base points."""
+
+    source: Literal["fixed", "autopilot"] = "fixed"  # autopilot: from the link of that role
+    yaw_deg: Degrees | None = (
+        None  # of a fixed base, clockwise from north as on a compass; absent: unknown, mount frame
+    )
+    fresh_s: Positive = 0.5  # an older attitude counts as unknown
+    follow_deg: Annotated[float, Field(ge=0.1, le=45)] = 2.0  # while listening, turn at a larger heading error

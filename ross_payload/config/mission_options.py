@@ -1,0 +1,76 @@
+"""The tables of the mission: explore, informed, exploit."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from ross_payload.config.table import Degrees, Table
+
+Azimuths = Annotated[tuple[Degrees, ...], Field(min_length=1, max_length=6)]
+Elevation = Annotated[float, Field(ge=-90, le=90)]
+
+APART_DEG = 1.0  # sources told from outside that are nearer than this are one
+
+
+class Explore(Table):
+    """[explore]: find K and every azimuth."""
+
+    method: str = "joint"  # explorer: `joint`, `markov`, or `markov-plain`, the paper's own histograms
+    options: dict[str, Any] = Field(default_factory=dict)  # a table of the explorer's own
+    frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] | None = (
+        None  # STFT frame [samples]; absent: about 43 ms
+    )
+    overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of these frames, as a share of the frame
+    lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listening time before the first turn, to measure the noise
+    unit_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_unit
+    step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation
+    min_rotations: Annotated[int, Field(ge=1, le=24)] = 4  # minimum number, even if the explorer is certain earlier
+    max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # maximum number
+    pipelined: bool = False  # try promising alignments before the exploration ends
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Explore:
+        if self.min_rotations > self.max_rotations:
+            raise ValueError(
+                f"expected min_rotations <= max_rotations, got {self.min_rotations} and {self.max_rotations}"
+            )
+        return self
+
+
+class Informed(Table):
+    """[informed]: given directions of the sources; the mission begins without exploring."""
+
+    azimuths_deg: Azimuths  # frame of the mount, as in a scenario
+    elevations_deg: tuple[Elevation, ...] | None = None  # one for each azimuth; absent: level with the array
+    sigma_deg: Annotated[float, Field(gt=0, le=45)] = 2.0  # one standard deviation of every azimuth
+    target: Annotated[int, Field(ge=0)] | None = None  # which of them is visited first, counted from 0
+
+    @model_validator(mode="after")
+    def _possible(self) -> Informed:
+        count, heights = len(self.azimuths_deg), self.elevations_deg or (0.0,) * len(self.azimuths_deg)
+        if len(heights) != count:
+            raise ValueError(f"elevations_deg: expected {count}, one for each of azimuths_deg, got {len(heights)}")
+        if self.target is not None and self.target >= count:
+            raise ValueError(f"target: expected a number below {count}, counted from 0, got {self.target}")
+        for i, j in combinations(range(count), 2):
+            apart = abs((self.azimuths_deg[i] - self.azimuths_deg[j] + 180) % 360 - 180)
+            if apart < APART_DEG and abs(heights[i] - heights[j]) < APART_DEG:
+                raise ValueError(
+                    f"azimuths_deg {i} and {j}: expected at least {APART_DEG:g} deg between them, got {apart:g}"
+                )
+        return self
+
+
+class Exploit(Table):
+    """[exploit]: turn, separate, recognise, keep listening."""
+
+    separator: str = "auto"  # `auto`, or one of the separators
+    rules: Literal["best", "paper"] = "best"  # where to turn: best predicted gain, or the paper's equations
+    check_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_check
+    run_s: Annotated[float, Field(ge=1, le=600)] = 10.0  # T_run
+    runs: Annotated[int, Field(ge=0)] = 1  # how many T_run before the mission is done; 0: until stopped
+    criterion: Annotated[float, Field(allow_inf_nan=False)] = 0.0  # accept a voice above this score
+    max_restarts: Annotated[int, Field(ge=0)] = 2  # how often to start again when the target's score drops

@@ -1,0 +1,76 @@
+"""Every key that is in force, with its origin, as a TOML file that could be read again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from ross_payload.bounded_files import printable
+from ross_payload.config import Config, Table
+from ross_payload.config.parameter_persistence import StoredValue, Unusable, read
+from ross_payload.config.parameter_store import Origin, recall
+from ross_payload.config.parameter_table import TABLE
+
+WIDTH = 40  # of key and value, in front of the origin
+
+
+def listing(config: Config, path: Path) -> Iterator[str]:
+    """Give the lines: what the file of a configuration says, the defaults, and what ``path`` keeps; it is only read."""
+    kept, notes = _looked_at(path)
+    in_force, held, more = recall(config, kept)
+    yield from (f"# {printable(note)}" for note in [*notes, *more])
+    origins = {TABLE[name].place: f"{Origin.IN_FLIGHT}, instead of {entry.replaced:g}" for name, entry in held.items()}
+    values = {name: getattr(in_force, name) for name in Config.model_fields}
+    yield from _plain(config, {name: value for name, value in values.items() if _is_plain(value)})
+    for name, value in values.items():
+        if isinstance(value, Table):
+            own = {key: origin for (table, key), origin in origins.items() if table == name}
+            yield from ("", f"[{name}]", *_plain(getattr(config, name), dict(value), own))
+        elif isinstance(value, tuple):
+            for row in value:
+                yield from ("", f"[[{name}]]", *_plain(row, dict(row)))
+
+
+def _looked_at(path: Path) -> tuple[dict[str, StoredValue], list[str]]:
+    try:
+        return read(path), []
+    except Unusable as unusable:
+        return {}, [str(unusable)]
+
+
+def _is_plain(value: Any) -> bool:
+    return not isinstance(value, (Table, tuple))
+
+
+def _plain(options: Table, values: Mapping[str, Any], in_flight: Mapping[str, str] | None = None) -> Iterator[str]:
+    """Give the lines of one table; ``options`` is what the file says."""
+    for key, value in values.items():
+        origin = Origin.FILE if key in options.model_fields_set else Origin.DEFAULT
+        line = f"# {key} is absent" if value is None else f"{key} = {toml(value)}"
+        yield f"{line:<{WIDTH}} # {(in_flight or {}).get(key, origin)}"
+
+
+def toml(value: Any) -> str:
+    """Return a value as TOML.
+
+    >>> print(toml({"port": "can0", "ids": (1, 2), "wrap": True}))
+    { port = "can0", ids = [1, 2], wrap = true }
+    """
+    if isinstance(value, Mapping):
+        pairs = ", ".join(f"{k if _is_bare(k) else _quoted(k)} = {toml(v)}" for k, v in value.items())
+        return f"{{ {pairs} }}" if pairs else "{}"
+    if isinstance(value, (tuple, list)):
+        return f"[{', '.join(map(toml, value))}]"
+    return _quoted(value) if isinstance(value, (str, bool)) else repr(value)
+
+
+def _quoted(value: str | bool) -> str:
+    """Return a text as TOML, with nothing in it that a terminal obeys."""
+    text = json.dumps(value, ensure_ascii=False)
+    return "".join(each if each.isprintable() else f"\\U{ord(each):08x}" for each in text)
+
+
+def _is_bare(key: str) -> bool:
+    return key.isascii() and key.isidentifier()

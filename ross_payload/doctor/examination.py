@@ -1,0 +1,152 @@
+"""Every check in the order in which a person would look; those of microphones and actuator are here.
+
+The microphones are listened to; the actuator is made, never opened: nothing moves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import NoReturn
+
+from ross_payload.actuators.registry import checked_options, describe, open_actuator
+from ross_payload.actuators.tb6600.pulse_segments import RECORDING
+from ross_payload.audio.audio_health import HealthMonitor
+from ross_payload.audio.file_source import FileSource
+from ross_payload.audio.open_source import open_source
+from ross_payload.config import Config
+from ross_payload.doctor import computer_checks, speed, wire_checks
+from ross_payload.doctor.findings import Finding, Verdict, fail, ok, warn
+from ross_payload.doctor.machine import Machine
+from ross_payload.errors import ActuatorError, AudioEnded, RossError
+from ross_payload.health import AudioHealth, AudioTrouble
+from ross_payload.interfaces import Capabilities, Clock, Services
+
+Check = Callable[[Config, Machine], Iterator[Finding]]
+LISTENING_S = 4.0  # the slowest judgement of the microphones takes three
+CHECK_WIRING = "check the cable and audio.channels: `ross devices --tap`"
+TROUBLES: dict[AudioTrouble, tuple[Verdict, str, str]] = {
+    AudioTrouble.ABSENT: (Verdict.FAIL, "no audio arrives", "plug them in; `ross devices` lists what there is"),
+    AudioTrouble.DEAD_1: (Verdict.FAIL, "microphone 1 is dead", CHECK_WIRING),
+    AudioTrouble.DEAD_2: (Verdict.FAIL, "microphone 2 is dead", CHECK_WIRING),
+    AudioTrouble.IDENTICAL: (Verdict.FAIL, "both channels are one microphone", CHECK_WIRING),
+    AudioTrouble.INVERTED: (Verdict.FAIL, "one microphone has the wrong polarity", "set audio.invert for one of them"),
+    AudioTrouble.OFFSET: (
+        Verdict.WARN,
+        "a DC offset far above the noise",
+        "check the supply and the preamp",
+    ),
+    AudioTrouble.CLIPPING: (Verdict.WARN, "samples at full scale", "turn the gain of the card down: alsamixer"),
+    AudioTrouble.LOST: (Verdict.WARN, "samples lost", "raise audio.latency_ms; use another USB port"),
+}
+
+
+def microphones(config: Config, clock: Clock) -> Iterator[Finding]:
+    """Whether audio arrives from both microphones, and how it is."""
+    try:
+        health = measured(config, clock)
+    except RossError as error:
+        yield fail("microphones", str(error), "`ross devices` lists what there is; is ross.service using them?")
+        return
+    found = [TROUBLES[each] for each in TROUBLES if each in health.trouble]
+    for verdict, text, todo in found:
+        yield Finding("microphones", verdict, text, todo)
+    if not found:
+        levels = " and ".join(f"{level:.0f}" for level in health.level_db)
+        yield ok("microphones", f"{config.audio.source}, levels {levels} dB re full scale")
+
+
+def measured(config: Config, clock: Clock) -> AudioHealth:
+    """Listen, at most to the end of a file; return how the microphones are.
+
+    Raises
+    ------
+    RossError
+        When they cannot be opened.
+    """
+    with open_source(config, clock) as source:
+        monitor = HealthMonitor(config, None if isinstance(source, FileSource) else source)
+        try:
+            for _ in range(round(LISTENING_S * config.audio.rate_hz / config.hop)):
+                monitor.listen(source.read(config.hop))
+        except AudioEnded:
+            pass
+        return monitor.health()
+
+
+def actuator(config: Config, machine: Machine, clock: Clock) -> Iterator[Finding]:
+    """Whether the back end is there, its options are right, and its limits let the array reach every axis."""
+    kind = config.actuator.kind
+    try:
+        capabilities = open_actuator(config, Services(clock, _closed)).capabilities
+    except RossError as error:
+        yield fail("actuator", str(error), "see `ross actuators` and docs/reference/configuration")
+        return
+    origin = next((row.origin for row in describe() if row.name == kind), "")
+    if getattr(checked_options(config), "port", "") == RECORDING:
+        yield warn("actuator", f"{kind} keeps its pulses in memory: nothing will turn", "name a wire: options.port")
+    elif origin.startswith("ross_sim."):
+        yield warn("actuator", f"{kind} is simulated: nothing will turn", "choose another actuator.kind")
+    else:
+        yield ok("actuator", f"{kind}, feedback {capabilities.feedback}")
+    yield from _travel(config, capabilities)
+
+
+def autostart(config: Config, machine: Machine) -> Iterator[Finding]:
+    """Whether something turns without being asked."""
+    if config.service.autostart == "nothing":
+        yield ok("autostart", "nothing turns until it is commanded")
+    else:
+        found = f"'{config.service.autostart}' at every start, also after a crash, unless it was stopped by a command"
+        yield warn("autostart", found, "service.autostart = 'nothing', where people may stand near the array")
+
+
+def _closed(url: str) -> NoReturn:
+    raise ActuatorError(f"the doctor does not open wires, got '{url}'")
+
+
+def _travel(config: Config, capabilities: Capabilities) -> Iterator[Finding]:
+    """An array of two microphones has an axis and no front: half a turn reaches every alignment."""
+    travel = capabilities.upper - capabilities.lower
+    found = f"{math.degrees(travel):.0f} deg of travel"
+    if travel < math.pi - 1e-6:
+        todo = "widen guard.lower_deg and upper_deg to 180 deg in all, or some alignments are out of reach"
+        yield warn("limits", found, todo)
+    else:
+        yield ok("limits", f"{found}: every axis can be reached")
+    longest = _duration(travel, capabilities)
+    if longest > config.guard.max_move_s:
+        todo = "raise guard.max_move_s, or the longest move ends as a fault"
+        yield fail("limits", f"the longest move takes {longest:.1f} s, max_move_s = {config.guard.max_move_s:g}", todo)
+
+
+def _duration(angle: float, capabilities: Capabilities) -> float:
+    """Rest to rest along a trapezoid [s]: angle / v + v / a, or 2 sqrt(angle / a) when v is never reached."""
+    speed, acceleration = capabilities.max_speed, capabilities.max_acceleration
+    if angle < speed**2 / acceleration:
+        return 2 * math.sqrt(angle / acceleration)
+    return angle / speed + speed / acceleration
+
+
+CHECKS: tuple[Check, ...] = (
+    computer_checks.python, computer_checks.clock, computer_checks.heat,
+    computer_checks.priority, computer_checks.power,
+    wire_checks.extras, wire_checks.serial, wire_checks.can, wire_checks.links, wire_checks.identity,
+    computer_checks.state, computer_checks.recordings, computer_checks.voice, autostart,
+)  # fmt: skip
+
+
+def examine(config: Config, machine: Machine, clock: Clock, first: Sequence[Check] = CHECKS) -> Iterator[Finding]:
+    """Yield what every check finds, as soon as it is found; a check that breaks hurts no other."""
+    checks: list[tuple[str, Callable[[], Iterator[Finding]]]] = [
+        (check.__name__, partial(check, config, machine)) for check in first
+    ]
+    checks.append(("microphones", partial(microphones, config, clock)))
+    checks.append(("actuator", partial(actuator, config, machine, clock)))
+    checks.append(("speed", partial(speed.headroom, config, clock)))
+    for name, check in checks:
+        try:
+            yield from check()
+        except Exception as error:  # a computer that surprises one check is what the others are for
+            yield fail(name, f"the check itself failed: {error!r}", "please report this line")

@@ -1,0 +1,287 @@
+"""The client of the command protocol: orders to payloads, and what becomes of them. No port, no clock.
+
+``on_packet`` gets what arrives and ``tick`` the time; messages go to ``send``. Nothing waits behind anything else.
+
+A link loses frames and doubles them, and an acknowledgement names its command but not which one of several alike. So a
+frame is sent again until it is answered, and so is one whose answers ended too early; within `DEDUP_S` the payload
+answers what is said again once more and does not do it again. A final answer so soon that it may be one to the order
+before is asked for again. After that time nothing is sent again: the payload would take it for a new order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ross_payload.ground.client.command_status import (
+    ACKNOWLEDGED,
+    AFTER_STOP,
+    CANCELLED,
+    DONE,
+    ENDS,
+    FAILED,
+    IN_PROGRESS,
+    NO_ANSWER,
+    NO_RESULT,
+    NOT_ANSWERED,
+    OVERTAKEN,
+    REFUSED,
+    REPLACED,
+    RESTARTED,
+    SENT,
+    CommandStatus,
+    reason_in,
+)
+from ross_payload.ground.client.command_types import (
+    Cancel,
+    Order,
+    Rearm,
+    Stop,
+)
+from ross_payload.ground.model.payload_state import PayloadState, StatusText
+from ross_payload.ground.model.status_text import EXPLANATION_S, RecentTexts
+from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.commands import Acknowledged, Result, acknowledged_of, cancel_message, long_message
+from ross_protocols.mavlink.component_id import ComponentId
+
+ACK_TIMEOUT_S, RESENDS = 1.0, 4  # [s] without an answer until a frame is sent again, and how often
+STOP_ACK_TIMEOUT_S, STOP_RESENDS = 0.2, 10
+STOP_SEARCH_S = 30.0  # [s] that a stop is sent to a payload that was never heard; when it is, all tries are before it
+PROGRESS_TIMEOUT_S, PROGRESS_POLL_S = 2.0, 0.5  # [s] without progress until it is asked for, and how often
+DEDUP_S = 4.0  # [s] within which the payload knows what is said again: it remembers for 5, and a frame may be late
+REPEATED_S = 10.0  # [s] after an order, in which the payload may take its like that is said again for it
+LATE_ACK_S = 1.0  # [s] after the end of an order, in which an answer to the next of its kind may be one to it
+MOST_STATUSES = 50
+ROUNDING_S = 1e-6  # [s], of rounding
+
+
+@dataclass(slots=True)
+class _OpenCommand:
+    """An order that is not over."""
+
+    number: int
+    who: ComponentId
+    order: Order
+    due: float  # when it is said again [s]
+    repeated: bool  # its like ended a moment ago: what the payload remembers may be that
+    trusted: float  # [s]: a final answer before may be a late one to its like
+    sent: int = 0  # frames
+    answered: float | None = None  # the latest time [s]
+    cancelling: int = 0  # COMMAND_CANCEL, so often
+    over: bool = False  # given up, until something is heard after all
+
+
+@dataclass(slots=True)
+class _Peer:
+    """What is remembered of a payload."""
+
+    boots: int | None = None
+    texts: RecentTexts = field(default_factory=RecentTexts)
+    ended: dict[int, float] = field(default_factory=dict)  # when [s], by MAV_CMD
+    sent: dict[int, float] = field(default_factory=dict)  # when [s], by MAV_CMD
+
+
+class CommandProtocol:
+    """Orders of one ground station, ``system_id`` and ``component_id``, to any number of payloads.
+
+    >>> from ross_payload.ground.client.command_types import Turn
+    >>> sent = []
+    >>> orders = CommandProtocol(lambda message, who: sent.append(message.get_type()), 255, 190)
+    >>> number = orders.order(ComponentId(1, 191), Turn(40.0))
+    >>> sent, orders.doing[-1].words, orders.doing[-1].state
+    (['COMMAND_LONG'], 'turn to 40 deg', 'sent')
+    """
+
+    def __init__(self, send: Callable[[Any, ComponentId], None], system_id: int, component_id: int) -> None:
+        self._send = send
+        self._us = ComponentId(system_id, component_id)
+        self._doing: dict[int, CommandStatus] = {}
+        self._open: dict[int, _OpenCommand] = {}
+        self._peers: dict[ComponentId, _Peer] = {}
+        self._count = 0
+        self._now = 0.0
+
+    @property
+    def doing(self) -> tuple[CommandStatus, ...]:
+        """The latest orders, newest last."""
+        return tuple(self._doing.values())
+
+    def order(self, who: ComponentId, order: Order) -> int:
+        """Order something at once; return the number of what becomes of it."""
+        self._give_way(who, order)
+        self._count += 1
+        peer, number = self._peer(who), order.number
+        self._doing[self._count] = CommandStatus(self._count, who, order, SENT, self._now, self._now)
+        self._open[self._count] = _OpenCommand(
+            self._count, who, order, self._now,
+            repeated=self._now - peer.sent.get(number, -math.inf) < REPEATED_S,
+            trusted=self._trusted(peer, order),
+        )  # fmt: skip
+        while len(self._doing) > MOST_STATUSES:
+            oldest = next(iter(self._doing))
+            del self._doing[oldest]
+            self._open.pop(oldest, None)
+        peer.sent[number] = self._now
+        self._send_order(self._open[self._count])
+        return self._count
+
+    def cancel(self, number: int) -> None:
+        """Ask to end an order; one that is over stays as it is."""
+        wanted = self._open.get(number)
+        if wanted is not None and not wanted.over:
+            wanted.cancelling = 0
+            self._send_cancel(wanted)
+
+    def on_state(self, payload: PayloadState) -> None:
+        """Learn of a payload, whenever it is heard: one that started anew does not do what it was told before."""
+        peer = self._peer(payload.who)
+        if peer.boots is not None and payload.boots > peer.boots:
+            for one in [one for one in self._of(payload.who) if not one.over]:
+                self._end(one, FAILED, RESTARTED)
+            self._peers[payload.who] = peer = _Peer()
+        elif peer.boots is None:
+            for one in [one for one in self._of(payload.who) if isinstance(one.order, Stop) and one.answered is None]:
+                one.sent, one.due = min(one.sent, 1), self._now
+        peer.boots = payload.boots
+
+    def on_packet(self, packet: Packet, now: float) -> None:
+        """Take a packet; what is no answer passes by."""
+        self._now = now
+        who = packet.sender
+        peer = self._peers.get(who)
+        if peer is None:
+            return
+        acknowledged = acknowledged_of(packet.message)
+        if acknowledged is not None and acknowledged.target.includes(self._us):
+            self._answered(who, acknowledged)
+        for text in peer.texts.on_packet(packet, now):
+            self._explain(who, text)
+
+    def tick(self, now: float) -> None:
+        """Send again what was not answered; give up what never is."""
+        self._now = now
+        for one in [one for one in self._open.values() if now >= one.due - ROUNDING_S]:
+            self._resend(one)
+
+    # ------------------------------------------------------------------------------------------------ sending
+
+    def _send_order(self, one: _OpenCommand) -> None:
+        """Send an order, first or again.
+
+        What is done at once is harmless when done twice, and must not be taken for its like of a moment ago: arm,
+        stop, arm. A task must not be done twice.
+        """
+        anew = one.repeated and not one.order.task
+        one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, Stop) else ACK_TIMEOUT_S)
+        confirmation = 0 if anew else min(one.sent, 255)
+        one.sent += 1
+        who = one.who
+        self._send(long_message(one.order.number, one.order.numbers, who, confirmation), who)
+
+    def _give_way(self, who: ComponentId, order: Order) -> None:
+        """What was never answered is not said again after a stop; nor is a cancel after any order: it would end it."""
+        for one in self._of(who):
+            unanswered = one.answered is None and not one.over
+            if unanswered and isinstance(order, Stop) and not isinstance(one.order, Stop):
+                self._end(one, CANCELLED, AFTER_STOP)
+            elif unanswered and isinstance(one.order, Cancel):
+                self._end(one, NO_ANSWER, OVERTAKEN)
+            elif one.over and one.order.number == order.number:
+                del self._open[one.number]
+
+    def _resend(self, one: _OpenCommand) -> None:
+        """Say it again where that can help; a cancel stands for its order."""
+        times = STOP_RESENDS if isinstance(one.order, Stop) else RESENDS
+        if one.cancelling:
+            self._send_cancel(one) if one.cancelling <= RESENDS else self._give_up(one)
+        elif one.answered is None:
+            self._send_order(one) if one.sent <= times or self._is_sought(one) else self._give_up(one)
+        elif self._now - one.answered > DEDUP_S:
+            self._give_up(one)
+        else:
+            self._send_order(one)
+            one.due = self._now + PROGRESS_POLL_S
+
+    def _is_sought(self, one: _OpenCommand) -> bool:
+        """Whether it is a stop for somebody who was never heard, but may be any moment: we may have just started."""
+        unmet = isinstance(one.order, Stop) and self._peer(one.who).boots is None
+        return unmet and self._now - self._doing[one.number].since < STOP_SEARCH_S
+
+    def _send_cancel(self, one: _OpenCommand) -> None:
+        one.cancelling += 1
+        one.due = self._now + ACK_TIMEOUT_S
+        self._send(cancel_message(one.order.number, one.who), one.who)
+
+    def _give_up(self, one: _OpenCommand) -> None:
+        one.over, one.due = True, math.inf
+        self._change(one, NO_ANSWER, NOT_ANSWERED if one.answered is None else NO_RESULT)
+
+    def _trusted(self, peer: _Peer, order: Order) -> float:
+        """Return from when on a final answer is one to this order; a stop is only in doubt after it was re-armed."""
+        ended = peer.ended.get(order.number, -math.inf)
+        armed = peer.sent.get(Rearm.number, -math.inf) >= ended > -math.inf
+        return ended + LATE_ACK_S if armed or not isinstance(order, Stop) else -math.inf
+
+    # ------------------------------------------------------------------------------------------------ hearing
+
+    def _answered(self, who: ComponentId, ack: Acknowledged) -> None:
+        """Find out which order of its kind an acknowledgement is for."""
+        alike = [one for one in self._of(who) if one.order.number == ack.number]
+        if not alike:
+            return
+        *older, newest = alike
+        going_on = [one for one in older if one.answered is not None]
+        if ack.result is Result.IN_PROGRESS:
+            self._goes_on(newest, ack.progress, alone=not going_on)
+        elif ENDS[ack.result][0] == REFUSED or newest.answered is not None or not going_on:
+            self._is_over(newest, older, ack.result)
+        else:
+            self._is_over(going_on[-1], [], ack.result)
+
+    def _goes_on(self, one: _OpenCommand, progress: float | None, *, alone: bool) -> None:
+        """Take an order for begun; beside an older one of its kind it is asked once more: the answer may be to that."""
+        first, one.over = one.answered is None, False
+        one.answered = self._now
+        if not one.cancelling and (alone or not first):
+            one.due = self._now + PROGRESS_TIMEOUT_S
+        state = ACKNOWLEDGED if first and progress is None else IN_PROGRESS
+        self._change(one, state, "", progress=progress)
+
+    def _is_over(self, one: _OpenCommand, older: list[_OpenCommand], result: Result) -> None:
+        if self._now < one.trusted:
+            one.due = min(one.due, one.trusted)
+            return
+        state, reason = ENDS[result]
+        for other in older if state != REFUSED else []:
+            self._end(other, *((state, reason) if other.order == one.order else (CANCELLED, REPLACED)))
+        self._end(one, state, reason)
+
+    def _end(self, one: _OpenCommand, state: str, reason: str) -> None:
+        self._open.pop(one.number, None)
+        peer = self._peer(one.who)
+        if state != NO_ANSWER:
+            peer.ended[one.order.number] = self._now
+        self._change(one, state, reason, progress=1.0 if state == DONE else None)
+        for text in peer.texts.latest(self._now):
+            self._explain(one.who, text)
+
+    def _explain(self, who: ComponentId, text: StatusText) -> None:
+        """Let a text say why something was refused, or failed, around the time it came."""
+        for doing in reversed(self.doing):
+            near = doing.who == who and abs(doing.at - text.at) < EXPLANATION_S
+            if near and (reason := reason_in(text, doing)):
+                self._doing[doing.number] = replace(doing, reason=reason)
+                return
+
+    def _change(self, one: _OpenCommand, state: str, reason: str, progress: float | None = None) -> None:
+        doing = self._doing.get(one.number)
+        if doing is not None:
+            self._doing[one.number] = replace(doing, state=state, reason=reason, progress=progress, at=self._now)
+
+    def _of(self, who: ComponentId) -> list[_OpenCommand]:
+        return [one for one in self._open.values() if one.who == who]
+
+    def _peer(self, who: ComponentId) -> _Peer:
+        return self._peers.setdefault(who, _Peer())

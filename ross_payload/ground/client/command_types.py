@@ -1,0 +1,232 @@
+"""What an operator can ask of a payload, as values; and the command that asks for it.
+
+Degrees are those of the page and of the commands: clockwise, in the frame of the payload's headings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
+
+from ross_protocols.mavlink.dialect import ross
+
+LONGEST_NOISE = 60.0  # [s]
+MOST_AZIMUTHS = 6  # of an `Inform`
+VOICE, SOURCE, AZIMUTH = ross.ROSS_LISTEN_MODE_VOICE, ross.ROSS_LISTEN_MODE_SOURCE, ross.ROSS_LISTEN_MODE_AZIMUTH
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """The root of all orders; ``number`` is their MAV_CMD, ``name`` what the payload's texts call it."""
+
+    number: ClassVar[int]
+    name: ClassVar[str]
+    task: ClassVar[bool] = True  # takes time: it must not be done twice
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """The parameters of the command, from the first to the last that matters."""
+        return tuple(float(getattr(self, each.name)) for each in fields(self))
+
+    @property
+    def words(self) -> str:
+        """What is asked for."""
+        return self.name
+
+
+class Explore(Order):
+    """Find the number of sources and every azimuth."""
+
+    number = ross.MAV_CMD_ROSS_EXPLORE
+    name = "explore"
+
+
+@dataclass(frozen=True, slots=True)
+class Listen(Order):
+    """Listen to a source of the latest estimate, to whoever is at an azimuth, or to the enrolled voice."""
+
+    number = ross.MAV_CMD_ROSS_LISTEN
+    name = "listen"
+    source: int | None = None
+    azimuth: float | None = None  # [deg]
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """Mode, source, azimuth."""
+        if self.source is not None:
+            return SOURCE, self.source
+        return (VOICE,) if self.azimuth is None else (AZIMUTH, 0, self.azimuth)
+
+    @property
+    def words(self) -> str:
+        """To whom."""
+        if self.source is not None:
+            return f"listen to source {self.source}"
+        return "find the enrolled voice" if self.azimuth is None else f"listen at {self.azimuth:g} deg"
+
+
+@dataclass(frozen=True, slots=True)
+class Inform(Order):
+    """Find the enrolled voice among sources at known azimuths, without exploring."""
+
+    number = ross.MAV_CMD_ROSS_INFORM
+    name = "inform"
+    azimuths: tuple[float, ...]  # [deg], 1 to `MOST_AZIMUTHS`
+    first: int | None = None  # index of the one to visit first
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """The first to visit, azimuths; NaN: there are no more."""
+        empty = [math.nan] * (MOST_AZIMUTHS - len(self.azimuths))
+        return -1.0 if self.first is None else float(self.first), *self.azimuths, *empty
+
+    @property
+    def words(self) -> str:
+        """Where to look."""
+        return f"find the enrolled voice at {', '.join(f'{azimuth:g}' for azimuth in self.azimuths)} deg"
+
+
+@dataclass(frozen=True, slots=True)
+class Turn(Order):
+    """Point the axis to a heading and stay there."""
+
+    number = ross.MAV_CMD_ROSS_TURN
+    name = "turn"
+    heading: float  # [deg]
+
+    @property
+    def words(self) -> str:
+        """Where to."""
+        return f"turn to {self.heading:g} deg"
+
+
+class Park(Order):
+    """Turn to the parking position."""
+
+    number = ross.MAV_CMD_ROSS_PARK
+    name = "park"
+
+
+class Home(Order):
+    """Find the zero of the joint."""
+
+    number = ross.MAV_CMD_ROSS_HOME
+    name = "home"
+
+
+@dataclass(frozen=True, slots=True)
+class Noise(Order):
+    """Measure the noise while nobody talks; 0 s: as long as the lead-in of the configuration."""
+
+    number = ross.MAV_CMD_ROSS_MEASURE_NOISE
+    name = "measure noise"
+    seconds: float = 0.0
+
+
+class Stop(Order):
+    """Decelerate now and refuse to move until re-armed."""
+
+    number = ross.MAV_CMD_ROSS_STOP
+    name = "stop"
+    task = False
+
+
+class Cancel(Order):
+    """End what is going on."""
+
+    number = ross.MAV_CMD_ROSS_CANCEL
+    name = "cancel"
+    task = False
+
+
+class Rearm(Order):
+    """Accept moves again after a stop or a fault."""
+
+    number = ross.MAV_CMD_ROSS_REARM
+    name = "rearm"
+    task = False
+
+
+@dataclass(frozen=True, slots=True)
+class Record(Order):
+    """Start or end record a session on the payload's disk."""
+
+    number = ross.MAV_CMD_ROSS_RECORD
+    name = "record"
+    task = False
+    on: bool
+
+    @property
+    def words(self) -> str:
+        """Which of the two."""
+        return "start recording" if self.on else "stop recording"
+
+
+PLAIN: dict[str, type[Order]] = {
+    "explore": Explore,
+    "stop": Stop,
+    "cancel": Cancel,
+    "park": Park,
+    "home": Home,
+    "rearm": Rearm,
+}
+
+
+def order_of(mapping: Mapping[str, Any]) -> Order:
+    """Return the order that a JSON object asks for.
+
+    >>> order_of({"kind": "turn", "heading": 40}), order_of({"kind": "listen"}).words
+    (Turn(heading=40.0), 'find the enrolled voice')
+
+    Raises
+    ------
+    ValueError
+        When it asks for none, or with a number that cannot be meant.
+    """
+    kind = mapping.get("kind")
+    if not isinstance(kind, str) or kind not in READERS:
+        raise ValueError(f"kind: expected one of {', '.join(READERS)}, got {_short(kind)}")
+    return READERS[kind](mapping)
+
+
+def _listen(mapping: Mapping[str, Any]) -> Order:
+    source, azimuth = mapping.get("source"), mapping.get("azimuth")
+    if source is not None and azimuth is not None:
+        raise ValueError("listen: expected a source or an azimuth, got both")
+    if source is not None:
+        index = _number(mapping, "source", 0, 255)
+        if index % 1:
+            raise ValueError(f"source: expected a whole number, got {index:g}")
+        return Listen(source=int(index))
+    return Listen() if azimuth is None else Listen(azimuth=_number(mapping, "azimuth", -360, 360))
+
+
+def _record(mapping: Mapping[str, Any]) -> Order:
+    on = mapping.get("on")
+    if not isinstance(on, bool):
+        raise ValueError(f"on: expected true or false, got {_short(on)}")
+    return Record(on)
+
+
+def _number(mapping: Mapping[str, Any], name: str, lower: float, upper: float) -> float:
+    value = mapping.get(name)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not lower <= value <= upper:
+        raise ValueError(f"{name}: expected {lower:g} to {upper:g}, got {_short(value)}")
+    return float(value)
+
+
+def _short(value: Any) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "nothing" if value is None else "NaN"
+    return repr(value)[:40]
+
+
+READERS: dict[str, Callable[[Mapping[str, Any]], Order]] = {
+    **{kind: lambda mapping, plain=plain: plain() for kind, plain in PLAIN.items()},  # type: ignore[misc]
+    "listen": _listen,
+    "turn": lambda mapping: Turn(_number(mapping, "heading", -360, 360)),
+    "record": _record,
+    "noise": lambda mapping: Noise(_number(mapping, "seconds", 0, LONGEST_NOISE)),
+}

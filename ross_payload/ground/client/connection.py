@@ -1,0 +1,80 @@
+"""From URLs to the client of a payload: `connect`, with which scripts begin."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncGenerator
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+
+from ross_payload.ground.client.payload import Payload
+from ross_payload.ground.client.streams import Wakeup
+from ross_payload.ground.errors import NoPayload
+from ross_payload.ground.station import Station, read_key
+from ross_protocols.mavlink.component_id import ComponentId
+
+OTHERS_S = 1.5  # after the first payload, in which every other one sends a heartbeat
+CONNECT_TIMEOUT_S = 60.0  # a simulation, or a computer that boots, takes its time
+
+
+@asynccontextmanager
+async def connect(
+    *urls: str,
+    payload: ComponentId | str | None = None,
+    key: bytes | Path | None = None,
+    log: Path | None = None,
+    system_id: int = 254,
+    timeout_s: float = CONNECT_TIMEOUT_S,
+) -> AsyncGenerator[Payload]:
+    """Open links, wait for a payload, and give its client.
+
+    Parameters
+    ----------
+    urls
+        Where to listen or connect, such as ``udpin:127.0.0.1:14550``, see docs/reference/links.md.
+    payload
+        Which of several, such as ``"2-191"``; None: the only one that is received.
+    key
+        The signing key of 32 bytes, or its file: what is sent is signed, and only what is signed with it is received.
+    log
+        Folder for a .tlog of everything received and sent.
+    system_id
+        Who we are; nobody else on the links may have the same.
+    timeout_s
+        How long to wait for the payload [s].
+
+    Raises
+    ------
+    NoPayload
+        When none is received in time, not the one that is wanted, or several and none is named.
+    GroundError
+        When a link cannot be opened, or the key is none.
+    ValueError
+        When ``payload`` is no id.
+    """
+    wanted = ComponentId.parse(payload) if isinstance(payload, str) else payload
+    secret = read_key(key) if isinstance(key, Path) else key
+    async with (
+        Station(urls, system_id=system_id, key=secret, log=log) as station,
+        Payload(station, await _received(station, wanted, timeout_s)) as client,
+    ):
+        yield client
+
+
+async def _received(station: Station, wanted: ComponentId | None, timeout_s: float) -> ComponentId:
+    """Wait for the payload that is wanted; None: for the only one there is."""
+    payloads, arrived = station.fleet.payloads, Wakeup()
+    end = station.subscribe(lambda packet, at: arrived.wake())
+    try:
+        with suppress(TimeoutError):
+            async with asyncio.timeout(timeout_s):
+                await arrived.until(lambda: wanted in payloads if wanted else payloads)
+                await asyncio.sleep(0 if wanted else OTHERS_S)
+    finally:
+        end()
+    if wanted in payloads or (wanted is None and len(payloads) == 1):
+        return wanted or next(iter(payloads))
+    received = [str(each) for each in sorted(payloads)]
+    what = f"expected payload {wanted or ''}".strip() if wanted or not received else "expected one payload, or its id"
+    found = ", ".join(received) if received else station.advice(delay=0.0)
+    raise NoPayload(f"{what} within {timeout_s:g} s, got {found}", received)

@@ -1,0 +1,172 @@
+"""What happens at a payload, as values; and how to see it in two states of what is known of it.
+
+Scripts stand at the edge: angles are degrees here, clockwise as on a compass, from north when ``earth``, else from the
+zero of the mount. ``at`` is the time of the message on the station's clock [s].
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ross_payload.ground.model.payload_state import PayloadState, SourceTrack
+from ross_payload.ground.model.view import word
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.field_converters import compass
+from ross_protocols.mavlink.values import Source, Status
+
+
+@dataclass(frozen=True, slots=True)
+class SourceEstimate:
+    """One source of the payload's latest estimate."""
+
+    source: int  # its index in the estimate: what `Payload.listen_to` wants
+    azimuth_deg: float
+    mirror_deg: float | None  # where it may be instead; None: it is told from its mirror image
+    sigma_deg: float
+    confidence: float  # 0 to 1
+    earth: bool  # azimuths count from north
+    target: bool  # the enrolled voice
+
+    @classmethod
+    def of(cls, source: Source) -> SourceEstimate:
+        """Convert what telemetry says of a source."""
+        mirror = None if source.mirror is None else compass(source.mirror)
+        return cls(
+            source.source, compass(source.azimuth), mirror, math.degrees(source.sigma), source.confidence,
+            source.earth, source.target,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """The root of all events."""
+
+    at: float  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class StateChanged(Event):
+    """The mission is in another state, an entry of ROSS_STATE in lower case: ``idle``, ``explore_turn``, ``run``."""
+
+    before: str | None  # None: it was not known
+    state: str
+
+
+@dataclass(frozen=True, slots=True)
+class SourceFound(Event):
+    """A source is estimated where none was lately."""
+
+    source: SourceEstimate
+
+
+@dataclass(frozen=True, slots=True)
+class SourceMoved(Event):
+    """A source is estimated at another azimuth; its index may be another one, too."""
+
+    source: SourceEstimate
+    from_deg: float  # azimuth before
+
+
+@dataclass(frozen=True, slots=True)
+class TargetFound(Event):
+    """The enrolled voice was recognised."""
+
+    source: int | None  # index in the estimate
+
+
+@dataclass(frozen=True, slots=True)
+class TargetLost(Event):
+    """The enrolled voice is not recognised any longer."""
+
+
+@dataclass(frozen=True, slots=True)
+class FaultRaised(Event):
+    """The actuator, or the mission, has a fault; a `TextReceived` says which."""
+
+
+@dataclass(frozen=True, slots=True)
+class FaultCleared(Event):
+    """There is no fault any longer."""
+
+
+@dataclass(frozen=True, slots=True)
+class TextReceived(Event):
+    """A text for humans, whole."""
+
+    severity: int  # MAV_SEVERITY: 0 emergency to 7 debug
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class TaskProgress(Event):
+    """What becomes of something that this client asked for."""
+
+    request: str  # such as "turn to 10 deg"
+    state: str  # as in `CommandStatus`: sent, acknowledged, in_progress, done, refused, failed, cancelled, no_answer
+    progress: float | None  # 0 to 1
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class PayloadRestarted(Event):
+    """It has started anew, and has forgotten what it was asked."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContactLost(Event):
+    """Nothing has been received from it for `SILENT_S`."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContactRestored(Event):
+    """It is received again."""
+
+
+def events_between(before: PayloadState, after: PayloadState) -> Iterator[Event]:
+    """Yield what has happened between two states of one payload, the second one message after the first."""
+    at = after.last
+    if after.boots != before.boots:
+        yield PayloadRestarted(at)
+    was, now = before.status, after.status
+    if now is not None and now is not was:
+        yield from _status_events(was, now, at)
+    tracks = [track for track in after.trails if track not in before.trails]
+    for source in after.sources if tracks else ():
+        if source not in before.sources:
+            yield from _source_events(source, tracks, before.trails, at)
+    known = {id(text) for text in before.texts}
+    for text in after.texts:
+        if id(text) not in known:
+            yield TextReceived(text.at, text.severity, text.text)
+
+
+def _status_events(was: Status | None, now: Status, at: float) -> Iterator[Event]:
+    state, fault = word("ROSS_STATE", now.state), _has_fault(now)
+    if was is None or was.state != now.state:
+        yield StateChanged(at, None if was is None else word("ROSS_STATE", was.state), str(state))
+    if fault != (was is not None and _has_fault(was)):
+        yield FaultRaised(at) if fault else FaultCleared(at)
+    if now.target_found and (was is None or not was.target_found or was.target != now.target):
+        yield TargetFound(at, now.target)
+    elif was is not None and was.target_found and not now.target_found:
+        yield TargetLost(at)
+
+
+def _has_fault(status: Status) -> bool:
+    return bool(status.fault or status.state == ross.ROSS_STATE_FAULT)
+
+
+def _source_events(
+    source: Source, tracks: list[SourceTrack], before: tuple[SourceTrack, ...], at: float
+) -> Iterator[SourceFound | SourceMoved]:
+    """Tell a source by its track: one that goes on where another one ended is the same source."""
+    for track in tracks:
+        if track.source != source.source or track.estimate != source.estimate:
+            continue
+        *earlier, _ = track.points
+        if not earlier:
+            yield SourceFound(at, SourceEstimate.of(source))
+        elif all(track.points != old.points for old in before):
+            yield SourceMoved(at, SourceEstimate.of(source), compass(earlier[-1][1]))

@@ -1,0 +1,230 @@
+"""The client of the parameter protocol: what a payload's parameters are, mean, and become. No port, no clock.
+
+``on_packet`` gets what arrives, ``tick`` the time, ``on_state`` what is known of the payload. What a list left out is
+asked for again by index; a value is set until it is read back, or refused. Without metadata, names and values still
+show.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from ross_payload.ground.client.component_metadata import MOST_PARAMETERS, Metadata, ParameterDescription
+from ross_payload.ground.model.payload_state import PayloadState
+from ross_payload.ground.model.status_text import EXPLANATION_S, PREFIX, RecentTexts
+from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.field_converters import FLOAT32_MAX
+from ross_protocols.mavlink.params import (
+    ParamError,
+    Refused,
+    Told,
+    answer_of,
+    list_message,
+    read_message,
+    same_on_the_wire,
+    set_message,
+)
+
+ANSWER_TIMEOUT_S = 1.0  # [s] without an answer until something is asked for again
+LIST_TIMEOUT_S = 5.0  # [s] between two requests for a list that nobody answers
+READS_AT_ONCE = 8  # parameters that are asked for at once
+MOST_SENDS = 5  # that a value is sent
+KNOWN, SENDING, SET, REFUSED, NO_ANSWER = "known", "sending", "set", "refused", "no_answer"
+NOT_ANSWERED = "no answer: is it in range, and may this station set it ([[links]] accept)?"
+UNSTEADY = "its parameters keep changing: do two payloads use the same id?"
+ERRORS: dict[int, str] = {
+    ParamError.DOES_NOT_EXIST: "there is no such parameter",
+    ParamError.VALUE_OUT_OF_RANGE: "out of range",
+    ParamError.PERMISSION_DENIED: "not permitted for this station",
+    ParamError.COMPONENT_NOT_FOUND: "there is no such component",
+    ParamError.READ_ONLY: "it cannot be changed",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Parameter:
+    """One parameter."""
+
+    value: float
+    state: str = KNOWN
+    reason: str = ""
+    wanted: float = math.nan
+    at: float = 0.0  # latest change of the state [s]
+    sent: int = 0  # frames
+    kept: bool = False  # another value than the wanted one was heard since
+
+
+class ParamClient:
+    """The parameters of one payload, as far as they are known; ``system_id`` and ``component_id`` are ours."""
+
+    def __init__(
+        self, send: Callable[[Any, ComponentId], None], who: ComponentId, system_id: int, component_id: int
+    ) -> None:
+        self.who = who
+        self.note = ""
+        self._give = send
+        self._us = ComponentId(system_id, component_id)
+        self._boots: int | None = None
+        self._now = 0.0
+        self.refresh()
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Every value that is known, by name."""
+        return {name: setting.value for name, setting in self._settings.items()}
+
+    @property
+    def complete(self) -> bool:
+        """Whether all parameters are known."""
+        return self._count is not None and len(self._names) == self._count
+
+    @property
+    def described(self) -> bool:
+        """Whether all that will be said about their meaning is known."""
+        return self._metadata.over
+
+    def state_of(self, name: str) -> tuple[str, str]:
+        """Return what became of the latest change of a parameter, and why; LookupError: there is none."""
+        return self._settings[name].state, self._settings[name].reason
+
+    def refresh(self) -> None:
+        """Forget everything, and ask for it again with the next `tick`."""
+        self._settings: dict[str, _Parameter] = {}
+        self._names: dict[int, str] = {}  # by index
+        self._count: int | None = None
+        self._due, self._began = -math.inf, self._now
+        self._texts = RecentTexts()
+        self._metadata = Metadata(lambda message: self._give(message, self.who), self.who, *self._us)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return every parameter as plain JSON, in the payload's order."""
+        place = {name: index for index, name in self._names.items()}
+        names = sorted(self._settings, key=lambda name: (place.get(name, MOST_PARAMETERS), name))
+        return [_row(name, self._settings[name], self._metadata.described.get(name)) for name in names]
+
+    def notes(self) -> list[str]:
+        """Return what is odd about the parameters, in words."""
+        return [note for note in (self.note, self._metadata.note) if note]
+
+    def set(self, name: str, value: float) -> None:
+        """Change a parameter, and follow what becomes of it.
+
+        Raises
+        ------
+        ValueError
+            When there is none of that name, or no number that the wire can carry.
+        """
+        if name not in self._settings:
+            raise ValueError(f"expected the name of a parameter of {self.who}, got '{name[:40]}'")
+        if not abs(value) <= FLOAT32_MAX:
+            raise ValueError(f"{name}: expected a number that a 32-bit float can hold, got {str(value)[:40]}")
+        before = self._settings[name].value
+        self._settings[name] = _Parameter(before, SENDING, wanted=value)
+        self._send_value(name)
+
+    def on_state(self, payload: PayloadState) -> None:
+        """Learn of the payload, whenever it is heard: one that started anew may have other parameters."""
+        if self._boots is not None and payload.boots > self._boots:
+            self.refresh()
+        self._boots = payload.boots
+
+    def on_packet(self, packet: Packet, now: float) -> None:
+        """Take a packet; what is not about these parameters passes by."""
+        self._now = now
+        if packet.sender != self.who:
+            return
+        self._metadata.on_packet(packet, now)
+        answer = answer_of(packet.message)
+        if isinstance(answer, Told):
+            self._on_value(answer)
+        elif isinstance(answer, Refused):
+            ours = answer.target.includes(self._us)
+            if ours and (setting := self._settings.get(answer.name)) is not None and setting.state == SENDING:
+                self._refuse(answer.name, ERRORS.get(answer.error, "refused"))
+        elif self._texts.on_packet(packet, now):
+            self._explain()
+
+    def tick(self, now: float) -> None:
+        """Ask again for what has not come."""
+        self._now = now
+        if not self.complete and now >= self._due:
+            self._ask()
+        for name, setting in list(self._settings.items()):
+            if setting.state == SENDING and now - setting.at >= ANSWER_TIMEOUT_S:
+                self._insist(name, setting)
+        if self._settings:  # the list first: it is what people wait for
+            self._metadata.tick(now)
+
+    def _ask(self) -> None:
+        if self._count is None:
+            self._give(list_message(self.who), self.who)
+            self._due = self._now + LIST_TIMEOUT_S
+            return
+        missing = [index for index in range(self._count) if index not in self._names]
+        for index in missing[:READS_AT_ONCE]:
+            self._give(read_message(index, self.who), self.who)
+        self._due = self._now + ANSWER_TIMEOUT_S
+
+    def _on_value(self, answer: Told) -> None:
+        named = answer.name.isascii() and answer.name.isprintable() and answer.name != ""
+        if not math.isfinite(answer.value) or not named:
+            self.note = "a parameter was left out: invalid value or name"
+            return
+        count = min(answer.count, MOST_PARAMETERS)
+        other_name = answer.index is not None and self._names.get(answer.index, answer.name) != answer.name
+        if self._count not in (None, count) or other_name:
+            if self._now - self._began < LIST_TIMEOUT_S:
+                self.note = UNSTEADY
+                return
+            self.refresh()  # another set of parameters
+        if answer.index is not None and answer.index < count:
+            self._count = count
+            self._names[answer.index] = answer.name
+            self._due = self._now + ANSWER_TIMEOUT_S  # the list goes on
+        if answer.count > MOST_PARAMETERS:
+            self.note = f"{answer.count} parameters announced: {MOST_PARAMETERS} are shown"
+        if answer.name in self._settings or len(self._settings) < MOST_PARAMETERS:
+            self._settings[answer.name] = self._changed(self._settings.get(answer.name), answer.value)
+
+    def _changed(self, before: _Parameter | None, value: float) -> _Parameter:
+        if before is None:
+            return _Parameter(value)
+        if before.state != SENDING:
+            return replace(before, value=value) if before.value == value else _Parameter(value)
+        if same_on_the_wire(value, before.wanted):
+            return _Parameter(value, SET, at=self._now)
+        return replace(before, value=value, kept=True)
+
+    def _insist(self, name: str, setting: _Parameter) -> None:
+        if setting.sent < MOST_SENDS:
+            self._send_value(name)
+        elif setting.kept:
+            self._refuse(name, f"it stays at {setting.value:g}")
+        else:
+            self._settings[name] = replace(setting, state=NO_ANSWER, reason=NOT_ANSWERED, at=self._now)
+
+    def _send_value(self, name: str) -> None:
+        setting = self._settings[name]
+        self._settings[name] = replace(setting, at=self._now, sent=setting.sent + 1)
+        self._give(set_message(name, setting.wanted, self.who), self.who)
+
+    def _refuse(self, name: str, reason: str) -> None:
+        self._settings[name] = replace(self._settings[name], state=REFUSED, reason=reason, at=self._now)
+        self._explain()
+
+    def _explain(self) -> None:
+        """Let texts say why a value was refused: they begin with the name."""
+        for text in self._texts.latest(self._now):
+            name, colon, reason = text.text.removeprefix(PREFIX).partition(": ")
+            setting = self._settings.get(name)
+            if colon and setting is not None and setting.state == REFUSED and self._now - setting.at < EXPLANATION_S:
+                self._settings[name] = replace(setting, reason=reason)
+
+
+def _row(name: str, setting: _Parameter, description: ParameterDescription | None) -> dict[str, Any]:
+    about = asdict(description or ParameterDescription())
+    return {"name": name, "value": setting.value, **about, "state": setting.state, "reason": setting.reason}

@@ -1,0 +1,289 @@
+"""A payload for scripts: what it is asked, what it answers, and what happens at it.
+
+::
+
+    async with connect("udpin:127.0.0.1:14550") as payload:
+        await payload.turn(10)
+
+All of it happens on one asyncio loop. Angles are degrees, clockwise as on a compass: from north when the payload knows
+where that is, else from the zero of its mount.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from types import TracebackType
+from typing import Self
+from weakref import WeakSet
+
+from ross_payload.ground.client.command_protocol import CommandProtocol
+from ross_payload.ground.client.command_status import CANCELLED, DONE, ENDS, FAILED, NO_ANSWER, REFUSED, CommandStatus
+from ross_payload.ground.client.command_types import (
+    MOST_AZIMUTHS,
+    Cancel,
+    Explore,
+    Home,
+    Inform,
+    Listen,
+    Noise,
+    Order,
+    Park,
+    Rearm,
+    Record,
+    Stop,
+    Turn,
+)
+from ross_payload.ground.client.events import (
+    ContactLost,
+    ContactRestored,
+    Event,
+    SourceEstimate,
+    TaskProgress,
+    events_between,
+)
+from ross_payload.ground.client.param_client import ParamClient
+from ross_payload.ground.client.parameters import REASON_TIMEOUT_S, Parameters
+from ross_payload.ground.client.streams import EventStream, Found, Wakeup
+from ross_payload.ground.errors import (
+    LinkLost,
+    RefusedByPayload,
+    TaskCancelled,
+    TaskFailed,
+)
+from ross_payload.ground.model.payload_state import PayloadState
+from ross_payload.ground.model.view import Section, view
+from ross_payload.ground.station import Station
+from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.component_id import ComponentId
+
+TICK_S = 0.05  # between two looks at what is due
+SILENT_S = 3.0  # without a message until contact counts as lost
+ESTIMATE_TIMEOUT_S = 2.0  # for the sources that an estimate announces
+FAILURES = {REFUSED: RefusedByPayload, FAILED: TaskFailed, CANCELLED: TaskCancelled, NO_ANSWER: LinkLost}
+DEFAULT_REASONS = {reason for _, reason in ENDS.values()}
+
+
+class Payload:
+    """One payload that an open `Station` receives. An async context manager.
+
+    Every request is a coroutine that ends when the payload says that it is done, and raises otherwise:
+
+    - `RefusedByPayload`, with the payload's reason;
+    - `TaskFailed`, when it was begun and could not be completed;
+    - `TaskCancelled`, when a cancel, a stop or another command ended it;
+    - `LinkLost`, when nothing answers; it may have been done nevertheless.
+
+    There is no time limit but ``asyncio.timeout``. Cancelling a coroutine, also by a time limit, ends the waiting and
+    nothing else: the payload goes on with its task, and only `cancel` or `stop` end that.
+    """
+
+    def __init__(self, station: Station, component: ComponentId) -> None:
+        self.id = component
+        us = station.system_id, station.component_id
+        self._station = station
+        self._state = station.fleet.payloads[component]
+        self._commands = CommandProtocol(station.send, *us)
+        self._settings = ParamClient(station.send, component, *us)
+        self._statuses: dict[int, CommandStatus] = {}
+        self._changed = Wakeup()
+        self._streams: WeakSet[EventStream] = WeakSet()
+        self._silent = False
+        self.parameters = Parameters(self._settings, self._changed)
+
+    async def __aenter__(self) -> Self:
+        """Begin to follow it."""
+        self._station.fleet.pinned |= {self.id}
+        self._end = self._station.subscribe(self._on_packet)
+        self._ticking = asyncio.create_task(self._tick())
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End every iteration over events, and every request that is not over; the payload goes on."""
+        self._ticking.cancel()
+        with suppress(asyncio.CancelledError):
+            await self._ticking
+        self._end()
+        self._changed.close()
+
+    # ------------------------------------------------------------------------------------------ what it is asked
+
+    async def explore(self) -> tuple[SourceEstimate, ...]:
+        """Find the number of sources and every azimuth; return them."""
+        await self.request(Explore())
+        with suppress(TimeoutError):
+            async with asyncio.timeout(ESTIMATE_TIMEOUT_S):
+                await self._changed.until(lambda: len(self._state.sources) >= self._state.announced)
+        return self.sources
+
+    async def listen_to(self, source: int | SourceEstimate) -> None:
+        """Turn so that a source of the latest estimate can be separated, and listen to it until cancelled."""
+        await self.request(Listen(source=source if isinstance(source, int) else source.source))
+
+    async def listen_at(self, azimuth_deg: float) -> None:
+        """Turn so that whoever is at an azimuth can be separated, and listen until cancelled."""
+        await self.request(Listen(azimuth=azimuth_deg))
+
+    async def find_voice(self, azimuths_deg: Sequence[float] = (), first: int | None = None) -> None:
+        """Find the enrolled voice and listen to it until cancelled.
+
+        With ``azimuths_deg``, one to six of them, it is sought there without exploring, at the ``first`` to begin with.
+
+        Raises
+        ------
+        ValueError
+            When there are more azimuths.
+        """
+        if len(azimuths_deg) > MOST_AZIMUTHS:
+            raise ValueError(f"azimuths_deg: expected at most {MOST_AZIMUTHS}, got {len(azimuths_deg)}")
+        await self.request(Inform(tuple(azimuths_deg), first) if azimuths_deg else Listen())
+
+    async def turn(self, heading_deg: float) -> None:
+        """Point the axis from microphone 1 to microphone 2 to a heading and stay there."""
+        await self.request(Turn(heading_deg))
+
+    async def park(self) -> None:
+        """Turn to the parking position of the payload's configuration."""
+        await self.request(Park())
+
+    async def home(self) -> None:
+        """Find the zero of the joint."""
+        await self.request(Home())
+
+    async def measure_noise(self, duration_s: float = 0.0) -> None:
+        """Measure the noise while nobody talks; 0: as long as the lead-in of the payload's configuration."""
+        await self.request(Noise(duration_s))
+
+    async def stop(self) -> None:
+        """Decelerate now, end the task, and refuse to move until `rearm`."""
+        await self.request(Stop())
+
+    async def rearm(self) -> None:
+        """Accept moves again after a stop or a fault."""
+        await self.request(Rearm())
+
+    async def cancel(self) -> None:
+        """End the task, and be ready for the next one."""
+        await self.request(Cancel())
+
+    async def record(self, on: bool = True) -> None:
+        """Start, or end, recording a session on the payload's disk."""
+        await self.request(Record(on))
+
+    async def request(self, order: Order) -> CommandStatus:
+        """Send a command, again until it is answered, and wait until it is done.
+
+        Raises
+        ------
+        RefusedByPayload, TaskFailed, TaskCancelled, LinkLost
+            When it is not.
+        """
+        self._commands.tick(self._station.now())
+        number = self._commands.order(self.id, order)
+        self._publish_progress()
+        status = await self._changed.until(lambda: self._over(number))
+        if status.state == DONE:
+            return status
+        reason = await self._explained(number) if status.reason in DEFAULT_REASONS else status.reason
+        if status.state == NO_ANSWER and (advice := self._station.advice()):
+            reason = f"{reason} ({advice})"
+        raise FAILURES[status.state](status.words, reason)
+
+    # ------------------------------------------------------------------------------------------ what is known of it
+
+    @property
+    def state(self) -> PayloadState:
+        """Everything that is known of it, as telemetry says it: radians, counter-clockwise."""
+        return self._state
+
+    @property
+    def view(self) -> dict[str, Section]:
+        """The same as plain JSON in the sections that the page draws: degrees, clockwise."""
+        return view(self._state, self._settings.values)
+
+    @property
+    def sources(self) -> tuple[SourceEstimate, ...]:
+        """The sources of the latest estimate."""
+        return tuple(map(SourceEstimate.of, self._state.sources))
+
+    def events(self) -> EventStream:
+        """Iterate over what happens from here on, until the client is closed: ``async for event in payload.events()``.
+
+        Every iteration gets every event. Of those that nobody asks for, the latest 10,000 are kept.
+        """
+        stream = EventStream(self._changed)
+        self._streams.add(stream)
+        return stream
+
+    async def until(self, find: Callable[[], Found | None]) -> Found:
+        """Wait until something holds, looked at after every message: ``await payload.until(lambda: payload.sources)``.
+
+        Raises
+        ------
+        LinkLost
+            When the client is closed before.
+        """
+        return await self._changed.until(find)
+
+    # ------------------------------------------------------------------------------------------ inside
+
+    def _on_packet(self, packet: Packet, at: float) -> None:
+        if (packet.system_id, packet.component_id) != (self.id.system, self.id.component):
+            return
+        before, self._state = self._state, self._station.fleet.payloads.get(self.id, self._state)
+        self._commands.on_state(self._state)
+        self._commands.on_packet(packet, at)
+        self._settings.on_state(self._state)
+        self._settings.on_packet(packet, at)
+        if self._silent:
+            self._silent = False
+            self._publish(ContactRestored(at))
+        for event in events_between(before, self._state) if before is not self._state else ():
+            self._publish(event)
+        self._publish_progress()
+
+    async def _tick(self) -> None:
+        """Do what is due, until cancelled."""
+        while True:
+            now = self._station.now()
+            self._commands.tick(now)
+            if self.parameters.wanted:
+                self._settings.tick(now)
+            if not self._silent and now - self._state.last > SILENT_S:
+                self._silent = True
+                self._publish(ContactLost(now))
+            self._publish_progress()
+            await asyncio.sleep(TICK_S)
+
+    def _publish(self, event: Event) -> None:
+        for stream in self._streams:
+            stream.on_event(event)
+
+    def _publish_progress(self) -> None:
+        """Tell what has become of every request, and wake whoever waits."""
+        statuses = {status.number: status for status in self._commands.doing}
+        for number, status in statuses.items():
+            if self._statuses.get(number) != status:
+                self._publish(TaskProgress(status.at, status.words, status.state, status.progress, status.reason))
+        self._statuses = statuses
+        self._changed.wake()
+
+    def _over(self, number: int) -> CommandStatus | None:
+        status = self._statuses.get(number)
+        if status is None:
+            raise LinkLost("a request", "too many later ones: it is not followed any longer")
+        return status if status.state == DONE or status.state in FAILURES else None
+
+    async def _explained(self, number: int) -> str:
+        """Return the payload's own words, which may come a little after a refusal."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(REASON_TIMEOUT_S):
+                return await self._changed.until(lambda: self._own_words(number))
+        return self._statuses[number].reason
+
+    def _own_words(self, number: int) -> str | None:
+        reason = self._statuses[number].reason
+        return None if reason in DEFAULT_REASONS else reason

@@ -1,0 +1,102 @@
+"""Where everybody was heard: which way a message goes, and whether two payloads share one id."""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from ross_payload.transport.ports import Peer
+from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.tunnel import unwrapped
+from ross_protocols.mavlink.values import Status
+
+MAX_SENDERS, MAX_ROUTES = 256, 8  # that are remembered; routes of one sender
+FRESH_S = 3.0  # [s] since a route brought something, when another one still does
+REMEMBERED = 32  # statuses of one route
+MIN_STATUSES = 3  # of each of two routes, before they are compared
+TWIN_WINDOW_S = 8.0  # within which these came
+
+
+class Route(NamedTuple):
+    """A peer of a link."""
+
+    link: int
+    peer: Peer
+
+
+@dataclass(slots=True)
+class _Trace:
+    """What a route has brought of one sender."""
+
+    last: float  # [s]
+    times: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=REMEMBERED))  # [s], time_usec
+
+
+class RoutingTable:
+    """The routes to everybody who was heard, the one in use first."""
+
+    def __init__(self) -> None:
+        self._traces: OrderedDict[ComponentId, dict[Route, _Trace]] = OrderedDict()
+
+    def note(self, who: ComponentId, route: Route, packet: Packet, now: float) -> bool:
+        """Take a packet; tell whether it shows that two payloads on one link share an id."""
+        traces = self._traces.setdefault(who, {})
+        self._traces.move_to_end(who)
+        if route not in traces:
+            self._make_room(traces)
+            traces[route] = _Trace(now)
+        trace = traces[route]
+        trace.last = now
+        others = [other for at, other in traces.items() if at != route and at.link == route.link]
+        status = _status(packet) if others else None
+        if status is None:
+            return False
+        trace.times.append((now, status.time_usec))
+        return any(_strange(trace, other, now) for other in others)
+
+    def to(self, who: ComponentId, now: float, message: Any) -> list[Route]:
+        """Return the routes for a message, one of them unless it may be heard twice; empty: nobody knows any."""
+        traces = self._traces.get(who, {})
+        newest = max((trace.last for trace in traces.values()), default=now)
+        good = [route for route, trace in traces.items() if newest - trace.last < FRESH_S]
+        return good if may_repeat(message) else good[:1]
+
+    def _make_room(self, traces: dict[Route, _Trace]) -> None:
+        while len(traces) >= MAX_ROUTES:
+            del traces[min(traces, key=lambda route: traces[route].last)]
+        while len(self._traces) > MAX_SENDERS:
+            self._traces.popitem(last=False)
+
+
+def may_repeat(message: Any) -> bool:
+    """Tell whether it does no harm that a payload hears a message twice: a stop, and what is sent again anyhow.
+
+    >>> [may_repeat(ross.MAVLink_command_long_message(1, 191, 54004, number, *[0] * 7)) for number in (0, 1)]
+    [True, True]
+    >>> [may_repeat(ross.MAVLink_command_long_message(1, 191, 54000, number, *[0] * 7)) for number in (0, 1)]
+    [False, True]
+    """
+    if not message.get_type().startswith("COMMAND_"):
+        return False
+    return message.command == ross.MAV_CMD_ROSS_STOP or getattr(message, "confirmation", 0) > 0
+
+
+def _status(packet: Packet) -> Status | None:
+    told = unwrapped(packet)
+    value = None if told is None or told.name != "ROSS_STATUS" else told.value
+    return value if isinstance(value, Status) else None
+
+
+def _strange(one: _Trace, other: _Trace, now: float) -> bool:
+    """Tell whether two routes bring statuses at once and never the same: one payload on both would repeat itself.
+
+    A payload that has started anew speaks from another port: then the one route begins where the other ends.
+    """
+    if not one.times or not other.times:
+        return False
+    begin = max(one.times[0][0], other.times[0][0], now - TWIN_WINDOW_S)
+    mine, theirs = ({usec for at, usec in trace.times if at >= begin} for trace in (one, other))
+    return min(len(mine), len(theirs)) >= MIN_STATUSES and not mine & theirs

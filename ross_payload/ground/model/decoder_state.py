@@ -1,0 +1,144 @@
+"""What is remembered of components, and of who speaks on which way, to understand the next packet."""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from collections.abc import Hashable, Iterable
+from copy import deepcopy
+from dataclasses import dataclass, field
+
+from ross_payload.ground.model.status_text import Texts
+from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.peers import is_routed
+from ross_protocols.mavlink.values import Status
+
+NEAR = 32  # frames missing in a row are lost; more are the numbers of another link, or a link that was down
+WAYS = 4  # links that one component may be heard on, each with numbers of its own
+BACKWARD_S = 1.0  # [s] by which a payload's time goes back when it has started anew
+TWIN_SPAN_S, TWIN_TIMES = 10.0, 3  # so many steps back within so many seconds [s] are two payloads, not restarts
+PRESENCE_S = 60  # seconds for which it is remembered in which of them somebody was heard
+_ALL = (1 << PRESENCE_S) - 1
+MOST_WAYS = 512  # that are remembered: strangers cannot fill the memory
+MOST_SENDERS = 16  # of a way; more are no better proof
+
+
+@dataclass(slots=True)
+class Presence:
+    """In which of the last seconds a component was heard.
+
+    >>> presence = Presence()
+    >>> [presence.note(at) for at in (5.0, 5.9, 6.1, 20.0)]
+    [True, False, True, True]
+    >>> presence.seconds(20.0), presence.seconds(70.0), presence.seconds(90.0)
+    (3, 1, 0)
+    """
+
+    _latest: int = 0  # second
+    _seconds: int = 0  # one bit for each second, the latest one lowest
+
+    def note(self, at: float) -> bool:
+        """Learn that it is heard at a time [s]; return whether it is the first time in that second."""
+        second = int(at)
+        if self._seconds and second <= self._latest:
+            return False
+        self._seconds, self._latest = self._shifted(second) | 1, second
+        return True
+
+    def seconds(self, now: float) -> int:
+        """Return in how many of the last `PRESENCE_S` seconds it was heard."""
+        return self._shifted(int(now)).bit_count()
+
+    def _shifted(self, second: int) -> int:
+        return self._seconds << min(max(second - self._latest, 0), PRESENCE_S) & _ALL
+
+
+@dataclass(slots=True)
+class DecoderState:
+    """One component's."""
+
+    frame: bytes = b""  # its latest
+    heads: list[int] = field(default_factory=list)  # latest sequence number of every way, the latest way last
+    status: Status | None = None  # its latest
+    backs: deque[float] = field(default_factory=lambda: deque(maxlen=TWIN_TIMES))  # when its time went back [s]
+    twin_at: float = -1e9  # when two senders of its id were noticed last [s]
+    texts: Texts = field(default_factory=Texts)
+    presence: Presence = field(default_factory=Presence)
+
+    def copy(self) -> DecoderState:
+        """Return another one that remembers the same."""
+        return deepcopy(self)
+
+    def missing(self, sequence: int) -> int:
+        """Return how many frames are missing before one with this number.
+
+        >>> decoder = DecoderState()
+        >>> [decoder.missing(number) for number in (254, 255, 1, 100, 2, 103)]
+        [0, 0, 1, 0, 0, 2]
+        """
+        ahead = [(sequence - head) % 256 for head in self.heads]
+        if any(256 - gap < NEAR or not gap for gap in ahead):
+            return 0  # late, or doubled
+        gap = min(ahead, default=256)
+        if gap <= NEAR:
+            del self.heads[ahead.index(gap)]
+        self.heads = [*self.heads, sequence][-WAYS:]
+        return gap - 1 if gap <= NEAR else 0
+
+    def went_back(self, status: Status, at: float) -> bool:
+        """Whether a status is of a time before the latest one: its time stamp, or the audio that was heard."""
+        before, self.status = self.status, status
+        if before is None:
+            return False
+        stamped = (before.time_usec - status.time_usec) / 1e6 if before.time_unix == status.time_unix else 0.0
+        back = max(stamped, before.mission_time - status.mission_time) > BACKWARD_S
+        if back:
+            self.backs.append(at)
+        return back
+
+    def is_twin(self, at: float) -> bool:
+        """Whether time went back so often that two must be speaking."""
+        return len(self.backs) == TWIN_TIMES and at - self.backs[0] < TWIN_SPAN_S
+
+
+def without_listener(senders: Iterable[ComponentId], stations: Iterable[ComponentId]) -> set[ComponentId]:
+    """Leave out the one ground station among the senders of a log, which has written it; of two, one was routed.
+
+    >>> sorted(without_listener([(1, 191), (255, 190)], [(255, 190)]))
+    [(1, 191)]
+    """
+    senders, stations = set(senders), set(stations)
+    return senders - stations if len(senders & stations) == 1 else senders
+
+
+class Senders:
+    """The senders of every way. A way is whatever tells one from another; None: not told, as in a log.
+
+    A log holds what its own station has said, too. That one is left out.
+    """
+
+    def __init__(self) -> None:
+        self._by_way: OrderedDict[Hashable, set[ComponentId]] = OrderedDict()  # the way that was heard last is last
+        self._stations: set[ComponentId] = set()  # of a log
+
+    def copy(self) -> Senders:
+        """Return another one that knows the same."""
+        return deepcopy(self)
+
+    def meet(self, packet: Packet, way: Hashable) -> None:
+        """Note who speaks on a way."""
+        sender = packet.sender
+        senders = self._by_way.setdefault(way, set())
+        self._by_way.move_to_end(way)
+        if len(senders) < MOST_SENDERS:
+            senders.add(sender)
+        if len(self._by_way) > MOST_WAYS:
+            self._by_way.popitem(last=False)
+        if way is None and packet.name == "HEARTBEAT" and packet.message.type == common.MAV_TYPE_GCS:
+            self._stations = set(sorted({*self._stations, sender})[:MOST_SENDERS])
+
+    def is_routed(self, way: Hashable) -> bool:
+        """Tell whether somebody on a way passes on what others say."""
+        senders = self._by_way.get(way, set())
+        return is_routed(without_listener(senders, self._stations) if way is None else senders)

@@ -1,0 +1,97 @@
+"""Texts for humans, put together again from the chunks in which they travel."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+
+from ross_payload.ground.model.payload_state import StatusText
+from ross_protocols.mavlink.codec import TEXT_SIZE, Packet
+from ross_protocols.mavlink.values import Text
+
+PREFIX = "RoSS: "  # of the payload's texts
+REST_TIMEOUT_S = 2.0  # for the rest of a text
+EXPLANATION_S = 1.5  # around a refusal, in which the payload says why
+GAP = " ... "
+DONE, FORGET = 32, 10.0  # texts whose late doubles are known, and for how long [s]
+MOST_CHUNKS = 20  # of a text: 1000 characters
+
+
+@dataclass(slots=True)
+class _Begun:
+    severity: int
+    at: float  # of its first chunk [s]
+    parts: dict[int, str] = field(default_factory=dict)
+    last: int | None = None  # chunk
+
+
+class Texts:
+    """The texts of one component. A lost chunk leaves a gap; its text waits for it for `REST_TIMEOUT_S`.
+
+    >>> from ross_protocols.mavlink.codec import chunks
+    >>> from ross_protocols.mavlink.values import Severity
+    >>> texts, (first, second) = Texts(), chunks(Severity.INFO, "a" * 50 + "b", 7)
+    >>> texts.on_chunk(second, at=0.0), [text.text for text in texts.on_chunk(first, at=0.1)] == ["a" * 50 + "b"]
+    ([], True)
+    """
+
+    def __init__(self) -> None:
+        self._begun: OrderedDict[int, _Begun] = OrderedDict()  # by the id of the text
+        self._done: OrderedDict[int, float] = OrderedDict()  # when [s], by the id of the text
+
+    def on_chunk(self, text: Text, at: float) -> list[StatusText]:
+        """Take a chunk that came ``at`` a time [s]; return the texts that are whole, or will not be."""
+        if not text.id:
+            return [*self.completed(at), StatusText(at, int(text.severity), text.text)]
+        if text.id in self._done and at - self._done[text.id] < FORGET:
+            return self.completed(at)
+        begun = self._begun.setdefault(text.id, _Begun(int(text.severity), at))
+        if text.chunk < MOST_CHUNKS:
+            begun.parts[text.chunk] = text.text
+        if len(text.text) < TEXT_SIZE:
+            begun.last = min(text.chunk, MOST_CHUNKS)
+        return self.completed(at)
+
+    def completed(self, at: float) -> list[StatusText]:
+        """Return the texts that are whole, or have waited long enough ``at`` a time [s]."""
+        if not self._begun:
+            return []
+        over = [number for number, begun in self._begun.items() if _is_whole(begun) or at - begun.at > REST_TIMEOUT_S]
+        texts = [_put_together(self._begun.pop(number), at) for number in over]
+        for number in over:
+            self._done.pop(number, None)
+            self._done[number] = at
+        while len(self._done) > DONE:
+            self._done.popitem(last=False)
+        return texts
+
+
+class RecentTexts:
+    """The texts of one component within `EXPLANATION_S`: one of them may say why something was refused."""
+
+    def __init__(self) -> None:
+        self._texts = Texts()
+        self._latest: list[StatusText] = []
+
+    def on_packet(self, packet: Packet, now: float) -> list[StatusText]:
+        """Return the texts that are whole with a packet."""
+        if packet.name != "STATUSTEXT" or not isinstance(packet.value, Text):
+            return []
+        fresh = self._texts.on_chunk(packet.value, now)
+        self._latest += fresh
+        return fresh
+
+    def latest(self, now: float) -> list[StatusText]:
+        """Return the texts of the last `EXPLANATION_S`, the oldest first."""
+        self._latest = [text for text in self._latest if now - text.at < EXPLANATION_S]
+        return self._latest
+
+
+def _is_whole(begun: _Begun) -> bool:
+    return begun.last is not None and all(index in begun.parts for index in range(begun.last + 1))
+
+
+def _put_together(begun: _Begun, at: float) -> StatusText:
+    end = max(begun.parts, default=0) if begun.last is None else begun.last
+    words = "".join(begun.parts.get(index, GAP) for index in range(end + 1))
+    return StatusText(at, begun.severity, words if begun.last is not None else words + GAP.rstrip())

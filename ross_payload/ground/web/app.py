@@ -1,0 +1,112 @@
+"""The process of ``ross ground``: from what the user wants to a page that is served until Ctrl-C."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import ssl
+import webbrowser
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from ross_payload.ground.errors import GroundError
+from ross_payload.ground.station import Station, read_key
+from ross_payload.ground.web.connections import raise_descriptor_limit
+from ross_payload.ground.web.faults import FaultLog
+from ross_payload.ground.web.flight_library import FlightLibrary
+from ross_payload.ground.web.security import is_loopback, new_token, out_of_date, read_token, tls_of
+from ross_payload.ground.web.server import Served, bound, serve
+from ross_payload.ground.web.tiles import Tiles
+
+ADVICE_AFTER_S = 10.0  # without telemetry before the terminal says what to look at
+LOG_CHECK_PERIOD_S = 1.0  # between two looks at the log
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of the command."""
+
+    urls: tuple[str, ...]
+    port: int
+    host: str
+    token_file: Path | None
+    certificate: Path | None
+    key: Path | None
+    mavlink_key: Path | None
+    system_id: int
+    log: Path | None
+    flights: Path | None
+    open_page: bool
+    map: Path | None = None
+
+
+def run(options: Options) -> None:
+    """Serve the page until Ctrl-C or SIGTERM.
+
+    Raises
+    ------
+    GroundError
+        When a file, a URL or the address of the page is wrong.
+    """
+    tls = tls_of(options.certificate, options.key)
+    if tls is not None and options.certificate is not None and (why := out_of_date(tls, options.certificate)):
+        _warn(f"the certificate {options.certificate} {why}: browsers will not trust it")
+    if options.flights is not None and options.flights != options.log and not options.flights.is_dir():
+        raise GroundError(f"--flights {options.flights}: expected a folder, got none of that name")
+    with nullcontext() if options.map is None else Tiles(options.map) as tiles:
+        asyncio.run(_run(options, _token(options), tls, tiles))
+
+
+def _token(options: Options) -> str | None:
+    if options.token_file is not None:
+        return read_token(options.token_file)
+    return None if is_loopback(options.host) else new_token()
+
+
+async def _run(options: Options, token: str | None, tls: ssl.SSLContext | None, tiles: Tiles | None) -> None:
+    ended, loop = asyncio.Event(), asyncio.get_running_loop()
+    loop.set_exception_handler(FaultLog().of_loop)
+    raise_descriptor_limit()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, ended.set)
+    key = None if options.mavlink_key is None else read_key(options.mavlink_key)
+    flights = FlightLibrary(options.flights)
+    listening = Station(options.urls, system_id=options.system_id, key=key, log=options.log)  # refuses a wrong URL
+    with bound(options.host, options.port) as listener:  # before the log: a second ground must not leave an empty one
+        async with (
+            listening as station,
+            serve(station, flights, host=options.host, token=token, tls=tls, listener=listener, tiles=tiles) as served,
+        ):
+            _announce(served, options, token)
+            advising = asyncio.create_task(_advise(station))
+            await ended.wait()
+            advising.cancel()
+
+
+def _announce(served: Served, options: Options, token: str | None) -> None:
+    """Show the address; a token that was made is in it, one from a file stays there."""
+    made = token is not None and options.token_file is None
+    url = f"{served.url}?token={token}" if made else served.url
+    click.echo(f"ross ground: {url}  (Ctrl-C ends it)")
+    if options.certificate is None and not is_loopback(options.host):
+        _warn("without --certificate all is sent in CLEAR TEXT: who reads the token can send commands")
+    if options.open_page:
+        webbrowser.open(url)
+
+
+async def _advise(station: Station) -> None:
+    """Say once what to look at when nothing comes, and when the log has ended."""
+    await asyncio.sleep(ADVICE_AFTER_S)
+    if advice := station.advice():
+        _warn(advice)
+    while station.log is not None and not station.log.error:
+        await asyncio.sleep(LOG_CHECK_PERIOD_S)
+    if station.log is not None and station.log.error not in advice:
+        _warn(station.log.error)
+
+
+def _warn(text: str) -> None:
+    click.echo(f"ross ground: {text}", err=True)

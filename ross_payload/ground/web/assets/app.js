@@ -1,0 +1,211 @@
+/** The page: one store, one state of the screen, at most one drawing per frame. */
+
+import { announce } from "./announce.js";
+import { pressed } from "./keyboard.js";
+import { html, render } from "./templates.js";
+import { blank, closed, connect, liveAddress, take, unwatched } from "./connection.js";
+import { banners } from "./parts/banners.js";
+import { header } from "./parts/header.js";
+import { joined } from "./parts/comparison.js";
+import { routeOf, titleOf } from "./route.js";
+import { followed } from "./stop.js";
+import { applyTheme, readTheme } from "./theme.js";
+import { fleetView } from "./views/fleet.js";
+import { flightsView } from "./views/flights.js";
+import { helpPanel } from "./views/help.js";
+import { mapView } from "./views/map.js";
+import { payloadView } from "./views/payload.js";
+
+const LOOK = 250; // [ms] between two drawings when nothing comes: ages grow
+const MOST_LATENCIES = 2000;
+const VIEWS = { fleet: fleetView, payload: payloadView, map: mapView, flights: flightsView };
+
+/** Everything a view needs: what is known, how the screen is, and how to change either. */
+class Page {
+  constructor() {
+    this.store = blank();
+    this.socket = { up: false, ever: false, since: performance.now() };
+    this.route = routeOf(location.hash);
+    this.ui = {
+      theme: readTheme(),
+      help: false,
+      selected: null,
+      hovered: null,
+      drag: null,
+      stop: null,
+      filter: "",
+      drafts: {},
+      seeks: {},
+      upload: null,
+      map: null,
+      cursor: null,
+      mapSize: [800, 600],
+      compare: false,
+      lastEscape: -Infinity,
+    };
+    this.shut = new Set(); // slots that were closed, until a flight is opened there
+    this.due = false;
+    this.live = null;
+  }
+
+  start() {
+    applyTheme(this.ui.theme);
+    this.live = connect(() => liveAddress(location, this.store.you), {
+      message: (message) => {
+        if (this.shut.has(message.slot)) return; // it was on its way when the slot was closed
+        const before = this.store;
+        this.store = take(before, message, performance.now());
+        this.onMessage(message, before);
+      },
+      up: () => this.changeSocket({ up: true, ever: true, since: performance.now() }),
+      down: () =>
+        this.changeSocket({ ...this.socket, up: false, since: this.socket.up ? performance.now() : this.socket.since }),
+    });
+    addEventListener("hashchange", () => this.go(routeOf(location.hash)));
+    addEventListener("keydown", (event) => pressed(this, event));
+    setInterval(() => this.draw(), LOOK);
+    this.draw();
+  }
+
+  onMessage(message, before) {
+    if (message.type === "hello") this.resume();
+    if (message.type === "flight") joined(this, message.slot, before);
+    this.draw();
+  }
+
+  /** After a reconnect the ground process knows nothing of this browser: say again what is watched. */
+  resume() {
+    if (this.route.view === "payload") this.send({ type: "watch", id: this.route.id });
+    for (const [slot, each] of Object.entries(this.store.slots)) {
+      if (!each?.flight) continue;
+      this.send({ type: "flight", slot, open: each.flight.name });
+      this.send({ type: "flight", slot, seek: each.flight.at });
+      if (each.payload) this.send({ type: "flight", slot, watch: each.payload.id });
+    }
+    if (this.ui.stop?.waiting) this.stop(this.ui.stop.ids);
+  }
+
+  changeSocket(socket) {
+    this.socket = socket;
+    this.draw();
+  }
+
+  go(route) {
+    const before = this.route;
+    this.route = route;
+    if (route.id !== before.id) this.watch(route.id);
+    this.change({ help: false });
+    requestAnimationFrame(() => document.querySelector("main h1")?.focus({ preventScroll: true }));
+    scrollTo(0, 0);
+  }
+
+  watch(id) {
+    this.store = unwatched(this.store);
+    this.ui = { ...this.ui, selected: null, hovered: null, drag: null, cursor: null, drafts: {}, filter: "" };
+    this.send(id ? { type: "watch", id } : { type: "unwatch" });
+  }
+
+  /** Change how the screen is, and draw it. */
+  change(patch) {
+    this.ui = { ...this.ui, ...patch };
+    this.draw();
+  }
+
+  /** Send a message to the ground process; false: there is no link to it. */
+  send(message) {
+    if (message.type === "flight" && message.open) this.shut.delete(message.slot);
+    return this.live?.send(message) ?? false;
+  }
+
+  order(id, order) {
+    return this.send({ type: "order", id, order });
+  }
+
+  /** Stop these payloads. Without a link it is sent as soon as there is one: a late stop still stops. */
+  stop(ids) {
+    const sent = this.over !== "" || ids.map((id) => this.order(id, { kind: "stop" })).every(Boolean);
+    this.change({ stop: { ids, at: performance.now(), now: this.now(), waiting: !sent } });
+  }
+
+  closeSlot(slot) {
+    this.send({ type: "flight", slot, close: true });
+    this.store = closed(this.store, slot);
+    this.shut.add(slot);
+    this.draw();
+  }
+
+  /** Why no payload can be heard any more, as a sentence: its simulation has ended. Empty: it can. */
+  get over() {
+    return this.store.fleet?.over ?? "";
+  }
+
+  /** Why nobody can give a command here, in words; null: commands are sent, and the payload decides. */
+  get commandsBlocked() {
+    const { mayOrder, control } = this.store;
+    if (!this.socket.up) return "No connection to the ground process: commands cannot be sent.";
+    if (!mayOrder) return "Recordings do not accept commands.";
+    if (this.over) return `${this.over} Commands are no longer accepted.`;
+    if (control.holder && !control.yours)
+      return `${control.name ?? control.holder} has control. Take control to send commands.`;
+    return null;
+  }
+
+  /** The ground process's clock [s], carried on while it is silent. */
+  now() {
+    const { fleet, fleetGot, payload } = this.store;
+    const [base, got] = payload && payload.got > fleetGot ? [payload.now, payload.got] : [fleet?.now, fleetGot];
+    return base == null ? null : base + (performance.now() - got) / 1000;
+  }
+
+  /** Seconds since the ground process itself was heard; null: it never was. */
+  silence() {
+    const got = Math.max(this.store.fleetGot, this.store.payload?.got ?? 0);
+    return got ? (performance.now() - got) / 1000 : null;
+  }
+
+  draw() {
+    if (this.due) return;
+    this.due = true;
+    requestAnimationFrame(() => {
+      this.due = false;
+      this.paint();
+    });
+  }
+
+  paint() {
+    this.ui = { ...this.ui, stop: followed(this) };
+    const view = VIEWS[this.route.view];
+    render(
+      html`<div class="pinned">${header(this)}${banners(this)}</div>
+        <main id="main" class="view view-${this.route.view}">${view(this)}</main>
+        ${helpPanel(this)}`,
+      document.getElementById("page"),
+    );
+    document.title = `${titleOf(this.route)} · RoSS ground`;
+    announce(this);
+    this.fitMap();
+    this.measure();
+  }
+
+  /** The map is drawn in pixels: draw it again when its place has another size. */
+  fitMap() {
+    const box = document.querySelector(".map");
+    if (!box) return;
+    const [width, height] = this.ui.mapSize;
+    if (box.clientWidth === width && box.clientHeight === height) return;
+    this.change({ mapSize: [box.clientWidth, box.clientHeight] });
+  }
+
+  /** Tell tests when the newest message of the watched payload was on the screen: `rossLatency`, and an event. */
+  measure() {
+    const told = this.store.payload;
+    if (!told || told === this.measured || told.heard == null) return;
+    this.measured = told;
+    const entry = { heard: told.heard, drawn: performance.timeOrigin + performance.now() }; // UNIX time [ms]
+    globalThis.rossLatency = [...(globalThis.rossLatency ?? []), entry].slice(-MOST_LATENCIES);
+    dispatchEvent(new CustomEvent("ross-drawn", { detail: entry }));
+  }
+}
+
+document.getElementById("page").replaceChildren();
+new Page().start();

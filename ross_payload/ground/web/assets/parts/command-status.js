@@ -1,0 +1,47 @@
+/** What became of every command, newest first. */
+
+import { html, nothing, repeat } from "../templates.js";
+import { ago, fate, isOver, known } from "../formatting.js";
+
+const SHOWN = 8;
+
+export function commandStatus(page, told) {
+  const list = (told.sections.orders ?? []).slice(-SHOWN).reverse();
+  if (!list.length) return nothing;
+  return html`<section class="card orders">
+    <h2>Commands</h2>
+    <ol>
+      ${repeat(
+        list,
+        (each) => each.number,
+        (each) => line(page, told, each),
+      )}
+    </ol>
+  </section>`;
+}
+
+function line(page, told, each) {
+  const running = !isOver(each.state);
+  const bad = ["refused", "failed", "no_answer"].includes(each.state);
+  return html`<li class="order ${bad ? "bad" : ""}" data-state=${each.state}>
+    <span class="what">${each.words}</span>
+    <span class="fate">${fate(each.state)}${each.reason ? html`: ${each.reason}` : nothing}</span>
+    <span class="soft when">${ago(page.now() - each.since)}</span>
+    ${running && known(each.progress) ? bar(each) : nothing}
+    ${
+      running
+        ? html`<button
+            type="button"
+            class="quiet"
+            ?disabled=${page.commandsBlocked !== null}
+            @click=${() => page.order(told.id, { kind: "cancel", number: each.number })}
+          >
+            Cancel<span class="unseen"> ${each.words}</span>
+          </button>`
+        : nothing
+    }
+  </li>`;
+}
+
+const bar = ({ progress, words }) =>
+  html`<progress max="1" value=${progress} aria-label="Progress of ${words}"></progress>`;

@@ -1,0 +1,48 @@
+/** Recorded sessions: where they are kept, their download, and their deletion. */
+
+import { html, nothing } from "../templates.js";
+import { duration, size } from "../formatting.js";
+
+/** The list; nothing when the ground process offers no recordings. */
+export function recordings(page) {
+  const told = page.store.recordings;
+  if (!told) return nothing;
+  return html`<section class="card" aria-label="Recordings">
+    <h2>Recordings</h2>
+    <p class="soft">
+      Kept in <code>${told.folder}</code>. They contain speech of people: download and keep them only if you are allowed to.
+    </p>
+    ${page.ui.recordingError ? html`<p class="bad" role="alert">${page.ui.recordingError}</p>` : nothing}
+    ${
+      told.known.length
+        ? html`<ul class="known">
+            ${told.known.map((each) => row(page, each))}
+          </ul>`
+        : html`<p class="soft">Nothing is recorded yet.</p>`
+    }
+  </section>`;
+}
+
+function row(page, { name, bytes, seconds, state, running }) {
+  return html`<li>
+    <span class="name"
+      ><strong>${name}</strong>
+      <span class="soft">${[duration(seconds), size(bytes), state].join(" · ")}</span></span
+    >
+    <span class="buttons">
+      <a class="button" href=${addressOf(name, ".zip")} download>Download<span class="unseen"> ${name}</span></a>
+      <button type="button" ?disabled=${running} @click=${() => remove(page, name)}>
+        Delete<span class="unseen"> ${name}</span>
+      </button>
+    </span>
+  </li>`;
+}
+
+const addressOf = (name, suffix = "") => `/recordings/${encodeURIComponent(name)}${suffix}`;
+
+async function remove(page, name) {
+  if (!confirm(`Delete recording ${name}? This cannot be undone.`)) return;
+  const answer = await fetch(addressOf(name), { method: "DELETE" }).catch(() => null);
+  const told = answer?.ok ? {} : await answer?.json().catch(() => ({}));
+  page.change({ recordingError: answer?.ok ? null : `${name}: ${told?.error ?? "it was not deleted"}` });
+}

@@ -1,0 +1,55 @@
+/** Whom a stop is for, and what became of it. */
+
+import { isOver } from "./formatting.js";
+
+const OTHERWISE = "stop it by other means";
+const SHOWN = 8; // [s] that an answer stays beside the button
+const UNTOLD = ["", "fault"]; // states of a payload that may stand still, or not
+
+/** The payload on the screen, else all of them. @returns {string[]} */
+export function stopTargets(page) {
+  if (page.route.view === "payload") return [page.route.id];
+  return (page.store.fleet?.payloads ?? []).map((each) => each.id);
+}
+
+/** @returns {{words: string, level: string}} what became of the latest stop; empty words: none lately */
+export function stopFate(page) {
+  const { stop } = page.ui;
+  if (!stop) return NONE;
+  if (page.store.fleet?.over) return lately(stop.at) ? { words: OVER, level: "watch" } : NONE;
+  if (stop.waiting) return { words: "No connection: will be sent on reconnection", level: "act" };
+  if (!stop.ids.length) return lately(stop.at) ? { words: "No payload to stop: no telemetry received", level: "act" } : NONE;
+  if (stop.confirmed) return rests(page, stop.ids) || lately(stop.confirmed) ? STOPPED : NONE;
+  const fates = stop.ids.map((id) => fateOf(page, id, stop));
+  if (fates.every((each) => each === "stopped")) return STOPPED;
+  const bad = fates.find((each) => each !== "stopped" && each !== "sent");
+  return bad ? { words: bad, level: "act" } : { words: "Stop sent", level: "watch" };
+}
+
+/** The latest stop, with the time at which all whom it was for were stopped, once they were. */
+export function followed(page) {
+  const { stop } = page.ui;
+  return stop && !stop.confirmed && stopFate(page) === STOPPED ? { ...stop, confirmed: performance.now() } : stop;
+}
+
+const OVER = "The simulation has ended: there is nothing to stop";
+const NONE = { words: "", level: "" };
+const STOPPED = { words: "Stopped", level: "good" };
+const lately = (at) => performance.now() - at < SHOWN * 1000;
+const rowOf = (page, id) => (page.store.fleet?.payloads ?? []).find((each) => each.id === id);
+const rests = (page, ids) => ids.every((id) => rowOf(page, id)?.state === "stopped");
+
+function fateOf(page, id, stop) {
+  const doing = page.store.payload?.id === id ? latestStop(page.store.payload.sections.orders, stop.now) : null;
+  if (doing?.state === "done" || doing?.state === "acknowledged") return "stopped";
+  if (doing && isOver(doing.state)) return doing.reason || `No answer: ${OTHERWISE}`;
+  const row = rowOf(page, id);
+  if (row?.state === "stopped") return "stopped";
+  if (lately(stop.at) || (row && UNTOLD.includes(row.state ?? ""))) return "sent";
+  return row ? `${id} has not stopped: ${OTHERWISE}` : `No telemetry from ${id}: ${OTHERWISE}`;
+}
+
+function latestStop(orders, since) {
+  const stops = (orders ?? []).filter((each) => each.words.startsWith("stop") && each.since >= (since ?? 0) - 1);
+  return stops.at(-1) ?? null;
+}

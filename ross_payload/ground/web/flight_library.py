@@ -1,0 +1,179 @@
+"""Flights of the past: those in a folder, and those that browsers uploaded, which are gone when the page ends."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import struct
+import tempfile
+import time
+from collections.abc import AsyncIterator, Iterator
+from dataclasses import dataclass
+from itertools import chain, count
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from ross_payload.ground.errors import GroundError
+from ross_payload.ground.flights.log_file import CALENDAR_FROM_US, is_simulated
+from ross_payload.ground.flights.reading import LOGS, open_flight
+
+SUFFIX, PART = ".tlog", ".part"  # of a flight; of one that has not wholly come
+MAX_BYTES = 256 << 20  # of a flight that is uploaded
+MAX_UPLOADED = 20
+MAX_SHOWN = 200
+SMALL_BYTES = 8 << 20  # of a flight that is looked into before somebody opens it
+GROWING_S = 5.0  # since its last change: it is still written
+_UNWANTED = re.compile(r"[^A-Za-z0-9._ -]")
+
+
+class UploadRefused(GroundError):
+    """A flight that is not taken, with the HTTP status that says so."""
+
+    def __init__(self, status: int, why: str) -> None:
+        super().__init__(why)
+        self.status = status
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """What was seen of a file, as long as it does not change."""
+
+    size: int
+    changed: int  # [ns]
+    row: dict[str, Any]
+
+
+class FlightLibrary:
+    """Context manager; ``folder`` None: only what browsers upload."""
+
+    def __init__(self, folder: Path | None) -> None:
+        self._folder = folder
+        self._uploaded: tempfile.TemporaryDirectory[str] | None = None
+        self._looks: dict[Path, _Look] = {}
+
+    def __enter__(self) -> FlightLibrary:
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Delete what browsers uploaded."""
+        if self._uploaded is not None:
+            self._uploaded.cleanup()
+
+    def path(self, name: str) -> Path:
+        """Return where a flight lies.
+
+        Raises
+        ------
+        GroundError
+            When there is none of that name.
+        """
+        found = dict(self._named()).get(name)
+        if found is None:
+            raise GroundError(f"flight {name[:80]}: not found")
+        return found
+
+    def known(self) -> list[dict[str, Any]]:
+        """Return the flights, the newest first; it may take seconds, on any thread."""
+        rows = [self._row(name, path) for name, path in self._named()]
+        return sorted(rows, key=lambda row: -(row["start"] or 0.0))[:MAX_SHOWN]
+
+    async def save_upload(self, name: str, chunks: AsyncIterator[bytes]) -> str:
+        """Keep a flight that a browser uploads; return its name here.
+
+        Raises
+        ------
+        UploadRefused
+            When it is too large, no telemetry log, or one too many.
+        """
+        if not name.lower().endswith(SUFFIX):
+            raise UploadRefused(415, f"name: expected that of a telemetry log ({SUFFIX}), got {name[:80] or 'none'}")
+        path = self._place(name)
+        part = path.with_name(f"{path.name}{PART}")
+        try:
+            await _write(part, chunks)
+            await asyncio.to_thread(open_flight, part)
+            part.rename(path)
+        except GroundError as error:
+            status = error.status if isinstance(error, UploadRefused) else 422
+            raise UploadRefused(status, error.message.replace(str(part), path.name)) from error
+        finally:
+            part.unlink(missing_ok=True)
+        return path.name
+
+    def _place(self, name: str) -> Path:
+        """Return where a flight can lie that is called like this."""
+        if self._uploaded is None:
+            self._uploaded = tempfile.TemporaryDirectory(prefix="ross-flights-")
+        folder = Path(self._uploaded.name)
+        here = {path.name.removesuffix(PART) for path in folder.iterdir()}
+        if len(here) >= MAX_UPLOADED:
+            raise UploadRefused(507, f"{MAX_UPLOADED} flights were brought already: no more are accepted")
+        stem = _UNWANTED.sub("_", name.replace("\\", "/").rsplit("/", 1)[-1])[: -len(SUFFIX)].strip(". ")[-80:]
+        taken = here | {name for name, _ in self._named()}
+        marks = chain([""], (f" {number}" for number in count(2)))
+        names = (f"{stem or 'flight'}{mark}{SUFFIX}" for mark in marks)
+        return folder / next(name for name in names if name not in taken)
+
+    def _named(self) -> Iterator[tuple[str, Path]]:
+        """Yield every flight's name and path; a session goes by the name of its folder."""
+        if self._folder is not None and self._folder.is_dir():
+            for path in sorted(self._folder.iterdir()):
+                if path.suffix == SUFFIX or any((path / log).is_file() for log in LOGS):
+                    yield path.name, path
+        if self._uploaded is not None:
+            yield from ((path.name, path) for path in sorted(Path(self._uploaded.name).glob(f"*{SUFFIX}")))
+
+    def _row(self, name: str, path: Path) -> dict[str, Any]:
+        try:
+            log = next((path / log for log in LOGS if (path / log).is_file()), path)
+            about = log.stat()
+        except OSError:
+            return _unread(name, "the file has been deleted")
+        look = self._looks.get(path)
+        if look is None or (look.size, look.changed) != (about.st_size, about.st_mtime_ns):
+            small = about.st_size <= SMALL_BYTES and time.time() - about.st_mtime > GROWING_S
+            look = _Look(about.st_size, about.st_mtime_ns, _opened(name, path) if small else _glimpse(name, log))
+            if small or about.st_size > SMALL_BYTES:
+                self._looks[path] = look
+        return look.row
+
+
+def _opened(name: str, path: Path) -> dict[str, Any]:
+    try:
+        flight = open_flight(path)
+    except GroundError as error:
+        return _unread(name, error.message)
+    about = {"start": flight.start, "simulated": flight.simulated, "notes": list(flight.notes)}
+    return {"name": name, "duration": flight.duration, **about}
+
+
+def _unread(name: str, why: str) -> dict[str, Any]:
+    return {"name": name, "duration": None, "start": None, "simulated": False, "notes": [why]}
+
+
+def _glimpse(name: str, log: Path) -> dict[str, Any]:
+    """Read when a flight began, and no more."""
+    try:
+        with log.open("rb") as file:
+            stamp = int(struct.unpack(">Q", file.read(8))[0])
+    except (OSError, struct.error):
+        return {**_unread(name, ""), "notes": []}
+    start = stamp / 1e6 if CALENDAR_FROM_US < stamp < 2**62 else None
+    return {"name": name, "duration": None, "start": start, "simulated": is_simulated(stamp), "notes": []}
+
+
+async def _write(path: Path, chunks: AsyncIterator[bytes]) -> None:
+    size = 0
+    try:
+        with path.open("xb") as file:
+            async for chunk in chunks:
+                size += len(chunk)
+                if size > MAX_BYTES:
+                    raise UploadRefused(413, f"expected at most {MAX_BYTES >> 20} MB, got more")
+                file.write(chunk)
+    except OSError as error:
+        raise UploadRefused(507, f"it cannot be kept: {error.strerror}") from error

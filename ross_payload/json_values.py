@@ -1,0 +1,38 @@
+"""Values as JSON has them: what is no number is null, what has a name goes by it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from enum import Enum
+from numbers import Integral, Real
+from typing import Any
+
+
+def finite(value: Any) -> Any:
+    """Return plain values with null for every number that is none, at any depth.
+
+    >>> finite({"gain": math.inf, "rows": (1, 2.5)})
+    {'gain': None, 'rows': [1, 2.5]}
+    """
+    if isinstance(value, Mapping):
+        return {key: finite(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def named(value: Any, number: Callable[[float], float] = float) -> Any:
+    """Return plain values of anything: entries of an enumeration by name, dataclasses by field.
+
+    ``number`` rounds the numbers that are finite.
+    """
+    if isinstance(value, Enum):
+        return value.name.lower()
+    if isinstance(value, Real) and not isinstance(value, Integral):
+        return number(float(value)) if math.isfinite(value) else None
+    if isinstance(value, list | tuple):
+        return [named(each, number) for each in value]
+    if hasattr(value, "__dataclass_fields__"):
+        return {name: named(getattr(value, name), number) for name in value.__dataclass_fields__}
+    return value if value is None or isinstance(value, bool | int | str) else str(value)

@@ -1,0 +1,197 @@
+"""All orientations at once: K and every azimuth from the ITD densities at all headings (`joint`).
+
+Histograms of trustworthy ITDs (`itd`) are explained as one mixture over all orientations (`mixture`) with as many
+sources as pay their price (`order`). Two histograms of every orientation serve two ends: the rich one, in which also
+the quiet talkers speak, tells how many there are; the strict one, of bins that belong to one talker, tells where.
+
+In the open, known by narrow kernels, an amplitude below 1 is the cosine of an elevation. In a reverberant room
+reflections lower it too, and no elevation is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ross_payload.angles import difference, wrap
+from ross_payload.dsp.density import histogram, itd_grid, kde, prominent_peaks
+from ross_payload.dsp.itd import Trust, band_limits, check_array, period_of, weighted_itd
+from ross_payload.events import Estimate, SourceEstimate
+from ross_payload.interfaces import Complex, Observation, Real
+from ross_payload.localization import itd_mixture, model_order
+
+COUNT = 0.5  # effective counts per unit of weight: neighbouring bins are not independent
+BANDWIDTH = 0.04  # of the published density [d / v_p]
+BIAS = np.deg2rad(0.3)  # what reflections add to every azimuth, however long one listens [rad]
+ROUNDS = 10  # of refinement on the strict histograms
+LOOSE = 0.5  # counts by which amplitudes are drawn to each other there
+OPEN = 0.06  # kernels on the strict histograms are narrower than this in the open [d / v_p]
+AMPLITUDE_BIAS = 0.008  # of an amplitude, however long one listens
+LOW = 0.97  # amplitude; a greater one may be that of a source at elevation 0
+CLEAR = 2.5  # standard deviations by which an amplitude must lie below 1
+STEEP = 3.0  # of the confidence over the logarithm of worth over price
+ELSEWHERE = np.deg2rad(20.0)  # an azimuth further off than this is another place [rad]
+RESOLVED = 10.0  # log-likelihood by which the place must beat every other place [nat]
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """When enough has been heard."""
+
+    margin: float = 2.0  # every source is worth this many times its price, every rival this many times less
+    sigma: float = np.deg2rad(2.0)  # largest standard deviation [rad]
+    orientations: int = 7
+    evidence: float = 100.0  # effective counts
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """The explorer: what it needs to know about the array, and its settings."""
+
+    spacing: float
+    speed_of_sound: float
+    trust: Trust = field(default_factory=lambda: Trust(coherence=0.995))
+    strict: Trust = field(default_factory=lambda: Trust(neighbourhood=(3, 3), coherence=0.99))
+    price: model_order.Price = field(default_factory=model_order.Price)
+    enough: Stop = field(default_factory=Stop)
+    name: str = "joint"
+
+    def observe(
+        self,
+        spectrogram: Complex,
+        frequencies: Real,
+        heading: float,
+        noise_psd: Real | None,
+        *,
+        frame_period: float | None = None,
+    ) -> Observation:
+        """Condense one orientation into a histogram of trustworthy ITDs; see `interfaces.Explorer`.
+
+        Frames of about 43 ms that overlap by three quarters serve best.
+        """
+        unit = self.spacing / self.speed_of_sound
+        grid = itd_grid(self.spacing, self.speed_of_sound)
+        low, high = band_limits(self.spacing, self.speed_of_sound)
+        band = (frequencies >= low) & (frequencies <= high)
+        if not spectrogram.shape[-1] or not band.any():
+            return Observation(heading, grid, np.zeros_like(grid), 0.0, (), np.zeros((2, len(grid))))
+        noise, period = None if noise_psd is None else noise_psd[band], period_of(frequencies, frame_period)
+        rich, strict = (
+            histogram(*weighted_itd(spectrogram[:, band], frequencies[band], period, noise, trust), grid)
+            for trust in (self.trust, self.strict)
+        )
+        density = kde(rich, grid, BANDWIDTH * unit)
+        features = np.stack([rich, strict])
+        return Observation(heading, grid, density, float(rich.sum()), prominent_peaks(density, grid), features)
+
+    def estimate(self, observations: Sequence[Observation]) -> Estimate:
+        """Estimate K and all azimuths from every orientation heard so far; see `interfaces.Explorer`."""
+        return self._estimate(observations, None)
+
+    def place(self, observations: Sequence[Observation], k: int) -> Estimate:
+        """Estimate the azimuths of ``k`` sources; fewer when the histograms do not hold so many."""
+        return self._estimate(observations, k)
+
+    def _estimate(self, observations: Sequence[Observation], known: int | None) -> Estimate:
+        if not observations:
+            return Estimate(())
+        rich, strict = self.data(observations)
+        fit = model_order.search(rich, self.price, known)
+        if not len(fit.model.azimuths):
+            return Estimate(())
+        placed = itd_mixture.refine(strict, fit.model, ROUNDS, LOOSE)
+        sources = _sources(rich, fit, strict, placed)
+        return Estimate(sources, self._certain(rich, fit, sources), _directness(rich, fit.model, placed))
+
+    def data(self, observations: Sequence[Observation]) -> tuple[itd_mixture.Data, itd_mixture.Data]:
+        """Rich and strict histograms of all orientations, ITDs in units of d / v_p."""
+        grid = observations[0].grid * self.speed_of_sound / self.spacing
+        headings = np.array([observation.heading for observation in observations])
+        rich, strict = COUNT * np.stack([observation.features for observation in observations], axis=1)
+        return itd_mixture.Data(grid, headings, rich), itd_mixture.Data(grid, headings, strict)
+
+    def _certain(self, data: itd_mixture.Data, fit: model_order.Fit, sources: tuple[SourceEstimate, ...]) -> bool:
+        """The stop rule: no source is doubtful, no rival is near, every place is sharp and unambiguous."""
+        clear = fit.worth.min(initial=np.inf) >= self.enough.margin and fit.rival <= 1 / self.enough.margin
+        sharp = all(source.resolved and source.sigma <= self.enough.sigma for source in sources)
+        heard = len(data.headings) >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
+        return bool(clear and sharp and heard and sources)
+
+
+def _directness(data: itd_mixture.Data, model: itd_mixture.Mixture, placed: itd_mixture.Mixture) -> float:
+    """1 in the open; in a room s times the share of the evidence that is not diffuse."""
+    diffuse = np.average(model.weights[:, -itd_mixture.OTHERS], weights=data.counts.sum(axis=1) + itd_mixture.TINY)
+    return 1.0 if placed.width < OPEN else float(model.directness * (1 - diffuse))
+
+
+def _sources(
+    data: itd_mixture.Data, fit: model_order.Fit, strict: itd_mixture.Data, placed: itd_mixture.Mixture
+) -> tuple[SourceEstimate, ...]:
+    """The sources of a fit, ``placed`` by the strict histograms, the one with the most evidence first."""
+    model = fit.model
+    shares = np.average(model.weights, axis=0, weights=data.counts.sum(axis=1) + itd_mixture.TINY)
+    azimuths, amplitudes = itd_mixture.sigmas(strict, placed)
+    sigmas = np.minimum(np.hypot(azimuths, BIAS), np.pi)
+    found = []
+    for k, azimuth in enumerate(placed.azimuths):
+        elevation, elevation_sigma = None, None
+        if placed.width < OPEN:
+            sigma = float(np.hypot(amplitudes[k], AMPLITUDE_BIAS))
+            elevation, elevation_sigma = _elevation(float(placed.amplitudes[k]), sigma)
+        found.append(
+            SourceEstimate(
+                azimuth=wrap(float(azimuth)),
+                sigma=float(sigmas[k]),
+                confidence=float(1 / (1 + fit.worth[k] ** -STEEP)),
+                resolved=_resolved(data, model, k),
+                weight=float(shares[k]),
+                elevation=elevation,
+                elevation_sigma=elevation_sigma,
+            )
+        )
+    return tuple(sorted(found, key=lambda source: -source.weight))
+
+
+def _elevation(amplitude: float, sigma: float) -> tuple[float | None, float | None]:
+    """Elevation [rad] of a source in the open, and one standard deviation; None when it may be 0.
+
+    Two microphones on a horizontal axis do not tell up from down: the elevation is told as a drone hears it, negative.
+
+    >>> np.rad2deg(_elevation(0.5, 0.01)).round(1).tolist()
+    [-60.0, 0.7]
+    >>> _elevation(0.99, 0.01), _elevation(0.9, 0.05)
+    ((None, None), (None, None))
+    """
+    if amplitude > LOW or 1 - amplitude < CLEAR * sigma:
+        return None, None
+    return -float(np.arccos(amplitude)), sigma / float(np.sqrt(1 - amplitude**2))
+
+
+def _resolved(data: itd_mixture.Data, model: itd_mixture.Mixture, source: int) -> bool:
+    """Whether the likelihood prefers this place clearly to every other, the mirror image among them."""
+    gain = model_order.profile(data, model, source)
+    away = np.abs(difference(model_order.GRID, model.azimuths[source])) > ELSEWHERE
+    return bool(gain[~away].max() - gain[away].max() >= RESOLVED)
+
+
+@dataclass(frozen=True, slots=True)
+class Factory:
+    """Makes explorers; the object behind the entry point ``joint``."""
+
+    name: str = "joint"
+
+    def make(self, spacing: float, speed_of_sound: float) -> Joint:
+        """Make an explorer for an array.
+
+        Raises
+        ------
+        ConfigError
+            When a number is not positive and finite.
+        """
+        check_array(spacing, speed_of_sound)
+        return Joint(spacing, speed_of_sound)
+
+
+explorer = Factory()

@@ -1,0 +1,191 @@
+"""How many sources: a mixture grows while the likelihood gains, then loses what is worth no more than a ghost.
+
+The worth of a source is the log-likelihood lost without it, once the others have adapted. A ghost lives on the misfit
+of the model, which grows with the evidence, so the price of a source has a constant part and a share of the evidence.
+In a reverberant room, known by ITDs that are both drawn to 0 and spread, the evidence is less sharp, and sources and
+ghosts alike are worth a smaller share of it. Bins that two near talkers share have ITDs in between: a source between
+two near others costs more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ross_payload.angles import difference
+from ross_payload.interfaces import Real
+from ross_payload.localization import itd_mixture
+from ross_payload.localization.itd_mixture import Data, Mixture
+
+MAX_SOURCES = 6
+HOPEFUL = 0.1  # a gain below this share of the price is not tried: kernels adapt, so gains grow
+SPARE = 2  # sources tried beyond the largest K
+GRID = np.deg2rad(np.arange(-180.0, 180.0, 5.0))  # azimuths tried [rad]
+REACH = (1.0, 0.75, 0.5)  # amplitudes tried, as a share of the directness
+ASIDE = np.deg2rad(14.0)  # half of the angle between the two that one source is split into [rad]
+MOVED = np.deg2rad(20.0)  # a source that is moved goes further than this [rad]
+BETTER = 0.5  # [nat] by which another arrangement must be better
+
+
+@dataclass(frozen=True, slots=True)
+class Price:
+    """What a source must be worth."""
+
+    base: float = 1.0  # [nat]
+    dry: float = 0.0095  # [nat] per count of evidence
+    wet: float = 0.005  # the same in a reverberant room
+    width: float = 0.1  # kernel of a new source [d / v_p]
+    apart: float = np.deg2rad(15.0)  # nearer than this [rad] two sources are one
+    near: float = np.deg2rad(35.0)  # between two sources both nearer than this [rad] ...
+    between: float = 2.5  # ... a source costs so many times as much,
+    wide: float = 0.15  # and more, by the square, when its kernel is wider than this [d / v_p]: nobody talks there
+
+    def of(self, data: Data, model: Mixture) -> float:
+        """Log-likelihood [nat] that a source must be worth."""
+        share = self.dry + (self.wet - self.dry) * wetness(model)
+        return float(self.base + share * data.counts.sum())
+
+    def factors(self, azimuths: Real, widths: Real) -> Real:
+        """How many times the price each source costs, (k,).
+
+        >>> Price().factors(np.deg2rad([0.0, 25.0, 50.0, 150.0]), np.array([0.1, 0.1, 0.1, 0.3])).tolist()
+        [1.0, 2.5, 1.0, 1.0]
+        """
+        off = difference(azimuths[:, None], azimuths)
+        ahead, behind = (off < 0) & (off > -self.near), (off > 0) & (off < self.near)
+        dearer = self.between * np.maximum(widths / self.wide, 1) ** 2
+        return np.where(ahead.any(axis=1) & behind.any(axis=1), dearer, 1.0)
+
+
+def wetness(model: Mixture) -> float:
+    """From 0 in the open to 1 in a reverberant room, where ITDs are both drawn to 0 and spread."""
+    drawn, spread = (0.97 - model.directness) / 0.08, (model.width - 0.08) / 0.015
+    return float(np.clip(drawn, 0, 1) * np.clip(spread, 0, 1))
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """The mixture of the chosen order, and by how much it was chosen."""
+
+    model: Mixture
+    worth: Real  # of every source over its price, (k,)
+    rival: float  # worth over price of the last source that was turned down
+
+
+def search(data: Data, price: Price, known: int | None = None) -> Fit:
+    """Fit mixtures of falling order until every source is worth its price, or, when K is known, until K are left."""
+    model, rival = _grow(data, price)
+    while True:
+        if len(model.azimuths) <= MAX_SOURCES and not _too_near(model, price):
+            model = rearrange(data, model, price)
+        worth, reduced = worths(data, model)
+        worth = worth / (price.of(data, model) * price.factors(model.azimuths, model.widths))
+        least = _least(model, worth, price)
+        if least is None or (least.paid and (worth[least.source] >= 1 if known is None else len(worth) <= known)):
+            return Fit(model, worth, rival)
+        rival = float(worth[least.source]) if least.paid else rival
+        model = itd_mixture.refine(data, reduced[least.source], 6)
+
+
+def worths(data: Data, model: Mixture, rounds: int = 8) -> tuple[Real, list[Mixture]]:
+    """Worth of every source [nat], (k,), and the models without it."""
+    if not len(model.azimuths):
+        return np.zeros(0), []
+    reduced = [itd_mixture.remove(model, k) for k in range(len(model.azimuths))]
+    refined, likelihoods = _refined(data, reduced, rounds)
+    return itd_mixture.log_likelihood(data, model) - likelihoods, refined
+
+
+def profile(data: Data, model: Mixture, source: int) -> Real:
+    """Gain of log-likelihood [nat] with one source put at every azimuth of the grid instead, (n_grid,)."""
+    amplitude, width = model.amplitudes[source], float(model.widths[source])
+    gain, _ = itd_mixture.gains(data, itd_mixture.remove(model, source), (GRID, np.full(len(GRID), amplitude)), width)
+    return gain
+
+
+def rearrange(data: Data, model: Mixture, price: Price, rounds: int = 2) -> Mixture:
+    """A better mixture of as many sources, if one is near.
+
+    One of the three sources worth least is moved to where the likelihood gains most, or the one worth least goes and
+    another is split in two: sources that are found one after the other may sit between two true ones.
+    """
+    if len(model.azimuths) < 2:
+        return model
+    best = itd_mixture.log_likelihood(data, model)
+    for _ in range(rounds):
+        worth, reduced = worths(data, model, 3)
+        least = np.argsort(worth)[:3]
+        moved = [_moved(data, reduced[k], price, float(model.azimuths[k])) for k in least]
+        fewer = reduced[least[0]]
+        halves = [itd_mixture.split(fewer, k, ASIDE, price.width) for k in range(len(fewer.azimuths))]
+        tried, likelihoods = _refined(data, [*moved, *halves], 10)
+        if likelihoods.max() <= best + BETTER:
+            break
+        best, model = likelihoods.max(), tried[int(likelihoods.argmax())]
+    return model
+
+
+def _refined(data: Data, models: Sequence[Mixture], rounds: int) -> tuple[list[Mixture], Real]:
+    """Models of as many sources, refined together, and the log-likelihood of each [nat], (n,)."""
+    together = itd_mixture.refine(data, itd_mixture.stacked(models), rounds)
+    return [itd_mixture.taken(together, index) for index in range(len(models))], itd_mixture.log_likelihood(
+        data, together
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Least:
+    source: int
+    paid: bool  # False: goes in any case
+
+
+def _grow(data: Data, price: Price) -> tuple[Mixture, float]:
+    """Add sources where the likelihood gains most; also the last gain over the price."""
+    model, rival = itd_mixture.empty(data), 0.0
+    for _ in range(MAX_SOURCES + SPARE):
+        added, gain = _added(data, model, price)
+        rival = gain / price.of(data, model)
+        if rival < HOPEFUL:
+            break
+        model = itd_mixture.refine(data, added, 8)
+    return itd_mixture.refine(data, model, 20), rival
+
+
+def _added(data: Data, model: Mixture, price: Price, not_at: float | None = None) -> tuple[Mixture, float]:
+    """The model with a source more where it gains most, but not near ``not_at`` [rad], and the gain [nat]."""
+    azimuths, reach = np.tile(GRID, len(REACH)), np.repeat(REACH, len(GRID))
+    amplitudes = np.maximum(reach * model.directness, itd_mixture.AMPLITUDE[0])
+    gain, share = itd_mixture.gains(data, model, (azimuths, amplitudes), price.width)
+    if not_at is not None:
+        gain = np.where(np.abs(difference(azimuths, not_at)) < MOVED, -np.inf, gain)
+    best = int(gain.argmax())
+    shares = np.maximum(share[:, best], 0.01)
+    added = itd_mixture.add(model, float(azimuths[best]), float(amplitudes[best]), price.width, shares)
+    return added, float(gain[best])
+
+
+def _moved(data: Data, fewer: Mixture, price: Price, azimuth: float) -> Mixture:
+    return _added(data, fewer, price, azimuth)[0]
+
+
+def _too_near(model: Mixture, price: Price) -> bool:
+    return bool(_apart(model).min(initial=np.inf) < price.apart)
+
+
+def _apart(model: Mixture) -> Real:
+    """Angles between all sources [rad], (k, k); more than pi between a source and itself."""
+    between = np.abs(difference(model.azimuths[:, None], model.azimuths))
+    return np.asarray(between + 2 * np.pi * np.eye(len(between)))
+
+
+def _least(model: Mixture, worth: Real, price: Price) -> _Least | None:
+    """The source to take away first: one of two that are too near, else the one worth least."""
+    if not len(worth):
+        return None
+    if _too_near(model, price):
+        apart = _apart(model)
+        pair = np.unravel_index(int(apart.argmin()), apart.shape)
+        return _Least(int(min(pair, key=lambda source: worth[source])), paid=False)
+    return _Least(int(worth.argmin()), paid=len(worth) <= MAX_SOURCES)

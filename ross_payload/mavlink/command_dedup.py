@@ -1,0 +1,162 @@
+"""Who commanded what, and which frames say again what was said before."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from dataclasses import dataclass
+
+from ross_payload.orders import Order
+from ross_protocols.mavlink.commands import Command, Result
+from ross_protocols.mavlink.component_id import ComponentId
+
+RESENT = 5.0  # [s] within which a confirmation above 0 means the same command
+DOUBTED = 3.0  # [s] within which it does even when as many frames were lost as it says were sent before it
+LATE = 30.0  # [s] within which a frame may arrive late
+ANEW = 0.5  # [s] without a later frame, after which the number 0 is the first of a sender that has started anew
+LOWER = 3.0  # [s] without a later frame, after which any lower number is one of such a sender
+MOST = 256  # commands, and senders, that are remembered: random ids cannot fill the memory
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a frame came from, and its place among those that its sender has sent on a link."""
+
+    sender: ComponentId
+    link: str
+    place: int
+    lost: int = 0  # how many that its sender has sent before it on the link were lost, or have not arrived yet
+
+    def not_after(self, other: Origin) -> bool:
+        """Tell whether this frame is known to have been sent before another one, or to be the same."""
+        return self.link == other.link and self.place <= other.place
+
+
+class FrameCounter:
+    """Counts what every sender sends, beyond the 256 sequence numbers of MAVLink.
+
+    >>> frames = FrameCounter()
+    >>> [frames.note((255, 190), "udp", sequence, now=0.0).place for sequence in (254, 0, 255, 1)]
+    [254, 256, 255, 257]
+    >>> frames.note((255, 190), "udp", 0, now=1.0).place
+    512
+    """
+
+    def __init__(self) -> None:
+        self._latest: OrderedDict[tuple[ComponentId, str], _Latest] = OrderedDict()
+
+    def note(self, sender: ComponentId, link: str, sequence: int, now: float) -> Origin:
+        """Return the origin of a frame; less than half a round ahead of the latest it is new, else it comes late.
+
+        A script that is run once more, or a computer that has rebooted, counts from 0 again: that is new, too, also
+        when its first frames were lost.
+        """
+        latest = self._latest.pop((sender, link), None) or _Latest(sequence, now)
+        place = latest.place + (sequence - latest.place + 128) % 256 - 128
+        if place <= latest.place and now - latest.time > (ANEW if sequence == 0 else LOWER):
+            place += 256
+        elif place > latest.place:
+            latest.lost += place - latest.place - 1
+        if place > latest.place:
+            latest.place, latest.time = place, now
+        self._latest[sender, link] = latest
+        if len(self._latest) > MOST:
+            self._latest.popitem(last=False)
+        return Origin(sender, link, place, latest.lost)
+
+    def lost(self, origin: Origin) -> int:
+        """Return how many frames of a sender were lost on a link so far."""
+        latest = self._latest.get((origin.sender, origin.link))
+        return origin.lost if latest is None else latest.lost
+
+
+@dataclass(slots=True)
+class _Latest:
+    """The frame of a sender on a link with the highest place so far."""
+
+    place: int
+    time: float  # when it arrived [s]
+    lost: int = 0  # frames before it that have not arrived
+
+
+@dataclass(slots=True)
+class Entry:
+    """The latest command of one number from one sender, and what has become of it."""
+
+    command: Command
+    origin: Origin
+    time: float  # of its latest frame, or of its end [s]
+    result: Result = Result.IN_PROGRESS
+    progress: float | None = None  # 0 to 1
+    order: Order | None = None  # while the mission has it
+    due: float = math.inf  # when the sender is told next [s]
+    cancelled: bool = False  # somebody has asked to cancel it
+    lost: int | None = None  # frames of its sender that were lost on its link until it ended
+
+
+class RecentCommands:
+    """The latest commands, one per sender and number."""
+
+    def __init__(self) -> None:
+        self._entries: OrderedDict[tuple[ComponentId, int], Entry] = OrderedDict()
+
+    def find(self, sender: ComponentId, number: int) -> Entry | None:
+        """Return the latest command of a number from a sender."""
+        return self._entries.get((sender, number))
+
+    def note(self, entry: Entry) -> None:
+        """Remember a command in the place of its like."""
+        key = entry.origin.sender, entry.command.number
+        self._entries.pop(key, None)
+        self._entries[key] = entry
+        if len(self._entries) > MOST:
+            self._entries.popitem(last=False)
+
+    def repeated(self, command: Command, origin: Origin, now: float) -> Entry | None:
+        """Return the entry that a frame only repeats: sent again, or doubled or delayed on its way."""
+        entry = self.find(origin.sender, command.number)
+        if entry is None or not alike(entry.command, command):
+            return None
+        if self.before(command, origin, now):
+            return entry
+        if not self._again(entry, command, origin, now):
+            return None
+        entry.time, entry.command, entry.origin, entry.lost = now, command, origin, None
+        return entry
+
+    def before(self, command: Command, origin: Origin, now: float) -> bool:
+        """Tell whether a frame that arrives now was sent before the latest command of its number, or is that one.
+
+        Confirmations count up: a higher one with a lower place is of a sender that has started anew.
+        """
+        entry = self.find(origin.sender, command.number)
+        if entry is None or not self.not_after(command.number, origin, now):
+            return False
+        return command.confirmation <= entry.command.confirmation or not alike(entry.command, command)
+
+    def not_after(self, number: int, origin: Origin, now: float) -> bool:
+        """Tell whether a frame that arrives now has no higher place than the latest command of a number."""
+        entry = self.find(origin.sender, number)
+        return entry is not None and now - entry.time < LATE and origin.not_after(entry.origin)
+
+    def _again(self, entry: Entry, command: Command, origin: Origin, now: float) -> bool:
+        """Tell whether a sender says a command again that it has not heard the end of."""
+        age, going_on = now - entry.time, entry.order is not None
+        if not command.long:
+            return going_on and age < RESENT  # it has no confirmation to tell
+        if command.confirmation == 0:
+            return False
+        if going_on:
+            return True
+        if origin.link != entry.origin.link:
+            return age < RESENT
+        if command.confirmation <= entry.command.confirmation or origin.not_after(entry.origin):
+            return False  # its sender counts from 0 again, and the first were lost
+        lost = origin.lost - (entry.origin.lost if entry.lost is None else entry.lost)
+        return age < (DOUBTED if lost >= command.confirmation else RESENT)
+
+
+def alike(command: Command, other: Command) -> bool:
+    """Tell whether two commands ask for the same; NaN is like NaN."""
+    same = zip(command.numbers, other.numbers, strict=True)
+    return command.number == other.number and all(a == b or (math.isnan(a) and math.isnan(b)) for a, b in same)

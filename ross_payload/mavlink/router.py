@@ -1,0 +1,259 @@
+"""The router: all links on one side, our own components on the other.
+
+What a component sends goes out on the links and to the other components; what arrives goes to every component.
+Everything here happens on the thread that polls, and nothing waits.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from datetime import UTC, datetime
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from ross_payload.config import Link as LinkConfig
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Clock
+from ross_payload.mavlink.component import Component, Dispatcher, Received
+from ross_payload.mavlink.link import Arrived, Channel, LinkStatus
+from ross_payload.transport.link_url import parse
+from ross_payload.transport.open_port import open_port
+from ross_payload.transport.ports import Transport
+from ross_payload.transport.signing import SigningTime, read_key
+from ross_protocols.mavlink.codec import Decoder, Encoder, Packet, message_of
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.peers import PRESENT
+from ross_protocols.mavlink.signing import Guardian
+
+LOCAL = "local"  # the link and the role of what our own components say
+MOST_LOCAL = 1000  # frames that wait for the next poll
+MOST_SENT = 4096  # frames that are known again, about ten seconds of three busy links
+HEAD, PAYLOAD = 4, 10  # where the sequence number and the payload of a frame begin
+AUTOPILOT = 1  # component id
+NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID
+UNKNOWN_SYSTEM = 1  # what we call ourselves towards an autopilot whose system id we wait for
+
+
+def unix_time() -> float:
+    """Return what the system believes the UNIX time to be [s]."""
+    return datetime.now(UTC).timestamp()
+
+
+class SentFrames:
+    """The latest frames that went out on any link, whoever has signed them since: to know them when they come back."""
+
+    def __init__(self) -> None:
+        self._order: deque[int] = deque()
+        self._known: set[int] = set()
+
+    def note(self, frame: bytes) -> None:
+        """Remember a frame."""
+        mark = _mark(frame)
+        if mark in self._known:
+            return
+        self._known.add(mark)
+        self._order.append(mark)
+        if len(self._order) > MOST_SENT:
+            self._known.remove(self._order.popleft())
+
+    def __contains__(self, frame: bytes) -> bool:
+        """Tell whether we have sent a frame: the same sequence number, sender, message and payload."""
+        return _mark(frame) in self._known
+
+
+def _mark(frame: bytes) -> int:
+    return hash(frame[HEAD : PAYLOAD + frame[1]])
+
+
+class Router:
+    """All links of the payload, for one thread. A context manager."""
+
+    def __init__(
+        self, clock: Clock, system_id: int = 1, state: Path | None = None, unix: Callable[[], float] = unix_time
+    ) -> None:
+        self.system_id = system_id  # 0: until an autopilot tells
+        self.dispatcher = Dispatcher()
+        self._clock = clock
+        self._state = state
+        self._unix = unix
+        self._signing: SigningTime | None = None
+        self._links: list[Channel] = []
+        self._components: dict[int, Component] = {}
+        self._logs: dict[ComponentId, Encoder] = {}
+        self._scale = Encoder(UNKNOWN_SYSTEM, 0)  # tells how long a frame is
+        self._decoder = Decoder()  # of what our own components say
+        self._local: deque[tuple[int, bytes]] = deque(maxlen=MOST_LOCAL)
+        self._sent = SentFrames()
+        self._twin: tuple[int, float] | None = None  # component id, when
+
+    @classmethod
+    def open(
+        cls,
+        links: Iterable[LinkConfig],
+        clock: Clock,
+        *,
+        system_id: int = 1,
+        state: Path | None = None,
+        patient: bool = False,
+    ) -> Self:
+        """Open every link, or none; ``patient`` links go on trying to reach a peer that is not there yet.
+
+        ``state`` is the folder in which signed links remember the time.
+
+        Raises
+        ------
+        ConfigError
+            When a URL is malformed or a key cannot be used: before any is opened.
+        LinkError
+            When a port cannot be opened; those before it are closed again.
+        """
+        links = list(links)
+        for link in links:
+            parse(link.url)
+        router = cls(clock, system_id, state)
+        guardians = [router._guardian(link) for link in links]
+        with ExitStack() as stack:
+            stack.callback(router.close)
+            for link, guardian in zip(links, guardians, strict=True):
+                router._add(link, open_port(link.url, clock.now, patient=patient), guardian)
+            stack.pop_all()
+        return router
+
+    def attach(self, link: LinkConfig, port: Transport) -> None:
+        """Add a link whose port was made elsewhere; it is closed with the others.
+
+        Raises
+        ------
+        ConfigError
+            When its key cannot be used.
+        """
+        self._add(link, port, self._guardian(link))
+
+    def component(self, component_id: int) -> Component:
+        """Return our own component with this id; it is made when it is first asked for."""
+        if component_id not in self._components:
+            self._components[component_id] = Component(component_id, self)
+        return self._components[component_id]
+
+    def send(self, component_id: int, content: Any, link: str | None) -> None:
+        """Send in the name of a component; see `Component.send`."""
+        message, sender = message_of(content), self._own(component_id)
+        frame = self._logs.setdefault(sender, Encoder(*sender)).encode(message)
+        self._components[component_id].log(frame)
+        if len(self._components) > 1:
+            self._local.append((component_id, frame))
+        self._give(sender, message, len(frame), link)
+
+    def repeat(self, component_id: int, content: Any, link: str) -> None:
+        """Send on one link what logs and other local components are told otherwise."""
+        message = message_of(content)
+        self._give(self._own(component_id), message, len(self._scale.encode(message)), link)
+
+    def poll(self) -> None:
+        """Tell the components what has arrived since the last call."""
+        for sender, frame in [self._local.popleft() for _ in range(len(self._local))]:
+            for packet in self._decoder.feed(frame):
+                self.dispatcher.dispatch(Received(LOCAL, LOCAL, packet, may_order=True), but=sender)
+        for link in self._links:
+            for arrived in link.receive(self._clock.now()):
+                self._on_frame(link, arrived)
+
+    @property
+    def twin(self) -> int | None:
+        """The component id of ours in which somebody else has spoken lately."""
+        if self._twin is None or self._clock.now() - self._twin[1] > PRESENT:
+            return None
+        return self._twin[0]
+
+    @property
+    def signing_ahead(self) -> str:
+        """Why signed peers may be refused in spite of the right key, in words; empty: nothing is known against it."""
+        return "" if self._signing is None else self._signing.ahead
+
+    @property
+    def trouble(self) -> str:
+        """Why signed links obey nothing but a stop, or soon will; empty when they do not."""
+        return "" if self._signing is None else self._signing.trouble
+
+    def rates(self) -> dict[str, float]:
+        """Return what every link may say in the long run [bytes/s], by its URL; infinite: anything."""
+        return {link.config.url: link.rate for link in self._links}
+
+    def status(self) -> tuple[LinkStatus, ...]:
+        """Return how every link is, in the order of their opening."""
+        now = self._clock.now()
+        return tuple(link.status(now) for link in self._links)
+
+    def close(self) -> None:
+        """Close every link; idempotent."""
+        for link in self._links:
+            link.close()
+        if self._signing is not None:
+            self._signing.close()
+
+    def __enter__(self) -> Self:
+        """Router are open from the start."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close every link."""
+        self.close()
+
+    def _guardian(self, link: LinkConfig) -> Guardian | None:
+        if not link.key_file:
+            return None
+        key = read_key(Path(link.key_file).expanduser())
+        if self._state is None:
+            raise ConfigError(f"link '{link.url}': a key_file needs a folder in which to remember the signing time")
+        self._signing = self._signing or SigningTime(self._state, self._unix, self._clock.now())
+        return Guardian(key, self._signing)
+
+    def _add(self, link: LinkConfig, port: Transport, guardian: Guardian | None) -> None:
+        self._links.append(Channel(link, port, self._clock.now(), len(self._links), guardian))
+
+    def _own(self, component_id: int) -> ComponentId:
+        return ComponentId(self.system_id or UNKNOWN_SYSTEM, component_id)
+
+    def _give(self, sender: ComponentId, message: Any, size: int, url: str | None) -> None:
+        now = self._clock.now()
+        for link in self._ways(message, url):
+            if frame := link.send(sender, message, size, now):
+                self._sent.note(frame)
+
+    def _ways(self, message: Any, url: str | None) -> list[Channel]:
+        """Return the links that a message is for."""
+        links = [link for link in self._links if url in (None, link.config.url)]
+        if not self.system_id:
+            links = [link for link in links if link.config.role == "autopilot" and message.get_type() == "HEARTBEAT"]
+        system, component = getattr(message, "target_system", 0), getattr(message, "target_component", 0)
+        if not system:
+            return links
+        if system == self.system_id and component in self._components:
+            return []
+        return [link for link in links if link.peers.knows(system, component)] or links
+
+    def _on_frame(self, link: Channel, arrived: Arrived) -> None:
+        now, packet = self._clock.now(), arrived.packet
+        if packet.component_id in self._components and self._own(packet.component_id)[0] == packet.system_id:
+            if packet.frame not in self._sent:
+                link.twins += 1
+                self._twin = packet.component_id, now
+                if arrived.fresh:
+                    link.admit(packet, arrived.peer, now)  # it learns from our answers that there are two of us
+            return
+        if arrived.fresh:
+            link.meet(packet, arrived.peer, now)
+        self._latch(link, packet)
+        may_order = link.may_order(arrived)
+        self.dispatcher.dispatch(Received(link.config.url, link.config.role, packet, may_order, arrived.refusal))
+
+    def _latch(self, link: Channel, packet: Packet) -> None:
+        if self.system_id or link.config.role != "autopilot" or packet.component_id != AUTOPILOT:
+            return
+        if packet.name == "HEARTBEAT" and packet.message.autopilot != NO_AUTOPILOT:
+            self.system_id = packet.system_id

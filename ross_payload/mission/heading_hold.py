@@ -1,0 +1,105 @@
+"""Face a heading and keep facing it while the vehicle yaws: the joint turns against the base.
+
+A heading holds in the frame of the azimuths, so the joint angle for it changes with the base. With a base at rest
+nothing is ever off, and a turn ends when the actuator has settled.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ross_payload.angles import circular_mean, difference, wrap
+from ross_payload.events import TurnStarted
+from ross_payload.interfaces import Input, Samples
+from ross_payload.mission.context import Context, Listening, Step, hop
+from ross_payload.mission.heading_control import STILL, Follower
+from ross_payload.pointing import nearest_joint, nearest_limit
+
+MARGIN = math.radians(20)  # to the limits of the joint, where there is a choice: room to follow
+TURN_TIMEOUT_S = 20.0  # [s] that a turn may take on a vehicle that does not let it end
+OTHER_END = "near a limit: turning to the other end of the axis"
+MOST_BACK = 3  # times that one listening period begins again
+
+
+def face(context: Context, heading: float, joint: float, reason: str) -> Step[None]:
+    """Turn to a heading [rad] and follow it until the axis points there; what is heard meanwhile passes by.
+
+    ``joint`` [rad] gives the heading where the base was when the heading was chosen.
+    """
+    here = context.pointing
+    moved = abs(wrap(here.zero - heading + joint)) > STILL
+    goal = reach(context, heading) if moved else joint
+    context.keep_frame()
+    context.publish(TurnStarted(context.time, goal, here.at(goal), reason))
+    context.holding = follower = _follower(context, heading, goal)
+    follower.due, latest = goal, context.time + TURN_TIMEOUT_S
+    while not follower.there(context.time, context.pointing, settled=context.here.settled):
+        if follower.corrected and context.time >= latest:
+            return
+        yield from hop(context, goal=follower.next_goal())
+        follower.update(context.time, context.pointing)
+
+
+def reach(context: Context, heading: float) -> float:
+    """Return the joint angle [rad] for a heading modulo pi: with room to follow, then with the least travel.
+
+    Where the limits exclude the heading, the limit that comes nearest to it.
+    """
+    here, lower, upper = context.pointing, context.settings.lower, context.settings.upper
+    angle = heading - here.zero
+    for margin in (MARGIN, 0.0):
+        joint = nearest_joint(angle, here.joint, lower + margin, upper - margin, math.pi)
+        if joint is not None:
+            return joint
+    return nearest_limit(angle, lower, upper, math.pi)
+
+
+def attend(context: Context, seconds: float) -> Step[Listening]:
+    """Hear ``seconds`` of audio at the heading that was faced, or at the present one, and follow it meanwhile.
+
+    When a limit of the joint gets in the way, the array turns half round and the period begins again.
+    """
+    context.keep_frame()
+    if context.holding is None:
+        context.holding = _follower(context, context.pointing.heading, context.pointing.joint)
+    wanted, period, left = round(seconds * context.settings.rate), _Period(), MOST_BACK
+    while period.samples < wanted:
+        heard = yield from hop(context, goal=context.holding.next_goal())
+        period.add(heard)
+        context.holding.update(context.time, heard.pointing)
+        if left and context.holding.unreachable():
+            period, left = _Period(), left - 1
+            yield from face(context, context.holding.heading, context.pointing.joint, OTHER_END)
+    return period.listening()
+
+
+def _follower(context: Context, heading: float, goal: float) -> Follower:
+    settings = context.settings
+    return Follower(heading, goal, settings.follow, settings.lower, settings.upper)
+
+
+@dataclass(slots=True)
+class _Period:
+    """What is heard of one listening period."""
+
+    blocks: list[Samples] = field(default_factory=list)
+    headings: list[float] = field(default_factory=list)  # in the middle of every hop [rad]
+    last: float = 0.0  # heading at the end [rad]
+    samples: int = 0
+
+    def add(self, hop: Input) -> None:
+        self.blocks.append(hop.block.samples)
+        self.headings.append(hop.heading_start + wrap(hop.pointing.heading - hop.heading_start) / 2)
+        self.last = hop.pointing.heading
+        self.samples += hop.block.samples.shape[1]
+
+    def listening(self) -> Listening:
+        """All of it, at the mean heading; at the heading itself when nothing has turned."""
+        samples = np.concatenate(self.blocks, axis=1)
+        if np.abs(difference(self.headings, self.last)).max() <= STILL:
+            return Listening(self.last, samples)
+        mean = circular_mean(self.headings)
+        return Listening(mean, samples, float(np.abs(difference(self.headings, mean)).max()))

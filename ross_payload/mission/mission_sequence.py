@@ -1,0 +1,103 @@
+"""The mission from start to end: explore, align, exploit, and start again when the target's score drops."""
+
+from __future__ import annotations
+
+from ross_payload.errors import PluginError
+from ross_payload.events import Doubted, Estimate, Finished, Outcome, SourcesEstimated, State
+from ross_payload.interfaces import Mission, Output, Result
+from ross_payload.mission.align import align
+from ross_payload.mission.context import Context, Ended, FrameChanged, Settings, Step, Tools, hop
+from ross_payload.mission.exploit import run, search
+from ross_payload.mission.explore import lead_in
+from ross_payload.mission.slip_detection import survey
+
+
+def mission(settings: Settings, tools: Tools, informed: Estimate | None = None, target: int | None = None) -> Mission:
+    """Find the target, turn so that its interferers have the same delay, and keep listening.
+
+    Prime it with ``next``; then send one Input for every Output. It returns a Result, and its last Output carries the
+    Finished event and asks for a stop of the motion.
+
+    Parameters
+    ----------
+    settings, tools
+        The numbers, and what to hear and decide with.
+    informed
+        Where the sources are, told from outside: nothing is explored, unless the target is not recognised among them
+        or its score drops. None: explore.
+    target
+        Which of these sources is visited first.
+    """
+    context = Context(settings, tools)
+    try:
+        yield from hop(context)
+        yield from lead_in(context)
+        result = yield from attempts(context, informed, target)
+    except PluginError as error:  # a separator or explorer of others
+        context.enter(State.FAULT, str(error))
+        result = Result(Outcome.FAULT, str(error))
+    except Ended as ended:
+        context.enter(State.FAULT if ended.outcome is Outcome.FAULT else State.STOPPED, ended.reason)
+        result = Result(ended.outcome, ended.reason)
+    else:
+        context.enter(State.DONE, result.reason)
+    context.publish(Finished(context.time, result.outcome, result.reason))
+    yield Output(tuple(context.pending), stop=True)
+    return result
+
+
+def attempts(context: Context, informed: Estimate | None, target: int | None) -> Step[Result]:
+    """Find the target and listen to it; start again when it is lost, or when the frame of the headings changes."""
+    dropped = 0
+    for left in reversed(range(context.settings.max_restarts + 1)):
+        try:
+            source, why, held = yield from _attempt(context, informed, target, doubts=left > 0)
+        except FrameChanged as changed:
+            if not left:
+                raise
+            context.drop_frame()
+            context.publish(Doubted(context.time, changed.reason))
+            informed = target = None
+            continue
+        if held:
+            return Result(Outcome.TARGET_FOUND, f"source {source} is the target")
+        if source is None and (informed is None or not left):
+            return Result(Outcome.NO_TARGET, why)
+        if source is not None:
+            dropped += 1
+        if informed is not None and left:
+            context.publish(Doubted(context.time, why))
+        informed = target = None
+    return Result(Outcome.NO_TARGET, f"gave up after {dropped} attempts: {why}")
+
+
+def _attempt(
+    context: Context, informed: Estimate | None, target: int | None, *, doubts: bool
+) -> Step[tuple[int | None, str, bool]]:
+    """Return the target's source or why there is none, and whether it was heard to the end."""
+    estimate, source = yield from _where(context, informed)
+    why = ""
+    if source is None:
+        source, why = yield from _who(context, estimate, target)
+    if source is not None:
+        why = yield from run(context, estimate, source, doubts=doubts)
+    return source, why, source is not None and not why
+
+
+def _where(context: Context, informed: Estimate | None) -> Step[tuple[Estimate, int | None]]:
+    """Say what is told from outside, or explore; return it and, when the exploration has found it, the target."""
+    if informed is None:
+        return (yield from survey(context))
+    context.publish(SourcesEstimated(context.time, informed, rotations=0, final=True, informed=True))
+    return informed, None
+
+
+def _who(context: Context, estimate: Estimate, target: int | None) -> Step[tuple[int | None, str]]:
+    """Turn to the candidates; return the target's source, or None and why."""
+    if not estimate.sources:
+        return None, "nobody is talking"
+    candidates = align(context, estimate)
+    if not candidates:
+        return None, f"no heading within the limits isolates any of the {estimate.k} sources"
+    source = yield from search(context, estimate, candidates, target)
+    return source, f"none of the {estimate.k} voices is the target's"

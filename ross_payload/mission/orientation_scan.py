@@ -1,0 +1,76 @@
+"""One orientation: listen at one heading, tell the explorer, hear what it believes now, and compare its beliefs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ross_payload.angles import difference
+from ross_payload.events import Estimate, OrientationHeard, SourcesEstimated
+from ross_payload.interfaces import Observation
+from ross_payload.mission.context import Context, Listening, Step
+from ross_payload.mission.heading_hold import attend
+
+STEADY = 2  # beliefs in a row with the same K and nearly the same azimuths
+FEWEST = 3  # sources: two are heard apart anywhere, and after few orientations two may well be three
+NEARLY = np.deg2rad(5.0)  # azimuths of one source in two beliefs [rad]
+SHARP = np.deg2rad(3.0)  # largest standard deviation of any source [rad]
+TRUSTED = 0.8  # least confidence of any source
+SELF = np.deg2rad(10.0)  # a source is the one of an earlier belief when it is so near [rad]
+
+
+def orientation(context: Context, seconds: float) -> Step[Estimate]:
+    """Listen for ``seconds`` at one heading; return what the explorer believes after this orientation."""
+    heard = yield from attend(context, seconds)
+    context.explored.append(heard)
+    seen = observe(context, heard)
+    r = len(context.observations)
+    context.observations.append(seen)
+    context.beliefs.append(context.tools.explorer.estimate(context.observations))
+    context.publish(
+        OrientationHeard(context.time, r, seen.heading, context.pointing.joint, seen.grid, seen.density, seen.peaks)
+    )
+    return context.beliefs[-1]
+
+
+def observe(context: Context, listening: Listening) -> Observation:
+    """Let the explorer condense what was heard at one heading."""
+    stft = context.tools.explorer_stft
+    spectrogram = stft.analyse(listening.samples)
+    noise_psd = context.psd(stft, spectrogram)
+    return context.tools.explorer.observe(
+        spectrogram, stft.frequencies, listening.heading, noise_psd, frame_period=stft.period
+    )
+
+
+def say_belief(context: Context, *, final: bool) -> None:
+    """Say what the explorer believes after the orientations heard so far."""
+    context.publish(SourcesEstimated(context.time, context.beliefs[-1], len(context.explored) - 1, final))
+
+
+def certain(context: Context) -> bool:
+    """Whether enough has been heard: the explorer says so, not before the least number of rotations."""
+    return len(context.explored) > context.settings.min_rotations and context.beliefs[-1].certain
+
+
+def steady(beliefs: Sequence[Estimate]) -> bool:
+    """Whether the latest beliefs agree on K and every azimuth, and the last one is sharp about every source."""
+    latest = beliefs[-STEADY:]
+    if len(latest) < STEADY or latest[-1].k < FEWEST:
+        return False
+    sharp = all(s.resolved and s.sigma <= SHARP and s.confidence >= TRUSTED for s in latest[-1].sources)
+    return sharp and all(agree(latest[-1], other) for other in latest)
+
+
+def agree(one: Estimate, other: Estimate) -> bool:
+    """Whether two beliefs hold the same sources at nearly the same azimuths, in any order."""
+    return one.k == other.k == len(set(matched([s.azimuth for s in one.sources], other, NEARLY).values()))
+
+
+def matched(azimuths: Sequence[float], estimate: Estimate, near: float = SELF) -> dict[int, int]:
+    """Find the source nearest to every azimuth [rad], {index of the azimuth: source}; none where nobody is near."""
+    if not estimate.sources:
+        return {}
+    apart = np.abs(difference(np.array(azimuths)[:, None], [source.azimuth for source in estimate.sources]))
+    return {i: int(row.argmin()) for i, row in enumerate(apart) if row.min() <= near}

@@ -1,1 +1,0 @@
-"""Run a recorded mission again: identically, or with another configuration."""

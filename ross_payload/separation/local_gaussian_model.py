@@ -1,0 +1,258 @@
+"""Local Gaussian model: directions known, covariances learnt, PSDs per bin, multichannel Wiener output.
+
+Every bin is x ~ N(0, sum_k v_k R_k + n I) with a spatial covariance R_k per group and frequency, the noise PSD n, and a
+source PSD v_k per bin (Duong, Vincent, Gribonval 2010; multiplicative updates as in Sawada et al. 2013).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ross_payload.dsp.covariance import ROOT2, adjugate, diffuse, direct, outer
+from ross_payload.dsp.metrics import qualities
+from ross_payload.dsp.noise import guessed_psd
+from ross_payload.dsp.smoothing import average, averaged_rows
+from ross_payload.dsp.steering import directions_of
+from ross_payload.dsp.stft import Stft, band
+from ross_payload.interfaces import Complex, Groups, Quality, Real, Scene
+from ross_payload.separation.cacgmm import learn
+
+UPDATES = 20
+UNSMOOTHED = 2  # updates before the smoothing begins
+AT_ONCE = 10000  # time-frequency bins worked on together: they stay in the cache
+FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
+ACTIVE = 1.15  # bins with less than this many times the noise hold nobody
+TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
+ASTRAY = (0.008, 0.013, 0.025, 0.045)  # energy that no direction explains: in the open .. where little is direct
+DIFFUSE = (0.03, 0.4, 0.4, 0.6)  # part of every covariance to begin with
+ANCHOR = (0.5, 0.3, 0.3, 0.15)  # of the learning
+CLEAR, LOUD = 30.0, 4.0  # it is measured in bins this many times above the noise, and above the mean of the frequency
+VOICE = (500.0, 4000.0)  # and between these frequencies [Hz]
+LONG = 0.128  # frames that a reverberant recording is cut into [s]
+
+
+def source_psds(observed: Real, covariances: Real, noise_psd: Real, shares: Real) -> Real:
+    """PSDs of sources with known covariances, smoothed over neighbouring bins.
+
+    Multiplicative updates v_k <- v_k x^H S^-1 R_k S^-1 x / tr(S^-1 R_k) with S = sum_k v_k R_k. For two microphones
+    the fraction is t - tr(R_k adj(x x^H)) / tr(R_k adj(S)) with t = tr(adj(S) x x^H) / det(S) (Cayley-Hamilton), so
+    that one matrix product per update is enough. All but the first are smoothed: the geometric mean of the update
+    and of the 3 x 3 average before it, with a little of what the shares of the groups let expect.
+
+    Parameters
+    ----------
+    observed
+        Coordinates of x x^H, (n_freqs, 4, n_frames).
+    covariances
+        Coordinates of every R_k, the noise last, (n_freqs, n_groups + 1, 4).
+    noise_psd
+        n, (n_freqs,).
+    shares
+        How probable every group is in a bin, (n_freqs, n_groups, n_frames).
+
+    Returns
+    -------
+    ndarray
+        v, the noise last, (n_freqs, n_groups + 1, n_frames).
+    """
+    n_groups = covariances.shape[1] - 1
+    cross = covariances @ adjugate(observed, axis=1)
+    gram = covariances @ np.swapaxes(adjugate(covariances), 1, 2)
+    psds = np.empty_like(cross)
+    psds[:, :n_groups] = shares * (0.5 * (observed[:, :1] + observed[:, 1:2])) + FLOOR
+    expected = average(psds[:, :n_groups]) ** TIED
+    psds[:, n_groups:] = noise_psd[:, None, None]
+    other = psds.copy()
+    height = max(AT_ONCE // max(psds.shape[2], 1), 1)
+    for update in range(UPDATES):
+        for low in range(0, len(psds), height):
+            rows = slice(low, low + height)
+            sources = _updated(psds[rows], cross[rows], gram[rows])
+            if update >= UNSMOOTHED:
+                np.sqrt(sources, out=sources)
+                sources *= averaged_rows(psds[:, :n_groups], low, low + height) ** (0.5 - TIED)
+                sources *= expected[rows]
+            np.maximum(sources, FLOOR, out=other[rows, :n_groups])
+        psds, other = other, psds
+    return psds
+
+
+def _updated(psds: Real, cross: Real, gram: Real) -> Real:
+    """One multiplicative update of the sources alone, (n_freqs, n_groups, n_frames)."""
+    mixed = gram @ psds
+    total = 2 * np.einsum("fkt,fkt->ft", psds, cross) / np.einsum("fkt,fkt->ft", psds, mixed)
+    ratio = np.asarray(cross[:, :-1] / mixed[:, :-1])
+    np.subtract(total[:, None], ratio, out=ratio)
+    np.maximum(ratio, 0, out=ratio)
+    ratio *= psds[:, :-1]
+    return ratio
+
+
+def astray(observed: Real, frequencies: Real, waves: Real, noise_psd: Real) -> float:
+    """Energy that no direction explains: hardly any in the open, the more the poorer the room.
+
+    The median over strong bins of the part of their energy that is orthogonal to the steering vector that fits best;
+    0 when no bin is strong.
+
+    Parameters
+    ----------
+    observed
+        Coordinates of x x^H, (n_freqs, 4, n_frames).
+    waves
+        Coordinates of a a^H of every group, (n_freqs, n_groups, 4).
+    """
+    power = observed[:, 0] + observed[:, 1]
+    least = np.maximum(2 * CLEAR * noise_psd, LOUD * power.mean(axis=1))
+    strong = (power > least[:, None]) & band(frequencies, *VOICE)[:, None]
+    if not strong.any():
+        return 0.0
+    orthogonal = (waves @ adjugate(observed, axis=1)).min(axis=1)[strong] / (2 * power[strong])
+    return float(np.median(orthogonal))
+
+
+def directness_of(observed: Real, frequencies: Real, waves: Real, noise_psd: Real) -> float:
+    """How much every strong bin looks like a plane wave: 1 in the open, 0 in reverberation; arguments of `astray`."""
+    return float(np.interp(astray(observed, frequencies, waves, noise_psd), ASTRAY[:2], (1, 0)))
+
+
+def wiener(spectrogram: Complex, psds: Real, covariances: Real) -> Complex:
+    """Multichannel Wiener output v_k e_1^T R_k S^-1 x of every group at microphone 1, (n_groups, n_freqs, n_frames).
+
+    Parameters
+    ----------
+    spectrogram
+        (2, n_freqs, n_frames).
+    psds, covariances
+        As of `source_psds`, the noise last.
+    """
+    total = np.swapaxes(covariances, 1, 2) @ psds
+    inverse = adjugate(total, axis=1) / (total[:, :1] * total[:, 1:2] - 0.5 * (total[:, 2:] ** 2).sum(1, keepdims=True))
+    cross = (inverse[:, 2] + 1j * inverse[:, 3]) / ROOT2
+    first, second = spectrogram
+    white = np.stack([inverse[:, 0] * first + cross * second, cross.conj() * first + inverse[:, 1] * second])
+    signals = []
+    for psd, matrix in zip(np.swapaxes(psds, 0, 1)[:-1], np.swapaxes(covariances, 0, 1)[:-1], strict=True):
+        across = ((matrix[:, 2] + 1j * matrix[:, 3]) / ROOT2).astype(white.dtype)
+        signals.append(psd * (matrix[:, :1] * white[0] + across[:, None] * white[1]))
+    return np.stack(signals)
+
+
+def in_long_frames(separate: Callable[[Complex, Scene], Groups], spectrogram: Complex, scene: Scene) -> Groups:
+    """Separate a recording in frames of 128 ms, in which more of the reverberation fits; masks are lost.
+
+    Needs ``scene.hop``. What the separator gives is cut into the frames of the recording again.
+    """
+    frame, hop, rate = 2 * (scene.frequencies.size - 1), int(scene.hop or 0), round(2 * scene.frequencies[-1])
+    size = 4 * round(LONG * rate / 4)
+    given, longer = Stft(rate, frame, hop), Stft(rate, size, size // 4)
+    n = spectrogram.shape[2] * hop - (frame - hop)
+    noise = scene.noise_psd
+    if noise is not None:
+        noise = np.interp(longer.frequencies, scene.frequencies, noise) * size / frame
+    inner = replace(scene, frequencies=longer.frequencies, noise_psd=noise, hop=longer.hop)
+    groups = separate(longer.analyse(given.synthesise(spectrogram, n)), inner)
+    signals = given.analyse(longer.synthesise(groups.signals, n))
+    return replace(groups, signals=signals, masks=None)
+
+
+def reverberant(spectrogram: Complex, scene: Scene) -> bool:
+    """Whether longer frames would help, and can be had: the hop is known and the room is not dry."""
+    frame = 2 * (scene.frequencies.size - 1)
+    if scene.hop is None or scene.tau is None or spectrogram.shape[2] * scene.hop <= frame - scene.hop:
+        return False
+    if frame >= LONG * 2 * scene.frequencies[-1]:
+        return False
+    use = band(scene.frequencies, *VOICE)
+    heard = spectrogram[:, use]
+    noise = guessed_psd(heard) if scene.noise_psd is None else np.asarray(scene.noise_psd)[use]
+    waves = direct(scene.frequencies[use], np.asarray(scene.tau))
+    return astray(outer(heard), scene.frequencies[use], waves, noise) > ASTRAY[1]
+
+
+Core = Callable[[Complex, Scene, Real], tuple[Complex, Real, tuple[Quality, ...]]]
+
+
+def from_directions(core: Core, spectrogram: Complex, scene: Scene, name: str, *, always_below: float = 0.0) -> Groups:
+    """Separate a recording (2, n_freqs, n_frames) at unit power, in the frequencies in which somebody is heard.
+
+    A reverberant one is separated in long frames. Sources that share a TDOA are one group.
+
+    Parameters
+    ----------
+    core
+        From mixture, scene (its ``tau`` those of the groups) and noise PSD of those frequencies: signals and Wiener
+        masks, both (n_groups, n_freqs, n_frames), and how clean every group is.
+    name
+        Of the separator.
+    always_below
+        Frequencies [Hz] that count though nobody is heard there.
+
+    Raises
+    ------
+    ConfigError
+        When the TDOAs are not known.
+    """
+    members, delays = directions_of(scene, f"the {name} model")
+    if reverberant(spectrogram, scene):
+        return in_long_frames(partial(from_directions, core, name=name, always_below=always_below), spectrogram, scene)
+    shape = (len(members), *spectrogram.shape[1:])
+    signals, masks = np.zeros(shape, spectrogram.dtype), np.zeros(shape, np.float32)
+    power = float((np.abs(spectrogram) ** 2).mean()) if spectrogram.size else 0.0
+    quality: tuple[Quality, ...] = ()
+    if members and power > 0:
+        unit = (spectrogram / np.sqrt(power)).astype(np.complex64)
+        noise = guessed_psd(unit) if scene.noise_psd is None else scene.noise_psd / power
+        noise = np.maximum(noise, FLOOR).astype(np.float32)
+        use = (np.abs(unit) ** 2).mean(axis=(0, 2)) > ACTIVE * noise
+        use |= scene.frequencies < always_below
+        part = replace(scene, frequencies=scene.frequencies[use], tau=delays)
+        if use.any():
+            found, masks[:, use], quality = core(unit[:, use], part, noise[use])
+            signals[:, use] = found * np.sqrt(power)
+    return Groups(signals, members, name, masks=masks, quality=quality)
+
+
+class Gaussian:
+    """The separator: local Gaussian model from known TDOAs."""
+
+    name = "gaussian"
+
+    def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
+        """Separate as `from_directions` says."""
+        return from_directions(_separated, spectrogram, scene, self.name)
+
+
+def _separated(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, Real, tuple[Quality, ...]]:
+    _, covariances, psds = fitted(unit, scene, noise_psd)
+    masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
+    return wiener(unit, psds, covariances), masks, qualities(psds, covariances)
+
+
+def fitted(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Real, Real, Real]:
+    """Coordinates of x x^H, of every covariance, and the PSDs: the arguments and the result of `source_psds`.
+
+    Parameters
+    ----------
+    unit
+        Mixture of mean power 1, (2, n_freqs, n_frames).
+    scene
+        Its ``tau`` are those of the groups [s], (n_groups,).
+    noise_psd
+        (n_freqs,).
+    """
+    observed = outer(unit).astype(np.float32)
+    waves = direct(scene.frequencies, np.asarray(scene.tau)).astype(np.float32)
+    part = astray(observed, scene.frequencies, waves, noise_psd)
+    share, anchor = (float(np.interp(part, ASTRAY, values)) for values in (DIFFUSE, ANCHOR))
+    field = diffuse(scene.frequencies, scene.spacing, scene.speed_of_sound).astype(np.float32)[:, None]
+    covariances, shares = learn(observed, (1 - share) * waves + share * field, noise_psd, anchor)
+    white = np.broadcast_to(np.array([1, 1, 0, 0], np.float32), field.shape)
+    covariances = np.concatenate([covariances, white], axis=1)
+    return observed, covariances, source_psds(observed, covariances, noise_psd, shares)
+
+
+separator = Gaussian()

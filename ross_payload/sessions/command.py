@@ -1,0 +1,85 @@
+"""``ross sessions``: what is recorded, whether it is whole, and its end."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ross_payload.bounded_files import printable
+
+FOLDER = click.option(
+    "--folder",
+    type=click.Path(path_type=Path),
+    help="Folder of the sessions; default: that of `ross run`.",
+)
+
+
+@click.group("sessions", short_help="List, check and delete recorded sessions.", invoke_without_command=True)
+@FOLDER
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.pass_context
+def command(context: click.Context, folder: Path | None, as_json: bool) -> None:
+    """List recorded sessions, the oldest first.
+
+    They are personal data: kept on this computer only, readable by you alone, until they are too old, too many, or
+    deleted.
+    """
+    import json
+
+    from ross_payload.sessions.catalog import described
+    from ross_payload.sessions.session_store import SessionStore, home
+
+    shelf = SessionStore(folder or home())
+    context.obj = shelf
+    if context.invoked_subcommand is not None:
+        return
+    rows = [described(kept) for kept in shelf.all()]
+    if as_json:
+        keys = "name", "seconds", "bytes", "state"
+        click.echo(json.dumps([{key: getattr(row, key) for key in keys} for row in rows]))
+        return
+    for row in rows:
+        click.echo(f"{row.name:<24} {row.seconds:9.1f} s {row.bytes / 1e6:9.1f} MB  {row.state}")
+    if not rows:
+        click.echo(f"no sessions in {shelf.folder}")
+
+
+@command.command("delete")
+@click.argument("names", metavar="NAME...", nargs=-1, required=True)
+@click.pass_obj
+def delete(shelf: Any, names: tuple[str, ...]) -> None:
+    """Delete sessions by NAME, as listed."""
+    for kept in [shelf.find(name) for name in names]:
+        shelf.delete(kept)
+        click.echo(f"deleted {kept.path.name}")
+
+
+@command.command("check")
+@click.argument("folder", metavar="SESSION", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def check(folder: Path, as_json: bool) -> None:
+    """Show what the folder SESSION contains, and whether it is complete."""
+    import json
+    from dataclasses import asdict
+
+    from ross_payload.sessions.catalog import ended
+    from ross_payload.sessions.session_reader import RecordedSession
+
+    session = RecordedSession.open(folder)
+    known, found = session.manifest, session.contents()
+    if as_json:
+        click.echo(json.dumps({"manifest": asdict(known), "contents": asdict(found)}))
+        return
+    click.echo(
+        printable(
+            f"{known.kind}, {f'target voice {known.voice}' if known.voice else 'no target voice'}, {ended(known.end)}"
+        )
+    )
+    click.echo(f"{found.inputs} Inputs, {found.seconds:.2f} s, {found.orders} orders, {found.events} events")
+    click.echo(f"{found.audio:.2f} s of audio at {session.rate()} Hz, {found.lost} samples lost")
+    for note in found.notes:
+        click.echo(f"note: {note}")
+    if not found.notes:
+        click.echo("whole")

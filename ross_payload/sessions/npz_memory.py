@@ -1,0 +1,96 @@
+"""What a session knows beside its Inputs, as .npz files without pickle: a memory, and the print of a synthetic voice.
+
+A person's print is never written.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, TypeVar, get_type_hints
+from zipfile import BadZipFile
+
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
+from ross_payload.bounded_files import MB, read_bounded
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Real
+from ross_payload.voiceprint import VoicePrintModel, shipped_background
+from ross_payload.voiceprint.background import Adapted
+
+T = TypeVar("T")
+LARGEST = 64 * MB
+VOICE_FILE = "voice.npz"
+
+
+def packed(value: Any) -> bytes:
+    """Pack a dataclass: arrays as they are, everything else as JSON, which keeps every float; None is left out."""
+    arrays = {}
+    for field in fields(value):
+        content = getattr(value, field.name)
+        if content is not None and not isinstance(content, np.ndarray):
+            content = np.array(json.dumps(TypeAdapter(type(content)).dump_python(content, mode="json")))
+        if content is not None:
+            arrays[field.name] = content
+    file = io.BytesIO()
+    np.savez(file, **arrays)
+    return file.getvalue()
+
+
+def unpacked(path: Path, kind: type[T]) -> T:
+    """Read a dataclass again.
+
+    Raises
+    ------
+    ConfigError
+        When the file is damaged or was made for another program.
+    """
+    hints = get_type_hints(kind)
+    try:
+        with np.load(io.BytesIO(read_bounded(path, LARGEST)), allow_pickle=False) as arrays:
+            values = {name: _value(arrays[name], hints[name]) for name in arrays.files}
+        return kind(**values)
+    except (OSError, ValueError, KeyError, TypeError, ValidationError, EOFError, BadZipFile) as error:
+        raise ConfigError(f"{path.name}: damaged, or of another version: {error!r}") from error
+
+
+def _value(content: Any, hint: Any) -> Any:
+    if content.dtype.kind != "U":
+        return content
+    return TypeAdapter(hint).validate_json(str(content))
+
+
+@dataclass(frozen=True, slots=True)
+class StoredPrint:
+    """What a print is made of beside the background model."""
+
+    offsets: Real
+    pitch_weights: Real
+    seconds: float
+    criterion: float
+    background: str  # its fingerprint
+
+
+def packed_voice(model: VoicePrintModel) -> bytes:
+    """Return the content of the file."""
+    voice = model.voice
+    return packed(
+        StoredPrint(voice.offsets, voice.pitch_weights, model.seconds, model.criterion, model.background.fingerprint)
+    )
+
+
+def restored_voice(path: Path) -> VoicePrintModel:
+    """Read it again.
+
+    Raises
+    ------
+    ConfigError
+        When the file is damaged, or was made with another background model.
+    """
+    values, background = unpacked(path, StoredPrint), shipped_background()
+    if values.background != background.fingerprint:
+        raise ConfigError(f"{path.name}: made with another background model")
+    return VoicePrintModel(Adapted(values.offsets, values.pitch_weights), values.seconds, background, values.criterion)

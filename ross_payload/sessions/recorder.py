@@ -1,0 +1,274 @@
+"""Records a mission while it runs: a queue between the mission and a disk that may be slow, full or gone.
+
+`on_input`, `on_event` and what `noting` hears belong to the mission's thread and only queue; `on_frame` belongs to the
+pump and only queues; `drain` does the writing, on a thread of its own (`in_background`) or, in simulated time, as a
+periodic call. `record` and `status` may be called from any thread.
+"""
+
+from __future__ import annotations
+
+import errno
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from queue import Empty, SimpleQueue
+from typing import Self
+
+from ross_payload import config
+from ross_payload.errors import RossError
+from ross_payload.events import Event
+from ross_payload.health import RecordingState, RecordingStatus
+from ross_payload.interfaces import Input, Real, Score, VoicePrint
+from ross_payload.sessions.manifest import Beginning
+from ross_payload.sessions.session_store import GB, SessionStore
+from ross_payload.sessions.session_writer import SessionWriter
+
+BACKLOG = 30.0  # [s] of audio that wait for the disk: then it is too slow
+DRAIN = 0.2  # [s] between two looks at the queue
+TIDY = 5.0  # [s] of audio between two looks at what is left of the disk
+SLOW = f"the disk is too slow: {BACKLOG:.0f} s of audio wait for it"
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+Begin = Callable[[], Beginning | None]  # None while a task runs
+
+
+@dataclass(slots=True, eq=False)
+class OngoingRecording:
+    """One recording, as the mission's thread and the disk's both know it."""
+
+    hop: float  # of an Input [s]
+    inputs: int = 0  # queued, counted on the mission's thread
+    written: int = 0  # taken from the queue, counted on the disk's thread
+    writer: SessionWriter | None = None  # of the disk's thread alone
+    tidied: float = 0.0  # [s] of audio, when the shelf was looked after last
+    over: bool = False  # set on the disk's thread: nothing more is written
+    failed: bool = False  # and nobody wants another one
+
+
+class Recorder:
+    """Watches a mission and records it when asked to. A context manager.
+
+    Parameters
+    ----------
+    shelf : Shelf
+        Where the sessions lie.
+    limits : config.Recording
+        How much and for how long; with ``always`` the recording begins by itself.
+    begin : Begin
+        Tells what a replay must know before the next Input; None while a task runs, which cannot be replayed from
+        its middle. Called on the mission's thread and by `record`.
+    stamp : Callable[[], str]
+        The time as in ``20261121T145421Z``, empty when the clock is not set.
+    """
+
+    def __init__(
+        self, shelf: SessionStore, limits: config.Recording, begin: Begin, stamp: Callable[[], str] = lambda: ""
+    ) -> None:
+        self._shelf = shelf
+        self._limits = limits
+        self._begin = begin
+        self._stamp = stamp
+        self._queue: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._wanted = limits.always
+        self._recording: OngoingRecording | None = None  # what the mission's thread fills
+        self._disk: OngoingRecording | None = None  # what the disk's thread writes
+        self._status = RecordingStatus()
+
+    def record(self, on: bool) -> str:
+        """Begin or end a recording with the next hop; return '' or why not."""
+        if on and self._recording is None and self._begin() is None:
+            return "a task is running, and a recording begins between tasks: cancel it or wait"
+        self._wanted = on
+        return ""
+
+    def status(self) -> RecordingStatus:
+        """Tell how the recording is."""
+        return self._status
+
+    # ------------------------------------------------------------------------------- on the mission's thread
+
+    def on_input(self, hop: Input) -> None:
+        """Queue one Input; a recording begins and ends here."""
+        recording = self._recording
+        if recording is not None and recording.over:
+            self._recording, self._wanted = None, self._wanted and not recording.failed
+        if self._wanted != (self._recording is not None):
+            self._begin_or_end()
+        if self._recording is None:
+            return
+        self._recording.inputs += 1
+        self._put(self._recording, partial(_write_input, hop=hop))
+        if (self._recording.inputs - self._recording.written) * self._recording.hop > BACKLOG:
+            self._status = replace(self._status, state=RecordingState.BROKEN, reason=SLOW)
+            self._put(self._recording, partial(self._fail, state=RecordingState.BROKEN, reason=SLOW))
+            self._recording, self._wanted = None, False
+
+    def on_event(self, event: Event, hop: Input) -> None:
+        """Queue an event, unless it answers an Input from before the recording."""
+        if self._recording is not None and self._recording.inputs > 1:
+            self._write(self._recording, lambda writer: writer.write_event(event))
+
+    def noting(self, voiceprint: VoicePrint) -> VoicePrint:
+        """Return a voice print whose answers are recorded, so that the same mission can be replayed without it."""
+        return RecordingVoicePrint(voiceprint, self._scored)
+
+    def _scored(self, score: Score) -> None:
+        if self._recording is not None:
+            number = self._recording.inputs
+            self._write(self._recording, lambda writer: writer.write_score(number, score))
+
+    def _begin_or_end(self) -> None:
+        if self._recording is not None:
+            self._put(self._recording, partial(self._end, reason="ended by order"))
+            self._recording = None
+        elif (begin := self._begin()) is not None:
+            self._recording = OngoingRecording(begin.config.audio.hop_ms / 1000)
+            self._put(self._recording, partial(self._start, begin=begin))
+
+    # ---------------------------------------------------------------------------------------- on the pump
+
+    def on_frame(self, time_usec: int, frame: bytes) -> None:
+        """Queue a frame of telemetry as it went over the wire."""
+        recording = self._recording
+        if recording is not None:
+            self._write(recording, lambda writer: writer.write_frame(time_usec, frame))
+
+    # ------------------------------------------------------------------------------------- where it is written
+
+    def drain(self) -> None:
+        """Write what waits."""
+        try:
+            while True:
+                self._queue.get_nowait()()
+        except Empty:
+            return
+
+    def close(self) -> None:
+        """End the recording and write the rest; idempotent."""
+        self._recording, self._wanted = None, False
+        self.drain()
+        if self._disk is not None:
+            self._guarded(self._disk, partial(self._end, reason="the program ended"))
+
+    def __enter__(self) -> Self:
+        """Delete what is too old."""
+        try:
+            self._shelf.tidy(self._limits)
+        except (OSError, RossError) as error:
+            self._status = RecordingStatus(RecordingState.BROKEN, reason=_why(error))
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """End the recording."""
+        self.close()
+
+    def _put(self, recording: OngoingRecording, job: Callable[[OngoingRecording], None]) -> None:
+        self._queue.put(partial(self._guarded, recording, job))
+
+    def _write(self, recording: OngoingRecording, call: Callable[[SessionWriter], None]) -> None:
+        self._put(recording, lambda recording: None if recording.writer is None else call(recording.writer))
+
+    def _guarded(self, recording: OngoingRecording, job: Callable[[OngoingRecording], None]) -> None:
+        """Do a job of a recording that is not over; what goes wrong with the disk ends it, and only it."""
+        if recording.over:
+            return
+        try:
+            job(recording)
+            self._look_after(recording)
+        except (OSError, RossError) as error:
+            cause = error if isinstance(error, OSError) else error.__cause__
+            full = isinstance(cause, OSError) and cause.errno in FULL
+            self._fail(recording, RecordingState.FULL if full else RecordingState.BROKEN, _why(error))
+
+    def _start(self, recording: OngoingRecording, begin: Beginning) -> None:
+        self._disk = recording
+        stamp = self._stamp()
+        folder = self._shelf.add(stamp)
+        self._status = RecordingStatus(RecordingState.ON, folder.name, path=str(folder.absolute()))
+        try:
+            recording.writer = SessionWriter(folder, begin, stamp)
+        except (OSError, RossError):
+            self._shelf.discard(folder)
+            raise
+        recording.tidied = -TIDY
+
+    def _look_after(self, recording: OngoingRecording) -> None:
+        writer = recording.writer
+        if writer is None or recording.over:
+            return
+        if writer.over:  # what is wanted stays, so that another session begins between tasks
+            self._end(recording, "the audio file is full")
+        elif writer.seconds - recording.tidied >= TIDY:
+            recording.tidied = writer.seconds
+            why = self._shelf.tidy(self._limits, writer.folder)
+            self._status = replace(self._status, seconds=writer.seconds, free_gb=self._shelf.free() / GB)
+            if why:
+                self._fail(recording, RecordingState.FULL, why)
+        else:
+            self._status = replace(self._status, seconds=writer.seconds)
+
+    def _end(self, recording: OngoingRecording, reason: str) -> None:
+        recording.over, self._disk = True, None
+        self._status = replace(self._status, state=RecordingState.OFF)
+        if recording.writer is not None:
+            recording.writer.finish(reason)
+
+    def _fail(self, recording: OngoingRecording, state: RecordingState, reason: str) -> None:
+        """Stop for a reason; what is on the disk stays, and the mission goes on."""
+        recording.over, recording.failed, self._disk = True, True, None
+        if recording.writer is not None:
+            _close(recording.writer, reason)
+        self._status = replace(self._status, state=state, reason=reason)
+
+
+class RecordingVoicePrint:
+    """A voice print that tells its answers."""
+
+    def __init__(self, voiceprint: VoicePrint, on_score: Callable[[Score], None]) -> None:
+        self._voiceprint = voiceprint
+        self._on_score = on_score
+
+    def score(self, voice: Real, rate: int) -> Score:
+        """Score, and tell the answer."""
+        score = self._voiceprint.score(voice, rate)
+        self._on_score(score)
+        return score
+
+
+@contextmanager
+def in_background(recorder: Recorder) -> Iterator[None]:
+    """Write on a thread of its own: the mission must not wait for an SD card."""
+    done = threading.Event()
+
+    def work() -> None:
+        while not done.wait(DRAIN):
+            recorder.drain()
+
+    thread = threading.Thread(target=work, name="recorder")
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
+
+
+def _write_input(recording: OngoingRecording, hop: Input) -> None:
+    recording.written += 1
+    if recording.writer is not None:
+        recording.writer.write_input(hop)
+
+
+def _why(error: Exception) -> str:
+    cause = error if isinstance(error, OSError) else error.__cause__
+    return (cause.strerror if isinstance(cause, OSError) else None) or str(error)
+
+
+def _close(writer: SessionWriter, reason: str) -> None:
+    """Finish as far as a full disk allows."""
+    try:
+        writer.finish(reason)
+    except (OSError, RossError):
+        writer.close()

@@ -1,0 +1,188 @@
+"""Read a session folder, also one that was cut off: what is there is read, what is missing is said."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ross_payload.audio.channel_map import ChannelMap
+from ross_payload.bounded_files import MB, open_regular, parsed_json, read_bounded
+from ross_payload.config import Audio, Config, validated
+from ross_payload.errors import ConfigError, refused_as
+from ross_payload.interfaces import Input, Score
+from ross_payload.sessions import input_log, manifest
+from ross_payload.sessions.manifest import Manifest
+from ross_payload.sessions.npz_memory import unpacked
+from ross_payload.sessions.wav_files import WavReader
+
+T = TypeVar("T")
+LONGEST = 16 * MB  # line [bytes]: an event carries a density for every direction, never the samples
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """What is in a session folder, and what is wrong with it."""
+
+    inputs: int = 0
+    seconds: float = 0.0  # of the Inputs
+    audio: float = 0.0  # of the samples [s]
+    orders: int = 0
+    events: int = 0
+    lost: int = 0  # samples that never came
+    rounded: bool = False  # 24 bits did not hold every sample
+    notes: tuple[str, ...] = ()  # one line each; empty: whole
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedSession:
+    """A session folder, opened."""
+
+    path: Path
+    manifest: Manifest
+
+    @classmethod
+    def open(cls, path: Path) -> RecordedSession:
+        """Open a session folder.
+
+        Raises
+        ------
+        ConfigError
+            When it is none, or says too little.
+        """
+        return cls(path, manifest.read(path))
+
+    def configuration(self) -> Config:
+        """Return the configuration that was in force.
+
+        Raises
+        ------
+        ConfigError
+            When it is missing, damaged, or of another version.
+        """
+        path = self.path / "config.json"
+        try:
+            values = parsed_json(read_bounded(path))
+        except (OSError, ValueError) as error:
+            raise ConfigError(f"{path}: the configuration of this session cannot be read: {error}") from error
+        return validated(Config, values, str(path))
+
+    def memory(self, kind: type[T]) -> T | None:
+        """Return what the session knew at its beginning; None when it knew nothing."""
+        path = self.path / "memory.npz"
+        return unpacked(path, kind) if path.exists() else None
+
+    def inputs(self, audio: Audio, *, anew: bool = False) -> Iterator[Input]:
+        """Read the Inputs up to the first that is damaged or has no samples.
+
+        Gain and polarity of ``audio`` are applied where the source did so when it was recorded; ``anew``: everywhere.
+
+        Raises
+        ------
+        ConfigError
+            When there is no audio, or an order is unknown to this program.
+        """
+        wav, wiring, start = WavReader(self.path / "audio.wav"), ChannelMap.of(audio), 0
+        for values in input_log.completed(self.lines(), wav.rate):
+            raw = wav.read(start, values["n"])
+            start += values["n"]
+            if raw.shape[1] < values["n"]:
+                return
+            wired = anew or bool(values.get("raw"))
+            yield input_log.input_of(values, wiring.apply(raw).samples if wired else raw, raw if wired else None)
+
+    def lines(self) -> Iterator[dict[str, Any]]:
+        """Read the Inputs as they stand, without samples, up to the first that is damaged."""
+        for text in _lines(self.path / "inputs.jsonl"):
+            values = input_log.parsed(text)
+            if values is None:
+                return
+            yield values
+
+    def events(self) -> list[str]:
+        """Return the lines of events.jsonl up to the first that is damaged."""
+        found = []
+        for text in _lines(self.path / "events.jsonl"):
+            if not text.endswith(b"\n") or not _is_event(text):
+                break
+            found.append(text.decode("utf-8"))
+        return found
+
+    def scores(self) -> list[tuple[int, Score]]:
+        """Return what the voice print has answered, each after how many Inputs."""
+        found = []
+        for text in _lines(self.path / "scores.jsonl"):
+            try:
+                values = parsed_json(text)
+                found.append((int(values["input"]), Score(float(values["value"]), bool(values["accepted"]))))
+            except (ValueError, KeyError, TypeError):
+                break
+        return found
+
+    def contents(self) -> Contents:
+        """Read everything once."""
+        found = Contents(events=len(self.events()))
+        samples, rate = 0, self.rate()
+        for values in self.lines():
+            samples += values["n"]
+            found = replace(
+                found,
+                inputs=found.inputs + 1,
+                orders=found.orders + len(values.get("orders", ())),
+                lost=found.lost + values.get("lost", 0),
+                rounded=found.rounded or bool(values.get("rounded")),
+            )
+        length = self.audio_length()
+        notes = tuple(self._notes(found, samples, length))
+        return replace(found, seconds=samples / rate, audio=length / rate, notes=notes)
+
+    def rate(self) -> int:
+        """Return the sampling rate [Hz] of the audio file; 16000 when there is none."""
+        try:
+            return WavReader(self.path / "audio.wav").rate
+        except ConfigError:
+            return 16_000
+
+    def audio_length(self) -> int:
+        """Return how many samples there are."""
+        try:
+            return WavReader(self.path / "audio.wav").length
+        except ConfigError:
+            return 0
+
+    def _notes(self, found: Contents, samples: int, length: int) -> Iterator[str]:
+        known, rate = self.manifest, self.rate()
+        if known.version != manifest.VERSION:
+            yield f"session.json: expected version {manifest.VERSION}, got {known.version}: read as far as it goes"
+        if known.end is None:
+            yield "cut off: its end was not recorded; at most the last second is missing"
+        for name, read in (("inputs.jsonl", found.inputs), ("events.jsonl", found.events)):
+            lines = sum(1 for _ in _lines(self.path / name))
+            if lines > read:
+                yield f"{name}: damaged at line {read + 1}; {lines - read} lines are not read"
+        if length < samples:
+            yield f"audio.wav: {(samples - length) / rate:.2f} s shorter than the Inputs"
+        elif length > samples:
+            yield f"audio.wav: {(length - samples) / rate:.2f} s longer than the Inputs: the excess is not used"
+        for name in ("config.json", "events.jsonl", "audio.wav", "inputs.jsonl"):
+            if not (self.path / name).is_file():
+                yield f"{name}: missing"
+        if found.rounded:
+            yield "audio.wav: some samples did not fit into 24 bits: a replay may differ"
+
+
+def _lines(path: Path) -> Iterator[bytes]:
+    if not path.is_file():
+        return
+    with refused_as(ConfigError, f"{path}: cannot be read"), os.fdopen(open_regular(path), "rb") as file:
+        yield from iter(lambda: file.readline(LONGEST), b"")
+
+
+def _is_event(text: bytes) -> bool:
+    try:
+        values = parsed_json(text)
+    except ValueError:
+        return False
+    return isinstance(values, dict) and {"event", "time"} <= values.keys()

@@ -1,0 +1,186 @@
+"""The folder of all sessions: which there are, which is being written, and what has to go."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ross_payload import config
+from ross_payload.atomic_files import PART
+from ross_payload.bounded_files import open_regular, set_aside
+from ross_payload.errors import ConfigError, near, refused_as, shown
+from ross_payload.sessions import manifest
+from ross_payload.sessions.manifest import MANIFEST, is_session
+
+NAME = re.compile(r"(\d{4,})(-\d{8}T\d{6}Z)?")
+FILES = (
+    "audio.wav", "inputs.jsonl", "events.jsonl", "scores.jsonl", "telemetry.tlog", "memory.npz", "voice.npz",
+    "config.json", "session.json",
+)  # fmt: skip
+LOCKED = "inputs.jsonl"  # its writer holds a lock on it, which the kernel takes back when the process dies
+GB = 1e9  # [bytes]
+DAY = 86_400.0  # [s]
+SET = 1_577_836_800.0  # [s] since 1970: a file that is older than 2020 comes from a clock that was not set
+
+
+@dataclass(frozen=True, slots=True)
+class StoredSession:
+    """One session on the shelf."""
+
+    path: Path
+    number: int
+    bytes: int
+    modified: float  # [s] since 1970, by the clock of the computer
+    running: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SessionStore:
+    """A folder with one folder per session; what else lies there is left alone."""
+
+    folder: Path
+
+    def all(self) -> tuple[StoredSession, ...]:
+        """Return all sessions, the oldest first."""
+        found = [kept for path in self._paths() if (kept := _kept(path)) is not None]
+        return tuple(sorted(found, key=lambda kept: kept.number))
+
+    def find(self, name: str) -> StoredSession:
+        """Return the session of a name.
+
+        Raises
+        ------
+        ConfigError
+            When there is none.
+        """
+        for kept in self.all():
+            if kept.path.name == name:
+                return kept
+        names = [kept.path.name for kept in self.all()]
+        raise ConfigError(f"{self.folder}: no session {shown(name)}; see: ross sessions{near(name, names)}")
+
+    def set_damaged_aside(self) -> tuple[str, ...]:
+        """Rename every session.json that cannot be read, and return one line about each; nothing is deleted.
+
+        The rest of such a folder stays as it is: its audio can be heard, and `tidy` leaves it alone.
+        """
+        sessions = [path for path in self._paths() if NAME.fullmatch(path.name) and not path.is_symlink()]
+        found = [(path / MANIFEST, why) for path in sessions if (why := manifest.damage(path))]
+        return tuple(f"{path}: {why}; {set_aside(path, 'unreadable')}" for path, why in found)
+
+    def _paths(self) -> list[Path]:
+        """Return what lies in the folder; nothing of one that is none or cannot be read."""
+        try:
+            return sorted(self.folder.iterdir())
+        except OSError:
+            return []
+
+    def add(self, stamp: str) -> Path:
+        """Make the folder of a new session, mode 0700; ``stamp`` is the time in its name, empty when unknown."""
+        self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        numbers = [int(match[1]) for path in self.folder.iterdir() if (match := NAME.fullmatch(path.name))]
+        number = max(numbers, default=0)
+        while True:
+            number += 1
+            path = self.folder / (f"{number:04d}" + (f"-{stamp}" if stamp else ""))
+            try:
+                path.mkdir(mode=0o700)
+            except FileExistsError:  # another payload writes here too
+                continue
+            return path
+
+    def delete(self, kept: StoredSession) -> None:
+        """Delete a session: the files that we write, then the folder when nothing else is in it.
+
+        Raises
+        ------
+        ConfigError
+            When it is being recorded, or cannot be deleted.
+        """
+        if kept.running:
+            raise ConfigError(f"session '{kept.path.name}' is being recorded: stop the recording first")
+        with refused_as(ConfigError, f"{kept.path}: cannot be deleted"):
+            self.discard(kept.path)
+
+    def discard(self, path: Path) -> None:
+        """Remove our files from a folder, and the folder when nothing else is in it; may raise OSError."""
+        for file in [*path.glob(f".*{PART}*"), *(path / name for name in FILES)]:
+            file.unlink(missing_ok=True)
+        if not any(path.iterdir()):
+            path.rmdir()
+
+    def tidy(self, limits: config.Recording, running: Path | None = None) -> str:
+        """Delete what is too old or too much, the oldest first; return why ``running`` must stop, or ''."""
+        if not self.folder.is_dir():
+            return ""
+        now, kept = _now(self.folder), list(self.all())
+        for session in [one for one in kept if not one.running and _expired(one, now, limits.max_days)]:
+            kept.remove(session)
+            self.delete(session)
+        while sum(one.bytes for one in kept) > limits.max_gb * GB:
+            oldest = next((one for one in kept if not one.running and one.path != running), None)
+            if oldest is None:
+                return "" if running is None else f"the recording has reached max_gb = {limits.max_gb:g}"
+            kept.remove(oldest)
+            self.delete(oldest)
+        free = self.free()
+        if free < limits.min_free_gb * GB:
+            return f"free disk space: expected min_free_gb = {limits.min_free_gb:g}, got {free / GB:.2f}"
+        return ""
+
+    def free(self) -> int:
+        """Return what is left on the disk [bytes]."""
+        return shutil.disk_usage(self.folder).free
+
+
+def home(environment: Mapping[str, str] = os.environ) -> Path:
+    """Return where sessions lie when no configuration says otherwise."""
+    state = environment.get("STATE_DIRECTORY", "").partition(":")[0]
+    return (Path(state) if state else Path.home() / ".local" / "state" / "ross") / "recordings"
+
+
+def _kept(path: Path) -> StoredSession | None:
+    match = NAME.fullmatch(path.name)
+    if match is None or not is_session(path):
+        return None
+    files = [status for name in FILES if (status := _status(path / name)) is not None]
+    newest = max(file.st_mtime for file in files)
+    return StoredSession(path, int(match[1]), sum(file.st_size for file in files), newest, _locked(path / LOCKED))
+
+
+def _status(path: Path) -> os.stat_result | None:
+    try:
+        return path.lstat()
+    except OSError:
+        return None
+
+
+def _locked(path: Path) -> bool:
+    try:
+        handle = open_regular(path)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError:
+        return True
+    else:
+        return False
+    finally:
+        os.close(handle)
+
+
+def _expired(session: StoredSession, now: float, days: float) -> bool:
+    return session.modified > SET and now - session.modified > days * DAY
+
+
+def _now(folder: Path) -> float:
+    """What the computer's clock says, as the file system stamps it."""
+    with tempfile.TemporaryFile(dir=folder) as file:
+        return os.fstat(file.fileno()).st_mtime

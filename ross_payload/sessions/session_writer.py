@@ -1,0 +1,102 @@
+"""One session on its way to the disk; what `flush` has returned from survives the death of the process."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+
+from ross_payload.atomic_files import append, create
+from ross_payload.events import Event
+from ross_payload.interfaces import Input, Samples, Score
+from ross_payload.sessions import event_json, input_log, manifest
+from ross_payload.sessions.manifest import Beginning
+from ross_payload.sessions.wav_files import MOST, WIDTH, WavFile, exact
+from ross_payload.transport.tlog import TlogRecorder
+
+FLUSH = 0.5  # [s] of audio that wait at most
+
+
+class SessionWriter:
+    """Writes one session folder; every method may raise OSError, and OutputError from the telemetry log."""
+
+    def __init__(self, folder: Path, begin: Beginning, started: str) -> None:
+        self.folder = folder
+        self._begin = begin
+        self._started = started
+        self._rate = begin.config.audio.rate_hz
+        self._waiting: list[Input] = []
+        self._pending = 0  # samples waiting
+        self._samples = 0  # written
+        with ExitStack() as stack:
+            manifest.write(folder, begin, started)
+            self._inputs = stack.enter_context(create(folder / "inputs.jsonl"))
+            fcntl.flock(self._inputs, fcntl.LOCK_EX)
+            self._events = stack.enter_context(create(folder / "events.jsonl"))
+            self._scores = stack.enter_context(create(folder / "scores.jsonl"))
+            self._audio = WavFile(folder / "audio.wav", self._rate)
+            stack.callback(self._audio.close)
+            (folder / "telemetry.tlog").touch(mode=0o600)
+            self._tlog = stack.enter_context(TlogRecorder(folder / "telemetry.tlog"))
+            self._open = stack.pop_all()
+
+    @property
+    def seconds(self) -> float:
+        """Recorded so far [s]."""
+        return (self._samples + self._pending) / self._rate
+
+    @property
+    def over(self) -> bool:
+        """Whether the audio file is as long as a WAV file may be."""
+        return self._audio.bytes > MOST - 2 * WIDTH * self._rate
+
+    def write_input(self, hop: Input) -> None:
+        """Take one Input."""
+        self._waiting.append(hop)
+        self._pending += hop.block.samples.shape[1]
+        if self._pending >= FLUSH * self._rate:
+            self.flush()
+
+    def write_event(self, event: Event) -> None:
+        """Write what the mission has said."""
+        append(self._events, event_json.line(event).encode())
+
+    def write_score(self, number: int, score: Score) -> None:
+        """Write what the voice print has answered after ``number`` Inputs."""
+        values = {"input": number, "value": float(score.value), "accepted": bool(score.accepted)}
+        append(self._scores, (json.dumps(values) + "\n").encode())
+
+    def write_frame(self, time_usec: int, frame: bytes) -> None:
+        """Write a frame of telemetry."""
+        self._tlog.write(time_usec, frame)
+
+    def flush(self) -> None:
+        """Write what waits: the audio first, so that every Input on the disk has its samples there."""
+        if not self._waiting:
+            return
+        waiting, self._waiting, self._pending = self._waiting, [], 0
+        blocks = [_recorded(heard) for heard in waiting]
+        self._audio.write(np.concatenate(blocks, axis=1))
+        self._samples += sum(block.shape[1] for block in blocks)
+        lines = (input_log.line(heard, exact=exact(block)) for heard, block in zip(waiting, blocks, strict=True))
+        append(self._inputs, "".join(lines).encode())
+
+    def finish(self, reason: str) -> None:
+        """Write what waits, say that this is the end, and close everything."""
+        try:
+            self.flush()
+            manifest.conclude(self.folder, self._begin, self._started, reason)
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """Close everything as it is; idempotent."""
+        self._open.close()
+
+
+def _recorded(hop: Input) -> Samples:
+    """What came from the microphones, before gain and polarity."""
+    return hop.block.samples if hop.block.raw is None else hop.block.raw

@@ -1,0 +1,281 @@
+"""The MAVLink component: what the mission says goes out to the ground, what the ground asks comes in.
+
+`on_input` and `on_event` run on the mission's thread and only leave things where the pump finds them; `poll` runs on
+the pump and does all the rest, so that a separation that computes for seconds delays no heartbeat. In simulated time
+the same calls happen on one thread.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Protocol, Self
+
+from ross_payload import __version__
+from ross_payload.clock import Every
+from ross_payload.config import Config
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.events import Event
+from ross_payload.health import AudioHealth, RecordingStatus
+from ross_payload.interfaces import Actuator, Capabilities, Clock, Feedback, Input
+from ross_payload.localization.model_order import MAX_SOURCES
+from ross_payload.mavlink import Component, Received, Router
+from ross_payload.mavlink.component_info import files
+from ross_payload.mavlink.ftp_server import FtpServer
+from ross_payload.mavlink.message_board import MESSAGE_IDS, Board, Rank
+from ross_payload.mavlink.message_requests import MessageRequests
+from ross_payload.mavlink.message_scheduler import MessageScheduler, periods
+from ross_payload.mavlink.mission_commands import MissionCommands, StopMemory
+from ross_payload.mavlink.param_server import ParamServer
+from ross_payload.mavlink.recording_files import Recordings
+from ross_payload.orders import Order
+from ross_payload.telemetry import event_messages
+from ross_payload.telemetry.health_report import HealthReport
+from ross_payload.telemetry.reporter import Reporter
+from ross_payload.telemetry.snapshot import Moment, Snapshot, standing
+from ross_payload.telemetry.status_texts import OperatorTexts
+from ross_payload.timebase import Timebase
+from ross_payload.transport.tlog import TlogRecorder
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.computer import Computer
+from ross_protocols.mavlink.values import DIALECT_VERSION, Information, Severity
+
+PERIOD = 0.020  # [s] between two polls
+OBSERVING = 0.1  # [s] between two looks at the array, when nothing is to be sent
+LOOKING = 1.0  # [s] between two looks at the payload itself
+COMPLAINING = 60.0  # [s] between two words about a signing time that locks peers out
+MIRRORING = 0.1  # [s] between two looks into the mirrors
+FLUSHING = 1.0  # [s] at most, until the pump has sent what was said last
+STRANGERS = 16  # that are remembered
+
+
+def no_recorder(on: bool) -> str:
+    """Refuse to record."""
+    return "this payload has no recorder"
+
+
+class Recorder(Protocol):
+    """Records sessions."""
+
+    def record(self, on: bool) -> str:
+        """Begin or end; return '' or why not."""
+
+    def status(self) -> RecordingStatus:
+        """Tell how the recording is."""
+
+
+class Telemetry:
+    """Observes a mission and speaks for it. A context manager; the links belong to who opened them.
+
+    Parameters
+    ----------
+    tlog
+        File for everything that is sent; None: no file.
+    actuator
+        What turns; None: only what is heard tells the joint angle.
+    give
+        Hands an order to the runner; None: nobody orders anything.
+    parameters, changed
+        What is in force and may be set in flight (None: the configuration, for good), and who is told of a change.
+    recorder, health, computer
+        Tell how the recording, the microphones and the computer are; None: nothing is said of them.
+    timebase
+        Tells the time; None: time is since the boot.
+    recordings
+        Are offered over MAVLink FTP; None: they are not.
+    latch
+        Tells when a stop is on the disk, which is acknowledged then; None: nothing outlives this process.
+
+    Raises
+    ------
+    ConfigError
+        When the log cannot be made.
+    """
+
+    def __init__(
+        self,
+        config: Config,
+        clock: Clock,
+        links: Router,
+        tlog: Path | None = None,
+        actuator: Actuator | None = None,
+        *,
+        give: Callable[[Order], None] | None = None,
+        parameters: Parameters | None = None,
+        changed: Callable[[str, float], None] = lambda name, value: None,
+        recorder: Recorder | None = None,
+        health: Callable[[], AudioHealth] | None = None,
+        computer: Callable[[], Computer] | None = None,
+        timebase: Timebase | None = None,
+        recordings: Recordings | None = None,
+        latch: StopMemory | None = None,
+    ) -> None:
+        self._config = config
+        self._clock = clock
+        self._links = links
+        self._actuator = actuator
+        self._parameters = parameters
+        self._open_loop = actuator is not None and actuator.capabilities.feedback is Feedback.MODEL
+        self._timebase = timebase or Timebase(clock)
+        self._events: SimpleQueue[tuple[Event, Input]] = SimpleQueue()
+        self._latest: Input | None = None
+        self._strangers: set[ComponentId] = set()
+        self._twin: int | None = None
+        self._trouble = ""  # of the signed links
+        self._observing, self._looking, self._mirroring = Every(OBSERVING), Every(LOOKING), Every(MIRRORING)
+        self._complaining = Every(COMPLAINING)
+        self._board = Board()
+        component = links.component(config.telemetry.component_id)
+        self._scheduler = MessageScheduler(self._board, links, component, periods(config.telemetry))
+        self._send_text = OperatorTexts(self._scheduler.queue_texts, clock.now).send
+        self._reporter = Reporter(self._board, self._send_text)
+        taping = None if recorder is None else recorder.status
+        self._health_report = HealthReport(self._board, self._send_text, health, taping, computer)
+        self._commands = None if give is None else self._server(component, give, recorder, latch)
+        self._settings = None if parameters is None else ParamServer(component, parameters, changed, self._send_text)
+        self._files = None if give is None else FtpServer(component, files(), recordings, links.rates)
+        self._tlog = None if tlog is None else TlogRecorder(tlog)
+        component.tap(self._record)
+        component.subscribe(self._meet, MESSAGE_IDS[Information])
+
+    def _server(
+        self, component: Component, give: Callable[[Order], None], recorder: Recorder | None, latch: StopMemory | None
+    ) -> MissionCommands:
+        record = no_recorder if recorder is None else recorder.record
+        requests = MessageRequests(component, self._scheduler)
+        return MissionCommands(component, give, record, self._send_text, requests, latch=latch)
+
+    # ------------------------------------------------------------------------------------- from any thread
+
+    def on_input(self, hop: Input) -> None:
+        """Keep what was heard last."""
+        self._latest = hop
+
+    def on_event(self, event: Event, hop: Input) -> None:
+        """Leave what the mission has just said to the pump."""
+        self._events.put((event, hop))
+
+    # ------------------------------------------------------------------------------------- on the pump
+
+    def send_text(self, severity: Severity, text: str) -> None:
+        """Tell an operator something."""
+        self._send_text(severity, text)
+
+    def poll(self) -> None:
+        """Take in what was left here, and send what is due."""
+        now = self._clock.now()
+        for event, heard in drained(self._events):
+            self._reporter.handle(event, self._snapshot(heard))
+            if self._commands is not None:
+                self._commands.on_event(event)
+        for part in (self._commands, self._settings, self._files):
+            if part is not None:
+                part.tick(now)
+        if self._observing.due(now) or not self._scheduler.quiet(now):
+            self._observe(now)
+
+    def _observe(self, now: float) -> None:
+        self._reporter.observe(self._snapshot(self._latest))
+        if self._looking.due(now):
+            self._look(now)
+        if self._mirroring.due(now):
+            self._mirror(now)
+        self._scheduler.flow(now)
+
+    def __enter__(self) -> Self:
+        """Begin to speak."""
+        self._cancel = self._clock.every(PERIOD, self.poll)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Wait until the pump has sent what was said last, then close the log."""
+        end = self._clock.now() + FLUSHING
+        try:
+            while not self._events.empty() and self._clock.now() < end:
+                self._clock.sleep(PERIOD)
+        finally:
+            self._cancel()
+            if self._tlog is not None:
+                self._tlog.close()
+
+    def _meet(self, received: Received) -> None:
+        """Notice another payload that speaks another version of our dialect; say it once."""
+        told, who = received.packet.value, received.packet.sender
+        if not isinstance(told, Information) or told.dialect_version == DIALECT_VERSION or who in self._strangers:
+            return
+        if len(self._strangers) < STRANGERS:
+            self._strangers.add(who)
+            versions = f"dialect {told.dialect_version}, expected {DIALECT_VERSION}"
+            self._send_text(Severity.WARNING, f"payload {who[0]}/{who[1]}: {versions}")
+
+    def _look(self, now: float) -> None:
+        """Look at the payload itself."""
+        config = self._in_force()
+        self._scheduler.renew(periods(config.telemetry))
+        twin = self._links.twin
+        if twin is not None and self._twin is None:
+            self._send_text(Severity.ERROR, f"another sender uses our component id {twin}: change one")
+        self._twin = twin
+        if (ahead := self._links.signing_ahead) and self._complaining.due(now):
+            self._send_text(Severity.WARNING, f"{ahead}: see the log")
+        trouble = self._links.trouble
+        if trouble and not self._trouble:
+            self._send_text(Severity.CRITICAL, f"signed links will soon accept only a stop: {trouble}")
+        elif self._trouble and not trouble:
+            self._send_text(Severity.INFO, "signed links accept commands again")
+        self._trouble = trouble
+        capabilities = None if self._actuator is None else self._actuator.capabilities
+        self._health_report.look(information(config, capabilities, self._timebase.usec()), self._links.status(), now)
+
+    def _mirror(self, now: float) -> None:
+        status, sources = self._reporter.status, self._reporter.sources
+        numbers = event_messages.named(status, sources, self._health_report.health, now)
+        self._board.put(Rank.MIRROR, [*numbers, event_messages.azimuths(status.time_usec, sources)])
+
+    def _snapshot(self, hop: Input | None) -> Snapshot:
+        state = None if self._actuator is None else self._actuator.state()
+        moment = Moment(self._timebase.usec(), self._timebase.unix, self._in_force(), self._open_loop)
+        return standing(hop, state, moment)
+
+    def _in_force(self) -> Config:
+        return self._config if self._parameters is None else self._parameters.config
+
+    def _record(self, frame: bytes) -> None:
+        if self._tlog is not None:
+            self._tlog.write(self._timebase.usec(), frame)
+
+
+def drained(queue: SimpleQueue[tuple[Event, Input]]) -> Iterator[tuple[Event, Input]]:
+    """Take everything out of a queue."""
+    try:
+        while True:
+            yield queue.get_nowait()
+    except Empty:
+        return
+
+
+def information(config: Config, capabilities: Capabilities | None, time_usec: int) -> Information:
+    """Return who we are; the travel is the actuator's, or the guard's limits when no actuator is given."""
+    guard = config.guard
+    lower, upper, speed = (math.radians(x) for x in (guard.lower_deg, guard.upper_deg, guard.max_speed_deg_s))
+    if capabilities is not None:
+        lower, upper, speed = capabilities.lower, capabilities.upper, capabilities.max_speed
+    return Information(
+        time_usec=time_usec,
+        spacing=config.array.spacing_m,
+        speed_of_sound=config.array.speed_of_sound_m_s,
+        axis_offset=config.offset,
+        joint_lower=lower if math.isfinite(lower) else None,
+        joint_upper=upper if math.isfinite(upper) else None,
+        joint_speed=speed,
+        unit=config.explore.unit_s,
+        rate=config.audio.rate_hz,
+        k_max=MAX_SOURCES,
+        software_version=__version__,
+        actuator=config.actuator.kind,
+    )

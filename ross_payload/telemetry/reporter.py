@@ -1,0 +1,126 @@
+"""The reporter: what the mission says and how things stand, put on the board.
+
+It owns no port, no clock and no thread: values go to the board, texts to ``send_text``, time comes with every call.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from ross_payload.events import (
+    AlignmentPlanned,
+    Checked,
+    Event,
+    OrientationHeard,
+    Separated,
+    SourcesEstimated,
+    State,
+    StateChanged,
+    TurnStarted,
+)
+from ross_payload.mavlink.message_board import Board, Rank
+from ross_payload.mission_state import SAME_ANGLE, MissionState, reduce
+from ross_payload.telemetry import event_messages
+from ross_payload.telemetry.event_messages import Stamp
+from ross_payload.telemetry.snapshot import Snapshot
+from ross_payload.telemetry.status_texts import line
+from ross_protocols.mavlink.values import (
+    Alignment,
+    CandidateState,
+    Density,
+    Heartbeat,
+    Separation,
+    Severity,
+    Source,
+    Status,
+)
+
+
+class Reporter:
+    """Turns a mission into what there is to tell; one that lives through many tasks."""
+
+    def __init__(self, board: Board, send_text: Callable[[Severity, str], None]) -> None:
+        self._board = board
+        self._send_text = send_text
+        self.mission = MissionState()
+        self._snapshot = Snapshot()
+        self._fault = ""  # that was said
+        self._densities: list[Density] = []
+        self.sources: list[Source] = []  # of the latest estimate
+        self._alignments: list[Alignment] = []
+        self._separations: list[Separation] = []
+        self._beat()
+
+    @property
+    def status(self) -> Status:
+        """The mission at a glance."""
+        return event_messages.status(self.mission, self._snapshot)
+
+    def observe(self, snapshot: Snapshot) -> None:
+        """Take in how things stand."""
+        if snapshot.settled:
+            self.mission = replace(self.mission, goal=None)
+        if snapshot.fault and snapshot.fault != self._fault:
+            self._send_text(Severity.ERROR, f"fault: {snapshot.fault}")
+        self._fault, self._snapshot = snapshot.fault, snapshot
+        self._board.put(Rank.STATUS, [self.status])
+
+    def handle(self, event: Event, snapshot: Snapshot) -> None:
+        """Take in what the mission has just said."""
+        self._snapshot = snapshot
+        self.mission = reduce(self.mission, event)
+        self._learn(event, Stamp(snapshot.time_usec, snapshot.earth))
+        said = line(event)
+        if said is not None:
+            self._send_text(*said)
+        self._board.announce(Rank.STATUS, [self.status])
+
+    def _learn(self, event: Event, stamp: Stamp) -> None:
+        match event:
+            case StateChanged():
+                self._beat()
+            case OrientationHeard():
+                self._orient(event, stamp)
+            case SourcesEstimated():
+                self._estimate(event, stamp)
+            case AlignmentPlanned():
+                self._alignments = event_messages.alignments(event, self.mission.plans, stamp)
+                self._board.announce(Rank.ALIGNMENT, self._alignments)
+                self._board.announce(Rank.ISOLATION, event_messages.isolations(event, self.mission.plans, stamp))
+            case TurnStarted() if self.mission.state is State.ALIGN_TURN:
+                here = [a for a in self._alignments if abs(a.joint - event.joint) < SAME_ANGLE]
+                self._mark(here, CandidateState.TURNING)
+            case Checked() | Separated():
+                self._separate(event, stamp)
+
+    def _orient(self, event: OrientationHeard, stamp: Stamp) -> None:
+        if event.index == 0:
+            self._densities = []
+        self._densities += event_messages.densities(event, self.mission.explorations, stamp)
+        self._board.announce(Rank.DENSITY, self._densities)
+
+    def _estimate(self, event: SourcesEstimated, stamp: Stamp) -> None:
+        axis = event_messages.common_axis(self.mission.headings)
+        self.sources = event_messages.sources(event.estimate, self.mission.estimates, stamp, axis, event.final)
+        self._alignments, self._separations = [], []  # they speak of the sources of an older estimate
+        self._board.announce(Rank.SOURCE, self.sources)
+        for rank in (Rank.ALIGNMENT, Rank.SEPARATION, Rank.ISOLATION):
+            self._board.announce(rank, [])
+
+    def _separate(self, event: Checked | Separated, stamp: Stamp) -> None:
+        self.sources = event_messages.scored(self.sources, event.groups, self.mission.target)
+        self._board.announce(Rank.SOURCE, self.sources)
+        if isinstance(event, Checked):
+            tried = [a for a in self._alignments if a.source == event.candidate.source]
+            self._mark(tried, event_messages.verdict(event))
+        self._separations = event_messages.separations(event, self.mission.separations, stamp, self._snapshot.criterion)
+        self._board.announce(Rank.SEPARATION, self._separations)
+
+    def _mark(self, changed: list[Alignment], state: CandidateState) -> None:
+        self._alignments = [replace(a, state=state) if a in changed else a for a in self._alignments]
+        self._board.announce(Rank.ALIGNMENT, self._alignments)
+
+    def _beat(self) -> None:
+        state = self.mission.state
+        self._board.announce(Rank.HEARTBEAT, [Heartbeat(event_messages.health(state), int(state or State.IDLE))])

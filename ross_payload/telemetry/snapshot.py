@@ -1,0 +1,91 @@
+"""How things stand at one moment, from what was heard last and what the actuator says at present."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ross_payload.angles import wrap
+from ross_payload.config import Config
+from ross_payload.interfaces import ActuatorState, Input
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """How things stand; angles in radians, counter-clockwise."""
+
+    mission_time: float = 0.0  # [s]
+    time_usec: int = 0  # [us]
+    unix: bool = False  # time_usec is UNIX time, else since boot
+    earth: bool = False  # headings are in the earth frame
+    heading: float | None = None
+    mount_yaw: float | None = None
+    present: bool = False  # an actuator reports; else what follows means nothing
+    joint: float | None = None
+    joint_rate: float | None = None  # [rad/s]
+    settled: bool = False
+    homed: bool = False
+    open_loop: bool = False
+    fault: str = ""
+    rotation_max: int = 0  # R
+    criterion: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """What everything else is told with."""
+
+    time_usec: int  # [us]
+    unix: bool
+    config: Config  # in force
+    open_loop: bool
+
+
+def standing(hop: Input | None, state: ActuatorState | None, moment: Moment) -> Snapshot:
+    """Return how things stand.
+
+    While the mission computes, what it heard last grows old; the actuator's own report does not.
+    """
+    if hop is None:
+        return _unheard(state, moment)
+    rate = moment.config.audio.rate_hz
+    seconds = hop.block.samples.shape[1] / rate
+    pointing = hop.pointing
+    turned = wrap(pointing.heading - hop.heading_start)
+    joint = pointing.joint if state is None else state.angle
+    return Snapshot(
+        mission_time=hop.block.index / rate + seconds,
+        time_usec=moment.time_usec,
+        unix=moment.unix,
+        earth=pointing.earth,
+        heading=wrap(pointing.at(joint)),
+        mount_yaw=pointing.base if pointing.earth else None,
+        present=True,
+        joint=joint,
+        joint_rate=turned / seconds if state is None else state.rate,
+        settled=hop.settled,
+        homed=state is None or state.homed,
+        open_loop=moment.open_loop,
+        fault=hop.fault or _fault(state),
+        rotation_max=moment.config.explore.max_rotations,
+        criterion=moment.config.exploit.criterion,
+    )
+
+
+def _unheard(state: ActuatorState | None, moment: Moment) -> Snapshot:
+    return Snapshot(
+        time_usec=moment.time_usec,
+        unix=moment.unix,
+        present=state is not None,
+        joint=None if state is None else state.angle,
+        joint_rate=None if state is None else state.rate,
+        settled=state is not None and state.settled,
+        homed=state is not None and state.homed,
+        open_loop=moment.open_loop,
+        fault=_fault(state),
+        rotation_max=moment.config.explore.max_rotations,
+        criterion=moment.config.exploit.criterion,
+    )
+
+
+def _fault(state: ActuatorState | None) -> str:
+    return "" if state is None or state.healthy else state.fault or "the actuator reports a fault"

@@ -1,0 +1,122 @@
+"""What an operator reads: few words about what matters, and not too often."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ross_payload.events import (
+    AlignmentPlanned,
+    Checked,
+    Doubted,
+    Event,
+    Finished,
+    GroupScore,
+    NoiseMeasured,
+    Outcome,
+    ScoreDropped,
+    Slipped,
+    SourcesEstimated,
+    State,
+    StateChanged,
+)
+from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
+from ross_payload.token_bucket import TokenBucket
+from ross_protocols.angle_text import rotation
+from ross_protocols.mavlink.codec import chunks
+from ross_protocols.mavlink.values import Severity, Text
+
+PREFIX = "RoSS: "
+SEVERITIES = {
+    Outcome.TARGET_FOUND: Severity.NOTICE,
+    Outcome.COMPLETED: Severity.INFO,
+    Outcome.FAULT: Severity.CRITICAL,
+}
+BURST = 8  # lines
+PERIOD = 2.0  # [s]
+ALWAYS = Severity.ERROR  # this and worse is never held back
+
+Line = tuple[Severity, str]
+
+
+def line(event: Event) -> Line | None:
+    """Return what to tell an operator about an event; None: nothing."""
+    said: Line | None = None
+    match event:
+        case StateChanged(state=State.LEAD_IN):
+            said = Severity.INFO, "mission started"
+        case NoiseMeasured(level_db=None):
+            said = Severity.WARNING, "no quiet lead-in: the noise level is unknown"
+        case SourcesEstimated(informed=True):
+            said = Severity.INFO, f"using {_count(event.estimate.k, 'known source')}, not exploring"
+        case SourcesEstimated(final=True):
+            found = f"{_count(event.estimate.k, 'source')} found after {_count(event.rotations, 'turn')}"
+            said = Severity.INFO, found
+        case AlignmentPlanned():
+            said = Severity.INFO, f"{_count(len(event.candidates), 'heading')} to try"
+        case Checked(accepted=int(group)):
+            said = Severity.NOTICE, f"target recognised: {_who(event.groups[group])}"
+        case ScoreDropped():
+            said = Severity.WARNING, f"target lost, score {event.value:.1f} below {event.criterion:.1f}"
+        case Slipped():
+            said = Severity.WARNING, f"all azimuths shifted by {rotation(event.shift, 0)}: the array has slipped"
+        case Doubted():
+            said = Severity.WARNING, f"exploring after all: {event.reason}"
+        case Finished():
+            said = SEVERITIES.get(event.outcome, Severity.WARNING), f"mission over: {event.reason}"
+    return said
+
+
+def microphone_text(before: AudioHealth, now: AudioHealth) -> Line | None:
+    """Return what to tell an operator about the microphones; None: nothing has changed."""
+    if now.trouble == before.trouble:
+        return None
+    if not now.trouble:
+        return Severity.NOTICE, "microphones recovered"
+    names = (trouble.name or "" for trouble in AudioTrouble if trouble and trouble in now.trouble)
+    return Severity.WARNING, f"microphones: {', '.join(name.lower().replace('_', ' ') for name in names)}"
+
+
+def recorder_text(before: RecordingStatus, now: RecordingStatus) -> Line | None:
+    """Return what to tell an operator about the recorder; None: nothing has changed."""
+    if now.state is before.state:
+        return None
+    if now.state in (RecordingState.FULL, RecordingState.BROKEN):
+        return Severity.WARNING, f"recording stopped: {now.reason}"
+    if now.state is RecordingState.ON:
+        return Severity.INFO, f"recording to {now.path}" if now.path else f"recording {now.name}"
+    return Severity.INFO, f"recorded {now.seconds:.0f} s to {now.path}" if now.path else "recording ended"
+
+
+def _who(group: GroupScore) -> str:
+    who = " or ".join(str(member) for member in group.members) or "unknown"
+    return f"source {who}, score {group.value:.1f}"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
+def operator_texts() -> TokenBucket:
+    """Return how many lines an operator reads at once and in the long run."""
+    return TokenBucket(BURST, 1 / PERIOD)
+
+
+def may_say(bucket: TokenBucket, severity: Severity, now: float) -> bool:
+    """Tell whether a line may go out at ``now`` [s]; errors always may."""
+    return severity <= ALWAYS or bucket.spend(now)
+
+
+class OperatorTexts:
+    """Puts lines into words that fit, not too many at once, and hands them on."""
+
+    def __init__(self, give: Callable[[list[Text]], None], now: Callable[[], float]) -> None:
+        self._give = give
+        self._now = now
+        self._bucket = operator_texts()
+        self._count = 0
+
+    def send(self, severity: Severity, text: str) -> None:
+        """Say a line, unless there were too many of late."""
+        if may_say(self._bucket, severity, self._now()):
+            self._count += 1
+            self._give(chunks(severity, PREFIX + text, self._count % 65535 + 1))

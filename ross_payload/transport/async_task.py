@@ -1,0 +1,46 @@
+"""What takes a while (looking up a host, saving a file) goes to a thread of its own; who polls looks in again."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+def begin(work: Callable[[], T]) -> Future[T]:
+    """Do something once on a thread that dies with the process; return where its result will be."""
+    future: Future[T] = Future()
+
+    def run() -> None:
+        try:
+            future.set_result(work())
+        except Exception as error:
+            future.set_exception(error)
+
+    threading.Thread(target=run, daemon=True, name="links").start()
+    return future
+
+
+class Backoff:
+    """How long to wait before the next attempt: longer every time, up to a limit.
+
+    >>> backoff = Backoff(first_s=0.5, longest_s=8.0)
+    >>> [backoff.wait() for _ in range(6)]
+    [0.5, 1.0, 2.0, 4.0, 8.0, 8.0]
+    """
+
+    def __init__(self, first_s: float = 0.5, longest_s: float = 8.0) -> None:
+        self._first, self._longest = first_s, longest_s
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin anew: it went well."""
+        self._next = self._first
+
+    def wait(self) -> float:
+        """Return the time until the next attempt [s]."""
+        now, self._next = self._next, min(2 * self._next, self._longest)
+        return now

@@ -1,0 +1,232 @@
+"""UDP: datagrams to one peer, and a port that answers those heard from."""
+
+from __future__ import annotations
+
+import select
+import socket
+from collections.abc import Callable, Collection
+from concurrent.futures import Future
+from dataclasses import replace
+
+from ross_payload.transport.async_task import Backoff, begin
+from ross_payload.transport.link_url import Udp
+from ross_payload.transport.ports import (
+    DEFAULTS,
+    MAX_PEERS,
+    MAX_READ_BYTES,
+    Counts,
+    Peer,
+    PortOptions,
+    reason,
+    with_failure,
+)
+
+MAX_DATAGRAM_BYTES = 2048
+MAX_DATAGRAMS = 512  # of one call: 50,000 a second, before the system drops what a flood leaves no room for
+BUFFER_BYTES = 1 << 20  # of datagrams that may wait with the system, which may grant less
+ALL_BYTES = MAX_DATAGRAMS * MAX_DATAGRAM_BYTES  # of one call, where what strangers say is thrown away unread
+
+
+class UdpPeer:
+    """Datagrams to and from one address.
+
+    Its host is looked up again after a failure, but for that nobody listens there: hosts and networks move. Until it
+    is known again the old socket stays in use.
+
+    Parameters
+    ----------
+    address
+        Whom to speak to.
+    now
+        Tells the time [s].
+    sock
+        What is open already; None: the host is looked up in the background.
+    options
+        How long the pauses between two attempts are.
+    """
+
+    def __init__(
+        self,
+        address: Udp,
+        now: Callable[[], float],
+        sock: socket.socket | None = None,
+        options: PortOptions = DEFAULTS,
+    ) -> None:
+        self._address = address
+        self._now = now
+        self._backoff = Backoff(options.first_pause_s, options.longest_pause_s)
+        self._retry_at = now()
+        self._opening: Future[socket.socket] | None = None
+        self._stale = sock is None
+        self._socket: socket.socket | None = None
+        self._events = select.epoll()
+        self.counts = Counts(up=False)
+        if sock is not None:
+            self._begin(sock)
+
+    def fileno(self) -> int:
+        """Return a descriptor that is readable when something has arrived."""
+        return self._events.fileno()
+
+    def send(self, frame: bytes) -> None:
+        """Send one datagram, if it is known where to."""
+        sock = self._socket
+        if sock is None:
+            self.counts = replace(self.counts, failed=self.counts.failed + 1)
+        else:
+            self._note(_sent(self.counts, lambda: sock.send(frame)))
+
+    def receive(self) -> list[bytes]:
+        """Return the datagrams that have arrived."""
+        if self._events.closed:
+            return []
+        if self._stale:
+            self._look_up(self._now())
+        if self._socket is None or not self._events.poll(0):
+            return []
+        datagrams, counts = _received(self._socket, self.counts, MAX_READ_BYTES)
+        self._note(counts)
+        if datagrams:
+            self._backoff.reset()
+        return [data for _, data in datagrams]
+
+    def close(self) -> None:
+        """Close the socket."""
+        if self._opening is not None:
+            self._opening.add_done_callback(lambda done: None if done.exception() else done.result().close())
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+        self._events.close()
+
+    def _note(self, counts: Counts) -> None:
+        self._stale = self._stale or counts.failed > self.counts.failed
+        self.counts = counts
+
+    def _look_up(self, now: float) -> None:
+        if self._opening is None and now >= self._retry_at:
+            self._opening = begin(lambda: open_udp(self._address))
+        elif self._opening is not None and self._opening.done():
+            opening, self._opening = self._opening, None
+            self._retry_at = now + self._backoff.wait()
+            try:
+                self._begin(opening.result())
+            except (OSError, ValueError) as error:  # a ValueError: a name that cannot be one
+                self.counts = replace(self.counts, error=reason(error), trouble=reason(error))
+
+    def _begin(self, sock: socket.socket) -> None:
+        if self._socket is not None:
+            self._events.unregister(self._socket)
+            self._socket.close()
+        self._socket, self._stale = sock, False
+        self._events.register(sock, select.EPOLLIN)
+        self.counts = replace(self.counts, up=True, trouble="")
+
+
+class UdpServer:
+    """Datagrams to everybody heard from or, where admission is required, to those admitted."""
+
+    connected = False
+
+    def __init__(self, sock: socket.socket) -> None:
+        self._socket = sock
+        self._peers: dict[Peer, None] = {}  # the latest heard from is last
+        self._admission = False
+        self.counts = Counts()
+
+    def fileno(self) -> int:
+        """Return a descriptor that is readable when something has arrived."""
+        return self._socket.fileno()
+
+    def require_admission(self) -> None:
+        """Send to admitted peers only."""
+        self._admission = True
+
+    def send(self, frame: bytes) -> None:
+        """Send one datagram to each peer."""
+        for peer in self._peers:
+            self.send_to(frame, peer)
+
+    def send_to(self, frame: bytes, peer: Peer) -> None:
+        """Send one datagram."""
+        self.counts = _sent(self.counts, lambda: self._socket.sendto(frame, peer))
+
+    def receive(self) -> list[bytes]:
+        """Return the datagrams that have arrived."""
+        return [data for _, data in self._arrived(MAX_READ_BYTES)]
+
+    def receive_from(self, now: float, busy: Collection[Peer], max_bytes: int = ALL_BYTES) -> list[tuple[Peer, bytes]]:
+        """Return the datagrams that have arrived and their senders; those of ``busy`` peers are dropped."""
+        return [(peer, data) for peer, data in self._arrived(max_bytes) if peer not in busy]
+
+    def admit(self, peer: Peer) -> None:
+        """Answer a peer; the one unheard for longest makes room."""
+        self._peers.pop(peer, None)
+        self._peers[peer] = None
+        if len(self._peers) > MAX_PEERS:
+            del self._peers[next(iter(self._peers))]
+
+    def expire(self, timeout: float, now: float) -> None:
+        """Datagrams have no connection that could be closed."""
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+    def _arrived(self, max_bytes: int) -> list[tuple[Peer, bytes]]:
+        datagrams, self.counts = _received(self._socket, self.counts, max_bytes)
+        if not self._admission:
+            for peer, _ in datagrams:
+                self.admit(peer)
+        return datagrams
+
+
+def open_udp(address: Udp) -> socket.socket:
+    """Open a UDP socket; looks the host up, which may take a while.
+
+    Raises
+    ------
+    OSError
+        When the system refuses.
+    """
+    family, kind, protocol, _, where = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_DGRAM)[0]
+    sock = socket.socket(family, kind, protocol)
+    try:
+        sock.setblocking(False)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
+        (sock.bind if address.listen else sock.connect)(where)
+    except OSError:
+        sock.close()
+        raise
+    return sock
+
+
+def _received(sock: socket.socket, counts: Counts, max_bytes: int) -> tuple[list[tuple[Peer, bytes]], Counts]:
+    """Read datagrams until they are ``max_bytes`` or more; return them, and what is counted then."""
+    found: list[tuple[Peer, bytes]] = []
+    size = 0
+    while size < max_bytes and len(found) < MAX_DATAGRAMS:
+        try:
+            data, peer = sock.recvfrom(MAX_DATAGRAM_BYTES)
+        except BlockingIOError:
+            break
+        except OSError as error:  # an earlier datagram found nobody
+            counts = with_failure(counts, error)
+            break
+        found.append((peer, data))
+        size += len(data)
+    return found, replace(counts, received=counts.received + size, trouble="" if found else counts.trouble)
+
+
+def _sent(counts: Counts, send: Callable[[], int]) -> Counts:
+    """Send one datagram; return what is counted then."""
+    for _ in range(2):
+        try:
+            send()
+        except ConnectionRefusedError as error:  # the news is of an earlier datagram; this one was not sent
+            counts = with_failure(counts, error)
+            continue
+        except OSError as error:
+            return with_failure(counts, error)
+        return replace(counts, sent=counts.sent + 1)
+    return counts

@@ -1,0 +1,1 @@
+"""What reaches the microphones: rooms, responses, noise."""

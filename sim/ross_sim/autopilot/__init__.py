@@ -1,0 +1,1 @@
+"""An autopilot that carries the payload and routes its messages."""

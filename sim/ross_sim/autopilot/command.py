@@ -1,0 +1,67 @@
+"""``ross autopilot``: a simulated autopilot in a process of its own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from contextlib import ExitStack
+from datetime import UTC, datetime
+
+import click
+
+EPILOG = """URLs are udpin:host:port, udpout:host:port, tcp:host:port, tcpin:host:port or serial:device:baud. Ctrl-C or
+SIGTERM ends it."""
+PERIOD = 0.002  # [s] between two looks at the links
+
+
+@click.command("autopilot", short_help="Simulate an autopilot between a payload and the ground.", epilog=EPILOG)
+@click.option(
+    "--link", "urls", metavar="URL", multiple=True, required=True, help="A link; can be given more than once."
+)
+@click.option("--system-id", type=click.IntRange(1, 255), default=1, show_default=True, help="Of the vehicle.")
+@click.option("--yaw", "yaw_deg", type=float, default=0.0, show_default=True, help="Clockwise from north [deg].")
+@click.option("--amplitude", "amplitude_deg", type=click.FloatRange(0, 180), default=0.0, show_default=True,
+              help="It yaws by this to either side [deg].")  # fmt: skip
+@click.option("--rate", "rate_deg_s", type=click.FloatRange(0, 360, min_open=True), default=10.0, show_default=True,
+              help="How fast it yaws [deg/s].")  # fmt: skip
+@click.option("--gps", is_flag=True, help="Send the UNIX time.")
+@click.option("--gimbal", "with_gimbal", is_flag=True, help="Add a simulated gimbal and be its gimbal manager.")
+def command(
+    *,
+    urls: Sequence[str],
+    system_id: int,
+    yaw_deg: float,
+    amplitude_deg: float,
+    rate_deg_s: float,
+    gps: bool,
+    with_gimbal: bool,
+) -> None:
+    """Simulate what a payload receives from an ArduPilot: attitude, time, a gimbal, and how it passes messages on.
+
+    Messages that it does not know, among them all of ours, it drops; what has a target goes only where that component
+    was heard; nothing goes back to where it came from.
+    """
+    from ross_payload.clock import SystemClock
+    from ross_payload.transport.open_port import open_port
+    from ross_sim.autopilot.managed_gimbal import CarriedGimbal
+    from ross_sim.autopilot.simulated_autopilot import BOOT, Autopilot, Yaw
+
+    clock = SystemClock()
+    begin = clock.now()
+    motion = Yaw(-math.radians(yaw_deg), math.radians(amplitude_deg), math.radians(rate_deg_s))
+    unix = datetime.now(tz=UTC).timestamp() if gps else None
+    carried = CarriedGimbal(clock, system_id, motion.at, BOOT) if with_gimbal else None
+    autopilot = Autopilot(motion, system_id=system_id, unix=unix, manager=None if carried is None else carried.manager)
+    with ExitStack() as stack:
+        if carried is not None:
+            autopilot.plug("gimbal", carried.port)
+        for url in dict.fromkeys(urls):
+            port = open_port(url, clock.now)
+            stack.callback(port.close)
+            autopilot.plug(url, port)
+        click.echo("ready")
+        while True:
+            if carried is not None:
+                carried.advance(clock.now() - begin)
+            autopilot.advance(clock.now() - begin)
+            clock.sleep(PERIOD)

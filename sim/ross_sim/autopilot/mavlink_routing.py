@@ -1,0 +1,66 @@
+"""How an ArduPilot passes on what it hears, after its MAVLink_routing.
+
+A link is learned when anything is heard on it, a component when it is heard. What has a target goes where that
+component was heard (of another vehicle or a ground station: any component), the rest to every learned link; nothing
+goes back to where it came from, and messages that the autopilot does not know go nowhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from pymavlink.dialects.v20 import ardupilotmega
+
+from ross_protocols.mavlink.codec import Packet
+
+KNOWN = frozenset(ardupilotmega.mavlink_map)  # message ids
+NEVER = frozenset((ardupilotmega.MAVLINK_MSG_ID_RADIO, ardupilotmega.MAVLINK_MSG_ID_RADIO_STATUS))
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """What becomes of a message."""
+
+    links: tuple[str, ...] = ()  # where it goes on
+    ours: bool = False  # whether the autopilot itself is meant
+
+
+class RoutingTable:
+    """The routes of one autopilot, component 1 of its system."""
+
+    def __init__(self, system_id: int) -> None:
+        self._own = (system_id, 1)
+        self._routes: dict[str, set[tuple[int, int]]] = {}
+
+    def way(self, link: str, packet: Packet) -> Way:
+        """Learn from a message that was heard on a link; return where it goes."""
+        sender = (packet.system_id, packet.component_id)
+        number = packet.message.get_msgId()
+        if number not in KNOWN or sender == self._own:
+            return Way()
+        self._routes.setdefault(link, set()).add(sender)
+        if number in NEVER:
+            return Way()
+        system = getattr(packet.message, "target_system", 0)
+        component = getattr(packet.message, "target_component", 0)
+        links = tuple(
+            other
+            for other, heard in self._routes.items()
+            if other != link and (not system or any(self._matches(system, component, route) for route in heard))
+        )
+        here = system in (0, self._own[0])
+        return Way(links, here and (component in (0, 1) or not links))
+
+    def toward(self, message: Any) -> tuple[str, ...]:
+        """Return the links for a message of the autopilot itself: where its target was heard, or all."""
+        system, component = getattr(message, "target_system", 0), getattr(message, "target_component", 0)
+        return tuple(
+            link
+            for link, heard in self._routes.items()
+            if not system or any(self._matches(system, component, route) for route in heard)
+        )
+
+    def _matches(self, system: int, component: int, route: tuple[int, int]) -> bool:
+        """Whether a target may be behind a route; of other systems every component is."""
+        return route[0] == system and (component in (0, route[1]) or system != self._own[0])

@@ -1,0 +1,224 @@
+"""An autopilot that behaves like an ArduPilot as far as a payload notices: attitude, time, routing.
+
+It flies nothing. It says where the vehicle points, answers TIMESYNC and requests for message rates, passes messages
+between its links as `routing` tells, and may manage a gimbal. Commands that it does not know it refuses; parameters and
+missions it has none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from ross_payload.transport.ports import Transport
+from ross_protocols.mavlink import gimbal_messages, vehicle
+from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
+from ross_protocols.mavlink.vehicle import AUTOPILOT, SystemTime, TimeSync, VehicleAttitude
+from ross_sim.autopilot.mavlink_routing import RoutingTable
+from ross_sim.devices.gimbal_manager import HANDLED, SET_ATTITUDE, ArduPilot
+
+HEARTBEAT, SYSTEM_TIME, ATTITUDE, TIMESYNC, GIMBAL_STATE = 0, 2, 30, 111, 286  # message ids
+PERIODS = {HEARTBEAT: 1.0, SYSTEM_TIME: 1.0, TIMESYNC: 10.0}  # [s], until somebody asks otherwise
+ADJUSTABLE = frozenset((SYSTEM_TIME, ATTITUDE, GIMBAL_STATE))
+MANAGED = (
+    gimbal_messages.MANAGER_INFORMATION,
+    gimbal_messages.MANAGER_STATUS,
+    gimbal_messages.DEVICE_INFORMATION,
+    gimbal_messages.DEVICE_ATTITUDE,
+)
+OF_MANAGER = (*MANAGED, SET_ATTITUDE, mavlink.MAVLINK_MSG_ID_COMMAND_LONG)  # what its gimbal manager says by itself
+EARLY = 1e-9  # [s], of rounding
+BOOT = 100.0  # what its clock shows when its life begins here [s]
+
+URL = "udpin:autopilot:1"  # names the link of the simulated autopilot; nothing is opened
+POLL = 0.010  # [s]
+
+
+@dataclass(slots=True)
+class _Plug:
+    """One link of the autopilot: its port, its ear and voice, and what is due there when."""
+
+    port: Transport
+    encoder: Encoder
+    periods: dict[int, float]  # [s] by message id
+    decoder: Decoder = field(default_factory=Decoder)
+    due: dict[int, float] = field(default_factory=dict)
+
+    def ready(self, now: float) -> list[int]:
+        """Ids of the messages that are due at ``now`` [s]; what was missed is not made up for."""
+        ready = [number for number in self.periods if now >= self.due.get(number, now) - EARLY]
+        for number in ready:
+            period = self.periods[number]
+            missed = math.floor((now - self.due.get(number, now) + EARLY) / period)
+            self.due[number] = self.due.get(number, now) + (missed + 1) * period
+        return ready
+
+
+class Autopilot:
+    """Component 1 of a vehicle that yaws.
+
+    Parameters
+    ----------
+    yaw
+        How it turns.
+    system_id
+        Of the vehicle.
+    attitude
+        Period of ATTITUDE until somebody asks for another one [s].
+    boot
+        What its clock shows at time 0 [s].
+    unix
+        UNIX time at time 0 [s]; None: it has no GPS.
+    silent
+        From when to when it says nothing [s].
+    manager
+        Of a gimbal, which is on one of its links; None: it has none.
+    """
+
+    def __init__(
+        self,
+        yaw: Yaw,
+        *,
+        system_id: int = 1,
+        attitude: float = 0.25,
+        boot: float = BOOT,
+        unix: float | None = None,
+        silent: Iterable[tuple[float, float]] = (),
+        manager: ArduPilot | None = None,
+    ) -> None:
+        self._yaw = yaw
+        self._system_id = system_id
+        self._periods = PERIODS | {ATTITUDE: attitude}
+        self._boot = boot
+        self._unix = unix
+        self._silent = tuple(silent)
+        self._router = RoutingTable(system_id)
+        self._manager = manager
+        self._plugs: dict[str, _Plug] = {}
+
+    def plug(self, name: str, port: Transport) -> None:
+        """Add a link."""
+        self._plugs[name] = _Plug(port, Encoder(self._system_id, AUTOPILOT), dict(self._periods))
+
+    def advance(self, now: float) -> None:
+        """Hear, pass on and say what is due at ``now`` [s]."""
+        for name, plug in self._plugs.items():
+            for data in plug.port.receive():
+                for packet in plug.decoder.feed(data):
+                    self._on_packet(name, packet, now)
+        if any(begin <= now < end for begin, end in self._silent):
+            return
+        for plug in self._plugs.values():
+            for number in plug.ready(now):
+                self._send(plug, self._message(number, now))
+        for message in self._manager.live(now) if self._manager is not None else ():
+            if message.get_msgId() in OF_MANAGER:
+                for name in self._router.toward(message):
+                    self._send(self._plugs[name], message)
+
+    def _on_packet(self, name: str, packet: Packet, now: float) -> None:
+        way = self._router.way(name, packet)
+        for other in way.links:
+            self._plugs[other].port.send(packet.frame)
+        if way.ours:
+            self._obey(self._plugs[name], packet, now)
+
+    def _obey(self, plug: _Plug, packet: Packet, now: float) -> None:
+        message, said = packet.message, vehicle.read(packet.message)
+        if isinstance(said, TimeSync) and said.answered is None:
+            self._send(plug, vehicle.time_sync(TimeSync(said.asked, round(self._shown(now) * 1e9))))
+        elif self._manager is not None and _for_manager(packet):
+            for answer in self._manager.on_packet(packet, now):
+                self._send(plug, answer)
+        elif packet.name in ("COMMAND_LONG", "COMMAND_INT") and message.target_system == self._system_id:
+            result = self._command(plug, message, now)
+            whom = {"target_system": packet.system_id, "target_component": packet.component_id}
+            self._send(plug, mavlink.MAVLink_command_ack_message(message.command, result, **whom))
+
+    def _command(self, plug: _Plug, message: Any, now: float) -> int:
+        number = int(message.param1) if math.isfinite(message.param1) else -1
+        if message.command == mavlink.MAV_CMD_REQUEST_MESSAGE and number in (*ADJUSTABLE, HEARTBEAT):
+            self._send(plug, self._message(number, now))
+        elif message.command == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL and number in ADJUSTABLE:
+            self._rate(plug, number, message.param2)
+        elif message.command == mavlink.MAV_CMD_REQUEST_MESSAGE:
+            return int(mavlink.MAV_RESULT_FAILED)
+        else:
+            return int(mavlink.MAV_RESULT_UNSUPPORTED)
+        return int(mavlink.MAV_RESULT_ACCEPTED)
+
+    def _rate(self, plug: _Plug, number: int, interval: float) -> None:
+        """Set an interval [us]; 0 means the usual one, -1 never."""
+        plug.periods.pop(number, None)
+        plug.due.pop(number, None)
+        if interval > 0:
+            plug.periods[number] = interval / 1e6
+        elif interval == 0 and number in self._periods:
+            plug.periods[number] = self._periods[number]
+
+    def _message(self, number: int, now: float) -> Any:
+        shown = self._shown(now)
+        if number == SYSTEM_TIME:
+            return vehicle.system_time(SystemTime(shown, None if self._unix is None else self._unix + now))
+        if number == TIMESYNC:
+            return vehicle.time_sync(TimeSync(round(shown * 1e9)))
+        if number in (ATTITUDE, GIMBAL_STATE):
+            at = VehicleAttitude(shown, self._yaw.at(now), 0.0, 0.0, self._yaw.rate(now))
+            return vehicle.attitude(at) if number == ATTITUDE else vehicle.gimbal_state(at)
+        kind, maker = mavlink.MAV_TYPE_QUADROTOR, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA
+        return mavlink.MAVLink_heartbeat_message(kind, maker, 1, 0, mavlink.MAV_STATE_STANDBY, 3)
+
+    def _shown(self, now: float) -> float:
+        """What its clock shows [s]."""
+        return now + self._boot
+
+    def _send(self, plug: _Plug, message: Any) -> None:
+        plug.port.send(plug.encoder.encode(message))
+
+
+def _for_manager(packet: Packet) -> bool:
+    """Tell whether something is for the gimbal manager of an autopilot: what gimbals say, and orders for them."""
+    if packet.name not in ("COMMAND_LONG", "COMMAND_INT"):
+        return packet.name.startswith("GIMBAL_")
+    asks = packet.message.command in (mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL)
+    return packet.message.param1 in MANAGED if asks else packet.message.command in HANDLED
+
+
+@dataclass(frozen=True, slots=True)
+class Yaw:
+    """A triangle wave around a mean: to and fro at a constant rate.
+
+    Radians, counter-clockwise. At time 0 it stands at its mean and turns counter-clockwise; an amplitude of 0 is rest.
+
+    >>> yaw = Yaw(mean=1.0, amplitude=0.5, speed=0.25)
+    >>> [yaw.at(time) for time in (0.0, 2.0, 4.0, 6.0, 8.0)]
+    [1.0, 1.5, 1.0, 0.5, 1.0]
+    >>> [yaw.rate(time) for time in (1.0, 3.0, 7.0)]
+    [0.25, -0.25, 0.25]
+    """
+
+    mean: float = 0.0  # [rad]
+    amplitude: float = 0.0  # [rad]
+    speed: float = 1.0  # [rad/s]
+
+    def turned(self, time: float) -> float:
+        """How far it has turned from its mean [rad] at ``time`` [s]."""
+        if self.amplitude == 0.0:
+            return 0.0
+        way = (self.speed * time + self.amplitude) % (4 * self.amplitude)  # since it stood at the lower end
+        return min(way, 4 * self.amplitude - way) - self.amplitude
+
+    def at(self, time: float) -> float:
+        """Where it points [rad] at ``time`` [s]."""
+        return self.mean + self.turned(time)
+
+    def rate(self, time: float) -> float:
+        """How fast it turns [rad/s] at ``time`` [s]."""
+        if self.amplitude == 0.0:
+            return 0.0
+        way = (self.speed * time + self.amplitude) % (4 * self.amplitude)
+        return math.copysign(self.speed, 2 * self.amplitude - way)

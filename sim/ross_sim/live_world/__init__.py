@@ -1,0 +1,1 @@
+"""The simulated world in real time, in a process of its own."""

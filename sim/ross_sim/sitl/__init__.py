@@ -1,0 +1,1 @@
+"""A whole mission in lock-step: scenario, plant, report."""

@@ -1,0 +1,153 @@
+"""``ross sitl``: the whole mission in a simulated room."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from ross_sim.sitl.page_observer import PageObserver
+
+INTERRUPTED = 130
+SERVE = "Accept commands from --telemetry until Ctrl-C (default, without --page: udpout:127.0.0.1:14550)."
+EPILOG = """Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by the user.
+
+URLs are udpin:host:port, udpout:host:port, tcp:host:port or serial:device:baud."""
+
+
+def _speed(context: click.Context, parameter: click.Parameter, value: str | None) -> float | None:
+    value = value or ("1" if context.params.get("serving") else "4" if context.params.get("page") else "max")
+    if value == "max":
+        return None
+    try:
+        speed = float(value)
+    except ValueError:
+        speed = 0.0
+    if not 0.01 <= speed <= 1000:
+        raise click.BadParameter(f"expected max or a number of times real time (0.01 to 1000), got '{value}'")
+    return speed
+
+
+def named_folder(context: click.Context, parameter: click.Parameter, value: str | None) -> Path | None:
+    """Take the name of a folder, which is not empty."""
+    if value == "":
+        raise click.BadParameter("expected the name of a folder, got nothing")
+    return None if value is None else Path(value)
+
+
+@click.command("sitl", short_help="Run the whole mission in a simulated room.", epilog=EPILOG)
+@click.option(
+    "--scenario", "-s", default="demo", show_default=True, help="Name of a built-in scenario, or a TOML file."
+)
+@click.option("--actuator", "-a", help="Actuator back end, instead of the scenario's.")
+@click.option("--separator", "-p", help="Separator, instead of the scenario's.")
+@click.option("--paper", is_flag=True, help="The paper's own methods and numbers instead of the scenario's.")
+@click.option("--informed", is_flag=True, help="Tell the mission where the talkers are instead of exploring.")
+@click.option("--seed", type=click.IntRange(min=0), help="Seed of everything random.")
+@click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
+@click.option("--target", help="Name of the talker to look for, or of an enrolled voice.")
+@click.option("--telemetry", "urls", multiple=True, help="URL to send MAVLink to; can be given more than once.")
+@click.option("--serve", "serving", is_flag=True, is_eager=True, help=SERVE)
+@click.option("--page", is_flag=True, is_eager=True, help="Serve the ground station's page until Ctrl-C.")
+@click.option("--speed", callback=_speed, help="max, or times real time; default: max, with --page 4, with --serve 1.")
+@click.option("--out", callback=named_folder, help="Folder for report, audio, picture and logs.")
+@click.option("--record", callback=named_folder, help="Record from start to end, in this folder, for `ross replay`.")
+@click.option("--json", "as_json", is_flag=True, help="Print only the report, as JSON.")
+def command(
+    *,
+    scenario: str,
+    out: Path | None,
+    speed: float | None,
+    record: Path | None,
+    serving: bool,
+    page: bool,
+    as_json: bool,
+    **changes: Any,
+) -> int:
+    """Run the whole mission in a simulated room, with the real drivers on simulated wires."""
+    from contextlib import nullcontext
+
+    from ross_sim.sitl.page_observer import page_observer
+
+    kept = _kept(record) if serving else record
+    with page_observer(out, kept) if page else nullcontext() as looking:
+        if looking is not None:
+            click.echo(f"the page: {looking.url}", err=as_json)
+        return _run(scenario, changes, looking, out=out, speed=speed, tape=record, serving=serving, as_json=as_json)
+
+
+def _kept(record: Path | None) -> Path:
+    """Return the folder for recordings of a served payload: they outlive it, and those of `ross run` are elsewhere."""
+    from ross_payload.sessions.session_store import home
+
+    return record or home().with_name("sitl-recordings")
+
+
+@contextmanager
+def _listing_recordings(folder: Path, as_json: bool) -> Iterator[None]:
+    """Say where recordings will lie, and in the end which ones were made."""
+    from ross_payload.sessions.catalog import described
+    from ross_payload.sessions.session_store import SessionStore
+
+    shelf = SessionStore(folder)
+    before = {kept.path for kept in shelf.all()}
+    if not as_json:
+        click.echo(f"recordings are kept in {folder}")
+    try:
+        yield
+    finally:
+        for kept in shelf.all():
+            if kept.path not in before:
+                click.echo(f"recorded {described(kept).seconds:.0f} s: {kept.path}", err=as_json)
+
+
+def _run(
+    scenario: str,
+    changes: dict[str, Any],
+    looking: PageObserver | None,
+    *,
+    out: Path | None,
+    speed: float | None,
+    tape: Path | None,
+    serving: bool,
+    as_json: bool,
+) -> int:
+    """Perform or serve what is wanted, and return the exit code."""
+    from contextlib import nullcontext
+
+    from ross_sim.sitl.mission_session import expected, perform
+    from ross_sim.sitl.mission_view import view_of, waiting
+    from ross_sim.sitl.results_folder import ResultsFolder
+    from ross_sim.sitl.serve import linked, serve
+    from ross_sim.sitl.summary import show
+    from ross_sim.sitl.talker_selection import directed, talkers_of
+
+    if serving and looking is not None:
+        changes["urls"] = (*changes["urls"], looking.link)
+    chosen = directed(scenario, changes)
+    if serving:
+        chosen = linked(chosen)
+        if not as_json:
+            click.echo(f"MAVLink at {', '.join(link.url for link in chosen.payload.links)}", err=True)
+    telling = _listing_recordings(_kept(tape), as_json) if serving else nullcontext()
+    with ResultsFolder(out) if out is not None else nullcontext() as folder, telling:
+        with waiting(as_json, f"{chosen.title}: preparing the voices"):
+            company = talkers_of(chosen, changes["speech"], changes["target"])
+        view = view_of(as_json, expected(chosen))
+        try:
+            if serving:
+                kept, always = _kept(tape), tape is not None
+                serve(chosen, company, view, out=folder, speed=speed, recordings=kept, always=always)
+                return 0
+            finished = perform(chosen, company, view, folder, speed, tape=tape, page=looking)
+        finally:
+            view.close()
+    show(finished, out, as_json)
+    outcome = int(finished.result.outcome)
+    if looking is not None and (outcome != INTERRUPTED or looking.stopped):
+        looking.linger(out is not None, aside=as_json)
+    return outcome

@@ -1,0 +1,297 @@
+"""One simulated mission from a scenario to its results: every part is real but the far ends of the wires."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from ross_payload.actuators.guard import Guard
+from ross_payload.actuators.registry import open_actuator
+from ross_payload.angles import wrap
+from ross_payload.audio.audio_files import WavWriter, write_wav
+from ross_payload.clock import SystemClock
+from ross_payload.config import Config, Link
+from ross_payload.config import Guard as Rules
+from ross_payload.errors import ConfigError, OutputError, refused_as
+from ross_payload.events import Event, Separated, SourcesEstimated, TurnStarted
+from ross_payload.health import RecordingState
+from ross_payload.interfaces import ActuatorState, Attitude, Clock, Input, Mount, Result, Services
+from ross_payload.mavlink import Router
+from ross_payload.mission.mission_sequence import mission
+from ross_payload.mount import fixed_mount, mount_of
+from ross_payload.notify import on_signal
+from ross_payload.orders import Stop
+from ross_payload.service.assemble import informed_of, settings_of, tools_of
+from ross_payload.service.runner import Observer, Runner
+from ross_payload.sessions import event_json
+from ross_payload.sessions.manifest import Beginning
+from ross_payload.sessions.recorder import DRAIN, Recorder
+from ross_payload.sessions.session_store import SessionStore
+from ross_payload.telemetry.component import Telemetry
+from ross_payload.timebase import Timebase
+from ross_sim.autopilot import simulated_autopilot as simulated
+from ross_sim.clock import SimClock
+from ross_sim.devices.far_end import FarEnd, far_end_of, wire
+from ross_sim.scenario import Cast, Scenario, Vehicle
+from ross_sim.sitl.mission_figure import draw
+from ross_sim.sitl.mission_view import MissionView
+from ross_sim.sitl.page_observer import PageObserver
+from ross_sim.sitl.report import EventLog, Truth, report
+from ross_sim.sitl.results_folder import ResultsFolder
+from ross_sim.sitl.talker_selection import TalkerSelection
+from ross_sim.sitl.world import World
+
+POLL = 0.010  # [s] between two polls of drivers and links
+Looking = AbstractContextManager[list[Observer]]
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """What is left of a mission."""
+
+    result: Result
+    report: dict[str, Any]
+    timing: dict[str, float]
+    complaints: tuple[str, ...]  # of the simulated hardware
+
+
+@dataclass(slots=True)
+class Collector:
+    """Follows a mission: keeps its events, writes the mixture and the event log as they happen."""
+
+    mixture: WavWriter | None
+    story: EventLog = field(default_factory=EventLog)
+
+    def on_input(self, hop: Input) -> None:
+        """Write one hop of the mixture."""
+        if self.mixture is not None:
+            self.mixture.write(hop.block.samples)
+
+    def on_event(self, event: Event, hop: Input) -> None:
+        """Keep the event, and the frame of its angles."""
+        self.story.events.append(event)
+        if isinstance(event, (SourcesEstimated, TurnStarted)):
+            self.story.earth = hop.pointing.earth
+
+
+class Pace(MissionView):
+    """Holds simulated time back to ``speed`` times real time."""
+
+    def __init__(self, speed: float) -> None:
+        self._speed = speed
+        self._clock = SystemClock()
+        self._start = self._clock.now()
+
+    def on_input(self, hop: Input) -> None:
+        """Wait until the hop would have been over."""
+        self._clock.sleep(self._start + hop.block.time / self._speed - self._clock.now())
+
+
+def perform(
+    scenario: Scenario,
+    company: TalkerSelection,
+    view: MissionView,
+    out: ResultsFolder | None,
+    speed: float | None,
+    *,
+    tape: Path | None = None,
+    page: PageObserver | None = None,
+) -> Finished:
+    """Run one mission in lock-step, write its results, record it in the folder ``tape``, and let ``page`` look on."""
+    wall = SystemClock()
+    started = wall.now()
+    config = scenario.payload
+    clock = SimClock()
+    with ExitStack() as stack, threadpool_limits(limits=1):
+        links = stack.enter_context(Router.open(config.links, clock, system_id=config.telemetry.system_id))
+        far_end = far_end_of(config)
+        cast = scenario.cast(company.voices)
+        world = World(scenario, cast.talkers, far_end, clock, config.seed)
+        collector = Collector(_wav(stack, out, config))
+        actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
+        _find(actuator, far_end, clock, config.guard)
+        stack.enter_context(world.source)
+        mount, _ = aboard(scenario, clock, links)
+        clock.every(POLL, links.poll)
+        recorder = stack.enter_context(taped(tape, _beginning(scenario, company, actuator), clock, links))
+        runner = _runner(scenario, company, world, actuator, mount, recorder=recorder)
+        aside: Looking = nullcontext([]) if page is None else page.aboard(config, clock, actuator, runner.order)
+        looking = stack.enter_context(aside)  # before the telemetry, which then waits for nobody at its end
+        tlog = out.staging / "mission.tlog" if out is not None else None
+        telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
+        runner.observers = [collector, telemetry, *looking, view, *([Pace(speed)] if speed else [])]
+        runner.observers += [] if recorder is None else [recorder]
+        ready = wall.now()
+        with on_signal(lambda _: runner.order(Stop())):
+            result = runner.run()
+        done = wall.now()
+    truth = _truth(world, cast, company.target, room_yaw(scenario))
+    values = report(collector.story, truth, result, _configuration(scenario, config))
+    if far_end.complaints():
+        values["complaints"] = far_end.complaints()
+    timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": clock.now()}
+    timing["times_real_time"] = clock.now() / max(done - ready, 1e-9)
+    if out is not None:
+        _write(out, collector.story, truth, values, scenario)
+        timing["results_s"] = wall.now() - done
+        out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
+    return Finished(result, values, timing, tuple(far_end.complaints()))
+
+
+def expected(scenario: Scenario) -> float:
+    """About how long the mission will take [s], if the explorer is certain half-way and the second candidate is it."""
+    explore, exploit = scenario.payload.explore, scenario.payload.exploit
+    rotations = 0.0 if scenario.payload.informed else (explore.min_rotations + explore.max_rotations) / 2
+    return explore.lead_in_s + rotations * (explore.unit_s + 1.0) + 2 * (exploit.check_s + 2.0) + exploit.run_s
+
+
+def room_yaw(scenario: Scenario) -> float:
+    """Where the room's first axis points [rad], from which azimuths of talkers count, in the frame of the mount."""
+    if scenario.vehicle is None or scenario.payload.mount.source == "fixed":
+        return fixed_mount(scenario.payload).attitude(0.0).yaw
+    return scenario.vehicle.motion().mean
+
+
+def aboard(scenario: Scenario, clock: SimClock, links: Router) -> tuple[Mount, Timebase]:
+    """Make the mount, the time, and the autopilot that tells them, if there is one."""
+    config, timebase = scenario.payload, Timebase(clock)
+    if scenario.vehicle is not None:
+        _attach_autopilot(scenario.vehicle, clock, links, config.seed)
+    timebase.attach(links.component(config.telemetry.component_id))
+    return mount_of(config, clock, links, timebase), timebase
+
+
+def _attach_autopilot(vehicle: Vehicle, clock: SimClock, links: Router, seed: int) -> None:
+    """Attach an autopilot to the payload's links, over a wire that takes its time."""
+    autopilot = simulated.Autopilot(vehicle.motion(), attitude=1 / vehicle.attitude_hz, silent=vehicle.silent)
+    payload_end, own_end = wire(clock, vehicle.latency_ms / 1e3, vehicle.jitter_ms / 1e3, seed)
+    links.attach(Link(url=simulated.URL, role="autopilot"), payload_end)
+    autopilot.plug("payload", own_end)
+    clock.every(simulated.POLL, lambda: autopilot.advance(clock.now()))
+
+
+def _find(actuator: Guard, far_end: FarEnd, clock: SimClock, rules: Rules) -> None:
+    """Give an actuator that has to be looked for, or has to look for its zero, time before the sound begins."""
+    far_end.advance(clock.now())
+    actuator.poll(clock.now())
+    _wait(actuator, clock, lambda state: state.healthy, rules.watchdog_s)
+    if not actuator.state().homed:
+        actuator.home()
+        _wait(actuator, clock, lambda state: state.homed, rules.max_move_s)
+
+
+def _wait(actuator: Guard, clock: SimClock, done: Callable[[ActuatorState], bool], timeout: float) -> None:
+    end = clock.now() + timeout
+    while not done(actuator.state()) and clock.now() < end:
+        clock.sleep(POLL)
+        actuator.poll(clock.now())
+
+
+def _beginning(scenario: Scenario, company: TalkerSelection, actuator: Guard) -> Beginning:
+    """What a replay must know."""
+    travel, yaw = actuator.capabilities, room_yaw(scenario)
+    config, print_ = scenario.payload, company.synthetic
+    return Beginning("mission", config, travel.lower, travel.upper, company.target, yaw=yaw, synthetic=print_)
+
+
+def _runner(
+    scenario: Scenario,
+    company: TalkerSelection,
+    world: World,
+    actuator: Guard,
+    mount: Mount,
+    *,
+    recorder: Recorder | None,
+) -> Runner:
+    config, travel = scenario.payload, actuator.capabilities
+    voiceprint = company.voiceprint if recorder is None else recorder.noting(company.voiceprint)
+    settings, tools = settings_of(config, travel.lower, travel.upper), tools_of(config, voiceprint)
+    informed = informed_of(config, Attitude(room_yaw(scenario)))
+    brain = mission(settings, tools, informed, config.informed.target if config.informed else None)
+    runner = Runner(brain, world.source, actuator, mount, config=config, clock=world.clock)
+    world.clock.every(POLL, runner.poll)
+    return runner
+
+
+def _wav(stack: ExitStack, out: ResultsFolder | None, config: Config) -> WavWriter | None:
+    if out is None:
+        return None
+    return stack.enter_context(WavWriter(out.staging / "mixture.wav", config.audio.rate_hz, channels=2))
+
+
+def _truth(world: World, cast: Cast, target: str, yaw: float) -> Truth:
+    return Truth(
+        names=tuple(voice.name for voice in cast.talkers),
+        azimuths=np.array([wrap(azimuth + yaw) for azimuth in world.azimuths]),
+        elevations=np.array(world.elevations),
+        images=world.images(),
+        mixture=world.mixture()[0],
+        target=target,
+    )
+
+
+def _configuration(scenario: Scenario, config: Config) -> dict[str, Any]:
+    values: dict[str, Any] = scenario.model_dump(mode="json", exclude={"payload": {"links"}})
+    return values | {"seed": config.seed}
+
+
+def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, Any], scenario: Scenario) -> None:
+    config = scenario.payload
+    rate = config.audio.rate_hz
+    out.write_json("report.json", values)
+    out.write_text("events.jsonl", "".join(map(event_json.line, story.events)))
+    separated: Separated | None = story.last(Separated)
+    if separated is not None:
+        for index, voice in enumerate(separated.voices):
+            name = "target.wav" if index == separated.target else f"group-{index}.wav"
+            write_wav(out.staging / name, voice, rate)
+    unit = config.array.spacing_m / config.array.speed_of_sound_m_s
+    with out.writing("mission.png") as path:
+        draw(path, story, truth, rate=rate, unit=unit, title=scenario.title)
+
+
+@contextmanager
+def taped(folder: Path | None, begin: Beginning, clock: Clock, links: Router) -> Iterator[Recorder | None]:
+    """Give a recorder that makes one session in ``folder``, from the first Input to the end; None for no folder.
+
+    Raises
+    ------
+    ConfigError
+        When the folder cannot be made.
+    OutputError
+        At the end, when the disk did not take everything.
+    """
+    if folder is None:
+        yield None
+        return
+    with refused_as(ConfigError, f"--record {folder}: cannot be made"):
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    config = begin.config
+    limits = config.recording.model_copy(update={"always": True})
+    first = iter([begin])
+    with Recorder(SessionStore(folder), limits, lambda: next(first, None)) as recorder:
+        component = links.component(config.telemetry.component_id)
+        component.tap(lambda frame: recorder.on_frame(round(clock.now() * 1e6), frame))
+        with drained(clock)(recorder):
+            yield recorder
+    status = recorder.status()
+    if status.state in (RecordingState.FULL, RecordingState.BROKEN):
+        raise OutputError(f"--record {folder}: the recording is not whole: {status.reason}")
+
+
+def drained(clock: Clock) -> Callable[[Recorder], AbstractContextManager[None]]:
+    """Return what has a recorder write in simulated time."""
+
+    @contextmanager
+    def draining(recorder: Recorder) -> Iterator[None]:
+        cancel = clock.every(DRAIN, recorder.drain)
+        yield
+        cancel()
+
+    return draining

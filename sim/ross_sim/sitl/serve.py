@@ -1,0 +1,143 @@
+"""``ross sitl --serve``: the living payload in a simulated room, on real sockets, until it is told to go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from ross_payload.actuators.registry import checked_options
+from ross_payload.actuators.wires import open_wire
+from ross_payload.config import Config, Link
+from ross_payload.config.parameter_store import Parameters
+from ross_payload.dronecan.shared_bus import SharedBuses
+from ross_payload.interfaces import Clock, Input, Port
+from ross_payload.mavlink import Router
+from ross_payload.notify import on_signal
+from ross_payload.orders import Shutdown
+from ross_payload.service.payload import Parts, assembled
+from ross_payload.service.runner import Observer
+from ross_payload.sessions.session_store import SessionStore
+from ross_payload.telemetry.computer import ComputerReader
+from ross_sim.clock import SimClock
+from ross_sim.devices.far_end import FarEnd, far_end_of
+from ross_sim.live_world.world_loop import STRETCH
+from ross_sim.scenario import Scenario
+from ross_sim.sitl.ground_truth import TruthWriter, facts
+from ross_sim.sitl.mission_session import Pace, aboard, drained
+from ross_sim.sitl.mission_view import MissionView
+from ross_sim.sitl.results_folder import ResultsFolder
+from ross_sim.sitl.talker_selection import TalkerSelection
+from ross_sim.sitl.world import World
+
+GROUND_STATION = "udpout:127.0.0.1:14550"  # where ground stations listen, `ross ground` and `ross monitor` among them
+
+
+def serve(
+    scenario: Scenario,
+    company: TalkerSelection,
+    view: MissionView,
+    *,
+    out: ResultsFolder | None,
+    speed: float | None,
+    recordings: Path,
+    always: bool,
+) -> None:
+    """Live until SIGINT or SIGTERM; nothing turns before somebody orders it.
+
+    Parameters
+    ----------
+    out
+        Folder for the truth.
+    speed
+        Times real time; None: as fast as the computer can.
+    recordings
+        Folder that keeps what is recorded.
+    always
+        Record from start to end, not only on request.
+    """
+    scenario = _adapted(scenario, company, always=always)
+    with ExitStack() as stack, threadpool_limits(limits=1):
+        cast = scenario.cast(company.voices)
+        far_end = far_end_of(scenario.payload)
+        world = World(scenario, cast.talkers, far_end, SimClock(), scenario.payload.seed)
+        parts = _parts(scenario, company, world, far_end=far_end, recordings=recordings, stack=stack)
+        if speed:  # somebody watches it live; else it is the same on every computer
+            parts = replace(parts, computer=ComputerReader(parts.shelf.folder))
+        truth = stack.enter_context(TruthWriter(out, world.rate, len(cast.talkers)))
+        observers: list[Observer] = [view, GroundTruthObserver(world, truth), *([Pace(speed)] if speed else [])]
+        with assembled(parts, tuple(observers)) as runner, on_signal(lambda _: runner.order(Shutdown())):
+            runner.run()
+        truth.write(world.drain())
+        truth.finish(facts(scenario, cast) | {"complaints": far_end.complaints()})
+
+
+def linked(scenario: Scenario) -> Scenario:
+    """Return the scenario with a link: to `GROUND_STATION` unless it has one, since nobody could command it."""
+    if scenario.payload.links:
+        return scenario
+    payload = scenario.payload.model_copy(update={"links": (Link(url=GROUND_STATION),)})
+    return scenario.model_copy(update={"payload": payload})
+
+
+def _adapted(scenario: Scenario, company: TalkerSelection, *, always: bool) -> Scenario:
+    """The scenario with a payload that seeks the target, and records from start to end when ``always``."""
+    config = scenario.payload
+    service = config.service.model_copy(update={"target": company.target})
+    recording = config.recording.model_copy(update={"always": always})
+    return scenario.model_copy(
+        update={"payload": config.model_copy(update={"service": service, "recording": recording})}
+    )
+
+
+def _parts(
+    scenario: Scenario, company: TalkerSelection, world: World, *, far_end: FarEnd, recordings: Path, stack: ExitStack
+) -> Parts:
+    config, clock = scenario.payload, world.clock
+    state = Path(stack.enter_context(TemporaryDirectory(prefix="ross-sitl-")))
+    links = stack.enter_context(Router.open(config.links, clock, system_id=config.telemetry.system_id, state=state))
+    mount, timebase = aboard(scenario, clock, links)
+    return Parts(
+        clock=clock,
+        source=world.source,
+        open_port=SharedBuses(_opener(config, far_end, clock), clock).open,
+        links=links,
+        mount=mount,
+        timebase=timebase,
+        parameters=stack.enter_context(Parameters(config, state / "params.toml")),
+        shelf=SessionStore(recordings),
+        drained=drained(clock),
+        voiceprint=company.voiceprint,
+        state=state,
+        rng=np.random.default_rng(config.seed),
+    )
+
+
+def _opener(config: Config, far_end: FarEnd, clock: Clock) -> Callable[[str], Port]:
+    """Return what opens wires: our node's bus is a real one, unless it is the one of the simulated actuator."""
+    simulated = getattr(checked_options(config), "port", "")
+
+    def open_port(url: str) -> Port:
+        return open_wire(url, clock) if url == config.dronecan.port != simulated else far_end.port
+
+    return open_port
+
+
+class GroundTruthObserver(MissionView):
+    """Writes what is true while the payload lives, so that nothing grows."""
+
+    def __init__(self, world: World, truth: TruthWriter) -> None:
+        self._world = world
+        self._truth = truth
+        self._hops = 0
+
+    def on_input(self, hop: Input) -> None:
+        """Take a stretch of the world now and then."""
+        self._hops += 1
+        if self._hops % STRETCH == 0:
+            self._truth.write(self._world.drain())

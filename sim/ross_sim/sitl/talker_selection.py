@@ -1,0 +1,99 @@
+"""From a command line to a scenario with voices, and the voice print of its target."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ross_payload.config import Informed, Link, as_in_paper, validated
+from ross_payload.errors import ConfigError, unknown
+from ross_payload.interfaces import VoicePrint
+from ross_payload.voiceprint import VoicePrintModel, VoiceStore, enrol
+from ross_sim.scenario import Scenario, load
+from ross_sim.talkers.speech import TalkerVoice
+from ross_sim.talkers.synthetic_voices import voices_of
+
+
+@dataclass(frozen=True, slots=True)
+class TalkerSelection:
+    """The voices to cast from, and the one to look for."""
+
+    voices: tuple[TalkerVoice, ...]
+    target: str
+    voiceprint: VoicePrint
+    synthetic: VoicePrintModel | None = None  # the same, of a target that is no person
+
+
+def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
+    """Load a scenario and apply what the command line asks for instead."""
+    loaded = load(scenario)
+    payload = as_in_paper(loaded.payload) if changes["paper"] else loaded.payload
+    if changes["actuator"] and changes["actuator"] != payload.actuator.kind:
+        payload = _with(payload, actuator=type(payload.actuator)(kind=changes["actuator"]))
+    if changes["separator"]:
+        payload = _with(payload, exploit=_with(payload.exploit, separator=changes["separator"]))
+    if changes["urls"]:
+        payload = _with(payload, links=tuple(Link(url=url) for url in changes["urls"]))
+    if changes["informed"]:
+        payload = _with(payload, informed=informed_by(loaded))
+    if changes["seed"] is not None:
+        payload = _with(payload, seed=changes["seed"])
+    if changes["target"]:
+        loaded = _with(loaded, target=0)  # whoever the file names is not asked for
+    changed: Scenario = _with(loaded, payload=payload)
+    return changed
+
+
+def informed_by(scenario: Scenario) -> Informed:
+    """What somebody who sees every talker would tell the mission.
+
+    Raises
+    ------
+    ConfigError
+        When there is nobody to tell of, or more than can be told.
+    """
+    if not scenario.talkers:
+        raise ConfigError("--informed: expected a scenario with talkers, got one without")
+    values = {"azimuths_deg": [round(math.degrees(azimuth), 6) for azimuth in scenario.azimuths()]}
+    if len(scenario.room.size_m) == 3:
+        values["elevations_deg"] = [round(math.degrees(elevation), 6) for elevation in scenario.elevations()]
+    return validated(Informed, values, "--informed")
+
+
+def talkers_of(scenario: Scenario, speech: Path | None, target: str | None) -> TalkerSelection:
+    """Load the voices and enrol the target: a talker's name, a voice not in the room, or one enrolled before.
+
+    A target that is asked for by name is the first to be given a part.
+
+    Raises
+    ------
+    ConfigError
+        When there are too few voices, or nobody knows the target.
+    """
+    rate = scenario.payload.audio.rate_hz
+    voices = voices_of(speech, rate)
+    if target is None:
+        voice = scenario.cast(voices).target
+    else:
+        found = next((voice for voice in voices if voice.name == target), None)
+        if found is None:
+            return TalkerSelection(voices, target, _enrolled(target, voices))
+        voice = found
+        voices = (voice, *(other for other in voices if other is not voice))
+    voiceprint = enrol(voice.enrolment, voice.rate)
+    return TalkerSelection(voices, voice.name, voiceprint, voiceprint if speech is None else None)
+
+
+def _enrolled(target: str, voices: tuple[TalkerVoice, ...]) -> VoicePrint:
+    store = VoiceStore.default()
+    if target not in store.names():
+        known = sorted({voice.name for voice in voices} | set(store.names()))
+        raise ConfigError(f"--target: {unknown('voice', target, known)}")
+    return store.load(target)
+
+
+def _with(model: Any, **changes: Any) -> Any:
+    return model.model_copy(update=changes)

@@ -1,0 +1,152 @@
+"""How well geometry predicts what a heading gains: `python -m ross_sim.study.predicted_gain_study`.
+
+Random layouts of K talkers (`separation`, `rooms`) are heard at headings all around and at the headings that the rules
+would choose; the local Gaussian model separates everybody at each of them. The first table says what is lost by the
+heading that a rule chooses against the best of all that were heard (the regret), and how the prediction ranks them; the
+second what the constants of `ross_payload.alignment.predicted_gain` are by least squares on these very rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+import click
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import spearmanr
+from threadpoolctl import threadpool_limits
+
+from ross_payload import plugins
+from ross_payload.alignment import predicted_gain
+from ross_payload.alignment.plan import isolation
+from ross_payload.angles import Real
+from ross_payload.errors import RossError
+from ross_payload.interfaces import Separator
+from ross_sim.study.mixtures import RATE, aligned_heading, gains, layouts, record
+from ross_sim.study.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting
+from ross_sim.study.study_design import Study
+from ross_sim.study.talker_placement import Source, check_voices, voices_of
+
+GRID: Real = np.deg2rad(np.arange(0.0, 180.0, 0.5))  # headings that argmax tries
+RULES: dict[str, Callable[[Real, int, float], float]] = {
+    "gain": lambda azimuths, target, direct: float(predicted_gain.best_headings(azimuths, directness=direct)[target]),
+    "paper": lambda azimuths, target, _: aligned_heading(azimuths, target),
+    "argmax": lambda azimuths, target, _: float(GRID[_isolation(azimuths, GRID)[target].argmax()]),
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """What one target gains at every heading of one layout."""
+
+    azimuths: Real  # [rad], (n_sources,)
+    target: int
+    directness: float
+    headings: Real  # [rad], (n_headings,)
+    si_sdri_db: Real  # (n_headings,)
+
+    def at(self, rule: str) -> float:
+        """SI-SDRi [dB] at the heading that a rule chooses."""
+        heading = RULES[rule](self.azimuths, self.target, self.directness)
+        return float(self.si_sdri_db[np.abs(np.sin(self.headings - heading)).argmin()])
+
+    @property
+    def predicted(self) -> Real:
+        """Predicted gain [dB], (n_headings,)."""
+        return np.asarray(
+            predicted_gain.predicted_gain(self.azimuths, self.headings, directness=self.directness)[self.target]
+        )
+
+    @property
+    def regret_db(self) -> dict[str, float]:
+        """Best SI-SDRi less that of every rule [dB], and of the mean heading."""
+        best = float(self.si_sdri_db.max())
+        return {**{rule: best - self.at(rule) for rule in RULES}, "mean": best - float(self.si_sdri_db.mean())}
+
+
+def curves(
+    voices: Sequence[Real], n_sources: int, setting: Setting, count: int, seed: int, *, step_deg: float
+) -> Iterator[Curve]:
+    """Every talker of ``count`` random layouts as the target, at headings all around and those of every rule."""
+    direct = float(setting.t60 == 0)
+    separator: Separator = plugins.load("ross_payload.separators", "gaussian")
+    for index, azimuths in enumerate(layouts(n_sources, count, np.random.default_rng([seed, n_sources]))[1:]):
+        cast = np.random.default_rng([seed, index]).permutation(len(voices))[:n_sources]
+        chosen = [rule(azimuths, k, direct) for rule in RULES.values() for k in range(n_sources)]
+        headings = np.array([*np.deg2rad(np.arange(0.0, 180.0, step_deg)), *chosen]) % np.pi
+        heard = [
+            gains(separator, record([voices[i] for i in cast], azimuths, 0, heading, setting, rng=rng))
+            for heading in headings.tolist()
+            for rng in [np.random.default_rng([seed, index, round(heading * 1e6)])]
+        ]
+        for target, values in enumerate(np.transpose(heard)):
+            yield Curve(azimuths, target, direct, headings, values)
+
+
+def fit(found: Sequence[Curve]) -> Real:
+    """Least-squares (s, r, m) of curves in one room, less troubled by outliers (soft L1)."""
+
+    def misfit(constants: Real) -> Real:
+        return np.concatenate([_gain(curve, *np.abs(constants)) - curve.si_sdri_db for curve in found])
+
+    return np.abs(least_squares(misfit, (0.25, 0.05, 0.02), loss="soft_l1").x)
+
+
+def _gain(curve: Curve, reach: float, echoes: float, between: float) -> Real:
+    """The prediction of `gain` with other constants and without b."""
+    tau = np.cos(curve.azimuths[:, None] - curve.headings)
+    ahead = np.delete(tau, curve.target, axis=0) - tau[curve.target]
+    phantom = (ahead.min(axis=0) < 0) & (ahead.max(axis=0) > 0)
+    return np.asarray(-10 * np.log10(echoes + between * phantom + np.exp(-np.abs(ahead) / reach).mean(axis=0)))
+
+
+def _isolation(azimuths: Real, headings: Real) -> Real:
+    return isolation(azimuths, headings, SPACING, SPEED_OF_SOUND)
+
+
+def line(name: str, n_sources: int, found: Sequence[Curve]) -> str:
+    """One line of the table of regrets."""
+    regrets = [curve.regret_db for curve in found]
+    ranks = [float(spearmanr(curve.predicted, curve.si_sdri_db).statistic) for curve in found]
+    cells = " ".join(f"{np.mean([regret[rule] for regret in regrets]):8.2f}" for rule in regrets[0])
+    best = np.mean([curve.si_sdri_db.max() for curve in found])
+    return f"{name:5} K{n_sources} {best:8.2f} {cells} {np.mean(ranks):8.2f} ({len(found)} targets)"
+
+
+@click.command()
+@click.option("--speech", type=click.Path(path_type=Path), default=Path("../shared/speech"), show_default=True)
+@click.option("--rooms", default=",".join(PLANES), show_default=True, help=f"Of {','.join(SETTINGS)}.")
+@click.option("--k", "sizes", default="2,3,4,5", show_default=True, help="Numbers of talkers.")
+@click.option("--layouts", "count", type=click.IntRange(min=1), default=4, show_default=True)
+@click.option("--step-deg", type=click.FloatRange(1, 90), default=15.0, show_default=True)
+@click.option("--seconds", type=click.FloatRange(2, 10), default=6.0, show_default=True)
+@click.option("--seed", type=int, default=0, show_default=True)
+def main(*, speech: Path, rooms: str, sizes: str, count: int, step_deg: float, seconds: float, seed: int) -> None:
+    """Print what is lost [dB] by the heading of every rule, and the constants that fit best."""
+    names = rooms.split(",")
+    unknown = [name for name in names if name not in SETTINGS]
+    if unknown:
+        raise click.UsageError(f"room '{unknown[0]}' is unknown; there are: {', '.join(SETTINGS)}")
+    found: dict[str, list[Curve]] = {name: [] for name in names}
+    click.echo("             best " + " ".join(f"{rule:>8}" for rule in (*RULES, "mean", "rank")))
+    try:
+        talkers = voices_of(Source(speech, (), RATE))
+        check_voices(talkers, Study(run_s=seconds))
+        voices = [voice.speech[: round(seconds * RATE)] for voice in talkers]
+        for name, size in product(names, [int(size) for size in sizes.split(",")]):
+            with threadpool_limits(1):
+                cell = list(curves(voices, size, SETTINGS[name], count, seed, step_deg=step_deg))
+            click.echo(line(name, size, cell))
+            found[name] += cell
+    except RossError as error:
+        raise click.ClickException(str(error)) from error
+    for name, cell in found.items():
+        reach, echoes, between = fit(cell)
+        click.echo(f"{name:5} s = {reach:.3f} d / v_p, r = {echoes:.3f}, m = {between:.3f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,246 @@
+"""What a study measures: its axes, its presets, and the tasks that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from itertools import product
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import ConfigDict, Field, field_validator
+
+from ross_payload import plugins
+from ross_payload.config import Positive, Table, read_toml, validated
+from ross_payload.dsp.stft import Stft
+from ross_payload.errors import ConfigError, unknown
+from ross_payload.interfaces import Explorer
+from ross_payload.plugin_checks import checked_explorer, load_separator
+from ross_sim.cache import fingerprint
+from ross_sim.study.oracle_separators import ORACLES
+from ross_sim.study.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND
+
+Frame = Annotated[int, Field(ge=128, le=8192, multiple_of=2)]
+Overlap = Annotated[float, Field(ge=0.25, le=0.9)]
+STOP = "stop"  # the schedule that ends where the explorer is certain
+
+
+class Study(Table):
+    """The axes of a study and what all its cases share; every combination of the axes is a case."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+    settings: Annotated[tuple[str, ...], Field(min_length=1)] = PLANES  # rooms
+    k: Annotated[tuple[Annotated[int, Field(ge=1, le=8)], ...], Field(min_length=1)] = (3, 4, 5)  # talkers
+    layouts: Annotated[int, Field(ge=0)] = 5  # random ones
+    paper_layout: bool = True  # the paper's layout comes first; K up to 5
+    starts: Annotated[int, Field(ge=1, le=180)] = 1  # start headings, evenly over half a turn
+    separators: tuple[str, ...] = ("duet", "auxiva", "gaussian")  # plug-ins and oracles; none: explore only
+    noise: Annotated[tuple[Literal["known", "unknown"], ...], Field(min_length=1)] = ("known",)  # to the separators
+    explorers: tuple[str, ...] = ("joint",)  # none: true azimuths only
+    unit_s: Annotated[tuple[Annotated[float, Field(ge=0.2, le=60)], ...], Field(min_length=1)] = (3.0,)  # T_unit
+    rotations: Annotated[tuple[Annotated[int, Field(ge=1, le=24)] | Literal["stop"], ...], Field(min_length=1)] = (12,)
+    tell_k: bool = False  # the explorer is told K; `joint` only
+    step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation
+    run_s: Annotated[float, Field(ge=1, le=60)] = 10.0  # T_run
+    rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 24000
+    frame: Frame = 2048  # of the separation [samples]
+    overlap: Overlap = 0.75
+    explore_frame: Frame = 1024
+    explore_overlap: Overlap = 0.75
+    max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # when no schedule is longer
+    rules: Literal["best", "paper"] = "best"  # where to turn: best predicted gain, or the paper's equations
+    limit_deg: Positive = 200.0  # how far the joint may turn from the start, on either side
+    talkers: tuple[str, ...] = ()  # of the folder; none: all
+    seed: Annotated[int, Field(ge=0)] = 0
+
+    @field_validator("settings", "k", "separators", "noise", "explorers", "unit_s", "rotations")
+    @classmethod
+    def _once(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
+        if len(set(values)) < len(values):
+            raise ValueError("names something twice")
+        return values
+
+    @property
+    def last(self) -> int:
+        """The largest number of rotations: that of the longest schedule."""
+        fixed = [count for count in self.rotations if isinstance(count, int)]
+        return max([*fixed, *([self.max_rotations] if STOP in self.rotations else [])])
+
+    @property
+    def step(self) -> float:
+        """One rotation [rad]."""
+        return float(np.deg2rad(self.step_deg))
+
+    @property
+    def stft(self) -> Stft:
+        """The transform of the separation."""
+        return _transform(self.rate_hz, self.frame, self.overlap)
+
+    @property
+    def explorer_stft(self) -> Stft:
+        """The transform of the exploration."""
+        return _transform(self.rate_hz, self.explore_frame, self.explore_overlap)
+
+    def start(self, index: int) -> float:
+        """Heading [rad] of a start."""
+        return float(np.pi * index / self.starts)
+
+
+def _transform(rate: int, frame: int, overlap: float) -> Stft:
+    return Stft(rate, frame, round(frame * (1 - overlap)))
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """The smallest piece of work that is kept: some cases of one layout.
+
+    Without an explorer the azimuths are known: with a target at the target's alignment, else at a start heading.
+    """
+
+    setting: str
+    k: int
+    layout: int  # 0 is the paper's
+    target: int | None = None
+    start: int = 0
+    explorer: str | None = None
+    unit: float | None = None  # T_unit [s]
+
+    @property
+    def id(self) -> str:
+        """What this task is called in the journal.
+
+        >>> Task("S1", 3, 0, target=2).id, Task("S1", 3, 4, start=1, explorer="joint", unit=3.0).id
+        ('S1-K3-L0-T2', 'S1-K3-L4-H1-joint-3s')
+        """
+        name = f"{self.setting}-K{self.k}-L{self.layout}"
+        if self.explorer is not None:
+            return f"{name}-H{self.start}-{self.explorer}-{self.unit:g}s"
+        return f"{name}-H{self.start}" if self.target is None else f"{name}-T{self.target}"
+
+
+def tasks(study: Study) -> list[Task]:
+    """Every task of a study once, in the order of its axes."""
+    return [task for scene in _scenes(study) for task in _tasks(study, *scene)]
+
+
+def mixed(tasks: Iterable[Task]) -> list[Task]:
+    """Mix long and short tasks, always in the same way: the time left can then be told early."""
+    return sorted(tasks, key=lambda task: fingerprint(**asdict(task)))
+
+
+def _scenes(study: Study) -> Iterator[tuple[str, int, int]]:
+    first = 0 if study.paper_layout else 1
+    return product(study.settings, study.k, range(first, study.layouts + 1))
+
+
+def _tasks(study: Study, setting: str, k: int, layout: int) -> Iterator[Task]:
+    starts = range(study.starts)
+    if study.separators:
+        yield from (Task(setting, k, layout, target=target) for target in range(k))
+        yield from (Task(setting, k, layout, start=start) for start in starts)
+    for start, explorer, unit in product(starts, study.explorers, study.unit_s):
+        yield Task(setting, k, layout, start=start, explorer=explorer, unit=unit)
+
+
+PAPERS = ("duet", "iva", "mvdr")  # the paper's separators
+INFORMED = ("duet", "auxiva", "gaussian", "refined")  # the best ones
+EVERY = (*INFORMED, "auto", "mvdr", "lcmv", "iva", "ilrma", "fastmnmf2", "irm", "mwf", "tvmwf")
+PRESETS: dict[str, dict[str, Any]] = {
+    "quick": {
+        "settings": ("S1", "S2"), "k": (3,), "layouts": 0, "starts": 3, "separators": ("duet", "gaussian"),
+        "rotations": (4,), "unit_s": (1.0,), "run_s": 3.0,
+    },
+    "paper": {
+        "layouts": 0, "starts": 12, "separators": PAPERS, "explorers": ("markov",), "unit_s": (1.0, 3.0),
+        "rotations": (STOP, 12), "rules": "paper", "rate_hz": 16000, "frame": 1024, "overlap": 0.25,
+        "explore_overlap": 0.25,
+    },
+    "figures": {
+        "k": (3,), "layouts": 0, "starts": 12, "separators": INFORMED,
+    },
+    "separation": {
+        "settings": tuple(SETTINGS), "layouts": 10, "separators": (*INFORMED, "auto"),
+        "noise": ("known", "unknown"), "explorers": (),
+    },
+    "exploration": {
+        "settings": tuple(SETTINGS), "k": (2, 3, 4, 5), "layouts": 14, "paper_layout": False, "separators": (),
+        "explorers": ("joint", "markov"), "rotations": (2, 4, 8, 12, STOP),
+    },
+    "full": {
+        "settings": tuple(SETTINGS), "layouts": 10, "separators": EVERY,
+    },
+}  # fmt: skip
+
+
+def chosen(name: str, changes: dict[str, Any], quick: bool) -> Study:
+    """Take a preset or a TOML file, change some of its values, and check that everything it names exists.
+
+    Raises
+    ------
+    ConfigError
+        When the file cannot be read, a value is impossible, or a name is unknown.
+    """
+    base = PRESETS.get(name) or (read_toml(Path(name)) if name.endswith(".toml") else None)
+    if base is None:
+        raise ConfigError(f"{unknown('preset', name, PRESETS)} (a .toml file will do, too)")
+    study = validated(Study, base | changes, name)
+    if quick:
+        rotations = tuple(dict.fromkeys(min(count, 4) if count != STOP else 4 for count in study.rotations))
+        small = {
+            "k": study.k[:1],
+            "layouts": 1 - study.paper_layout,
+            "starts": min(study.starts, 3),
+            "rotations": rotations,
+            "max_rotations": 4,
+        }
+        study = study.model_copy(update=small | {"run_s": min(study.run_s, 3.0)})
+    check_names(study)
+    return study
+
+
+def explorer_named(name: str) -> Explorer:
+    """Make an explorer whose every result is checked, for the array of the study.
+
+    Raises
+    ------
+    PluginError
+        When there is none of that name, or it is no explorer; says what was expected.
+    """
+    factory = plugins.load("ross_payload.explorers", name)
+    return checked_explorer(name, lambda: factory.make(SPACING, SPEED_OF_SOUND))
+
+
+def check_names(study: Study) -> None:
+    """Check that rooms, separators and explorers exist here, and that the latter two are such.
+
+    Raises
+    ------
+    ConfigError
+        Names the first that does not, and what there is.
+    PluginError
+        Names the first plug-in that is none, and says what was expected.
+    """
+    for name in study.settings:
+        if name not in SETTINGS:
+            raise ConfigError(unknown("setting", name, SETTINGS))
+    separators = plugins.available("ross_payload.separators")
+    for name in study.separators:
+        if name not in separators and name not in ORACLES:
+            raise ConfigError(unknown("separator", name, [*separators, *ORACLES]))
+        if name not in ORACLES:
+            load_separator(name)
+    for name in study.explorers:
+        explorer_named(name)
+    if study.tell_k and set(study.explorers) - {"joint"}:
+        raise ConfigError(
+            f"tell_k: expected only the explorer joint, which can use a known K, got {', '.join(study.explorers)}"
+        )
+    if not study.separators and not study.explorers:
+        raise ConfigError("expected at least one separator or explorer, got neither")
+    if not study.paper_layout and not study.layouts:
+        raise ConfigError("layouts: expected at least one, got 0")
+    if study.paper_layout and max(study.k) > 5:
+        raise ConfigError(
+            f"k: expected at most 5, the talkers of the paper's layout, or paper_layout = false, got {max(study.k)}"
+        )

@@ -1,0 +1,117 @@
+"""One run of a study: what is missing is measured, and tables, figures and files are made of everything."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from ross_payload.clock import SystemClock
+from ross_payload.errors import OutputError, refused_as
+from ross_payload.plugins import install_line
+from ross_sim.study import task_engine
+from ross_sim.study.figures import draw
+from ross_sim.study.progress_view import in_words, view_of
+from ross_sim.study.result_rows import Exploration, Result, Separation, Timing
+from ross_sim.study.study_case import Failure, attempt
+from ross_sim.study.study_design import Study, Task, chosen, mixed, tasks
+from ross_sim.study.study_store import Store, as_csv, has_parquet, manifest, write_parquet
+from ross_sim.study.tables import Table, tables
+from ross_sim.study.talker_placement import Source, check_voices, heard_as, voices_of
+
+
+def conduct(
+    preset: str, changes: dict[str, Any], *, out: Path, speech: Path | None, workers: int | None, quick: bool
+) -> int:
+    """Run a study, or what is left of it; returns the exit code."""
+    study = chosen(preset, changes, quick)
+    source = Source(speech, study.talkers, study.rate_hz)
+    voices = voices_of(source)
+    check_voices(voices, study)
+    clock = SystemClock()
+    began = clock.now()
+    console = Console()
+    with Store(out, manifest(study, heard_as(voices))) as store:
+        left = mixed(task for task in tasks(study) if task.id not in store.results)
+        run = task_engine.serial if workers == 1 else task_engine.processes(workers or os.cpu_count() or 1)
+        try:
+            failures = measure(run, partial(attempt, study=study, source=source), left, store, clock.now)
+        except KeyboardInterrupt:
+            done = f"{len(store.results)} of {len(tasks(study))} tasks are done and kept"
+            console.print(f"\nstopped: {done}; the same command goes on", highlight=False, soft_wrap=True)
+            raise
+        made = write(store, study)
+    for table in made:
+        console.print()
+        console.print(table.screen() if console.is_terminal else table.markdown(), markup=False, soft_wrap=True)
+    _farewell(console, out, len(left), clock.now() - began, failures)
+    return 1 if failures else 0
+
+
+def measure(
+    run: task_engine.Engine,
+    function: Callable[[Task], Result | Failure],
+    left: Sequence[Task],
+    store: Store,
+    now: Callable[[], float],
+) -> list[Failure]:
+    """Do the tasks that are left and keep every result as it comes."""
+    failures = []
+    if not left:
+        return []
+    view = view_of(len(left) + len(store.results), len(store.results), now)
+    try:
+        with closing(run(function, left)) as results:
+            for result in results:
+                if isinstance(result, Failure):
+                    failures.append(result)
+                else:
+                    store.add(result)
+                view.done(result.task)
+    finally:
+        view.close()
+    return failures
+
+
+def write(store: Store, study: Study) -> list[Table]:
+    """Write rows, tables and figures; the order of the rows is the study's, whatever came first."""
+    results = [store.results[task.id] for task in tasks(study) if task.id in store.results]
+    separations = [row for result in results for row in result.separations]
+    explorations = [row for result in results for row in result.explorations]
+    timings = [row for result in results for row in result.timings]
+    made = tables(study, separations, explorations)
+    kinds: tuple[tuple[str, Sequence[Any], type[Any]], ...] = (
+        ("separations", separations, Separation),
+        ("explorations", explorations, Exploration),
+        ("timing", timings, Timing),
+    )
+    for name, rows, kind in kinds:
+        if rows:
+            store.write(f"{name}.csv", as_csv(rows, kind))
+            if has_parquet():
+                with store.writing(f"{name}.parquet") as path:
+                    write_parquet(path, rows, kind)
+    store.write("tables.md", "\n".join(table.markdown() for table in made).encode())
+    _draw(store, separations, explorations)
+    return made
+
+
+def _draw(store: Store, separations: Sequence[Separation], explorations: Sequence[Exploration]) -> None:
+    with refused_as(OutputError, f"{store.folder}: figures cannot be written"):
+        draw(store.folder, separations, explorations)
+
+
+def _farewell(console: Console, out: Path, n: int, seconds: float, failures: Sequence[Failure]) -> None:
+    if not has_parquet():
+        console.print(f"No Parquet was written: {install_line('study')}", markup=False)
+    words = f"{n} tasks in {in_words(seconds)}. Results: {out}/ (rows: *.csv, *.parquet; tables.md; figures: *.pdf)"
+    console.print(f"\n{words}", highlight=False, markup=False, soft_wrap=True)
+    if failures:
+        first = failures[0]
+        text = f"{len(failures)} tasks failed, and the same command tries them again; {first.task}: {first.reason}"
+        console.print(text, style="red", highlight=False, markup=False, soft_wrap=True)

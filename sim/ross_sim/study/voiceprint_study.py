@@ -1,0 +1,147 @@
+"""How well the voice print tells separated talkers apart: ``python -m ross_sim.study.voiceprint_study``.
+
+Three talkers stand around the array in each room of `--rooms`, white noise 15 dB below the mixture, azimuths known.
+The array turns to each talker's best heading, the separator `auto` separates what it hears for T_check or T_run, and
+the group that holds this talker is scored against the print of everybody in the folder, enrolled from a clean clip.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ross_payload.alignment.predicted_gain import best_headings
+from ross_payload.dsp.stft import Stft
+from ross_payload.interfaces import Real
+from ross_payload.separation.auto_separator import separator
+from ross_payload.voiceprint import Background, enrol, shipped_background
+from ross_payload.voiceprint.background import read_background
+from ross_sim.study.mixtures import FRAME, HOP, RATE, excerpt, layouts, record, scene_of
+from ross_sim.study.room_settings import SETTINGS, Setting
+from ross_sim.talkers.speech import TalkerVoice
+from ross_sim.talkers.synthetic_voices import voices_of
+
+DURATIONS = (3.0, 10.0)  # T_check, T_run [s]
+TALKERS = 3
+ROOMS = ("S1", "S2", "S3", "A0.45")
+OUTSIDE = ("ls3005", "ls3331", "ls2414", "ls3080", "ls533")  # of the shared recordings, not in the background model
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One recording, alone or separated, against one print."""
+
+    room: str
+    scene: int  # trials with one number come from one mixture
+    seconds: float
+    separated: bool
+    talker: str
+    print_of: str
+    present: bool  # the enrolled talker is in the mixture
+    value: float  # [nat]
+
+
+def equal_error_rate(targets: Real, strangers: Real) -> float:
+    """Share of errors at the threshold where rejected targets (n,) and accepted strangers (m,) are as frequent.
+
+    >>> equal_error_rate(np.array([1.0, 2, 3, 4]), np.array([-3.0, -2, -1, 1.5]))
+    0.25
+    """
+    thresholds = np.sort(np.concatenate([targets, strangers]))
+    rejected = (targets <= thresholds[:, None]).mean(axis=1)
+    accepted = (strangers > thresholds[:, None]).mean(axis=1)
+    best = int(np.argmin(np.abs(rejected - accepted)))
+    return float((rejected[best] + accepted[best]) / 2)
+
+
+def trials(voices: Sequence[TalkerVoice], background: Background, room: str, draws: int, seed: int) -> Iterator[Trial]:
+    """Draw mixtures of three talkers in a room and score every talker, clean and separated, against every print."""
+    rng = np.random.default_rng(seed)
+    prints = {voice.name: enrol(voice.enrolment, voice.rate, background) for voice in voices}
+    for scene in range(draws):
+        for seconds, separated, chosen, talker, signal in scenes(voices, room, rng):
+            for name, model in prints.items():
+                present = any(other.name == name for other in chosen)
+                value = model.score(signal, RATE).value
+                yield Trial(room, scene, seconds, separated, talker, name, present, value)
+
+
+def scenes(
+    voices: Sequence[TalkerVoice], room: str, rng: np.random.Generator
+) -> Iterator[tuple[float, bool, list[TalkerVoice], str, Real]]:
+    """Draw one mixture: duration [s], separated or clean, who is in it, whose recording, the recording (n,)."""
+    chosen = [voices[int(i)] for i in rng.choice(len(voices), TALKERS, replace=False)]
+    azimuths = layouts(TALKERS, 1, rng)[1]
+    clips = [excerpt(voice.speech, round(max(DURATIONS) * RATE), rng) for voice in chosen]
+    for seconds in DURATIONS:
+        heard = [clip[: round(seconds * RATE)] for clip in clips]
+        for index, voice in enumerate(chosen):
+            yield seconds, False, chosen, voice.name, heard[index]
+            yield seconds, True, chosen, voice.name, separated_voice(heard, azimuths, index, SETTINGS[room], rng)
+
+
+def summary(found: Sequence[Trial]) -> list[str]:
+    """Lines of a table: errors at the criterion, equal error rate, identification, mixtures without the target."""
+    lines = ["                       false rejects  false accepts  EER   identified  mixtures rejected"]
+    parts: dict[tuple[str, bool, float], list[Trial]] = {}
+    for trial in found:
+        parts.setdefault((trial.room, trial.separated, trial.seconds), []).append(trial)
+    for (room, separated, seconds), part in parts.items():
+        lines.append(f"{room:5s} {'separated' if separated else 'clean':9s} {seconds:4.0f} s  {_row(part)}")
+    return lines
+
+
+def _row(part: Sequence[Trial]) -> str:
+    targets = np.array([trial.value for trial in part if trial.talker == trial.print_of])
+    strangers = np.array([trial.value for trial in part if trial.talker != trial.print_of])
+    rivals: dict[tuple[int, str], list[Trial]] = {}
+    for trial in part:
+        rivals.setdefault((trial.scene, trial.print_of), []).append(trial)
+    best = [max(group, key=lambda trial: trial.value) for group in rivals.values()]
+    right = [trial.talker == trial.print_of for trial in best if trial.present]
+    rejected = [trial.value <= 0 for trial in best if not trial.present]
+    shares = (np.mean(targets <= 0), np.mean(strangers > 0), equal_error_rate(targets, strangers), np.mean(right))
+    numbers = "  ".join(f"{100 * float(share):11.1f}" for share in shares)
+    return f"{numbers}  {100 * float(np.mean(rejected)):11.1f}   ({len(targets)} targets, {len(strangers)} strangers)"
+
+
+def separated_voice(
+    voices: Sequence[Real], azimuths: Real, target: int, setting: Setting, rng: np.random.Generator
+) -> Real:
+    """Separate one of three talkers (n,) each at ``azimuths`` [rad] at its best heading in a room, (n,)."""
+    heading = float(best_headings(azimuths, directness=float(setting.t60 == 0))[target])
+    recording = record(voices, azimuths, target, heading, setting, rng=rng)
+    stft = Stft(RATE, FRAME, HOP)
+    groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=True))
+    index = next(i for i, members in enumerate(groups.members) if target in members)
+    return stft.synthesise(groups.signals[index], recording.mixture.shape[1])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--speech", type=Path, help="folder of talkers; default: the synthetic voices")
+    parser.add_argument("--talkers", nargs="*", default=list(OUTSIDE), help="of that folder; default: all")
+    parser.add_argument("--background", type=Path, help="another background model (.npz) than the one shipped")
+    parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S1"], help=f"such as {' '.join(ROOMS)}")
+    parser.add_argument("--draws", type=int, default=20, help="mixtures in every room")
+    parser.add_argument("--seed", type=int, default=0)
+    asked = parser.parse_args(arguments)
+    voices = voices_of(asked.speech, RATE)
+    if asked.speech and asked.talkers:
+        voices = tuple(voice for voice in voices if voice.name in asked.talkers)
+    model = shipped_background()
+    if asked.background:
+        model = read_background(asked.background.read_bytes(), asked.background.name)
+    found = [trial for room in asked.rooms for trial in trials(voices, model, room, asked.draws, asked.seed)]
+    sys.stdout.write("\n".join([", ".join(voice.name for voice in voices), *summary(found)]) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

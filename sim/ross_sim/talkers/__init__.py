@@ -1,0 +1,1 @@
+"""Whom one hears: recordings and synthetic voices."""

@@ -1,0 +1,49 @@
+"""A real Chromium for tests of the page.
+
+``browser``     one for all tests of this folder (a package for that reason alone); its driver keeps asyncio from
+                the thread, and ends before a test of another folder begins
+``window``      a private window (`browsing.Watched`): the test fails when a page of it asks another machine for
+                something, or complains; a complaint that a test causes goes into ``window.expected``
+``open_page``   opens a page of the window: ``open_page(url, width=..., height=..., scheme="dark")``
+
+No test beside these may use asyncio in its own thread.
+"""
+
+import pytest
+
+from browsing import FLAGS, Watched, chromium
+
+
+@pytest.fixture(scope="package")
+def browser():
+    executable = chromium()
+    if executable is None:
+        pytest.skip("needs a browser: apt-get install chromium (or CHROMIUM=path)")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=executable, args=list(FLAGS))
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def window(browser):
+    context = browser.new_context(service_workers="block")
+    watched = Watched(context)
+    yield watched
+    context.close()
+    assert not watched.strangers, f"asked other machines: {watched.strangers}"
+    assert not watched.unexpected(), f"the page complains: {watched.unexpected()}"
+
+
+@pytest.fixture
+def open_page(window):
+    def opened(url, *, width=1280, height=800, scheme="light"):
+        page = window.context.new_page()
+        page.set_viewport_size({"width": width, "height": height})
+        page.emulate_media(color_scheme=scheme)
+        window.open(page, url)
+        return page
+
+    return opened

@@ -1,0 +1,51 @@
+"""When telemetry ends: nothing on the page says that all is well, and a simulation that is over says so."""
+
+import pytest
+
+from browsing import eventually
+from fleet_bench import FleetBench
+from page_eyes import sees, watch
+from ports import free_port
+from ross_payload.ground.web.page_thread import in_background
+
+OVER = "The simulation has ended."
+
+
+@pytest.fixture
+def simulated(browser):
+    """A page in the process of a simulation, and its payload: (page, payload)."""
+    port = free_port()
+    with in_background([f"udpin:127.0.0.1:{port}"]) as served, FleetBench(port) as payload:
+        yield served, payload
+
+
+def test_silence_is_neither_live_nor_good(simulated, open_page):
+    served, payload = simulated
+    page = watch(open_page, served.url)
+    assert page.locator(".brand .tag").inner_text() == "Live"
+    payload.tell(silence=[1])
+    eventually(page, lambda: page.locator(".brand .tag").inner_text() == "No telemetry")
+    assert page.locator(".tag.good").count() == 0
+    assert page.locator(".health .tag").first.inner_text() == "No data"
+    assert "Last report: Good" in page.locator(".health").inner_text()
+    assert "Last state:" in page.locator(".payload-title").inner_text()
+    page.evaluate("location.hash = '#/'")
+    sees(page, "Health: No data", ".fleet")
+    assert page.locator(".tag.good").count() == 0
+    assert page.get_by_role("button", name="Stop 1-191").get_attribute("aria-disabled") == "false"
+
+
+def test_a_simulation_that_has_ended_has_nothing_to_stop_and_says_so(simulated, open_page):
+    served, payload = simulated
+    page = watch(open_page, served.url)
+    payload.tell(silence=[1])
+    served.state.over = OVER
+    sees(page, OVER, "#ended")
+    assert page.locator(".brand .tag").inner_text() == "Ended"
+    assert page.locator("#no-telemetry").count() == 0
+    assert page.get_by_role("button", name="Explore", exact=True).is_disabled()
+    stop = page.get_by_role("button", name="Stop: nothing is running")
+    assert stop.get_attribute("aria-disabled") == "true"
+    stop.click(force=True)  # a click on it is not lost: it says why
+    sees(page, "nothing to stop", ".stop-fate")
+    assert page.locator(".order", has_text="stop").count() == 0

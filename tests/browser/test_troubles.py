@@ -1,0 +1,124 @@
+"""The page when something goes wrong or nobody is there, and with logs that are dropped on it."""
+
+import pytest
+from playwright.sync_api import expect
+
+from browsing import eventually
+from fleet_bench import FleetBench
+from flight_logs import write_hour
+from page_eyes import follow, seen, texts, watch
+from served_ground import served
+
+
+@pytest.fixture
+def lone(browser, tmp_path):
+    """One payload that a test may let go wrong: (ground, payloads)."""
+    with served("--flights", tmp_path) as ground, FleetBench(ground.port) as payloads:
+        yield ground, payloads
+
+
+@pytest.fixture
+def alone(browser, tmp_path):
+    """A ground process that hears nobody."""
+    (tmp_path / "flights").mkdir()
+    with served("--flights", tmp_path / "flights") as ground:
+        yield ground
+
+
+def test_silence_is_told_within_three_seconds_and_ends_by_itself(lone, open_page):
+    ground, payloads = lone
+    page = watch(open_page, ground.url)
+    page.evaluate("globalThis.sameDocument = true")
+    banner = page.locator("#no-telemetry")
+    follow(page, "#no-telemetry strong")
+    payloads.tell(silence=[1])
+    banner.wait_for()
+    seconds = float(seen(page)[0].removeprefix("No telemetry for ").removesuffix(" s."))
+    assert 2.0 <= seconds <= 3.0
+    expect(page.locator(".payload-grid.stale")).to_have_count(1)
+    payloads.tell(speak=[1])
+    banner.wait_for(state="detached")
+    assert page.evaluate("sameDocument")
+
+
+def test_the_page_comes_back_when_the_ground_process_does(lone, open_page, window):
+    window.expected.append("/live")
+    ground, payloads = lone
+    page = watch(open_page, ground.url)
+    page.evaluate("globalThis.sameDocument = true")
+    ground.end()
+    page.locator("#no-ground").wait_for()
+    expect(page.get_by_role("button", name="Explore", exact=True)).to_be_disabled()
+    page.get_by_role("button", name="Stop 1-191").click()
+    expect(page.locator(".stop-fate")).to_have_text("No connection: will be sent on reconnection")
+    payloads.tell(silence=[1])
+    ground.start()
+    page.locator("#no-ground").wait_for(state="detached")
+    expect(page.locator(".stop-fate")).to_have_text("Stop sent")  # to whoever may be heard a moment later
+    payloads.tell(speak=[1])
+    eventually(page, lambda: texts(page, ".payload-title .state") == ["Stopped"])
+    assert page.evaluate("sameDocument")
+
+
+def test_a_stop_that_stops_nobody_says_so(alone, open_page):
+    page = open_page(alone.url)
+    fates = page.evaluate("""async () => {
+      const { stopFate } = await import("/assets/stop.js");
+      const row = (state) => [{ id: "1-191", state }];
+      const fate = (at, payloads) => stopFate({ ui: { stop: { ids: ["1-191"], at } }, store: { fleet: { payloads } } });
+      const states = [[], row("explore_turn"), row("fault"), row("stopped")];
+      return [0, 60000].map((ago) => states.map((each) => fate(performance.now() - ago, each).words));
+    }""")
+    assert fates[0] == ["Stop sent"] * 3 + ["Stopped"]
+    other = "stop it by other means"
+    assert fates[1] == [f"No telemetry from 1-191: {other}", f"1-191 has not stopped: {other}", "Stop sent", "Stopped"]
+
+
+def test_what_is_odd_is_told_in_words(lone, open_page):
+    ground, payloads = lone
+    page = watch(open_page, ground.url)
+    remarks = page.locator(".remarks")
+    payloads.tell(nan=[1])
+    eventually(page, lambda: "NaN" in remarks.inner_text())
+    payloads.tell(restart=[1])
+    eventually(page, lambda: "restarted" in remarks.inner_text())
+    payloads.tell(crowd=[1])
+    eventually(page, lambda: "200 sources announced, 32 shown" in remarks.inner_text())
+    payloads.tell(twin=[1])
+    eventually(page, lambda: "wo payloads use the id 1-191" in remarks.inner_text())
+
+
+def test_nobody_heard_says_what_to_look_at(alone, open_page):
+    page = open_page(alone.url)
+    page.get_by_text("No payload found.").wait_for()
+    assert page.get_by_role("button", name="Stop", exact=True).is_enabled()
+
+
+def test_a_dropped_log_is_played_and_compared(alone, open_page, tmp_path):
+    log = tmp_path / "walk.tlog"
+    write_hour(log, seconds=30, payloads=1)
+    page = open_page(f"{alone.url}#/flights")
+    page.get_by_label("Drop a telemetry log").set_input_files(log)
+    slider = page.get_by_role("slider", name="Time of walk.tlog")
+    slider.wait_for()
+    page.locator(".recorded .scope").wait_for()
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    eventually(page, lambda: page.locator(".moment").inner_text().startswith("0:05"))
+    page.keyboard.press("Space")
+    eventually(page, lambda: page.locator(".moment").inner_text() > "0:06")
+    page.get_by_role("button", name="Pause").wait_for()
+    page.get_by_role("button", name="Compare").click()
+    eventually(page, lambda: page.locator(".slot .scope").count() == 2)
+    assert not page.locator(".commands").count()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 1280
+
+
+def test_what_is_no_log_is_refused_in_one_line(alone, open_page, window, tmp_path):
+    window.expected.append("/flights")
+    (tmp_path / "song.tlog").write_bytes(b"la" * 4000)
+    page = open_page(f"{alone.url}#/flights")
+    page.get_by_label("Drop a telemetry log").set_input_files(tmp_path / "song.tlog")
+    complaint = page.locator(".picker .bad")
+    expect(complaint).to_contain_text("song.tlog")
+    assert "\n" not in complaint.inner_text()

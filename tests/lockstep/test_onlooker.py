@@ -1,0 +1,129 @@
+"""`ross sitl --page`: somebody looks on over MAVLink, and the mission is the same as without."""
+
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import urllib.request
+from contextlib import contextmanager
+
+import pytest
+
+from ross_payload.events import Outcome
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.dialect import common, ross
+from ross_sim.scenario import load
+from ross_sim.sitl.mission_session import perform
+from ross_sim.sitl.mission_view import MissionView
+from ross_sim.sitl.page_observer import SCRIPTED, PageObserver
+from ross_sim.sitl.results_folder import ResultsFolder
+from ross_sim.sitl.talker_selection import talkers_of
+
+TURN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_STOP
+RESULTS = ("report.json", "events.jsonl", "mission.tlog", "mixture.wav", "target.wav")
+
+
+class Gazer:
+    """Hears the payload, and orders what it is given: the first at once, the others when the one before is answered."""
+
+    def __init__(self, *orders):
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind(("127.0.0.1", 0))
+        self._socket.settimeout(0.1)
+        self.link = f"udpout:127.0.0.1:{self._socket.getsockname()[1]}"
+        self.packets, self._orders = [], list(orders)
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._listen)
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *error):
+        self._over.set()
+        self._thread.join()
+        self._socket.close()
+
+    def messages(self, name):
+        return [packet.message for packet in self.packets if packet.name == name]
+
+    def texts(self):
+        return "".join(str(message.text) for message in self.messages("STATUSTEXT"))
+
+    def _listen(self):
+        decoder, encoder, asked = Decoder(), Encoder(255, 190), 0
+        while not self._over.is_set():
+            try:
+                data, peer = self._socket.recvfrom(4096)
+            except TimeoutError:
+                continue
+            self.packets += decoder.feed(data)
+            if self._orders and asked == len(self.messages("COMMAND_ACK")):
+                order = self._orders.pop(0)
+                self._socket.sendto(encoder.encode(order), peer)
+                asked += 1
+
+
+def command(number, *values):
+    return common.MAVLink_command_long_message(1, 191, number, 0, *values, *[0] * (7 - len(values)))
+
+
+def flown(scenario, out, onlooker=None):
+    chosen = load(str(scenario))
+    with ResultsFolder(out) as folder:
+        return perform(chosen, talkers_of(chosen, None, None), MissionView(), folder, None, page=onlooker)
+
+
+def test_the_results_are_the_same_whether_somebody_looks_on_or_not(short, tmp_path):
+    flown(short, tmp_path / "alone")
+    with Gazer(command(TURN, 20.0)) as gazer:
+        flown(short, tmp_path / "watched", PageObserver("", gazer.link))
+    for name in RESULTS:
+        assert (tmp_path / "alone" / name).read_bytes() == (tmp_path / "watched" / name).read_bytes()
+    assert [packet.value for packet in gazer.packets if packet.name == "ROSS_STATUS"][-1].mission_time > 1.0
+    assert gazer.messages("ROSS_AUDIO")
+
+
+def test_what_a_scripted_mission_cannot_do_is_refused_in_words(short, tmp_path):
+    with Gazer(command(TURN, 20.0)) as gazer:
+        finished = flown(short, tmp_path, PageObserver("", gazer.link))
+    assert finished.result.outcome is Outcome.TARGET_FOUND
+    assert [ack.result for ack in gazer.messages("COMMAND_ACK")] == [common.MAV_RESULT_DENIED]
+    assert f"refused: {SCRIPTED}" in gazer.texts()
+
+
+def test_a_stop_from_the_page_ends_the_mission(short, tmp_path):
+    with Gazer(command(STOP)) as gazer:
+        onlooker = PageObserver("", gazer.link)
+        finished = flown(short, tmp_path, onlooker)
+    assert finished.result.outcome is Outcome.STOPPED
+    assert onlooker.stopped
+    assert [ack.result for ack in gazer.messages("COMMAND_ACK")] == [common.MAV_RESULT_ACCEPTED]
+
+
+@contextmanager
+def running(*arguments):
+    command = [sys.executable, "-u", "-m", "ross_payload.cli", "sitl", "--page", *map(str, arguments)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        yield process
+        process.wait(60)
+
+
+def address(process):
+    line = next(line for line in process.stdout if line.startswith("the page"))
+    return line.split()[-1] if line.startswith("the page:") else line.split()[-4]
+
+
+@pytest.mark.timeout(240)
+def test_the_page_is_there_during_the_mission_and_after_it_until_ctrl_c(short, tmp_path):
+    pytest.importorskip("aiohttp", reason="the extra [ground]")
+    with running("--scenario", short, "--out", tmp_path / "out", "--speed", "max") as process:
+        url = address(process)
+        assert "<html" in urllib.request.urlopen(url, timeout=20).read().decode()  # noqa: S310 - our own page
+        rest = next(line for line in process.stdout if "replays the mission" in line)
+        assert url in rest
+        assert (tmp_path / "out" / "mission.tlog").is_file()
+        assert "<html" in urllib.request.urlopen(url, timeout=20).read().decode()  # noqa: S310
+        process.send_signal(signal.SIGINT)
+    assert process.returncode == 0

@@ -1,0 +1,270 @@
+"""The whole mission in the simulator, as its user runs it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import soundfile
+
+pytestmark = pytest.mark.lockstep
+
+
+def ross(*arguments, **options):
+    command = [sys.executable, "-m", "ross_payload.cli", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=250, **options)
+
+
+def sitl(out, *arguments):
+    done = ross("sitl", "--out", out, "--json", *arguments)
+    assert "Traceback" not in done.stderr, done.stderr
+    return done, json.loads((out / "report.json").read_text())
+
+
+@pytest.fixture
+def mission(run, tmp_path):
+    """Fly in this process: the exit code, what it says of itself, and its report; results are in ``tmp_path/out``."""
+
+    def flown(*arguments, out="out"):
+        code, _, said = run("sitl", "--json", "--out", tmp_path / out, *arguments)
+        assert "Traceback" not in said, said
+        return code, said, json.loads((tmp_path / out / "report.json").read_text())
+
+    return flown
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory):
+    out = tmp_path_factory.mktemp("demo") / "out"
+    done, report = sitl(out, "--seed", 1)
+    return done, report, out
+
+
+def test_the_demo_finds_everyone_and_the_target(demo):
+    done, report, _ = demo
+    assert done.returncode == 0
+    assert (report["outcome"], report["k"]) == ("target_found", 3)
+    assert all(abs(source["azimuth_error_deg"]) < 5 for source in report["sources"])
+
+
+def test_the_demo_gains_more_than_12_db(demo):
+    _, report, _ = demo
+    target = next(group for group in report["groups"] if group["target"])
+    assert target["talkers"] == [report["target"]]
+    assert target["accepted"]
+    assert target["si_sdri_db"] > 12
+
+
+def test_the_gain_is_in_the_file_that_one_listens_to(demo):
+    _, report, out = demo
+    voice, rate = soundfile.read(out / "target.wav")
+    mixture, _ = soundfile.read(out / "mixture.wav")
+    assert len(voice) == 10 * rate
+    assert mixture.shape[1] == 2
+    assert abs(len(mixture) / rate - report["mission_s"]) < 1
+    assert np.abs(voice).max() > 0.01
+    frames = np.sqrt(np.mean(voice.reshape(-1, rate // 10) ** 2, axis=1))
+    assert (frames > 1e-4).mean() > 0.5  # no gap of silence in place of a voice
+
+
+def test_everything_promised_is_there(demo):
+    done, report, out = demo
+    names = {path.name for path in out.iterdir()}
+    promised = {
+        "report.json",
+        "timing.json",
+        "mixture.wav",
+        "target.wav",
+        "mission.png",
+        "mission.tlog",
+        "events.jsonl",
+    }
+    assert promised <= names
+    assert json.loads(done.stdout)["outcome"] == report["outcome"]
+    lines = (out / "events.jsonl").read_text().splitlines()
+    assert json.loads(lines[-1])["event"] == "Finished"
+    assert str(out) not in (out / "report.json").read_text()
+
+
+@pytest.mark.parametrize("scenario", ["short", pytest.param("demo", marks=pytest.mark.soak)])
+def test_a_rerun_in_another_process_gives_the_same_bytes(mission, short, tmp_path, scenario):
+    arguments = ("--scenario", short if scenario == "short" else scenario, "--seed", 1)
+    first, second = tmp_path / "first", tmp_path / "again"
+    mission(*arguments, out="first")
+    sitl(second, *arguments)
+    names = sorted(path.name for path in first.iterdir())
+    assert names == sorted(path.name for path in second.iterdir())
+    for name in set(names) - {"timing.json"}:
+        assert (first / name).read_bytes() == (second / name).read_bytes(), name
+
+
+def test_another_seed_gives_other_noise(mission, short, tmp_path):
+    for seed in ("1", "2"):
+        mission("--scenario", short, "--seed", seed, out=seed)
+    one, other = (soundfile.read(tmp_path / seed / "mixture.wav", frames=16000)[0] for seed in ("1", "2"))
+    assert (one != other).mean() > 0.5
+
+
+@pytest.mark.soak
+def test_recorded_talkers_are_told_apart(speech, tmp_path):
+    done, report = sitl(tmp_path / "out", "--speech", speech, "--seed", 3)
+    assert done.returncode == 0
+    assert all(abs(source["azimuth_error_deg"]) < 5 for source in report["sources"])
+
+
+def test_a_target_that_is_not_there_is_not_found(mission):
+    code, _, report = mission("--scenario", "no-target")
+    assert code == 3
+    assert report["k"] == report["k_true"]
+    assert not report["groups"]
+
+
+def test_a_silent_room_holds_nobody(mission):
+    code, _, report = mission("--scenario", "silence")
+    assert code == 3
+    assert report["k"] == 0
+    assert report["reason"] == "nobody is talking"
+
+
+def test_one_talker_is_found(mission):
+    code, _, report = mission("--scenario", "one-talker")
+    assert (code, report["k"]) == (0, 1)
+    assert abs(report["sources"][0]["azimuth_error_deg"]) < 5
+
+
+@pytest.mark.soak
+def test_two_talkers_that_mirror_each_other_are_two(tmp_path):
+    done, report = sitl(tmp_path / "out", "--scenario", "two-talkers-mirrored")
+    assert (done.returncode, report["k"]) == (0, 2)
+    assert report["alignment"]["used"]["isolation_us"] > 50
+
+
+@pytest.mark.soak
+def test_the_ideal_actuator_hears_the_same(demo, tmp_path):
+    _, report, _ = demo
+    _, ideal = sitl(tmp_path / "out", "--seed", 1, "--actuator", "ideal")
+    found = sorted(source["azimuth_deg"] for source in report["sources"])
+    np.testing.assert_allclose(found, sorted(source["azimuth_deg"] for source in ideal["sources"]), atol=0.5)
+
+
+def test_ctrl_c_in_the_middle_of_a_move_decelerates_and_closes_the_files(short, tmp_path):
+    out = tmp_path / "out"
+    command = [
+        sys.executable,
+        "-u",
+        "-m",
+        "ross_payload.cli",
+        "sitl",
+        "--scenario",
+        short,
+        "--speed",
+        "2",
+        "--out",
+        out,
+    ]
+    with subprocess.Popen(
+        list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        for line in process.stdout:
+            if "turning to" in line:
+                break
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        rest, err = process.communicate(timeout=60)
+    assert process.returncode == 130, err + rest
+    assert "Traceback" not in err
+    report = json.loads((out / "report.json").read_text())
+    assert report["outcome"] == "stopped"
+    assert soundfile.info(out / "mixture.wav").duration >= report["mission_s"]
+    assert not [path for path in out.iterdir() if path.name.startswith(".")]
+    last = json.loads((out / "events.jsonl").read_text().splitlines()[-1])
+    assert last["event"] == "Finished"
+
+
+def test_limits_that_exclude_every_alignment_end_cleanly(mission, short):
+    text = short.read_text() + "\n[payload.guard]\nlower_deg = -1.0\nupper_deg = 1.0\n"
+    short.write_text(text)
+    code, said, report = mission("--scenario", short)
+    assert code in (0, 3), said
+    assert report["rotations"] == 0
+    candidates = report["alignment"]["candidates"] if report["alignment"] else []
+    assert all(abs(candidate["joint_deg"]) <= 1.0 for candidate in candidates)
+    assert {candidate["rule"] for candidate in candidates} <= {"limited", "stay"}
+
+
+def test_a_full_disk_is_one_line_and_the_earlier_results_stay(run, short, tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "report.json").write_text("the good old one")
+    limit = "import resource as r; r.setrlimit(r.RLIMIT_FSIZE, (150_000, 150_000))\n"
+    limit += "from ross_payload.cli import main; main()"
+    run("sitl", "--scenario", short, "--json")  # fill the caches
+    command = [sys.executable, "-c", limit, "sitl", "--scenario", str(short), "--out", str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 1, done.stderr
+    assert "cannot be written" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert (out / "report.json").read_text() == "the good old one"
+
+
+def test_other_files_in_the_folder_are_left_alone_and_a_title_is_only_a_title(mission, short, tmp_path):
+    short.write_text(short.read_text().replace("a short mission", "cost $\\\\frac$ [red]"))
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in ("group-photo.wav", "group-7.wav", "notes.txt"):
+        (out / name).write_text("mine")
+    code, said, _ = mission("--scenario", short)
+    assert code in (0, 3), said
+    assert (out / "mission.png").exists()
+    assert (out / "group-photo.wav").read_text() == "mine"
+    assert (out / "notes.txt").read_text() == "mine"
+    assert not (out / "group-7.wav").exists()  # taken for an earlier mission's
+
+
+def test_a_mission_that_loses_its_target_starts_again_and_finds_it(mission, tmp_path):
+    code, _, report = mission("--scenario", "restart", "--seed", 1)
+    events = [json.loads(line)["event"] for line in (tmp_path / "out" / "events.jsonl").read_text().splitlines()]
+    assert "ScoreDropped" in events
+    assert (code, report["outcome"]) == (0, "target_found")
+    assert next(group for group in report["groups"] if group["target"])["talkers"] == [report["target"]]
+
+
+def test_a_target_asked_for_by_name_is_in_the_room(mission, speech):
+    code, _, report = mission("--speech", speech, "--target", "vctk_p226")
+    assert (code, report["target"]) == (0, "vctk_p226")
+
+
+def test_a_sigterm_while_setting_up_leaves_nothing_behind(tmp_path):
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--out", str(out)]
+    environment = os.environ | {"ROSS_CACHE": str(tmp_path / "cold")}  # making the voices takes seconds
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment) as process:
+        while not out.exists():
+            time.sleep(0.02)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert not list(out.iterdir())
+
+
+def test_telemetry_to_a_port_that_nobody_listens_on_is_a_clean_end(mission, short, tmp_path):
+    code, said, _ = mission("--scenario", short, "--telemetry", "udpout:127.0.0.1:9")
+    quiet, _, _ = mission("--scenario", short, out="quiet")
+    assert code == quiet in (0, 3), said
+    assert (tmp_path / "out" / "events.jsonl").read_bytes() == (tmp_path / "quiet" / "events.jsonl").read_bytes()
+
+
+def test_clipped_recordings_still_run(tmp_path, short, speech):
+    folder = tmp_path / "speech"
+    folder.mkdir()
+    for name in ("ls3005", "ls3331", "ls2414"):
+        samples, rate = soundfile.read(speech / name / "speech.flac", frames=320000)
+        soundfile.write(folder / f"{name}.wav", np.clip(samples * 20, -1, 1), rate)
+    done = ross("sitl", "--scenario", short, "--speech", folder, "--json")
+    assert json.loads(done.stdout)["outcome"] in ("target_found", "no_target")
+    assert done.stderr.count("is clipped") == 3

@@ -1,0 +1,270 @@
+"""The payload lives long: tasks, links and microphones come and go, nothing grows, and every lost sample is counted."""
+
+import json
+import os
+import socket
+import subprocess
+import threading
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.dialect import common
+from waiting import wait_for
+
+LOOPBACK = "127.0.0.1"
+RATE = 16000
+MINUTES = float(os.environ.get("ROSS_SOAK_MINUTES", "60"))
+UNPLUGGED = 0.15  # of the days
+HEARD_OUT = 0.4  # of the days: a separation
+WARM = 8 * 60.0  # [s] until the histories that are bounded are full
+RECORD, TURN, STOP, CANCEL, REARM, HOME = 54008, 54003, 54004, 54005, 54009, 54010
+EXPLORE, LISTEN = 54000, 54001
+CONFIG = """
+[audio]
+source = "tcp:{host}:{pcm}"
+[actuator]
+kind = "tb6600"
+options = {{ port = "{wire}", ahead_ms = 100 }}
+[explore]
+unit_s = 1.0
+min_rotations = 2
+max_rotations = 3
+[exploit]
+check_s = 1.0
+run_s = 2.0
+[service]
+state_dir = "state"
+log_format = "json"
+[[links]]
+url = "udpin:{host}:{udp}"
+[[links]]
+url = "tcpin:{host}:{tcp}"
+"""
+
+
+class Relay:
+    """Stands between world and payload: a sound card that can be unplugged."""
+
+    def __init__(self, there):
+        self._there = there
+        self._listener = socket.create_server((LOOPBACK, 0))
+        self.port = self._listener.getsockname()[1]
+        self._sockets = []
+        self._last = None  # when something was carried last
+        self.missing = 0.0  # between two connections [s]
+        self._plugged, self._over = threading.Event(), threading.Event()
+        self._plugged.set()
+        self._thread = threading.Thread(target=self._serve, name="relay")
+
+    def _serve(self):
+        while not self._over.is_set():
+            try:
+                near = self._listener.accept()[0]
+            except OSError:
+                return
+            if self._plugged.is_set():
+                self._carry(near)
+            near.close()
+
+    def _carry(self, near):
+        with socket.create_connection(self._there) as far:
+            self._sockets = [near, far]
+            try:
+                data = far.recv(65536)
+                self.missing += 0.0 if self._last is None else time.monotonic() - self._last
+                while data:
+                    near.sendall(data)
+                    self._last = time.monotonic()
+                    data = far.recv(65536)
+            except OSError:
+                return
+
+    def unplug(self, seconds):
+        """Vanish; whoever knocks meanwhile is turned away."""
+        self._plugged.clear()
+        self._hang_up()
+        time.sleep(seconds)
+        self._plugged.set()
+
+    def _hang_up(self):
+        for each in self._sockets:
+            try:
+                each.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                continue
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *reason):
+        self._over.set()
+        self._listener.shutdown(socket.SHUT_RDWR)
+        self._listener.close()
+        self._hang_up()
+        self._thread.join(10)
+
+
+class Watch:
+    """Looks at a process once a second."""
+
+    def __init__(self, pid):
+        self._root = Path(f"/proc/{pid}")
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._look, name="watch")
+        self.rows = []  # time [s], resident [MB], threads, descriptors, CPU of all and of the pump [s]
+
+    def _look(self):
+        while not self._over.wait(1.0):
+            fields = dict(line.split(":", 1) for line in (self._root / "status").read_text().splitlines())
+            resident, threads = int(fields["VmRSS"].split()[0]) / 1024, int(fields["Threads"])
+            cpu = [(urgent, spent) for urgent, spent in map(cpu_of, self._root.glob("task/*/stat"))]
+            pump = sum(spent for urgent, spent in cpu if urgent)
+            files = len(list((self._root / "fd").iterdir()))
+            row = time.monotonic(), resident, threads, files, cpu_of(self._root / "stat")[1], pump
+            self.rows.append(row)
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *reason):
+        self._over.set()
+        self._thread.join(10)
+
+    def columns(self, since=0.0):
+        """The columns of the table from ``since`` [s] after its beginning on."""
+        table = np.array(self.rows)
+        return table[table[:, 0] >= table[0, 0] + since].T
+
+
+def cpu_of(stat):
+    """Whether a thread is urgent, and its CPU time [s]."""
+    try:
+        words = stat.read_text().rpartition(")")[2].split()
+    except OSError:  # it has just ended
+        return False, 0.0
+    return words[38] == "2", (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+
+
+@pytest.fixture
+def bench(tmp_path, process, ground_station, free_port):
+    """A world, a payload, a ground station, and somebody who watches."""
+    with ExitStack() as stack:
+        world = ["world", "demo", "--json", "--pcm", f"tcp:{LOOPBACK}:0"]
+        told = json.loads(
+            stack.enter_context(process(world, tmp_path, "world", stdout=subprocess.PIPE)).stdout.readline()
+        )
+        relay = stack.enter_context(Relay((LOOPBACK, int(told["pcm"].rpartition(":")[2]))))
+        ports = {"udp": free_port(socket.SOCK_DGRAM), "tcp": free_port(socket.SOCK_STREAM)}
+        config = CONFIG.format(host=LOOPBACK, pcm=relay.port, wire=told["wire"], **ports)
+        (tmp_path / "ross.toml").write_text(config)
+        payload = stack.enter_context(process(["run", "ross.toml"], tmp_path, "payload"))
+        ground = stack.enter_context(ground_station(ports["udp"]))
+        wait_for(lambda: "ROSS_AUDIO" in ground.latest and ground.latest["ROSS_AUDIO"].level[0] > -100)
+        yield relay, ground, stack.enter_context(Watch(payload.pid)), ports
+
+
+def peers_come_and_go(ports):
+    """A TCP client that resets its connection, and a UDP peer that says one word and leaves."""
+    beat = Encoder(254, 190).encode(common.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
+    with socket.create_connection((LOOPBACK, ports["tcp"])) as client:
+        client.sendall(beat)
+        client.recv(100)
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
+        peer.sendto(beat, (LOOPBACK, ports["udp"]))
+
+
+def armed(ground):
+    """Arm again after a stop, or after a fault: a computer that is too busy loses the motor's position."""
+    if ground.order(REARM) != 0:
+        ground.order(HOME)
+        ground.order(REARM)
+
+
+def day(ground, rng, ports):
+    """Some of what a day brings, in any order; return how the tasks ended."""
+    heading = rng.uniform(-170, 170)
+    ends = [ground.order(RECORD, 1), ground.order(EXPLORE)]
+    if rng.random() < HEARD_OUT:
+        ends.append(ground.order(LISTEN, 1, 0))
+    ground.order(LISTEN, 1, 0, wait=0)
+    peers_come_and_go(ports)
+    time.sleep(rng.uniform(0.5, 4.0))
+    ends.append(ground.order(CANCEL))
+    time.sleep(0.3)  # until the task is over
+    ends += [ground.order(TURN, heading), ground.order(RECORD, 0)]
+    ground.order(TURN, heading - 180, wait=0)
+    time.sleep(rng.uniform(0.2, 1.0))
+    ends.append(ground.order(STOP))
+    armed(ground)
+    return ends
+
+
+def test_a_short_life_leaves_nothing_behind_and_counts_what_it_did_not_hear(bench):
+    relay, ground, watch, ports = bench
+    time.sleep(2.0)
+    lost = ground.latest["ROSS_AUDIO"].lost
+    before = watch.columns()
+    relay.unplug(1.0)
+    ends = day(ground, np.random.default_rng(0), ports)
+    time.sleep(2.5)
+    audio = ground.latest["ROSS_AUDIO"]
+    assert ends[0] == ends[-1] == 0
+    assert audio.reopened >= 1
+    assert 0.8 * RATE < audio.lost - lost < 6 * RATE
+    assert audio.waiting < 1.0
+    _, _, threads, files, _, _ = watch.columns()
+    assert threads[-1] <= before[2][-1] + 1  # the first stop has begun the thread that saves it
+    assert files[-1] == before[3][-1]
+
+
+@pytest.mark.soak
+@pytest.mark.timeout(MINUTES * 60 + 600)
+def test_an_hour_of_tasks_links_and_microphones_that_come_and_go_grows_nothing(bench, capsys):
+    relay, ground, watch, ports = bench
+    rng, end, ends, outages = np.random.default_rng(1), time.monotonic() + MINUTES * 60, [], 0
+    while time.monotonic() < end:
+        ends += day(ground, rng, ports)
+        if rng.random() < UNPLUGGED:
+            relay.unplug(rng.uniform(0.5, 5.0))
+            outages += 1
+    time.sleep(5.0)
+    audio, told = ground.latest["ROSS_AUDIO"], account(watch.columns(WARM))
+    told |= {"tasks": len(ends), "accepted": ends.count(0), "outages": outages, "reopened": audio.reopened}
+    told |= {"lost_s": audio.lost / RATE, "missing_s": relay.missing, "silence_s": ground.silence}
+    with capsys.disabled():
+        print(json.dumps(told))  # noqa: T201
+    assert told["growth_mb"] < 15.0
+    assert told["threads"][0] == told["threads"][-1]
+    assert told["files"][0] == told["files"][-1]
+    assert told["pump"] < 0.06  # motor, links, telemetry
+    assert ground.silence < 2.0  # a heartbeat late by a second at most, whatever else the computer does
+    assert audio.reopened == outages
+    assert audio.lost / RATE == pytest.approx(relay.missing, abs=0.1 * outages)
+
+
+def account(columns):
+    """Growth [MB], shares of a core, and how threads, descriptors and memory [MB] were at the ends.
+
+    What a separation works with comes and goes, and the allocator gives some of it back late: growth is how much higher
+    the lowest of the last third is than that of the first.
+    """
+    clock, resident, threads, files, cpu, pump = columns
+    seconds = clock[-1] - clock[0]
+    third = max(len(resident) // 3, 1)
+    return {
+        "minutes": seconds / 60,
+        "growth_mb": resident[-third:].min() - resident[:third].min(),
+        "resident_mb": resident[:: max(len(resident) // 10, 1)].round(1).tolist(),
+        "threads": threads[[0, -1]].tolist(),
+        "files": [files[:60].min(), files[-60:].min()],  # a recording opens some
+        "cpu": (cpu[-1] - cpu[0]) / seconds,
+        "pump": (pump[-1] - pump[0]) / seconds,
+    }

@@ -1,0 +1,316 @@
+"""``ross monitor`` as a process: on a terminal, on a pipe, beside emulated payloads."""
+
+import fcntl
+import json
+import os
+import pty
+import re
+import select
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import termios
+import threading
+import time
+from contextlib import contextmanager
+
+import pytest
+
+from emulated_scene import full
+from fleet_bench import FleetBench
+from ports import free_port
+from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.tunnel import Wrapper
+from ross_protocols.mavlink.values import Heartbeat
+
+MONITOR = (sys.executable, "-m", "ross_payload.cli", "monitor")
+TIMEOUT_S = 30.0  # [s]
+ESCAPES = re.compile(rb"\x1b\[[0-9;?]*[A-Za-z]")
+COLOURS = re.compile(rb"\x1b\[[0-9;]*3[0-7]m")
+HOME, LEFT = b"\x1b[H", b"\x1b[?1049l"
+
+
+@pytest.fixture
+def port():
+    return free_port()
+
+
+class Terminal:
+    """A pseudo terminal with ``ross monitor`` in it."""
+
+    def __init__(self, file, process):
+        self._file, self.process = file, process
+        self.data = b""
+
+    def resize(self, columns, rows):
+        fcntl.ioctl(self._file, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+
+    def type(self, keys):
+        os.write(self._file, keys)
+
+    def read(self):
+        """Take what it has drawn."""
+        while select.select([self._file], [], [], 0.05)[0]:
+            try:
+                data = os.read(self._file, 65536)
+            except OSError:  # it has gone
+                return
+            self.data += data
+
+    @property
+    def screen(self):
+        """The latest picture that is whole."""
+        self.read()
+        pictures = self.data.split(HOME)
+        whole = pictures[-2] if len(pictures) > 1 else b""
+        return ESCAPES.sub(b"", whole).decode().replace("\r\n", "\n")
+
+    def until(self, seen, seconds=TIMEOUT_S):
+        """Wait until the picture is so; return it."""
+        end = time.monotonic() + seconds
+        while not seen(screen := self.screen):
+            assert self.process.poll() is None and time.monotonic() < end, screen or self.data
+        return screen
+
+    def shows(self, *words, seconds=TIMEOUT_S):
+        return self.until(lambda screen: all(word in screen for word in words), seconds)
+
+    def ended(self):
+        """The exit code."""
+        end = time.monotonic() + TIMEOUT_S
+        while self.process.poll() is None:
+            assert time.monotonic() < end, self.data[-2000:]
+            self.read()
+        self.read()
+        return self.process.returncode
+
+    def settings(self):
+        return termios.tcgetattr(self._file)
+
+
+@contextmanager
+def terminal(*arguments, size=(80, 24), **more):
+    master, slave = pty.openpty()
+    environment = {**os.environ, "TERM": "xterm-256color", "PYTHONIOENCODING": "utf-8", **more}
+    for name in ("COLUMNS", "LINES", "NO_COLOR", "FORCE_COLOR"):
+        environment.pop(name, None) if name not in more else None
+    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", size[1], size[0], 0, 0))
+    command = ["setsid", "--ctty", *MONITOR, *arguments]  # keys that are signals reach it, as in a true terminal
+    process = subprocess.Popen(command, stdin=slave, stdout=slave, stderr=slave, env=environment)
+    try:
+        yield Terminal(master, process)
+    finally:
+        process.kill()
+        process.wait()
+        os.close(master)
+        os.close(slave)
+
+
+@contextmanager
+def speaking(port, tunnelled=False):
+    """A payload that repeats everything, in TUNNEL or not, until the end."""
+    encoder, wrapper, over = Encoder(1, 191), Wrapper(1, 191), threading.Event()
+
+    def speak():
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as voice:
+            while not over.wait(0.2):
+                for value in full(30.0, 3, 1):
+                    ours = tunnelled and not isinstance(value, Heartbeat)
+                    frame = encoder.encode(wrapper.wrap(value) if ours and _is_ours(value) else value)
+                    voice.sendto(frame, ("127.0.0.1", port))
+
+    thread = threading.Thread(target=speak)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+@contextmanager
+def lines_of(*arguments):
+    """The monitor on a pipe, which must end in good order."""
+    process = subprocess.Popen([*MONITOR, *arguments], stdout=subprocess.PIPE, text=True)
+    try:
+        yield process
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            code = process.wait(TIMEOUT_S)
+        finally:
+            process.kill()
+            process.wait()
+            process.stdout.close()
+    assert code == 0
+
+
+def _is_ours(value):
+    from ross_protocols.mavlink.codec import message_of
+
+    return message_of(value).get_type().startswith("ROSS_")
+
+
+def run(*arguments, **environment):
+    environment = {**os.environ, **environment}
+    command = [*MONITOR, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, env=environment, check=False)
+
+
+def lines_until(process, seen):
+    """Read lines of a process until one is so; return all."""
+    read = []
+    for line in process.stdout:
+        read.append(line)
+        if seen(line):
+            return read
+    raise AssertionError(read)
+
+
+def test_a_mission_is_watched_and_stopped_and_the_terminal_is_left_as_it_was(port):
+    with FleetBench(port) as _, terminal(f"udpin:127.0.0.1:{port}") as screen:
+        before = screen.settings()
+        screen.shows("RoSS 1-191", "source azimuth", "s STOP")
+        screen.type(b"e")
+        screen.shows("1-191 explore: ")
+        screen.type(b"s")
+        screen.shows("1-191 stop: done", "STOPPED")
+        screen.type(b"q")
+        assert screen.ended() == 0
+        assert screen.settings() == before
+        assert screen.data.rstrip().endswith(LEFT)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_in_good_order(port, number):
+    with speaking(port), terminal(f"udpin:127.0.0.1:{port}") as screen:
+        before = screen.settings()
+        screen.shows("RoSS 1-191")
+        screen.process.send_signal(number)
+        assert screen.ended() == 0
+        assert screen.settings() == before
+        assert b"Traceback" not in screen.data
+
+
+@pytest.mark.parametrize("key", [b"\x03", b"q", b"\x04"])
+def test_keys_end_it(port, key):
+    with terminal(f"udpin:127.0.0.1:{port}") as screen:
+        before = screen.settings()
+        screen.shows("waiting for telemetry")
+        screen.type(b"\x1a")  # Ctrl-Z is only a key: a stopped program could not put the terminal right
+        screen.type(key)
+        assert screen.ended() == 0
+        assert screen.settings() == before
+
+
+def test_link_loss_is_shown_within_three_seconds_and_recovery_too(port):
+    with terminal(f"udpin:127.0.0.1:{port}") as screen:
+        with speaking(port):
+            screen.shows("last telemetry 0.")
+        lost = time.monotonic()
+        screen.shows("NO TELEMETRY FOR")
+        assert time.monotonic() - lost < 3.5
+        with speaking(port):
+            screen.shows("last telemetry 0.")
+
+
+def test_it_follows_the_size_of_the_terminal(port):
+    with speaking(port), terminal(f"udpin:127.0.0.1:{port}") as screen:
+        small = screen.shows("s STOP")
+        assert len(small.splitlines()) == 24
+        screen.resize(150, 50)
+        large = screen.shows("isolation of each source", "o-O axis")
+        assert len(large.splitlines()) == 50
+        screen.resize(40, 10)
+        screen.until(lambda seen: len(seen.splitlines()) == 10 and "RoSS 1-191" in seen)
+
+
+def test_two_payloads_are_told_apart(port):
+    with FleetBench(port, payloads=2), terminal(f"udpin:127.0.0.1:{port}", "--payload", "2-191") as screen:
+        screen.shows("RoSS 2-191", " 1 1-191", " 2 2-191")
+        screen.type(b"1")
+        screen.shows("RoSS 1-191")
+
+
+def test_without_colour_nothing_is_coloured(port):
+    with speaking(port), terminal(f"udpin:127.0.0.1:{port}", NO_COLOR="1") as screen:
+        screen.shows("RoSS 1-191", "microphones")
+        assert not COLOURS.search(screen.data)
+
+
+def test_a_terminal_without_utf_8_gets_ascii(port):
+    with speaking(port), terminal(f"udpin:127.0.0.1:{port}", PYTHONIOENCODING="ascii") as screen:
+        screen.shows("RoSS 1-191", "microphones")
+        assert screen.data.isascii()
+
+
+def test_what_rides_in_tunnel_is_seen(port):
+    with speaking(port, tunnelled=True):
+        done = run(f"udpin:127.0.0.1:{port}", "--once", "--json")
+    picture = json.loads(done.stdout)
+    assert done.returncode == 0
+    assert picture["standing"]["tunnelled"]
+    assert len(picture["sources"]) == 3
+
+
+def test_one_look_prints_the_picture(port):
+    with speaking(port):
+        done = run(f"udpin:127.0.0.1:{port}", "--once", COLUMNS="100")
+    assert done.returncode == 0
+    assert "RoSS 1-191  RUN" in done.stdout
+    assert "\x1b" not in done.stdout
+    assert len(done.stdout.splitlines()) == 40
+
+
+def test_one_look_at_nothing_says_what_to_check(port):
+    done = run(f"udpin:127.0.0.1:{port}", "--once", "--wait", "0.5")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    [line] = done.stderr.splitlines()
+    assert f"nothing received on udpin:127.0.0.1:{port}" in line
+    assert "Traceback" not in done.stderr
+
+
+def test_one_look_at_another_payload_says_who_is_there(port):
+    with speaking(port):
+        done = run(f"udpin:127.0.0.1:{port}", "--once", "--wait", "4", "--payload", "7-191")
+    assert done.returncode == 2
+    assert "expected telemetry from 7-191, got 1-191" in done.stderr
+
+
+def test_on_a_pipe_every_change_is_a_line(port):
+    with FleetBench(port) as bench, lines_of(f"udpin:127.0.0.1:{port}") as process:
+        lines = lines_until(process, lambda line: "sources 0" in line)
+        bench.tell(silence=[1])
+        lines += lines_until(process, lambda line: "no telemetry for" in line)
+        bench.tell(speak=[1])
+        lines += lines_until(process, lambda line: "telemetry resumed" in line)
+    assert any(re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}\S* 1-191 state \w+", line) for line in lines)
+    assert "\x1b" not in "".join(lines)
+
+
+def test_json_lines_are_sections_that_changed(port):
+    with FleetBench(port), lines_of(f"udpin:127.0.0.1:{port}", "--json") as process:
+        lines = lines_until(process, lambda line: '"sources"' in line)
+    told = [json.loads(line) for line in lines]
+    assert {"time", "payload", "section", "value"} == set().union(*told)
+    assert {each["section"] for each in told} >= {"link", "standing", "pointing", "sources"}
+    assert all(each["payload"] == "1-191" for each in told if each["section"] not in ("link", "advice"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--payload", "1"), "expected system-component, as in 1-191, got '1'"),
+        (("--once", "--wait", "0"), "--wait"),
+        (("udp:nonsense",), "udp:nonsense"),
+        (("--mavlink-key", "/nowhere"), "/nowhere"),
+    ],
+)
+def test_a_mistake_is_one_line(port, arguments, words):
+    done = run(f"udpin:127.0.0.1:{port}", *arguments)
+    assert done.returncode == 2
+    assert words in done.stderr
+    assert len(done.stderr.splitlines()) == 1

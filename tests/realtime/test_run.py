@@ -1,0 +1,181 @@
+"""``ross run`` as its user starts it: a file, a process, signals."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import soundfile
+from pymavlink import mavutil
+
+from ports import free_port
+
+ROSS = (sys.executable, "-m", "ross_payload.cli")
+RATE = 16000
+
+
+@pytest.fixture
+def folder(tmp_path):
+    noise = np.random.default_rng(0).normal(0, 0.01, (RATE * 60, 2))
+    soundfile.write(tmp_path / "long.wav", noise, RATE, subtype="PCM_24")
+    soundfile.write(tmp_path / "noise.wav", noise[: 2 * RATE], RATE, subtype="PCM_24")
+    return tmp_path
+
+
+def written(folder, more="", source="file:noise.wav", links=""):
+    text = f"""
+[audio]
+source = "{source}"
+[actuator]
+kind = "tb6600"
+[service]
+state_dir = "state"
+log_format = "json"
+{more}
+{links}
+"""
+    path = folder / "ross.toml"
+    path.write_text(text)
+    return path
+
+
+def run(folder, path, **options):
+    return subprocess.run(
+        [*ROSS, "run", path], cwd=folder, capture_output=True, text=True, timeout=120, check=False, **options
+    )
+
+
+def log(stderr):
+    return [json.loads(line) for line in stderr.splitlines() if line.startswith("{")]
+
+
+def wait_for(process, words, timeout=60):
+    """Read the log until a line holds these words."""
+    end = time.monotonic() + timeout
+    while time.monotonic() < end:
+        line = process.stderr.readline()
+        if words in line:
+            return
+        assert line, "the payload ended"
+    raise AssertionError(f"'{words}' never came")
+
+
+def test_the_end_of_a_recording_is_no_fault(folder):
+    done = run(folder, written(folder))
+    assert done.returncode == 0, done.stderr
+    assert any("end" in line["message"] for line in log(done.stderr))
+    assert not [line for line in log(done.stderr) if line["level"] in ("warning", "error", "critical")]
+
+
+def test_nothing_is_asked_of_the_motor_at_start(folder):
+    done = run(folder, written(folder))
+    assert not [line for line in log(done.stderr) if "turning" in line["message"]]
+
+
+def test_what_must_last_is_in_the_state_folder_for_its_owner_alone(folder):
+    run(folder, written(folder))
+    assert (folder / "state").stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_is_an_orderly_end(folder, number):
+    with subprocess.Popen(
+        [*ROSS, "run", written(folder, source="file:long.wav")],
+        cwd=folder,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        wait_for(process, "idle")
+        process.send_signal(number)
+        rest = process.stderr.read()
+    assert process.returncode == 0, rest
+    assert "shut down" in rest
+
+
+@pytest.mark.parametrize(
+    ("more", "links", "source", "words"),
+    [
+        ('[service]\nstate_dir = "x"', "", "file:noise.wav", "not TOML"),
+        ("", "[[links]]\nurl = 'udpin:nowhere'", "file:noise.wav", "udpin:nowhere"),
+        ("", "", "file:missing.wav", "missing.wav"),
+        ("", "", "tape:1", "tape"),
+        ('target = "nobody-enrolled"', "", "file:noise.wav", "nobody-enrolled"),
+        ("", "[mount]\nsource = 'autopilot'", "file:noise.wav", "autopilot"),
+        ("", "[actuator.options]\nport = 'gpio:9'", "file:noise.wav", "gpio"),
+    ],
+)
+def test_a_mistake_gets_one_line_and_exit_code_2(folder, more, links, source, words):
+    done = run(folder, written(folder, more, source, links))
+    assert done.returncode == 2, done.stderr
+    last = done.stderr.strip().splitlines()[-1]
+    assert last.startswith("ross: ")
+    assert words in last
+    assert "Traceback" not in done.stderr
+
+
+def test_a_port_in_use_is_named(folder):
+    other = mavutil.mavudp("127.0.0.1:0", input=True)
+    try:
+        port = other.port.getsockname()[1]
+        done = run(folder, written(folder, links=f"[[links]]\nurl = 'udpin:127.0.0.1:{port}'"))
+    finally:
+        other.close()
+    assert done.returncode == 2
+    assert str(port) in done.stderr
+
+
+def test_a_ground_station_sees_it_and_its_order_is_obeyed(folder):
+    """A client that is not ours: pymavlink's mavutil."""
+    port = free_port()
+    path = written(
+        folder,
+        source="file:long.wav",
+        links=f"[[links]]\nurl = 'udpin:127.0.0.1:{port}'",
+    )
+    with subprocess.Popen([*ROSS, "run", path], cwd=folder, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            wait_for(process, "idle")
+            ground = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255)
+            ground.mav.heartbeat_send(6, 8, 0, 0, 4)
+            beat = ground.recv_match(type="HEARTBEAT", blocking=True, timeout=20)
+            assert (beat.get_srcComponent(), beat.type) == (191, 18)
+            ground.mav.command_long_send(1, 191, 54004, 0, *[0] * 7)  # MAV_CMD_ROSS_STOP
+            ack = ground.recv_match(type="COMMAND_ACK", blocking=True, timeout=20)
+            if ack.result == mavutil.mavlink.MAV_RESULT_IN_PROGRESS:  # the disk has not saved the stop yet
+                ack = ground.recv_match(type="COMMAND_ACK", blocking=True, timeout=20)
+            assert (ack.command, ack.result) == (54004, 0)
+            ground.close()
+        finally:
+            process.terminate()
+        assert "stopped" in process.stderr.read()
+    assert process.returncode == 0
+
+
+def commanded(folder, number, *parameters, links):
+    """Start the payload, give one command, return its answer and the log."""
+    port = int(links.rpartition(":")[2].strip("'"))
+    path = written(folder, source="file:long.wav", links=f"[[links]]\n{links}")
+    with subprocess.Popen([*ROSS, "run", path], cwd=folder, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            wait_for(process, "ross 0")
+            ground = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255)
+            ground.mav.command_long_send(1, 191, number, 0, *parameters, *[0] * (7 - len(parameters)))
+            ack = ground.recv_match(type="COMMAND_ACK", condition="COMMAND_ACK.result!=5", blocking=True, timeout=20)
+            ground.close()
+        finally:
+            process.terminate()
+        return ack.result, process.stderr.read()
+
+
+def test_a_stop_outlives_a_restart_until_armed_again(folder):
+    links = f"url = 'udpin:127.0.0.1:{free_port()}'"
+    assert commanded(folder, 54004, links=links)[0] == 0  # stop
+    assert (folder / "state" / "stopped").exists()
+    result, said = commanded(folder, 54006, links=links)  # park
+    assert result != 0
+    assert "turning" not in said
+    assert commanded(folder, 54009, links=links)[0] == 0  # re-arm
+    assert not (folder / "state" / "stopped").exists()

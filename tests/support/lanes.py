@@ -1,0 +1,123 @@
+"""How a test runs decides beside what it may run: every test belongs to one lane.
+
+``pure``      one process, no clock but the test's own
+``lockstep``  computes in simulated time
+``process``   starts programs, or speaks through sockets and files, and waits for what comes, however long it takes
+``realtime``  holds the product to times of this world
+``browser``   drives a real Chromium
+
+A folder of ``tests`` says the lane of what lies in it; a marker of that name, on a file or a test, says it instead.
+What lies among the pure and imports what leaves the process (`REACHES_OUT`) is ``process``.
+The first three run beside each other. The last two claim something about time, lie in folders of their own, and run
+when the others have ended: at a higher priority, where the system allows it, so that what else the computer does cannot
+make them late.
+
+``python tests/support/lanes.py [ARGUMENTS OF PYTEST]`` runs all of them so.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+
+TESTS = Path(__file__).parents[1]
+LANES = ("pure", "lockstep", "process", "realtime", "browser")
+FOLDERS = {
+    "unit": "pure",
+    "contract": "lockstep",
+    "lockstep": "lockstep",
+    "dist": "process",
+    "interop": "realtime",
+    "realtime": "realtime",
+    "browser": "browser",
+}
+REACHES_OUT = {"aiohttp", "asyncio", "multiprocessing", "pty", "socket", "subprocess", "threading"} | {
+    "fleet_bench", "ground_page", "processes", "served_ground", "station_bench", "waiting",  # tests/support
+}  # fmt: skip
+ALONE = ("realtime", "browser")
+ALWAYS = "not hardware and not soak"
+NOTHING_SELECTED = 5  # exit code of pytest
+REPORTS = "ROSS_TEST_REPORTS"  # a folder for reports in junit's form
+
+
+@dataclass(frozen=True)
+class Pass:
+    """Lanes that run beside each other, in so many processes."""
+
+    lanes: tuple[str, ...]
+    workers: int
+    paths: tuple[str, ...] = ()  # where they lie; empty: anywhere
+    niceness: int = 0
+
+
+PASSES = (
+    Pass(("pure", "lockstep", "process"), workers=3),
+    Pass(("realtime",), workers=3, paths=("tests/realtime", "tests/interop"), niceness=-10),
+    Pass(("browser",), workers=2, paths=("tests/browser",), niceness=-10),
+)
+
+
+def lane_of(path: Path, markers: Iterable[str], imports: Iterable[str] = ()) -> str:
+    """Return the lane of a test in this file that has these markers and imports.
+
+    Raises
+    ------
+    ValueError
+        When there is none, or more than one.
+    """
+    named = sorted(set(markers) & set(LANES))
+    if len(named) > 1:
+        raise ValueError(f"two lanes: {', '.join(named)}")
+    own = (
+        FOLDERS.get(path.relative_to(TESTS).parts[0]) if path.is_relative_to(TESTS) else "pure"
+    )  # a docstring's example
+    if not named and own is None:
+        raise ValueError(f"no lane: mark it with one of {', '.join(LANES)}, or put it into one of {', '.join(FOLDERS)}")
+    lane = named[0] if named else str(own)
+    if lane in ALONE and lane != own:
+        raise ValueError(f"lane {lane}: lies in {', '.join(folder for folder in FOLDERS if FOLDERS[folder] == lane)}")
+    return "process" if lane == "pure" and not named and REACHES_OUT & set(imports) else lane
+
+
+def imports_of(module: object) -> set[str]:
+    """Return the names of the modules from which a module has something."""
+    things = vars(module).values() if module is not None else ()
+    names = (
+        thing.__name__ if isinstance(thing, ModuleType) else getattr(thing, "__module__", None) for thing in things
+    )
+    return {name.split(".")[0] for name in names if isinstance(name, str)}
+
+
+def main(arguments: list[str]) -> int:
+    """Run every pass, also when one before it has failed; return 0 when all of them passed."""
+    chosen = any(not word.startswith("-") and Path(word.split("::")[0]).exists() for word in arguments)
+    codes = []
+    for number, each in enumerate(PASSES, 1):
+        print(f"\n{', '.join(each.lanes)}: {each.workers} at a time", flush=True)
+        command = [sys.executable, "-m", "pytest", "-m", f"{ALWAYS} and ({' or '.join(each.lanes)})"]
+        command += ["--numprocesses", str(each.workers), "--dist", "worksteal", *(() if chosen else each.paths)]
+        if folder := os.environ.get(REPORTS):
+            command.append(f"--junitxml={folder}/{number}.xml")
+        began = time.monotonic()
+        hurry = partial(_hurry, each.niceness)
+        codes.append(subprocess.run([*command, *arguments], check=False, preexec_fn=hurry).returncode)
+        print(f"{', '.join(each.lanes)}: {time.monotonic() - began:.0f} s", flush=True)
+    bad = [code for code in codes if code not in (0, NOTHING_SELECTED)]
+    return bad[0] if bad else min(codes)
+
+
+def _hurry(niceness: int) -> None:
+    with suppress(PermissionError):
+        os.nice(niceness)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

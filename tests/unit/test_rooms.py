@@ -1,0 +1,65 @@
+"""How the code is laid out: names tell rooms apart, imports form no circle, and a file is worth opening."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+ARCHITECTURE = ROOT / "docs" / "explanation" / "architecture.md"
+SOURCES = {
+    ".".join(path.relative_to(top).with_suffix("").parts).removesuffix(".__init__"): path
+    for top, package in ((".", "ross_payload"), ("protocols", "ross_protocols"), ("sim", "ross_sim"))
+    for path in sorted((ROOT / top / package).rglob("*.py"))
+    for top in (ROOT / top,)
+}
+PACKAGES = {name for name, path in SOURCES.items() if path.name == "__init__.py"}
+SHORT_LINES, SHORT_SHARE = 60, 0.15
+
+
+def imports(name):
+    """The modules that a module imports anywhere, in functions and for types too."""
+    for node in ast.walk(ast.parse(SOURCES[name].read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found = {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            inner = {f"{node.module}.{alias.name}" for alias in node.names} & SOURCES.keys()
+            found = inner or {node.module}
+        else:
+            continue
+        yield from found & SOURCES.keys() - {name}
+
+
+def circles(graph):
+    """Modules that reach themselves: what is left when whatever imports nothing that is left has been removed."""
+    left = {name: set(targets) for name, targets in graph.items()}
+    while ends := {name for name, targets in left.items() if not targets & left.keys()}:
+        left = {name: targets for name, targets in left.items() if name not in ends}
+    while starts := left.keys() - {each for targets in left.values() for each in targets}:
+        left = {name: targets for name, targets in left.items() if name not in starts}
+    return sorted(left)
+
+
+def test_no_import_forms_a_circle():
+    assert circles({name: set(imports(name)) for name in SOURCES}) == []
+
+
+def test_a_circle_is_found():
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": set()}) == ["b", "c"]
+
+
+def test_no_module_has_the_name_of_a_room():
+    rooms = {name.rpartition(".")[2] for name in PACKAGES}
+    assert [name for name in SOURCES.keys() - PACKAGES if name.rpartition(".")[2] in rooms] == []
+
+
+def test_few_files_are_short():
+    lengths = [len(path.read_text(encoding="utf-8").splitlines()) for path in SOURCES.values()]
+    assert sum(length < SHORT_LINES for length in lengths) <= SHORT_SHARE * len(lengths)
+
+
+@pytest.mark.parametrize("name", sorted(set(re.findall(r"`([a-z_/0-9]+\.(?:py|js))`", ARCHITECTURE.read_text()))))
+def test_a_file_that_the_architecture_names_exists(name):
+    tops = (".", "ross_payload", "protocols", "protocols/ross_protocols/mavlink")
+    assert any((ROOT / top / name).is_file() for top in tops)
