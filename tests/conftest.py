@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+import fork_server
 import lanes
 
 settings.register_profile("shared machine", deadline=None)  # a busy machine makes no example wrong
@@ -21,6 +22,7 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
+    fork_server.install()
     if config.getoption("--actuator-kind"):
         import rigs
 
