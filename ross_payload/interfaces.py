@@ -101,6 +101,44 @@ class AudioSource(Protocol):
         """Close the source."""
 
 
+@dataclass(frozen=True, slots=True)
+class VoiceBlock:
+    """Consecutive samples of what somebody listens to: one voice, or the mixture at microphone 1."""
+
+    samples: Samples  # (n,), within -1 to 1
+    index: int  # of the first sample, since the source was opened: the same sample of the mixture has the same index
+    time: float  # when that sample was at the microphone, on the Clock [s]
+
+
+class AudioSink(Protocol):
+    """Where a voice goes: a file, headphones, the network. A context manager; no method blocks."""
+
+    def write(self, block: VoiceBlock) -> None:
+        """Take the next samples. What goes wrong afterwards is told by `fault`, and is nobody else's concern."""
+
+    @property
+    def fault(self) -> str:
+        """What is wrong, in words; empty while all is well."""
+
+    @property
+    def lost(self) -> int:
+        """Samples that were taken and never got out."""
+
+    def __enter__(self) -> Self:
+        """Open the sink.
+
+        Raises
+        ------
+        AudioError
+            When it cannot be opened.
+        """
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Write what is still waiting and close; gives up on who does not take it."""
+
+
 # ---------------------------------------------------------------------------------------------------- motion
 
 
@@ -376,6 +414,33 @@ class Separator(Protocol):
 
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
         """Separate a whole recording; spectrogram (2, n_freqs, n_frames)."""
+
+
+class LiveSeparator(Protocol):
+    """Separates frame by frame, while people talk.
+
+    What is quick happens in `step`, for every frame. What is slow, learning how each source sounds here, happens in
+    `learn`, beside the frames, on a thread of its own; its result is taken over by `renewed` and fades in.
+    """
+
+    name: str
+    lookahead: int  # frames that must be heard after a frame before it is separated
+
+    def start(self, scene: Scene) -> Any:
+        """Return the state in which nothing was heard yet: covariances follow from ``scene.tau`` alone."""
+
+    def step(self, state: Any, frame: Complex, scene: Scene) -> tuple[Any, Groups]:
+        """Hear one frame (2, n_freqs); return the state after it, and the groups of ``lookahead`` frames ago.
+
+        Their signals are (n_groups, n_freqs, 1). The scene may change from frame to frame in its TDOAs and noise PSD,
+        not in the number of sources.
+        """
+
+    def learn(self, window: Complex, scene: Scene) -> Any:
+        """Return what the latest frames (2, n_freqs, n_frames), heard at one heading, tell about the sources."""
+
+    def renewed(self, state: Any, learnt: Any) -> Any:
+        """Return the state that goes on with what was learnt, without a jump in level and with the groups in order."""
 
 
 @dataclass(frozen=True, slots=True)
