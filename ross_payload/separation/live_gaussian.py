@@ -150,7 +150,7 @@ class LiveGaussian:
         return replace(state, psds=_fitted(state, noise, floor))
 
 
-def _fitted(state: State, noise: Real, floor: Real) -> Real:
+def _fitted(state: State, noise: Real, floor: np.float32) -> Real:
     """The PSDs with those of the frames under way updated, (n + 1, n_groups, n_freqs)."""
     flipped = live_psds.adjugate(state.covariances)
     gram = np.einsum("kcf,jcf->kjf", state.covariances, flipped)

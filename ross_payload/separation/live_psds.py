@@ -70,7 +70,7 @@ def shares_of(observed: Real, sources: Real, noise_psd: Real) -> Real:
 def _tied(sums: Real, reach: int | None) -> Real:
     """Sum of every block and those within ``reach`` of it, along the last axis."""
     if reach is None:
-        return sums.sum(axis=-1, keepdims=True) + np.zeros_like(sums)
+        return np.asarray(sums.sum(axis=-1, keepdims=True) + np.zeros_like(sums))
     n = sums.shape[-1]
     total = np.concatenate([np.zeros_like(sums[..., :1]), sums.cumsum(axis=-1)], axis=-1)
     index = np.arange(n)

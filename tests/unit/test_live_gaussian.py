@@ -47,7 +47,7 @@ def _ratio_db(estimate: Complex, image: Complex) -> float:
     return float(10 * np.log10((np.abs(image) ** 2).sum() / (np.abs(estimate - image) ** 2).sum()))
 
 
-@pytest.mark.parametrize(("lookahead", "worse_db"), [(0, 2.0), (1, 1.0), (2, 1.0)])
+@pytest.mark.parametrize(("lookahead", "worse_db"), [(0, 1.5), (1, 0.8), (2, 0.8)])
 def test_every_source_comes_out_in_its_group_nearly_as_clean_as_from_the_whole_recording(
     lookahead: int, worse_db: float
 ) -> None:
@@ -55,7 +55,7 @@ def test_every_source_comes_out_in_its_group_nearly_as_clean_as_from_the_whole_r
     whole = separator.batch(mixture, SCENE).signals
     live = _listen(separator.live(lookahead), mixture, renew=16)
     for k in range(len(TAU)):
-        assert _ratio_db(live[k], images[k]) > _ratio_db(whole[k], images[k]) - worse_db
+        assert _ratio_db(live[k, :, 80:], images[k, :, 80:]) > _ratio_db(whole[k], images[k]) - worse_db
 
 
 def test_covariances_follow_a_source_whose_tdoa_changes() -> None:
