@@ -1,7 +1,8 @@
 """The payload that lives: everything that hears, turns, speaks and writes, from start to shutdown.
 
-`ross run` gives it real parts, `ross sitl --serve` simulated ones. Live there are three threads: the audio callback,
-the pump (drivers, links, telemetry), and the mission, on which `run` is called. In simulated time there is one.
+`ross run` gives it real parts, `ross sitl --serve` simulated ones. Live there are several threads: the audio callback,
+what reads the audio, live listening, the pump (drivers, links, telemetry), and the mission, on which `run` is called.
+In simulated time there is one.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +19,11 @@ from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.audio.audio_health import HealthMonitor
 from ross_payload.audio.live_source import Watched
+from ross_payload.audio.shared_source import SharedSource
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.interfaces import AudioSource, Clock, Mount, Port, Services, VoicePrint
+from ross_payload.listening.observers import Listening, LiveListening, LockstepListening
 from ross_payload.logs import Changes
 from ross_payload.mavlink import Router
 from ross_payload.mavlink.gimbal import Gimbal
@@ -32,7 +36,7 @@ from ross_payload.service.dronecan_node import node_on_bus
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.sessions.manifest import Beginning
-from ross_payload.sessions.recorder import Recorder
+from ross_payload.sessions.recorder import RecordedVoice, Recorder
 from ross_payload.sessions.session_store import SessionStore
 from ross_payload.telemetry.component import Telemetry
 from ross_payload.timebase import Timebase
@@ -60,6 +64,7 @@ class Parts:
     watched: Watched | None = None  # the source, where it tells how it is
     voiceprint: VoicePrint | None = None
     stamp: Callable[[], str] = lambda: ""  # of a new recording
+    live: bool = False  # time is real: the audio is read, and listened to, on threads of their own
     latch: StopLatch | None = None  # what remembers an order to stop over a restart
     state: Path | None = None  # folder of what outlives a restart
     rng: np.random.Generator = field(default_factory=np.random.default_rng)
@@ -81,20 +86,21 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
     with ExitStack() as stack:
         aboard = stack.enter_context(node_on_bus(config, clock, parts.open_port, parts.state, parts.rng))
         actuator = stack.enter_context(open_actuator(config, Services(clock, parts.open_port)))
-        stack.enter_context(parts.source)
+        source = stack.enter_context(_source(parts, config))
         recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
         voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
         session = LiveSession(config, maker(actuator, voiceprint), Memory(stopped=stopped, starting=True))
         first = FIRST[config.service.autostart]
         mission = session.mission(first() if first is not None else None)
-        runner = Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
-        ears = HealthMonitor(config, parts.watched)
+        runner = Runner(mission, source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
+        ears = HealthMonitor(config, source if isinstance(source, SharedSource) else parts.watched)
         telemetry = stack.enter_context(_telemetry(parts, actuator, runner, recorder, ears))
         stack.enter_context(recorder)
         stack.enter_context(parts.drained(recorder))
         component = parts.links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.on_frame(parts.timebase.usec(), frame))
-        runner.observers = [ears, telemetry, recorder, *observers]
+        listening = stack.enter_context(listening_of(config, clock, runner, recorder, source))
+        runner.observers = [ears, telemetry, recorder, listening, *observers]
         if parts.latch is not None:
             runner.observers.append(parts.latch)
         if config.gimbal.mode != "off":
@@ -117,6 +123,40 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         if stopped:
             actuator.stop()
         yield runner
+
+
+def _source(parts: Parts, config: Config) -> AudioSource:
+    """Have the audio read on a thread of its own when time is real, so that no computing holds up who listens."""
+    if not parts.live:
+        return parts.source
+    return SharedSource(parts.source, config.hop, config.audio.buffer_s, parts.watched)
+
+
+@contextmanager
+def listening_of(
+    config: Config, clock: Clock, runner: Runner, recorder: Recorder | None, source: AudioSource
+) -> Iterator[Listening]:
+    """Give what listens beside the mission: to a shared source on a thread of its own, else with the mission.
+
+    Raises
+    ------
+    ConfigError
+        When the separator is none.
+    """
+    folder = Path() if recorder is None else recorder.folder
+    voices = None if recorder is None else partial(RecordedVoice, recorder)
+    recording = None if recorder is None else recorder.recording
+    if not isinstance(source, SharedSource):
+        with LockstepListening(config, clock, folder, recording=recording, voice_sink=voices) as lockstep:
+            yield lockstep
+        return
+    live = LiveListening(config, clock, folder, runner.located, recording=recording, voice_sink=voices)
+    with live:
+        source.listeners.append(live.hear)
+        try:
+            yield live
+        finally:
+            source.listeners.remove(live.hear)
 
 
 def _wait_for_report(actuator: Guard, clock: Clock) -> None:
