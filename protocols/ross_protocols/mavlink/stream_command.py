@@ -56,6 +56,27 @@ def unicast(address: str) -> IPv4Address:
     return numeric
 
 
+def place_of(text: str) -> tuple[str, int, str]:
+    """Read address, port and codec of whoever listens.
+
+    >>> place_of("192.168.1.20:5004"), place_of("127.0.0.1:5004/L16")
+    (('192.168.1.20', 5004, 'opus'), ('127.0.0.1', 5004, 'L16'))
+
+    Raises
+    ------
+    ValueError
+        When it is no such place.
+    """
+    place, _, codec = text.partition("/")
+    address, _, port = place.rpartition(":")
+    if not address or not port.isdecimal() or not port.isascii():
+        raise ValueError(f"expected address:port, as in 192.168.1.20:5004, got '{text[:60]}'")
+    host, number, name = str(unicast(address)), int(_between("port", float(port), 1, HALF - 1)), codec or "opus"
+    if CODECS.get(name.lower(), Codec.OTHER) is Codec.OTHER:
+        raise ValueError(f"codec: expected opus or L16, got '{name[:60]}'")
+    return host, number, name
+
+
 def numbers_of(command: StreamCommand) -> tuple[float, ...]:
     """Return the numbers of the command.
 
