@@ -5,8 +5,7 @@ Angles are degrees here, clockwise as on a compass, from north when ``earth``, e
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ross_payload.ground.model.stream_rows import CODECS, selection_name
 from ross_protocols.mavlink.field_converters import compass
@@ -50,17 +49,3 @@ class AudioStream:
             stream.gain, stream.muted, stream.level, stream.delay, stream.lost, stream.packets_lost, stream.fault,
             stream.detail,
         )  # fmt: skip
-
-
-def changed(before: tuple[StreamReport, ...], after: tuple[StreamReport, ...]) -> Iterator[StreamReport]:
-    """Yield the streams of which more than levels, delays and counts have changed."""
-    known = {stream.number: lasting(stream) for stream in before}
-    yield from (stream for stream in after if known.get(stream.number) != lasting(stream))
-
-
-def lasting(stream: StreamReport) -> StreamReport:
-    """Return a stream without what changes all the time."""
-    return replace(
-        stream, time_usec=0, count=0, level=None, delay=None, lost=0, packets_lost=None, azimuth=None, group=None,
-        separated=False,
-    )  # fmt: skip

@@ -10,8 +10,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ross_payload.ground.client.audio_streams import AudioStream, changed
+from ross_payload.ground.client.audio_streams import AudioStream
 from ross_payload.ground.model.payload_state import PayloadState, SourceTrack
+from ross_payload.ground.model.stream_rows import changed
 from ross_payload.ground.model.view import word
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.field_converters import compass

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from ross_payload.ground.model.health import ACT, GOOD
@@ -83,3 +85,17 @@ def words(stream: StreamReport) -> str:
 
 def _listeners(count: int) -> str:
     return f"{count} listener{'' if count == 1 else 's'}" if count else "no listener"
+
+
+def changed(before: tuple[StreamReport, ...], after: tuple[StreamReport, ...]) -> Iterator[StreamReport]:
+    """Yield the streams of which more than levels, delays and counts have changed."""
+    known = {stream.number: lasting(stream) for stream in before}
+    yield from (stream for stream in after if known.get(stream.number) != lasting(stream))
+
+
+def lasting(stream: StreamReport) -> StreamReport:
+    """Return a stream without what changes all the time."""
+    return replace(
+        stream, time_usec=0, count=0, level=None, delay=None, lost=0, packets_lost=None, azimuth=None, group=None,
+        separated=False,
+    )  # fmt: skip

@@ -119,7 +119,7 @@ def screen_state(station: Station, controller: Controller) -> ScreenState:
         others=controller.others,
         chosen=controller.chosen,
         note=controller.note,
-        hearing=controller.hear_at is not None,
+        hearing=controller.hear_at is not None or any(each["on"] for each in (view or {}).get("streams", ())),
     )
 
 

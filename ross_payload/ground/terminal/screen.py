@@ -16,7 +16,7 @@ SIDE_BY_SIDE = 60  # columns, from which the polar view stands beside the tables
 MIN_PLOT_ROWS = 9  # rows, below which it is left out
 TALL = 40  # rows, from which there is a legend and more room for what was said
 KEYS = "s STOP  e explore  l listen  v voice  c cancel  r rearm  <-> source  q quit"
-HEARING_KEYS = "s STOP e explore l listen v voice h hear m mixture x silence c cancel r rearm q quit"
+HEARING_KEYS = "s STOP e explore l listen v voice h hear m mixture x end c cancel r rearm q quit"
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class ScreenState:
     others: Sequence[tuple[str, bool, str]] = ()  # every payload: its name, whether it is this one, its state
     chosen: int | None = None  # source
     note: str = ""  # to the user
-    hearing: bool = False  # the keys for live listening do something
+    hearing: bool = False  # the keys for live listening are of use
 
 
 def compose(shown: ScreenState, width: int, height: int, *, braille: bool = True, keys: bool = True) -> list[Text]:
