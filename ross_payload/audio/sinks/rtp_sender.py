@@ -55,12 +55,13 @@ class _L16:
 
 
 class _Opus:
+    """Opus as `audio`: as `voip` it shapes the spectrum, and 10 dB of SI-SDR are gone at any bit rate."""
+
     def __init__(self, rate: int, bit_rate: int) -> None:
         codec = av.CodecContext.create("libopus", "w")
-        assert isinstance(codec, av.AudioCodecContext)
         codec.sample_rate, codec.bit_rate = rate, bit_rate
         codec.layout, codec.format = "mono", "flt"
-        codec.options = {"application": "voip", "fec": "1", "packet_loss": str(EXPECTED_LOSS), "frame_duration": "20"}
+        codec.options = {"application": "audio", "fec": "1", "packet_loss": str(EXPECTED_LOSS), "frame_duration": "20"}
         codec.open()
         self._codec, self._rate = codec, rate
         (self.lookahead,) = struct.unpack_from("<H", codec.extradata or b"", 10)  # the pre-skip, RFC 7845
@@ -96,26 +97,35 @@ class RtpSender:
         self._offset = secrets.randbits(32)  # of the timestamps
         self._name = secrets.token_urlsafe(12).encode()  # RFC 7022: tells nothing of the computer
         self._waiting: Samples = np.zeros(0, np.float32)  # for a packet to be full, at the rate of the media
-        self._first = 0  # index of the first of them, at the rate of the media
-        self._next = -1  # index of the block to come; below 0: any
+        self._first = 0  # sample of the stream that is the first of them, at the rate of the media
+        self._next: int | None = None  # index of the block to come; None: any
+        self._restarts = 0  # what is added to indices, which begin anew when the source is opened again
         self._time: tuple[int, float] = (0, 0.0)  # timestamp of a sample, and when it was heard [s]
         self._sent: OrderedDict[int, bytes] = OrderedDict()
         self._packets = self._bytes = 0
         self._allowed = 0.0  # packets that may be sent once more
         self._report_at = -np.inf
         self.heard_back: float | None = None  # when the receiver reported for the latest time [s]
+        self.packets_lost: int | None = None  # on the way, as it reports
 
     # ------------------------------------------------------------------------------------------- packets
 
     def packets(self, block: VoiceBlock) -> Iterator[bytes]:
-        """Take the next samples; return the packets that are full. A gap ends one, and marks the next."""
-        marker = block.index != self._next
-        if marker:
+        """Take the next samples; return the packets that are full. A pause ends one, and marks the next."""
+        index, samples = block.index + self._restarts, block.samples
+        if self._next is not None and index < self._next:
+            self._restarts += self._next - index
+            index = self._next
+        place = round(index * self.media.rate / self._rate)
+        marker = self._next is None
+        if self._next is not None and 0 < index - self._next < self._rate * self.media.packet // self.media.rate:
+            samples = np.concatenate([np.zeros(index - self._next, np.float32), samples])
+        elif index != self._next:
             yield from self._flush()
-            self._first = round(block.index * self.media.rate / self._rate)
-        self._next = block.index + len(block.samples)
-        self._waiting = np.concatenate([self._waiting, self._resampled(block.samples)])
-        self._time = self._timestamp(round(block.index * self.media.rate / self._rate)), block.time
+            self._first, marker = place, True
+        self._next = index + len(block.samples)
+        self._waiting = np.concatenate([self._waiting, self._resampled(samples)])
+        self._time = self._timestamp(place), block.time
         while len(self._waiting) >= self.media.packet:
             yield self._packet(self._waiting[: self.media.packet], marker)
             self._waiting = self._waiting[self.media.packet :]
@@ -191,6 +201,8 @@ class RtpSender:
         for report in reports:
             if isinstance(report, RtcpRrPacket):
                 self.heard_back = now
+                for block in report.reports:
+                    self.packets_lost = block.packets_lost if block.ssrc == self._ssrc else self.packets_lost
             elif isinstance(report, RtcpByePacket):
                 self.heard_back = None
             elif isinstance(report, RtcpRtpfbPacket) and (report.fmt, report.media_ssrc) == (
@@ -204,4 +216,3 @@ class RtpSender:
 
     def _description(self) -> bytes:
         return bytes(RtcpSdesPacket([RtcpSourceInfo(self._ssrc, [(CNAME, self._name)])]))
-

@@ -25,7 +25,8 @@ PERIOD = 1.0  # of reports [s]
 AGAIN = 0.04  # until a packet is asked for again [s]
 REQUESTS = 3  # for one packet
 AT_ONCE = 64  # packets in one request
-SOONEST, LATEST = 0.01, 0.1  # that a packet is asked for after it is missed: it may only be late [s]
+PATIENCE = 1.25  # times the jitter, after which a missing packet is asked for: it may only be late
+SOONEST, LATEST = 0.01, 0.1  # but not sooner, and no later [s]
 CNAME = 1  # item of a source description
 MOST_LOST = 0x7FFFFF
 
@@ -68,7 +69,7 @@ class ReceptionReports:
 
     def _wanted(self, store: PacketStore, jitter: float, now: float) -> list[int]:
         missing = store.missing()
-        patience = min(max(2 * jitter, SOONEST), LATEST)
+        patience = min(max(PATIENCE * jitter, SOONEST), LATEST)
         self._missed = {each: self._missed.get(each) or _Missed(now + patience) for each in missing}
         wanted = [each for each, state in self._missed.items() if state.requests < REQUESTS and now >= state.due]
         for each in wanted[:AT_ONCE]:
