@@ -12,6 +12,7 @@ from typing import Any
 
 from ross_payload.ground.model.health import condition
 from ross_payload.ground.model.payload_state import PayloadState, elapsed
+from ross_payload.ground.model.stream_rows import stream_row
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.field_converters import compass
 from ross_protocols.mavlink.values import Alignment, CandidateState, Information, Separation, Source, Status
@@ -67,6 +68,8 @@ def standing(known: PayloadState, settings: Mapping[str, float]) -> Section:
         "version": known.information.software_version if known.information else None,
         "dialect": known.information.dialect_version if known.information else None,
         "actuator": known.information.actuator if known.information else None,
+        "streaming": status.streaming if status else None,
+        "recording": status.recording if status else None,
         "flaws": list(known.flaws),
     }
 
@@ -150,13 +153,17 @@ def source_row(source: Source) -> dict[str, Any]:
         "target": source.target,
         "final": source.final,
         "earth": source.earth,
+        "tracked": source.tracked,
+        "rate": _degrees(source.rate or 0.0) if source.tracked else None,
+        "age": source.age or 0.0 if source.tracked else None,
     }
 
 
 def _mirrored(known: PayloadState) -> Section:
     """Sources of which nothing is known but where they are."""
-    nothing = dict.fromkeys(("mirror", "sigma", "elevation", "confidence", "weight", "score"))
-    flags = {"resolved": True, "target": False, "final": False, "earth": False, "announced": len(known.azimuths)}
+    nothing = dict.fromkeys(("mirror", "sigma", "elevation", "confidence", "weight", "score", "rate", "age"))
+    flags: dict[str, Any] = {"resolved": True, "target": False, "final": False, "earth": False, "tracked": False}
+    flags["announced"] = len(known.azimuths)
     return [
         {"source": index, "azimuth": azimuth % 360.0, **nothing, **flags, "trail": []}
         for index, azimuth in enumerate(known.azimuths)
@@ -238,6 +245,11 @@ def group_row(group: Separation) -> dict[str, Any]:
     }
 
 
+def streams(known: PayloadState, settings: Mapping[str, float]) -> Section:
+    """Live listening, one entry per stream, also those that have ended."""
+    return [stream_row(each) for each in known.streams]
+
+
 def history(known: PayloadState, settings: Mapping[str, float]) -> Section:
     """K, score and state over time, oldest first."""
     return [
@@ -268,6 +280,7 @@ SECTIONS: dict[str, Callable[[PayloadState, Mapping[str, float]], Section]] = {
     "densities": densities,
     "isolation": isolation,
     "groups": groups,
+    "streams": streams,
     "history": history,
     "events": events,
     "health": lambda known, settings: condition(known),

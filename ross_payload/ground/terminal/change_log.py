@@ -17,6 +17,7 @@ from ross_protocols.angle_text import frame, rounded
 from ross_protocols.mavlink.component_id import ComponentId
 
 UNFINISHED = object()  # an estimate of which not all messages have come
+UNSTEADY = ("level_db", "delay", "lost", "packets_lost", "azimuth", "group")  # of a stream: numbers that never rest
 MOVED_DEG = 5.0  # from which a source has moved
 View = dict[str, Any]
 
@@ -88,6 +89,8 @@ def _steady(name: str, section: Any) -> Any:
         return {key: value for key, value in section.items() if key != "last"}
     if name == "sources":
         return [{key: value for key, value in each.items() if key != "trail"} for each in section]
+    if name == "streams":
+        return [{key: value for key, value in each.items() if key not in UNSTEADY} for each in section]
     if name == "health":
         return {
             key: [_level(each) for each in part] if isinstance(part, list) else _level(part)
@@ -192,6 +195,18 @@ def _groups(view: View) -> list[str]:
     return [f"separated ({view['groups'][0]['phase']}) {', '.join(told)}"] if told else []
 
 
+def _streams_key(view: View) -> Any:
+    return tuple(_stream_words(each) for each in view["streams"])
+
+
+def _streams(view: View) -> list[str]:
+    return [_stream_words(each) for each in view["streams"]]
+
+
+def _stream_words(stream: dict[str, Any]) -> str:
+    return f"stream {stream['number']}: {stream['whom']} to {stream['place']}, {stream['words']}"
+
+
 def _health_key(view: View) -> Any:
     return tuple((name, each["level"]) for name, each in _parts(view))
 
@@ -218,6 +233,7 @@ SECTIONS = {
     "sources": (_sources_key, _sources),
     "plan": (_plan_key, _plan),
     "groups": (_groups_key, _groups),
+    "streams": (_streams_key, _streams),
     "health": (_health_key, _health),
 }
 
