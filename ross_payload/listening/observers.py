@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Self
@@ -34,7 +35,14 @@ LAST_CALL_S = 5.0  # that the thread may take at the end
 
 log = logging.getLogger(__name__)
 Locate = Callable[[float, float], tuple[Pointing, bool]]  # begin, end [s]: where the array points, whether at rest
-VoiceSink = Callable[[str], AudioSink]  # of a recording, by the name of the voice
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingVoices:
+    """What a recording of sessions takes of the voices."""
+
+    going_on: Callable[[], bool]  # whether a session is recorded at present; from any thread
+    sink: Callable[[str], AudioSink]  # takes a voice by its name
 
 
 class Listening:
@@ -49,9 +57,7 @@ class Listening:
     folder
         Of files that are named without one.
     recording
-        Whether a session is recorded at present; None: nothing can be.
-    voice_sink
-        Takes a voice into that session.
+        Takes voices into the session that is recorded; None: nothing can be recorded.
 
     Raises
     ------
@@ -61,24 +67,16 @@ class Listening:
 
     live = False
 
-    def __init__(
-        self,
-        config: Config,
-        clock: Clock,
-        folder: Path,
-        *,
-        recording: Callable[[], bool] | None = None,
-        voice_sink: VoiceSink | None = None,
-    ) -> None:
+    def __init__(self, config: Config, clock: Clock, folder: Path, recording: RecordingVoices | None = None) -> None:
         self._config = config
         self._clock = clock
         self._folder = folder
-        self._voice_sink = voice_sink
+        self._recording = recording
         separator = load_separator(config.listening.separator).live(config.listening.lookahead)
         self._learner: Learner = (BackgroundLearner if self.live else ImmediateLearner)(separator)
         separation = VoiceSeparation(separator, self._learner, transform_of(config).stft, config)
         self._stage = ListeningStage(config, separation, self._open_runner, clock if self.live else None)
-        self._orders = OrderBook(config, recording)
+        self._orders = OrderBook(config, None if recording is None else recording.going_on)
         self._stage.want(self._orders.wanted)
 
     def streams(self) -> tuple[StreamStatus, ...]:
@@ -118,10 +116,8 @@ class Listening:
         rate, number = self._config.audio.rate_hz, settings.number
 
         def make() -> AudioSink:
-            if settings.voice:
-                if self._voice_sink is None:
-                    raise AssertionError
-                return self._voice_sink(settings.voice)
+            if settings.voice and self._recording is not None:
+                return self._recording.sink(settings.voice)
             options = checked_options(settings.sink, settings.options, settings.title)
             services = SinkServices(self._clock, rate, number, title, self._folder, self.live)
             return make_sink(settings.sink, options, services)
@@ -154,17 +150,15 @@ class LiveListening(Listening):
         config: Config,
         clock: Clock,
         folder: Path,
-        locate: Locate,
+        recording: RecordingVoices | None = None,
         *,
-        recording: Callable[[], bool] | None = None,
-        voice_sink: VoiceSink | None = None,
+        locate: Locate,
     ) -> None:
-        super().__init__(config, clock, folder, recording=recording, voice_sink=voice_sink)
+        super().__init__(config, clock, folder, recording)
         self._locate = locate
         self._queue: SimpleQueue[AudioBlock | tuple[Event, bool] | None] = SimpleQueue()
         self._skipped = 0  # hops, since the last one that was heard
         self._thread = threading.Thread(target=self._work, name="listening", daemon=True)
-        self._thread.start()
 
     def hear(self, block: AudioBlock) -> None:
         """Take the next hop; from the thread that reads the source, never waits."""
@@ -177,7 +171,13 @@ class LiveListening(Listening):
     def close(self) -> None:
         """Give out what is under way, and close every sink; idempotent."""
         self._queue.put(None)
-        self._thread.join(LAST_CALL_S)
+        if self._thread.is_alive():
+            self._thread.join(LAST_CALL_S)
+
+    def __enter__(self) -> Self:
+        """Begin to listen."""
+        self._thread.start()
+        return self
 
     def _work(self) -> None:
         while (item := self._queue.get()) is not None:

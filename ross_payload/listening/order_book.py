@@ -104,6 +104,9 @@ class OrderBook:
     def _new(self, order: StreamOrder) -> str:
         if not order.address:
             return "a new stream needs an address and a port"
+        same = [each.number for each in self._streams.values() if each.ordered and _goes_to(each, order)]
+        if same:
+            return self._start(replace(order, number=same[0]))
         if why := _wrong(ORDERED, _told(order)):
             return why
         used = {each.number for each in self._streams.values() if each.on or not each.ordered}
@@ -152,6 +155,10 @@ class OrderBook:
 
     def _put(self, streams: dict[int, StreamSettings]) -> None:
         self._streams, self._news = streams, True
+
+
+def _goes_to(settings: StreamSettings, order: StreamOrder) -> bool:
+    return (settings.options.get("address"), settings.options.get("port")) == (order.address, order.port)
 
 
 def _impossible(order: StreamOrder) -> str:

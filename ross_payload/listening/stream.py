@@ -143,6 +143,7 @@ class Stream:
             azimuth=portion.azimuth,
             level_db=self._meter.level_db,
             delay=self._delay,
+            packets_lost=told.info.packets_lost,
             lost=told.lost,
             fault=told.fault,
             detail=portion.detail,

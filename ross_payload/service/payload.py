@@ -23,7 +23,7 @@ from ross_payload.audio.shared_source import SharedSource
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.interfaces import AudioSource, Clock, Mount, Port, Services, VoicePrint
-from ross_payload.listening.observers import Listening, LiveListening, LockstepListening
+from ross_payload.listening.observers import Listening, LiveListening, LockstepListening, RecordingVoices
 from ross_payload.logs import Changes
 from ross_payload.mavlink import Router
 from ross_payload.mavlink.gimbal import Gimbal
@@ -94,12 +94,13 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         mission = session.mission(first() if first is not None else None)
         runner = Runner(mission, source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
         ears = HealthMonitor(config, source if isinstance(source, SharedSource) else parts.watched)
-        telemetry = stack.enter_context(_telemetry(parts, actuator, runner, recorder, ears))
+        listening = listening_of(config, clock, runner, recorder, live=parts.live)
+        telemetry = stack.enter_context(_telemetry(parts, actuator, runner, recorder, ears, listening=listening))
         stack.enter_context(recorder)
         stack.enter_context(parts.drained(recorder))
         component = parts.links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.on_frame(parts.timebase.usec(), frame))
-        listening = stack.enter_context(listening_of(config, clock, runner, recorder, source))
+        stack.enter_context(heard(listening, source))
         runner.observers = [ears, telemetry, recorder, listening, *observers]
         if parts.latch is not None:
             runner.observers.append(parts.latch)
@@ -132,11 +133,10 @@ def _source(parts: Parts, config: Config) -> AudioSource:
     return SharedSource(parts.source, config.hop, config.audio.buffer_s, parts.watched)
 
 
-@contextmanager
 def listening_of(
-    config: Config, clock: Clock, runner: Runner, recorder: Recorder | None, source: AudioSource
-) -> Iterator[Listening]:
-    """Give what listens beside the mission: to a shared source on a thread of its own, else with the mission.
+    config: Config, clock: Clock, runner: Runner, recorder: Recorder | None, *, live: bool = False
+) -> Listening:
+    """Make what listens beside the mission: on a thread of its own when time is real, else with the mission.
 
     Raises
     ------
@@ -144,19 +144,24 @@ def listening_of(
         When the separator is none.
     """
     folder = Path() if recorder is None else recorder.folder
-    voices = None if recorder is None else partial(RecordedVoice, recorder)
-    recording = None if recorder is None else recorder.recording
-    if not isinstance(source, SharedSource):
-        with LockstepListening(config, clock, folder, recording=recording, voice_sink=voices) as lockstep:
-            yield lockstep
-        return
-    live = LiveListening(config, clock, folder, runner.located, recording=recording, voice_sink=voices)
-    with live:
-        source.listeners.append(live.hear)
+    recording = None if recorder is None else RecordingVoices(recorder.recording, partial(RecordedVoice, recorder))
+    if live:
+        return LiveListening(config, clock, folder, recording, locate=runner.located)
+    return LockstepListening(config, clock, folder, recording)
+
+
+@contextmanager
+def heard(listening: Listening, source: AudioSource) -> Iterator[None]:
+    """Let a live listener have every block of a shared source at once, until the end."""
+    with listening:
+        if not (isinstance(source, SharedSource) and isinstance(listening, LiveListening)):
+            yield
+            return
+        source.listeners.append(listening.hear)
         try:
-            yield live
+            yield
         finally:
-            source.listeners.remove(live.hear)
+            source.listeners.remove(listening.hear)
 
 
 def _wait_for_report(actuator: Guard, clock: Clock) -> None:
@@ -197,7 +202,9 @@ def _gimbal(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder) -
     )
 
 
-def _telemetry(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder, ears: HealthMonitor) -> Telemetry:
+def _telemetry(
+    parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder, ears: HealthMonitor, *, listening: Listening
+) -> Telemetry:
     asked = parts.parameters.config.recording
     return Telemetry(
         parts.parameters.config,
@@ -210,6 +217,7 @@ def _telemetry(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder
         recorder=recorder,
         health=ears.health,
         computer=parts.computer,
+        listening=listening,
         timebase=parts.timebase,
         recordings=Recordings(parts.shelf.folder, asked.ftp_bytes_s) if asked.offer_ftp else None,
         latch=parts.latch,

@@ -134,7 +134,7 @@ def perform(
         tlog = out.staging / "mission.tlog" if out is not None else None
         telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
         runner.observers = [collector, telemetry, *looking, view, *([Pace(speed)] if speed else [])]
-        listening = stack.enter_context(listening_of(config, clock, runner, recorder, world.source))
+        listening = stack.enter_context(listening_of(config, clock, runner, recorder))
         runner.observers += [listening] if recorder is None else [recorder, listening]
         ready = wall.now()
         with on_signal(lambda _: runner.order(Stop())):
