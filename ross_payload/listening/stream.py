@@ -38,7 +38,9 @@ class StreamSettings:
     @property
     def title(self) -> str:
         """What it is, for the log."""
-        return f"stream {self.number} ({selection_text(self.selection)} to {self.sink})"
+        named = (str(self.options[name]) for name in ("path", "device", "address", "port") if name in self.options)
+        sink = " ".join([self.sink, *filter(None, [":".join(named)])])
+        return f"stream {self.number} ({selection_text(self.selection)} to {sink})"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
