@@ -79,7 +79,7 @@ def selection_of(text: str) -> Selection:
     """
     found = _SELECTION.fullmatch(text)
     if found is None or int(found["source"] or 0) >= MOST_SOURCES:
-        raise ValueError(f"what: expected {WHAT}, got '{text[:80]}'")
+        raise ValueError(f"expected {WHAT}, got '{text[:80]}'")
     if found["source"]:
         return Selection(What.SOURCE, source=int(found["source"]))
     if found["azimuth"]:
