@@ -89,7 +89,7 @@ def test_the_number_of_an_ordered_stream_is_given_again_when_it_is_off_and_no_ot
         (StreamOrder(True, number=0, selection=source(16)), "source: expected 0 to 15, got 16"),
         (StreamOrder(True, number=0, selection=source(None)), "source: expected 0 to 15, got None"),
         (StreamOrder(True, number=0, selection=azimuth(np.inf)), "azimuth: expected an angle, got inf"),
-        (StreamOrder(True, number=0, port=9), "file: unknown key 'port'; did you mean 'path'?"),
+        (StreamOrder(True, number=0, port=9), "file: unknown key 'port'"),
         (StreamOrder(True, **HERE, codec="mp3"), "rtp: codec: "),
         (StreamOrder(True, address="239.1.2.3", port=5004), "rtp: "),
     ],
@@ -127,10 +127,11 @@ def test_what_a_stream_carries_is_read_and_written_alike(text):
     assert selection_text(selection_of(text)) == text
 
 
-@pytest.mark.parametrize(
-    "text", ["", "voice", "source", "source -1", "source 16", "azimuth", "azimuth nan", "target 1"]
-)
+WRONG = ["", "voice", "source", "source -1", "source 16", "azimuth", "azimuth nan", "target 1"]
+
+
+@pytest.mark.parametrize("text", WRONG)
 def test_anything_else_is_refused(text):
-    with pytest.raises(ValueError, match=r"what: expected mixture, target, source N \(0 to 15\) or azimuth DEGREES"):
+    with pytest.raises(ValueError, match=r"expected mixture, target, source N \(0 to 15\) or azimuth DEGREES"):
         selection_of(text)
     assert MIXTURE.what is What.MIXTURE
