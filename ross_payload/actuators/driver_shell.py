@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
 from queue import Empty, SimpleQueue
-from types import TracebackType
 from typing import Annotated, Any, Self
 
 from pydantic import Field
@@ -222,9 +221,7 @@ class DriverShell:
         self._is_open = True
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Come to rest, which may take its time, and close the wire; requests that wait are dropped; idempotent."""
         if not self._is_open:
             return

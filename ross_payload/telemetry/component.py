@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from types import TracebackType
 from typing import Protocol, Self
 
 from ross_payload import __version__
@@ -190,9 +189,7 @@ class Telemetry:
         self._cancel = self._clock.every(PERIOD, self.poll)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Wait until the pump has sent what was said last, then close the log."""
         end = self._clock.now() + FLUSHING
         try:

@@ -14,7 +14,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from types import TracebackType
 from typing import Self
 from weakref import WeakSet
 
@@ -99,9 +98,7 @@ class Payload:
         self._ticking = asyncio.create_task(self._tick())
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *error: object) -> None:
         """End every iteration over events, and every request that is not over; the payload goes on."""
         self._ticking.cancel()
         with suppress(asyncio.CancelledError):

@@ -10,7 +10,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from queue import Empty, SimpleQueue
-from types import TracebackType
 from typing import Self
 
 from ross_payload.config import Config
@@ -107,9 +106,7 @@ class Gimbal:
         self._cancel = self._clock.every(PERIOD, self.poll)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Fall silent."""
         self._cancel()
 
