@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from typing import Self
 
 from ross_payload import config
@@ -24,6 +24,7 @@ from ross_payload.interfaces import Input, Real, Score, VoicePrint
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.session_store import GB, SessionStore
 from ross_payload.sessions.session_writer import SessionWriter
+from ross_payload.transport.async_task import drained
 
 BACKLOG = 30.0  # [s] of audio that wait for the disk: then it is too slow
 DRAIN = 0.2  # [s] between two looks at the queue
@@ -139,11 +140,8 @@ class Recorder:
 
     def drain(self) -> None:
         """Write what waits."""
-        try:
-            while True:
-                self._queue.get_nowait()()
-        except Empty:
-            return
+        for write in drained(self._queue):
+            write()
 
     def close(self) -> None:
         """End the recording and write the rest; idempotent."""

@@ -8,9 +8,9 @@ the same calls happen on one thread.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from typing import Protocol, Self
 
 from ross_payload import __version__
@@ -37,6 +37,7 @@ from ross_payload.telemetry.reporter import Reporter
 from ross_payload.telemetry.snapshot import Moment, Snapshot, standing
 from ross_payload.telemetry.status_texts import OperatorTexts
 from ross_payload.timebase import Timebase
+from ross_payload.transport.async_task import drained
 from ross_payload.transport.tlog import TlogRecorder
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.computer import Computer
@@ -245,15 +246,6 @@ class Telemetry:
     def _record(self, frame: bytes) -> None:
         if self._tlog is not None:
             self._tlog.write(self._timebase.usec(), frame)
-
-
-def drained(queue: SimpleQueue[tuple[Event, Input]]) -> Iterator[tuple[Event, Input]]:
-    """Take everything out of a queue."""
-    try:
-        while True:
-            yield queue.get_nowait()
-    except Empty:
-        return
 
 
 def information(config: Config, capabilities: Capabilities | None, time_usec: int) -> Information:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from typing import Self
 
 from ross_payload.config import Config
@@ -23,6 +23,7 @@ from ross_payload.mavlink.gimbal.device_state import DeviceState
 from ross_payload.mavlink.gimbal.roles import Managed, Manager, Role
 from ross_payload.mavlink.message_scheduler import BEAT
 from ross_payload.orders import Order
+from ross_payload.transport.async_task import drained
 from ross_protocols.mavlink.gimbal_messages import COMPONENTS
 
 PERIOD = 0.020  # [s] between two polls
@@ -94,7 +95,8 @@ class Gimbal:
     def poll(self) -> None:
         """Take in what was left here, and say what is due."""
         now = self._clock.now()
-        self._take_in()
+        for event in drained(self._events):
+            self._arbiter.on_event(event)
         if self._component is None:
             self._appear(now)
         else:
@@ -139,10 +141,3 @@ class Gimbal:
         if self._config.gimbal.mode == "standalone":
             return Manager(self._arbiter, self._clock)
         return Managed(self._arbiter, self._clock, lambda: self._links.system_id)
-
-    def _take_in(self) -> None:
-        try:
-            while True:
-                self._arbiter.on_event(self._events.get_nowait())
-        except Empty:
-            return
