@@ -147,7 +147,9 @@ class Runner:
             while True:
                 self._move(output)
                 hop = self._listen(output.goal)
-                self._publish(output, hop)
+                for event in output.events:
+                    for observer in self.observers:
+                        observer.on_event(event, hop)
                 output = self._mission.send(hop)
         except StopIteration as end:
             result: Result = end.value
@@ -209,11 +211,6 @@ class Runner:
         except ActuatorError as error:
             if not (self._actuator.stopped and self._orders.qsize()):  # else the mission is about to hear of the stop
                 self._fault = str(error)
-
-    def _publish(self, output: Output, hop: Input) -> None:
-        for event in output.events:
-            for observer in self.observers:
-                observer.on_event(event, hop)
 
     def _rest(self) -> None:
         """Keep hearing until the motor stands still, so that what is recorded includes its deceleration."""

@@ -96,7 +96,12 @@ class Recorder:
         if recording is not None and recording.over:
             self._recording, self._wanted = None, self._wanted and not recording.failed
         if self._wanted != (self._recording is not None):
-            self._begin_or_end()
+            if self._recording is not None:
+                self._put(self._recording, partial(self._end, reason="ended by order"))
+                self._recording = None
+            elif (begin := self._begin()) is not None:
+                self._recording = OngoingRecording(begin.config.audio.hop_ms / 1000)
+                self._put(self._recording, partial(self._start, begin=begin))
         if self._recording is None:
             return
         self._recording.inputs += 1
@@ -119,14 +124,6 @@ class Recorder:
         if self._recording is not None:
             number = self._recording.inputs
             self._write(self._recording, lambda writer: writer.write_score(number, score))
-
-    def _begin_or_end(self) -> None:
-        if self._recording is not None:
-            self._put(self._recording, partial(self._end, reason="ended by order"))
-            self._recording = None
-        elif (begin := self._begin()) is not None:
-            self._recording = OngoingRecording(begin.config.audio.hop_ms / 1000)
-            self._put(self._recording, partial(self._start, begin=begin))
 
     # ---------------------------------------------------------------------------------------- on the pump
 

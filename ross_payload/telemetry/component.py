@@ -175,15 +175,14 @@ class Telemetry:
             if part is not None:
                 part.tick(now)
         if self._observing.due(now) or not self._scheduler.quiet(now):
-            self._observe(now)
-
-    def _observe(self, now: float) -> None:
-        self._reporter.observe(self._snapshot(self._latest))
-        if self._looking.due(now):
-            self._look(now)
-        if self._mirroring.due(now):
-            self._mirror(now)
-        self._scheduler.flow(now)
+            self._reporter.observe(self._snapshot(self._latest))
+            if self._looking.due(now):
+                self._look(now)
+            if self._mirroring.due(now):
+                status, sources = self._reporter.status, self._reporter.sources
+                numbers = event_messages.named(status, sources, self._health_report.health, now)
+                self._board.put(Rank.MIRROR, [*numbers, event_messages.azimuths(status.time_usec, sources)])
+            self._scheduler.flow(now)
 
     def __enter__(self) -> Self:
         """Begin to speak."""
@@ -229,11 +228,6 @@ class Telemetry:
         self._trouble = trouble
         capabilities = None if self._actuator is None else self._actuator.capabilities
         self._health_report.look(information(config, capabilities, self._timebase.usec()), self._links.status(), now)
-
-    def _mirror(self, now: float) -> None:
-        status, sources = self._reporter.status, self._reporter.sources
-        numbers = event_messages.named(status, sources, self._health_report.health, now)
-        self._board.put(Rank.MIRROR, [*numbers, event_messages.azimuths(status.time_usec, sources)])
 
     def _snapshot(self, hop: Input | None) -> Snapshot:
         state = None if self._actuator is None else self._actuator.state()

@@ -238,14 +238,11 @@ class WireServer(Served):
         self.used = True
         while not self._stopping.is_set():
             select.select([wire], [], [], TICK)
-            self._pass_on(wire)
-
-    def _pass_on(self, wire: TcpWire) -> None:
-        now = self._clock.now()
-        for frame in wire.receive():
-            self._side.arrived(frame, now)
-        for frame in self._side.due(now):
-            wire.send(frame)
+            now = self._clock.now()
+            for frame in wire.receive():
+                self._side.arrived(frame, now)
+            for frame in self._side.due(now):
+                wire.send(frame)
 
 
 def listen(host: str, port: int) -> socket.socket:

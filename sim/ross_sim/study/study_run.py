@@ -97,13 +97,9 @@ def write(store: Store, study: Study) -> list[Table]:
                 with store.writing(f"{name}.parquet") as path:
                     write_parquet(path, rows, kind)
     store.write("tables.md", "\n".join(table.markdown() for table in made).encode())
-    _draw(store, separations, explorations)
-    return made
-
-
-def _draw(store: Store, separations: Sequence[Separation], explorations: Sequence[Exploration]) -> None:
     with refused_as(OutputError, f"{store.folder}: figures cannot be written"):
         draw(store.folder, separations, explorations)
+    return made
 
 
 def _farewell(console: Console, out: Path, n: int, seconds: float, failures: Sequence[Failure]) -> None:
