@@ -81,28 +81,16 @@ def _inform(command: Command) -> orders.Order:
     return orders.Informed(azimuths, first=None if first < 0 else first)
 
 
-def _turn(command: Command) -> orders.Order:
-    return orders.TurnTo(_direction(command, 1, "heading"))
-
-
-def _measure(command: Command) -> orders.Order:
-    return orders.MeasureNoise(_number(command, 1, "time", 0, LONGEST_NOISE))
-
-
-def _record(command: Command) -> Record:
-    return Record(bool(_whole(command, 1, "start", 0, 1)))
-
-
 READERS: dict[int, Callable[[Command], Asked]] = {
     ross.MAV_CMD_ROSS_EXPLORE: lambda command: orders.Explore(),
     ross.MAV_CMD_ROSS_LISTEN: _listen,
     INFORM: _inform,
-    ross.MAV_CMD_ROSS_TURN: _turn,
+    ross.MAV_CMD_ROSS_TURN: lambda command: orders.TurnTo(_direction(command, 1, "heading")),
     STOP: lambda command: orders.Stop(),
     ross.MAV_CMD_ROSS_CANCEL: lambda command: orders.Cancel(),
     ross.MAV_CMD_ROSS_PARK: lambda command: orders.Park(),
-    ross.MAV_CMD_ROSS_MEASURE_NOISE: _measure,
-    ross.MAV_CMD_ROSS_RECORD: _record,
+    ross.MAV_CMD_ROSS_MEASURE_NOISE: lambda command: orders.MeasureNoise(_number(command, 1, "time", 0, LONGEST_NOISE)),
+    ross.MAV_CMD_ROSS_RECORD: lambda command: Record(bool(_whole(command, 1, "start", 0, 1))),
     ross.MAV_CMD_ROSS_REARM: lambda command: orders.Rearm(),
     ross.MAV_CMD_ROSS_HOME: lambda command: orders.Home(),
 }
