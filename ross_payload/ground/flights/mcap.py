@@ -9,14 +9,7 @@ import json
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
-from foxglove import Channel, Context, Schema, open_mcap
-from foxglove.channels import (
-    FrameTransformChannel,
-    LocationFixChannel,
-    LogChannel,
-    PoseInFrameChannel,
-    SceneUpdateChannel,
-)
+from foxglove import Channel, Context, Schema, channels, open_mcap
 from foxglove.mcap import MCAPWriteOptions
 from foxglove.messages import Log, LogLevel, Timestamp
 
@@ -167,7 +160,7 @@ class _Export:
         after, there = self._fleet.payloads.get(who), self._fleet.vehicles.get(packet.system_id)
         if there is not None and there is not place:
             fix = scene.location(there.system, there.position, _stamp(now))
-            self._publish(LocationFixChannel, f"/vehicle-{there.system}/location", fix, now)
+            self._publish(channels.LocationFixChannel, f"/vehicle-{there.system}/location", fix, now)
         if after is not None and who in self._payloads:
             self._wire(who, packet, now)
             self._news(before, after, now)
@@ -187,14 +180,14 @@ class _Export:
         who, stamp = after.who, _stamp(now)
         if after.status is not None and (before is None or before.status is not after.status):
             for transform in scene.transforms(who, after.status, stamp):
-                self._publish(FrameTransformChannel, "/tf", transform, now)
+                self._publish(channels.FrameTransformChannel, "/tf", transform, now)
             pose = scene.heading(who, after.status, stamp)
             if pose is not None:
-                self._publish(PoseInFrameChannel, f"/{who}/heading", pose, now)
+                self._publish(channels.PoseInFrameChannel, f"/{who}/heading", pose, now)
         if after.sources != (before.sources if before else ()):
-            self._publish(SceneUpdateChannel, f"/{who}/scene", scene.sources(after, stamp), now)
+            self._publish(channels.SceneUpdateChannel, f"/{who}/scene", scene.sources(after, stamp), now)
         for text in after.texts_since(before):
-            self._publish(LogChannel, f"/{who}/log", _log(who, text, stamp), now)
+            self._publish(channels.LogChannel, f"/{who}/log", _log(who, text, stamp), now)
 
     def _publish(self, kind: Any, topic: str, message: Any, now: int) -> None:
         if topic not in self._channels:
