@@ -6,7 +6,13 @@ import logging
 import math
 from dataclasses import dataclass
 
-from ross_payload.actuators.canopen_drive import drive_setup
+from ross_payload.actuators.canopen_drive.drive_setup import (
+    HEARTBEAT_MS,
+    RPDO1_ITEMS,
+    RPDO2_ITEMS,
+    TPDO1_ITEMS,
+    TPDO2_ITEMS,
+)
 from ross_payload.actuators.canopen_drive.options import Options
 from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S
 from ross_payload.interfaces import Port
@@ -85,7 +91,7 @@ class DriveClient:
     def send_heartbeat(self, now: float) -> None:
         """Tell the drive that we live; when that ends it stops by itself."""
         if now >= self._next_heartbeat - TIME_TOLERANCE_S:
-            self._next_heartbeat = now + drive_setup.HEARTBEAT_MS * 1e-3
+            self._next_heartbeat = now + HEARTBEAT_MS * 1e-3
             self._port.send(frames.heartbeat(self._own, frames.NmtState.OPERATIONAL))
 
     def send_sdo(self, wanted: Read | Write) -> None:
@@ -105,11 +111,11 @@ class DriveClient:
 
     def send_order(self, word: int, target: int, mode: int) -> None:
         """Send controlword, target and mode."""
-        self._send(frames.RPDO[0], frames.packed(drive_setup.RPDO1_ITEMS, (word, target, mode)))
+        self._send(frames.RPDO[0], frames.packed(RPDO1_ITEMS, (word, target, mode)))
 
     def send_speed_limit(self, speed: int) -> None:
         """Send the speed of the next set-point [counts/s]."""
-        self._send(frames.RPDO[1], frames.packed(drive_setup.RPDO2_ITEMS, (speed,)))
+        self._send(frames.RPDO[1], frames.packed(RPDO2_ITEMS, (speed,)))
 
     def stop_heartbeat_watch(self) -> None:
         """Let the drive hear from us no more, and not mind."""
@@ -169,7 +175,7 @@ class DriveClient:
             self._on_emergency(data)
 
     def _on_position(self, data: bytes, now: float) -> None:
-        values = frames.unpacked(drive_setup.TPDO1_ITEMS, data)
+        values = frames.unpacked(TPDO1_ITEMS, data)
         if values is None:
             self._damaged(f"a report of {len(data)} bytes")
         elif self._booted is not None:
@@ -180,7 +186,7 @@ class DriveClient:
             self.report = DriveReport(status, position, mode, now)
 
     def _on_velocity(self, data: bytes) -> None:
-        values = frames.unpacked(drive_setup.TPDO2_ITEMS, data)
+        values = frames.unpacked(TPDO2_ITEMS, data)
         if values is None:
             self._damaged(f"a report of {len(data)} bytes")
         else:

@@ -15,7 +15,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ross_payload.ground.client import command_status, command_types
+from ross_payload.ground.client import command_status
+from ross_payload.ground.client.command_types import (
+    Cancel,
+    Order,
+    Rearm,
+    Stop,
+)
 from ross_payload.ground.model.payload_state import PayloadState, StatusText
 from ross_payload.ground.model.status_text import EXPLANATION_S, RecentTexts
 from ross_protocols.mavlink.codec import Packet
@@ -39,7 +45,7 @@ class _OpenCommand:
 
     number: int
     who: ComponentId
-    order: command_types.Order
+    order: Order
     due: float  # when it is said again [s]
     repeated: bool  # its like ended a moment ago: what the payload remembers may be that
     trusted: float  # [s]: a final answer before may be a late one to its like
@@ -84,7 +90,7 @@ class CommandProtocol:
         """The latest orders, newest last."""
         return tuple(self._doing.values())
 
-    def order(self, who: ComponentId, order: command_types.Order) -> int:
+    def order(self, who: ComponentId, order: Order) -> int:
         """Order something at once; return the number of what becomes of it."""
         self._give_way(who, order)
         self._count += 1
@@ -120,11 +126,7 @@ class CommandProtocol:
                 self._end(one, command_status.FAILED, command_status.RESTARTED)
             self._peers[payload.who] = peer = _Peer()
         elif peer.boots is None:
-            for one in [
-                one
-                for one in self._of(payload.who)
-                if isinstance(one.order, command_types.Stop) and one.answered is None
-            ]:
+            for one in [one for one in self._of(payload.who) if isinstance(one.order, Stop) and one.answered is None]:
                 one.sent, one.due = min(one.sent, 1), self._now
         peer.boots = payload.boots
 
@@ -156,26 +158,26 @@ class CommandProtocol:
         stop, arm. A task must not be done twice.
         """
         anew = one.repeated and not one.order.task
-        one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, command_types.Stop) else ACK_TIMEOUT_S)
+        one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, Stop) else ACK_TIMEOUT_S)
         confirmation = 0 if anew else min(one.sent, 255)
         one.sent += 1
         who = one.who
         self._send(long_message(one.order.number, one.order.numbers, who, confirmation), who)
 
-    def _give_way(self, who: ComponentId, order: command_types.Order) -> None:
+    def _give_way(self, who: ComponentId, order: Order) -> None:
         """What was never answered is not said again after a stop; nor is a cancel after any order: it would end it."""
         for one in self._of(who):
             unanswered = one.answered is None and not one.over
-            if unanswered and isinstance(order, command_types.Stop) and not isinstance(one.order, command_types.Stop):
+            if unanswered and isinstance(order, Stop) and not isinstance(one.order, Stop):
                 self._end(one, command_status.CANCELLED, command_status.AFTER_STOP)
-            elif unanswered and isinstance(one.order, command_types.Cancel):
+            elif unanswered and isinstance(one.order, Cancel):
                 self._end(one, command_status.NO_ANSWER, command_status.OVERTAKEN)
             elif one.over and one.order.number == order.number:
                 del self._open[one.number]
 
     def _resend(self, one: _OpenCommand) -> None:
         """Say it again where that can help; a cancel stands for its order."""
-        times = STOP_RESENDS if isinstance(one.order, command_types.Stop) else RESENDS
+        times = STOP_RESENDS if isinstance(one.order, Stop) else RESENDS
         if one.cancelling:
             self._send_cancel(one) if one.cancelling <= RESENDS else self._give_up(one)
         elif one.answered is None:
@@ -188,7 +190,7 @@ class CommandProtocol:
 
     def _is_sought(self, one: _OpenCommand) -> bool:
         """Whether it is a stop for somebody who was never heard, but may be any moment: we may have just started."""
-        unmet = isinstance(one.order, command_types.Stop) and self._peer(one.who).boots is None
+        unmet = isinstance(one.order, Stop) and self._peer(one.who).boots is None
         return unmet and self._now - self._doing[one.number].since < STOP_SEARCH_S
 
     def _send_cancel(self, one: _OpenCommand) -> None:
@@ -204,11 +206,11 @@ class CommandProtocol:
             command_status.NOT_ANSWERED if one.answered is None else command_status.NO_RESULT,
         )
 
-    def _trusted(self, peer: _Peer, order: command_types.Order) -> float:
+    def _trusted(self, peer: _Peer, order: Order) -> float:
         """Return from when on a final answer is one to this order; a stop is only in doubt after it was re-armed."""
         ended = peer.ended.get(order.number, -math.inf)
-        armed = peer.sent.get(command_types.Rearm.number, -math.inf) >= ended > -math.inf
-        return ended + LATE_ACK_S if armed or not isinstance(order, command_types.Stop) else -math.inf
+        armed = peer.sent.get(Rearm.number, -math.inf) >= ended > -math.inf
+        return ended + LATE_ACK_S if armed or not isinstance(order, Stop) else -math.inf
 
     # ------------------------------------------------------------------------------------------------ hearing
 
