@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ross_payload import orders
 from ross_payload.angles import wrap
 from ross_payload.events import Estimate, Outcome, SourceEstimate, SourcesEstimated, State
 from ross_payload.interfaces import Output, Result, Samples
@@ -19,13 +18,26 @@ from ross_payload.mission.manual_pointing import by_hand, unreachable
 from ross_payload.mission.mission_sequence import attempts
 from ross_payload.mission.orientation_scan import matched
 from ross_payload.mission.slip_detection import survey
+from ross_payload.orders import (
+    Explore,
+    Home,
+    Informed,
+    ListenAt,
+    ListenTo,
+    MeasureNoise,
+    Park,
+    Point,
+    Seek,
+    Task,
+    TurnTo,
+)
 from ross_payload.pointing import nearest_joint
 
 TOLD_SIGMA = math.radians(2.0)  # of an azimuth that somebody tells [rad]
 LEAST_NOISE = 0.5  # [s] that tell anything about a noise
 HOMING = 120.0  # [s] that finding the zero may take
 OUTSIDE = "this heading is outside the limits of the joint"
-STILL_FAULTY = (orders.Home,)  # may be ordered while there is a fault
+STILL_FAULTY = (Home,)  # may be ordered while there is a fault
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,25 +58,22 @@ class TaskRefused(Exception):
     """The task turns out to be impossible; says why."""
 
 
-def refusal(context: Context, memory: Memory, task: orders.Task, *, stopped: bool, fault: str) -> str:
+def refusal(context: Context, memory: Memory, task: Task, *, stopped: bool, fault: str) -> str:
     """Return why a task cannot be begun; empty when it can."""
     known = _known(context, memory)
     impossible = {
         "stopped: re-arm first": stopped,
         f"fault: {fault}": bool(fault) and not isinstance(task, STILL_FAULTY),
-        "no target voice is enrolled": isinstance(task, (orders.Seek, orders.Informed))
-        and context.tools.voiceprint is None,
-        "no source is known: explore first": isinstance(task, orders.ListenTo) and known is None,
-        "there is no such source": isinstance(task, orders.ListenTo)
-        and known is not None
-        and not 0 <= task.source < known.k,
-        OUTSIDE: isinstance(task, orders.TurnTo) and _joint_for(context, task.heading) is None,
+        "no target voice is enrolled": isinstance(task, (Seek, Informed)) and context.tools.voiceprint is None,
+        "no source is known: explore first": isinstance(task, ListenTo) and known is None,
+        "there is no such source": isinstance(task, ListenTo) and known is not None and not 0 <= task.source < known.k,
+        OUTSIDE: isinstance(task, TurnTo) and _joint_for(context, task.heading) is None,
     }
     reasons = (reason for reason, true in impossible.items() if true)
-    return next(reasons, unreachable(task, context.here) if isinstance(task, orders.Point) else "")
+    return next(reasons, unreachable(task, context.here) if isinstance(task, Point) else "")
 
 
-def perform(context: Context, memory: Memory, task: orders.Task) -> Step[Result]:
+def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
     """Perform one task.
 
     Raises
@@ -78,23 +87,23 @@ def perform(context: Context, memory: Memory, task: orders.Task) -> Step[Result]
     if memory.explored and memory.estimate is not None:
         context.surveyed = memory.estimate, memory.earth
     match task:
-        case orders.Explore():
+        case Explore():
             step = _explore(context)
-        case orders.Seek():
+        case Seek():
             step = _seek(context, _known(context, memory), None)
-        case orders.Informed():
+        case Informed():
             step = _seek(context, _informed_estimate(task.azimuths), task.first)
-        case orders.ListenTo() | orders.ListenAt():
+        case ListenTo() | ListenAt():
             step = _listen(context, *_whom(context, memory, task))
-        case orders.TurnTo():
+        case TurnTo():
             step = _point(context, task.heading)
-        case orders.Point():
+        case Point():
             step = by_hand(context, task)
-        case orders.Park():
+        case Park():
             step = _park(context)
-        case orders.Home():
+        case Home():
             step = _home(context)
-        case orders.MeasureNoise():
+        case MeasureNoise():
             step = _measure(context, task.seconds)
         case _:
             raise TaskRefused(f"{type(task).__name__} is not a task of this payload")
@@ -134,10 +143,10 @@ def _quiet(context: Context) -> Step[None]:
         yield from lead_in(context)
 
 
-def _whom(context: Context, memory: Memory, task: orders.ListenTo | orders.ListenAt) -> tuple[Estimate, int]:
+def _whom(context: Context, memory: Memory, task: ListenTo | ListenAt) -> tuple[Estimate, int]:
     """Return an estimate and which of its sources is meant."""
     known = _known(context, memory)
-    if isinstance(task, orders.ListenTo):
+    if isinstance(task, ListenTo):
         if known is None:
             raise TaskRefused("no source is known: explore first")
         return known, task.source
