@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from ross_payload.audio.audio_files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
 from ross_payload.config import Guard as Rules
-from ross_payload.events import Event, Separated, SourcesEstimated, TurnStarted
+from ross_payload.events import Separated
 from ross_payload.interfaces import ActuatorState, Attitude, Input, Mount, Result, Services
 from ross_payload.mavlink import Router
 from ross_payload.mission.mission_sequence import mission
@@ -39,7 +39,7 @@ from ross_sim.scenario import Cast, Scenario, Vehicle
 from ross_sim.sitl.mission_figure import draw
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.page_observer import PageObserver
-from ross_sim.sitl.recording import recorded
+from ross_sim.sitl.recording import Collector, recorded
 from ross_sim.sitl.report import EventLog, Truth, report
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import TalkerSelection
@@ -57,25 +57,6 @@ class Finished:
     report: dict[str, Any]
     timing: dict[str, float]
     complaints: tuple[str, ...]  # of the simulated hardware
-
-
-@dataclass(slots=True)
-class Collector:
-    """Follows a mission: keeps its events, writes the mixture and the event log as they happen."""
-
-    mixture: WavWriter | None
-    story: EventLog = field(default_factory=EventLog)
-
-    def on_input(self, hop: Input) -> None:
-        """Write one hop of the mixture."""
-        if self.mixture is not None:
-            self.mixture.write(hop.block.samples)
-
-    def on_event(self, event: Event, hop: Input) -> None:
-        """Keep the event, and the frame of its angles."""
-        self.story.events.append(event)
-        if isinstance(event, (SourcesEstimated, TurnStarted)):
-            self.story.earth = hop.pointing.earth
 
 
 class Pace(MissionView):

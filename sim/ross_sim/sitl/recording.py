@@ -1,18 +1,41 @@
-"""Sessions that are recorded in simulated time."""
+"""What is kept of a simulated mission while it goes on: its events, the mixture, and a session to replay."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 
+from ross_payload.audio.audio_files import WavWriter
 from ross_payload.errors import ConfigError, OutputError, refused_as
+from ross_payload.events import Event, SourcesEstimated, TurnStarted
 from ross_payload.health import RecordingState
-from ross_payload.interfaces import Clock
+from ross_payload.interfaces import Clock, Input
 from ross_payload.mavlink import Router
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.recorder import DRAIN, Recorder
 from ross_payload.sessions.session_store import SessionStore
+from ross_sim.sitl.report import EventLog
+
+
+@dataclass(slots=True)
+class Collector:
+    """Follows a mission: keeps its events, writes the mixture and the event log as they happen."""
+
+    mixture: WavWriter | None
+    story: EventLog = field(default_factory=EventLog)
+
+    def on_input(self, hop: Input) -> None:
+        """Write one hop of the mixture."""
+        if self.mixture is not None:
+            self.mixture.write(hop.block.samples)
+
+    def on_event(self, event: Event, hop: Input) -> None:
+        """Keep the event, and the frame of its angles."""
+        self.story.events.append(event)
+        if isinstance(event, (SourcesEstimated, TurnStarted)):
+            self.story.earth = hop.pointing.earth
 
 
 @contextmanager
