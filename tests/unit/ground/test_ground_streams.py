@@ -122,11 +122,8 @@ def screen(*said, size=(100, 40)):
 
 
 def test_the_monitor_shows_each_stream_with_its_address():
-    drawn = screen(RTP, FILE)
-    assert (
-        "stream 0     source 2 to 192.168.1.20:5004 (rtp, opus, 48000 Hz): on, -23 dB, 120 ms" in drawn.replace("…", "")
-        or "source 2 to 192.168.1.20:5004" in drawn
-    )
+    drawn = screen(RTP, FILE, size=(180, 40))
+    assert "stream 0     source 2 to 192.168.1.20:5004 (rtp, opus, 48000 Hz): on, -23 dB, 120 ms" in drawn
     assert "target to target.flac" in drawn
 
 
@@ -348,10 +345,12 @@ def test_streams_that_are_ordered_at_once_are_asked_for_one_by_one():
     station = Answering()
 
     async def work(payload):
-        await asyncio.gather(*(payload.stream("mixture", to=("127.0.0.1", 5004 + index)) for index in range(3)))
+        await asyncio.gather(*(payload.stream("mixture", to=("127.0.0.1", 5004 + index)) for index in range(2)))
 
     with_payload(station, work)
-    assert [asked.port for asked in station.asked] == [5004, 5005, 5006]
+    asked = [asked.port for asked in station.asked]
+    assert asked == sorted(asked), "the second one when the first has been answered; again until that is sure"
+    assert set(asked) == {5004, 5005}
 
 
 def test_what_happens_to_streams_is_an_event_and_levels_are_none():
