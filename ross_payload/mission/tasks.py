@@ -19,6 +19,7 @@ from ross_payload.mission.mission_sequence import attempts
 from ross_payload.mission.orientation_scan import matched
 from ross_payload.mission.slip_detection import survey
 from ross_payload.orders import (
+    Enrol,
     Explore,
     Home,
     Informed,
@@ -64,6 +65,7 @@ def refusal(context: Context, memory: Memory, task: Task, *, stopped: bool, faul
     impossible = {
         "stopped: re-arm first": stopped,
         f"fault: {fault}": bool(fault) and not isinstance(task, STILL_FAULTY),
+        "this payload cannot enrol": isinstance(task, Enrol),
         "no target voice is enrolled": isinstance(task, (Seek, Informed)) and context.tools.voiceprint is None,
         "no source is known: explore first": isinstance(task, ListenTo) and known is None,
         "there is no such source": isinstance(task, ListenTo) and known is not None and not 0 <= task.source < known.k,
