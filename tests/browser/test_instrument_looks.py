@@ -34,8 +34,8 @@ OKLAB = np.array([[0.2104542553, 0.7936177850, -0.0040720468], [1.9779984951, -2
 
 
 @pytest.fixture(scope="module")
-def board(browser):
-    with board_of(browser) as board:
+def board(profile):
+    with board_of(profile) as board:
         yield board
 
 

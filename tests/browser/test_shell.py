@@ -4,7 +4,7 @@ import pytest
 from playwright.sync_api import expect
 
 from browsing import eventually
-from fleet_bench import FleetBench
+from fleet_bench import FleetThread
 from page_eyes import texts, watch
 from served_ground import served
 
@@ -45,7 +45,7 @@ STOP_IN_SIGHT = """() => {
 def crew(browser, tmp_path_factory):
     """Three payloads that are well, for tests that change nothing for the next one but orders."""
     flights = tmp_path_factory.mktemp("flights")
-    with served("--flights", flights) as ground, FleetBench(ground.port, payloads=3, sources=4):
+    with served("--flights", flights) as ground, FleetThread(ground.port, payloads=3, sources=4):
         yield ground
 
 

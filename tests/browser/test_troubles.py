@@ -4,7 +4,7 @@ import pytest
 from playwright.sync_api import expect
 
 from browsing import eventually
-from fleet_bench import FleetBench
+from fleet_bench import FleetThread
 from flight_logs import write_hour
 from page_eyes import follow, seen, texts, watch
 from served_ground import served
@@ -13,7 +13,7 @@ from served_ground import served
 @pytest.fixture
 def lone(browser, tmp_path):
     """One payload that a test may let go wrong: (ground, payloads)."""
-    with served("--flights", tmp_path) as ground, FleetBench(ground.port) as payloads:
+    with served("--flights", tmp_path) as ground, FleetThread(ground.port) as payloads:
         yield ground, payloads
 
 
