@@ -14,6 +14,13 @@ import pytest
 
 from browsing import FLAGS, Profile, chromium
 
+LONGEST = "test_whole_mission"
+
+
+def pytest_collection_modifyitems(items):
+    """Begin with what takes longest, so that nobody waits for it in the end."""
+    items.sort(key=lambda item: item.path.stem != LONGEST)
+
 
 @pytest.fixture(scope="package")
 def browser():
@@ -44,7 +51,7 @@ def window(profile):
 @pytest.fixture
 def open_page(window):
     def opened(url, *, width=1280, height=800, scheme="light"):
-        page = window.context.new_page()
+        page = window.new_page()
         page.set_viewport_size({"width": width, "height": height})
         page.emulate_media(color_scheme=scheme)
         window.open(page, url)

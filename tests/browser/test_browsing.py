@@ -36,7 +36,7 @@ def watch(profile):
 
 def visit(watch, html, claim):
     with serving(html) as url:
-        page = watch.context.new_page()
+        page = watch.new_page()
         page.goto(url)
         eventually(page, lambda: claim(page))
 

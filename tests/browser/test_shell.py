@@ -3,7 +3,7 @@
 import pytest
 from playwright.sync_api import expect
 
-from browsing import eventually
+from browsing import drawn, eventually
 from fleet_bench import FleetThread
 from page_eyes import texts, watch
 from served_ground import served
@@ -40,6 +40,11 @@ STOP_IN_SIGHT = """() => {
     && Boolean(on?.closest(".stop-button"));
 }"""
 
+AXE = """async () => {
+  const { violations } = await axe.run({ resultTypes: ["violations"] });
+  return violations.map((each) => [each.id, each.nodes.map((node) => node.html)]);
+}"""
+
 
 @pytest.fixture(scope="module")
 def crew(browser, tmp_path_factory):
@@ -63,8 +68,10 @@ def rearm(page):
 
 
 def test_axe_finds_nothing_wrong(crew, open_page):
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    axe = pytest.importorskip("axe_playwright_python.base")
     page = watch(open_page, crew.url)
+    page.emulate_media(reduced_motion="reduce")  # colours change at once
+    page.evaluate(axe.AXE_SCRIPT)
     page.locator("table.sources button").first.click()
     page.locator(".parameters summary").click()
     for view in (*VIEWS, "help"):
@@ -74,10 +81,8 @@ def test_axe_finds_nothing_wrong(crew, open_page):
             page.evaluate("view => { location.hash = `#/${view}`; }", view)
         for theme in THEMES:
             page.get_by_label("Theme").select_option(theme)
-            page.wait_for_timeout(300)
-            found = axe.Axe().run(page).response["violations"]
-            wrong = [(each["id"], [node["html"] for node in each["nodes"]]) for each in found]
-            assert not wrong, (view, theme)
+            drawn(page)
+            assert page.evaluate(AXE) == [], (view, theme)
 
 
 def test_nothing_overlaps_or_leaves_the_screen(crew, open_page):
@@ -86,9 +91,10 @@ def test_nothing_overlaps_or_leaves_the_screen(crew, open_page):
     page.locator(".parameters summary").click()
     for view in VIEWS:
         page.evaluate("view => { location.hash = `#/${view}`; }", view)
+        page.locator(f".view-{view.split('/')[0] or 'fleet'}").wait_for()
         for width, height in SIZES:
             page.set_viewport_size({"width": width, "height": height})
-            page.wait_for_timeout(200)
+            drawn(page)
             at = f"{view} at {width} x {height}"
             assert page.evaluate("document.documentElement.scrollWidth") <= width, at
             assert page.evaluate(OVERLAPS) == [], at
@@ -119,9 +125,9 @@ def test_escape_twice_stops_also_from_a_field(crew, open_page):
 def test_one_escape_stops_nothing(crew, open_page):
     page = watch(open_page, crew.url)
     page.keyboard.press("Escape")
-    page.wait_for_timeout(1500)
+    page.wait_for_timeout(1200)  # more than the second within which a second one stops
     page.keyboard.press("Escape")
-    page.wait_for_timeout(500)
+    drawn(page)  # a stop is told at once
     assert not page.locator(".stop-fate").count()
 
 

@@ -1,8 +1,8 @@
 """A Chromium that a test drives: where it is found, and what its pages ask for and complain of.
 
 A process of a page costs more to start than most tests need in it. So there is one profile for all tests (`Profile`),
-with a page that stays open: Chromium gives the pages of one site in one profile one process. What a test leaves there
-is forgotten when it ends: pages, cookies, and what was stored for the addresses it asked for.
+with a page that stays open and opens the others: they share its process. What a test leaves there is forgotten when it
+ends: pages, cookies, and what was stored for the addresses it asked for.
 """
 
 import os
@@ -25,9 +25,15 @@ FLAGS = (
     f"--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE {HERE}",
     "--no-first-run",
     "--no-sandbox",  # continuous integration is root in a container
+    "--process-per-site",
 )
 CHANGED = "ERR_NETWORK_CHANGED"
 TRIES = 5
+FIRST_PAUSE, LONGEST_PAUSE = 10.0, 100.0  # [ms] between two looks
+DUE_FRAMES = 5
+FRAMES = """async (count) => {
+  for (let index = 0; index < count; index++) await new Promise((drawn) => requestAnimationFrame(drawn));
+}"""
 LOCAL = ("about", "blob", "data")  # schemes that leave no machine
 
 
@@ -57,7 +63,7 @@ class Profile:
     @contextmanager
     def watched(self) -> Iterator["Watched"]:
         """Watch what is opened in it, and forget it in the end."""
-        watched = Watched(self.context)
+        watched = Watched(self.context, self._kept)
         try:
             yield watched
         finally:
@@ -72,6 +78,7 @@ class Watched:
     """Pages of a browser: what left the machine, and what went wrong on them."""
 
     context: Any
+    opener: Any  # a page that stays open
     pages: list[Any] = field(default_factory=list)  # that were opened
     origins: set[str] = field(default_factory=set)  # of what was asked for
     strangers: list[str] = field(default_factory=list)  # URLs of other machines that were asked for
@@ -88,6 +95,12 @@ class Watched:
         }
         for event, call in self._heard.items():
             self.context.on(event, call)
+
+    def new_page(self) -> Any:
+        """Open a page."""
+        with self.context.expect_page() as opened:
+            self.opener.evaluate("void open('about:blank', '_blank')")
+        return opened.value
 
     def open(self, page: Any, url: str) -> None:
         """Load a page to its end."""
@@ -131,7 +144,13 @@ class Watched:
 
 def eventually(page: Any, claim: Callable[[], Any], patience: float = 20.0) -> None:
     """Let the page work until a claim holds; fail when it never does."""
-    end = time.monotonic() + patience
+    end, pause = time.monotonic() + patience, FIRST_PAUSE
     while not claim():
         assert time.monotonic() < end, "it never became true"
-        page.wait_for_timeout(20)
+        page.wait_for_timeout(pause)
+        pause = min(1.5 * pause, LONGEST_PAUSE)
+
+
+def drawn(page: Any) -> None:
+    """Let the page draw what is due: what changed, then what that makes it measure."""
+    page.evaluate(FRAMES, DUE_FRAMES)

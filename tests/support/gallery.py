@@ -67,7 +67,7 @@ class Board:
 def board_of(profile: Profile) -> Iterator[Board]:
     """A board, which asks no other machine and does not complain."""
     with gallery() as url, profile.watched() as watched:
-        page = profile.context.new_page()
+        page = watched.new_page()
         page.emulate_media(reduced_motion="reduce")
         page.goto(url)
         yield Board(page)
