@@ -56,7 +56,9 @@ class Profile:
         self.context = browser.new_context(service_workers="block")
         self.context.set_default_timeout(15_000)
         self._kept = self.context.new_page()
-        self._kept.route("**/*", lambda route: route.fulfill(body="<title>stays open</title>", content_type="text/html"))
+        self._kept.route(
+            "**/*", lambda route: route.fulfill(body="<title>stays open</title>", content_type="text/html")
+        )
         self._kept.goto(f"http://{HERE}/")
         self._storage = self.context.new_cdp_session(self._kept)
 
