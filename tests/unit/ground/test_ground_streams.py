@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from client_bench import Served
 from emulated_scene import full
 from fleet_ear import Ground
 from hand_station import PAYLOAD, HandStation
@@ -405,3 +406,45 @@ def test_what_cannot_be_meant_is_not_sent(ask):
 
     with_payload(station, work)
     assert station.asked == []
+
+
+# ------------------------------------------------------------------------------------------- session descriptions
+
+SDP = "v=0\r\no=- 1 1 IN IP4 10.0.0.1\r\ns=RoSS stream 0\r\n" + "a=long\r\n" * 200
+
+
+class Filing(HandStation):
+    """A station whose payload has a real file server, in simulated time."""
+
+    def __init__(self, payload):
+        super().__init__()
+        self.payload, self.encoder, self.decoder = payload, Encoder(self.system_id, 190), Decoder()
+        self.say(v.Status(1_000_000, 1.0, 0, True))
+
+    def send(self, message, who=None):
+        super().send(message, who)
+        self.payload.ground.air.call(self.encoder.encode(message))
+        asyncio.get_running_loop().call_soon(self.pump)
+
+    def pump(self):
+        for _ in range(100):
+            self.payload.step()
+        for data in self.payload.ground.air.listen():
+            for packet in self.decoder.feed(data):
+                for call in list(self._calls):
+                    call(packet, self.now())
+
+
+def test_a_session_description_is_read_from_the_payload(sky):
+    station = Filing(Served(sky(), {"stream-0.sdp": SDP.encode()}))
+    assert with_payload(station, lambda payload: payload.session_description(0)) == SDP
+
+
+def test_a_stream_without_a_description_is_refused(sky):
+    station = Filing(Served(sky()))
+
+    async def work(payload):
+        with pytest.raises(RefusedByPayload, match=r"stream-3\.sdp: there is no such file"):
+            await payload.session_description(3)
+
+    with_payload(station, work)
