@@ -96,6 +96,24 @@ def test_what_a_later_dialect_selects_is_shown_as_a_number(selection, name):
     assert view(ground.known)["streams"][0]["whom"] == name
 
 
+@pytest.mark.parametrize(
+    ("said", "level", "words"),
+    [
+        ((), "unknown", "no data"),
+        ((v.Status(1, 0.0, 0, True),), "good", "off"),
+        ((v.Status(1, 0.0, 0, True, streaming=True), RTP), "good", "1 stream on, listened to"),
+        ((v.Status(1, 0.0, 0, True), RTP, FILE), "good", "2 streams on"),
+        ((RTP, replace(FILE, fault=True, detail="disk full")), "act", "stream 1: disk full"),
+        ((replace(RTP, on=False),), "good", "off"),
+    ],
+)
+def test_a_stream_that_fails_is_a_matter_of_health(said, level, words):
+    ground = Ground()
+    ground.say(v.Audio(1), *said)
+    part = view(ground.known)["health"]["listening"]
+    assert (part["level"], part["words"]) == (level, words)
+
+
 def test_the_view_tells_whether_anybody_listens_or_records():
     ground = Ground()
     ground.say(v.Status(1, 0.0, 0, True, streaming=True))

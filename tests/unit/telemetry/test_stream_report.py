@@ -1,5 +1,6 @@
 """Live listening in telemetry: whoever follows a payload sees who can hear it, wherever the messages go."""
 
+import json
 import math
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ from ross_payload.config import Link
 from ross_payload.events import Estimate, SourceEstimate, SourcesEstimated, SourcesTracked
 from ross_payload.ground.client.ftp_client import FileReader
 from ross_payload.health import RecordingState, RecordingStatus
+from ross_payload.sessions.event_json import line
 from ross_payload.streams import Selection, StreamStatus, What
 from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.codec import Decoder, Encoder
@@ -250,6 +252,12 @@ def test_a_source_at_rest_is_told_no_more_often_than_before(ground):
         ground.say(moved(2.0 + 0.1 * step, 0.5 + 0.001 * (step % 2)))
         ground.wait(0.1)
     assert len([source for source in ground.all(v.Source) if source.source == 0]) <= 4
+
+
+def test_tracked_sources_are_a_line_of_the_events():
+    told = json.loads(line(moved(2.0, 0.6, age=1.5)))
+    assert (told["event"], told["rates"], told["ages"]) == ("SourcesTracked", [0.1, 0.0], [1.5, 3.0])
+    assert [source["azimuth"] for source in told["estimate"]["sources"]] == [0.6, -1.0]
 
 
 OLD_SOURCE = 42  # bytes of ROSS_SOURCE before it grew
