@@ -14,7 +14,7 @@ from ross_payload.ground.client.command_types import Order
 from ross_payload.ground.client.events import SourceEstimate
 from ross_payload.ground.client.ftp_client import FileReader
 from ross_payload.ground.client.order_json import order_of
-from ross_payload.ground.client.stream_orders import Enrol, StopStream
+from ross_payload.ground.client.stream_orders import Enrol, StopStream, Stream, is_shown
 from ross_payload.ground.client.streams import Wakeup
 from ross_payload.ground.errors import LinkLost, RefusedByPayload
 from ross_payload.ground.model.payload_state import PayloadState
@@ -78,12 +78,12 @@ class StreamRequests(ABC):
             await self.request(order)
         with suppress(TimeoutError):
             async with asyncio.timeout(STREAM_TIMEOUT_S):
-                return await self._changed.until(lambda: self._announced(number, to))
+                return await self._changed.until(lambda: self._showing(order))
         return None
 
-    def _announced(self, number: int | None, to: tuple[str, int] | None) -> AudioStream | None:
-        alike = (each for each in self.streams if to is None or (each.address, each.port) == to)
-        return next((each for each in alike if each.on and number in (None, each.number)), None)
+    def _showing(self, order: Order) -> AudioStream | None:
+        """Return the stream that is as it was ordered; None: there is none yet."""
+        return next((each for each in self.streams if isinstance(order, Stream) and is_shown(order, each)), None)
 
     async def stop_stream(self, number: int | None = None) -> None:
         """End a stream, or all of them."""

@@ -334,8 +334,11 @@ class Answering(HandStation):
         self.say(common.MAVLink_command_ack_message(ross.MAV_CMD_ROSS_STREAM, self.result, 0, 0, *us))
         if self.result is Result.ACCEPTED:
             on = asked.selection is not Selection.NONE
-            number = len(self.asked) - 1 if asked.number is None else asked.number
-            self.say(replace(RTP, number=number, count=number + 1, on=on, address=asked.address, port=asked.port))
+            number = asked.number if asked.number is not None else max(asked.port - HERE[1], 0)
+            selection = Selection.TARGET if asked.selection is None else asked.selection
+            told = replace(RTP, number=number, count=number + 1, on=on, selection=selection, gain=asked.gain or 0.0)
+            to = {"address": asked.address or HERE[0], "port": asked.port or HERE[1]}
+            asyncio.get_running_loop().call_later(0.05, self.say, replace(told, **to))
 
 
 def with_payload(station, work):
@@ -360,6 +363,17 @@ def test_a_stream_is_ordered_and_returned_as_announced():
     assert (stream.on, stream.azimuth_deg, stream.delay_s) == (True, pytest.approx(90.0), 0.12)
 
 
+def test_what_is_returned_is_the_stream_after_the_change():
+    station = Answering()
+
+    async def work(payload):
+        await payload.stream("target", to=HERE)
+        return await payload.stream("mixture", number=0, gain_db=-6.5)
+
+    stream = with_payload(station, work)
+    assert (stream.what, stream.gain_db, stream.number) == ("mixture", -6.5, 0)
+
+
 def test_streams_that_are_ordered_at_once_are_asked_for_one_by_one():
     station = Answering()
 
@@ -378,7 +392,7 @@ def test_what_happens_to_streams_is_an_event_and_levels_are_none():
     async def work(payload):
         happened, events = [], payload.events()
         await payload.stream("target", to=HERE)
-        station.say(replace(RTP, count=1, address=HERE[0], port=HERE[1], level=-60.0, delay=0.3))
+        station.say(replace(payload.state.streams[0], level=-60.0, delay=0.3))
         await payload.stop_stream(0)
         await payload.until(lambda: payload.streams and not payload.streams[0].on)
         async for event in events:

@@ -187,6 +187,16 @@ def test_start_change_fault_and_end_are_said_in_words(aloft):
     ]  # fmt: skip
 
 
+def test_a_stream_is_said_to_be_on_when_its_address_is_known(aloft):
+    stage = Stage(replace(RTP, address="", port=0, codec=""))
+    with aloft(GROUND, listening=stage) as sky:
+        sky.live(0.5)
+        assert sky.ports[0].texts() == []
+        stage.now = (RTP,)
+        sky.live(0.5)
+    assert "".join(sky.ports[0].texts()) == "RoSS: stream 0 on: source 2 to 192.168.1.20:5004 (rtp, opus)"
+
+
 def test_an_order_over_the_air_reaches_the_listening_stage(aloft):
     stage = Stage()
     with aloft(GROUND, listening=stage, give=lambda order: None) as sky:
