@@ -317,7 +317,7 @@ class Answering(HandStation):
 
     def __init__(self, result=Result.ACCEPTED, text=""):
         super().__init__()
-        self.result, self.text, self.asked = result, text, []
+        self.result, self.text, self.asked, self.streams = result, text, [], {}
         self.say(v.Status(1_000_000, 1.0, 0, True))
 
     def send(self, message, who=None):
@@ -336,9 +336,13 @@ class Answering(HandStation):
             on = asked.selection is not Selection.NONE
             number = asked.number if asked.number is not None else max(asked.port - HERE[1], 0)
             selection = Selection.TARGET if asked.selection is None else asked.selection
-            told = replace(RTP, number=number, count=number + 1, on=on, selection=selection, gain=asked.gain or 0.0)
+            told = replace(RTP, number=number, on=on, selection=selection, gain=asked.gain or 0.0)
             to = {"address": asked.address or HERE[0], "port": asked.port or HERE[1]}
-            asyncio.get_running_loop().call_later(0.05, self.say, replace(told, **to))
+            self.streams[number] = replace(told, **to)
+            asyncio.get_running_loop().call_later(0.05, self.announce)
+
+    def announce(self):
+        self.say(*(replace(stream, count=max(self.streams) + 1) for stream in self.streams.values()))
 
 
 def with_payload(station, work):
