@@ -117,6 +117,15 @@ class SourcesEstimated(Event):
 
 
 @dataclass(frozen=True, slots=True)
+class SourcesTracked(Event):
+    """Where the sources of the latest estimate are by now, followed while the mission listens; indices stay."""
+
+    estimate: Estimate
+    rates: tuple[float, ...]  # of every azimuth [rad/s]
+    ages: tuple[float, ...] = ()  # since every source was heard last [s]; empty: not told
+
+
+@dataclass(frozen=True, slots=True)
 class AlignmentCandidate:
     """A heading that isolates one source."""
 

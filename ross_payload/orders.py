@@ -115,3 +115,17 @@ class MeasureNoise(Task):
     """Listen at rest while no one talks; later tasks use it instead of their own lead-in."""
 
     seconds: float  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Enrol(Task):
+    """Enrol the talker at one source of the latest estimate, or at an azimuth: turn, separate, learn the voice.
+
+    ``consent`` says that the talker has agreed; without it nothing is enrolled.
+    """
+
+    source: int | None = None  # either this
+    azimuth: float | None = None  # or this [rad]
+    seconds: float = 0.0  # of speech [s], 0: as the configuration says
+    name: str = ""  # of the stored print, empty: "talker-" and the lowest number that none has
+    consent: bool = False
