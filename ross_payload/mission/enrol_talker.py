@@ -52,9 +52,8 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
             continue
         azimuth = estimate.sources[source].azimuth
         context.publish(Enrolled(context.time, order.name, source, azimuth, model.seconds, model))
-        return Result(
-            Outcome.COMPLETED, f"enrolled {order.name} from {model.seconds:.1f} s of speech of source {source}"
-        )
+        told = f"enrolled {order.name} from {model.seconds:.1f} s of speech of source {source}"
+        return Result(Outcome.COMPLETED, told)
     raise NotEnrolled(f"{order.name}: {why}")
 
 
@@ -66,7 +65,7 @@ def _alone(source: int, groups: Groups, voices: Real) -> Real:
     NotEnrolled
         When it poses as one with others: the print would be of a mixture.
     """
-    for members, voice in zip(groups.members, voices, strict=True):
+    for group, members in enumerate(groups.members):
         if members == (source,):
-            return voice
+            return np.asarray(voices[group])
     raise NotEnrolled(f"source {source} cannot be told from the others at any heading within the limits")

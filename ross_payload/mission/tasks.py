@@ -72,6 +72,7 @@ def refusal(context: Context, memory: Memory, task: Task, *, stopped: bool, faul
         "no source is known: explore first": source is not None and known is None,
         "there is no such source": source is not None and known is not None and not 0 <= source < known.k,
         NO_CONSENT: isinstance(task, Enrol) and not task.consent,
+        "neither a source nor an azimuth is told": isinstance(task, Enrol) and task.source is task.azimuth,
         OUTSIDE: isinstance(task, TurnTo) and _joint_for(context, task.heading) is None,
     }
     reasons = (reason for reason, true in impossible.items() if true)
@@ -186,7 +187,7 @@ def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
 
 def _enrol(context: Context, memory: Memory, task: Enrol) -> Step[Result]:
     """Enrol whom an order means, who agrees to it."""
-    told = ListenAt(task.azimuth) if task.source is None else ListenTo(task.source)
+    told = ListenTo(task.source) if task.source is not None else ListenAt(task.azimuth or 0.0)
     estimate, source = _whom(context, memory, told)
     context.keep_frame()
     yield from _quiet(context)

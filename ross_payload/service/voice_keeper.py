@@ -1,4 +1,4 @@
-"""Keeps the voices that are enrolled while the payload runs; what it writes can be deleted by `ross enroll --forget`."""
+"""Keeps the voices that are enrolled while the payload runs, until `ross enroll --forget` deletes them."""
 
 from __future__ import annotations
 

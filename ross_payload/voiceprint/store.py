@@ -167,6 +167,5 @@ def _decoded(content: Any, background: Background, path: Path) -> VoicePrintMode
         raise Damaged(f"{path}: damaged voice print: {offsets.size} + {pitch.size} numbers")
     if not all(np.isfinite(values).all() for values in (offsets, pitch, seconds, criterion)) or (pitch < 0).any():
         raise Damaged(f"{path}: damaged voice print: not finite, or negative weights")
-    return VoicePrintModel(
-        Adapted(offsets, pitch), seconds, background, criterion, str(content.get("consent", ""))[:200]
-    )
+    consent = str(content.get("consent", ""))[:200]
+    return VoicePrintModel(Adapted(offsets, pitch), seconds, background, criterion, consent)
