@@ -8,10 +8,9 @@ the same calls happen on one thread.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from queue import Empty, SimpleQueue
-from types import TracebackType
+from queue import SimpleQueue
 from typing import Protocol, Self
 
 from ross_payload import __version__
@@ -38,6 +37,7 @@ from ross_payload.telemetry.reporter import Reporter
 from ross_payload.telemetry.snapshot import Moment, Snapshot, standing
 from ross_payload.telemetry.status_texts import OperatorTexts
 from ross_payload.timebase import Timebase
+from ross_payload.transport.async_task import drained
 from ross_payload.transport.tlog import TlogRecorder
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.computer import Computer
@@ -175,24 +175,21 @@ class Telemetry:
             if part is not None:
                 part.tick(now)
         if self._observing.due(now) or not self._scheduler.quiet(now):
-            self._observe(now)
-
-    def _observe(self, now: float) -> None:
-        self._reporter.observe(self._snapshot(self._latest))
-        if self._looking.due(now):
-            self._look(now)
-        if self._mirroring.due(now):
-            self._mirror(now)
-        self._scheduler.flow(now)
+            self._reporter.observe(self._snapshot(self._latest))
+            if self._looking.due(now):
+                self._look(now)
+            if self._mirroring.due(now):
+                status, sources = self._reporter.status, self._reporter.sources
+                numbers = event_messages.named(status, sources, self._health_report.health, now)
+                self._board.put(Rank.MIRROR, [*numbers, event_messages.azimuths(status.time_usec, sources)])
+            self._scheduler.flow(now)
 
     def __enter__(self) -> Self:
         """Begin to speak."""
         self._cancel = self._clock.every(PERIOD, self.poll)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Wait until the pump has sent what was said last, then close the log."""
         end = self._clock.now() + FLUSHING
         try:
@@ -232,11 +229,6 @@ class Telemetry:
         capabilities = None if self._actuator is None else self._actuator.capabilities
         self._health_report.look(information(config, capabilities, self._timebase.usec()), self._links.status(), now)
 
-    def _mirror(self, now: float) -> None:
-        status, sources = self._reporter.status, self._reporter.sources
-        numbers = event_messages.named(status, sources, self._health_report.health, now)
-        self._board.put(Rank.MIRROR, [*numbers, event_messages.azimuths(status.time_usec, sources)])
-
     def _snapshot(self, hop: Input | None) -> Snapshot:
         state = None if self._actuator is None else self._actuator.state()
         moment = Moment(self._timebase.usec(), self._timebase.unix, self._in_force(), self._open_loop)
@@ -248,15 +240,6 @@ class Telemetry:
     def _record(self, frame: bytes) -> None:
         if self._tlog is not None:
             self._tlog.write(self._timebase.usec(), frame)
-
-
-def drained(queue: SimpleQueue[tuple[Event, Input]]) -> Iterator[tuple[Event, Input]]:
-    """Take everything out of a queue."""
-    try:
-        while True:
-            yield queue.get_nowait()
-    except Empty:
-        return
 
 
 def information(config: Config, capabilities: Capabilities | None, time_usec: int) -> Information:

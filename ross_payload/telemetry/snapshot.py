@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ross_payload.angles import wrap
 from ross_payload.config import Config
@@ -45,34 +45,8 @@ def standing(hop: Input | None, state: ActuatorState | None, moment: Moment) -> 
 
     While the mission computes, what it heard last grows old; the actuator's own report does not.
     """
-    if hop is None:
-        return _unheard(state, moment)
-    rate = moment.config.audio.rate_hz
-    seconds = hop.block.samples.shape[1] / rate
-    pointing = hop.pointing
-    turned = wrap(pointing.heading - hop.heading_start)
-    joint = pointing.joint if state is None else state.angle
-    return Snapshot(
-        mission_time=hop.block.index / rate + seconds,
-        time_usec=moment.time_usec,
-        unix=moment.unix,
-        earth=pointing.earth,
-        heading=wrap(pointing.at(joint)),
-        mount_yaw=pointing.base if pointing.earth else None,
-        present=True,
-        joint=joint,
-        joint_rate=turned / seconds if state is None else state.rate,
-        settled=hop.settled,
-        homed=state is None or state.homed,
-        open_loop=moment.open_loop,
-        fault=hop.fault or _fault(state),
-        rotation_max=moment.config.explore.max_rotations,
-        criterion=moment.config.exploit.criterion,
-    )
-
-
-def _unheard(state: ActuatorState | None, moment: Moment) -> Snapshot:
-    return Snapshot(
+    fault = "" if state is None or state.healthy else state.fault or "the actuator reports a fault"
+    unheard = Snapshot(
         time_usec=moment.time_usec,
         unix=moment.unix,
         present=state is not None,
@@ -81,11 +55,25 @@ def _unheard(state: ActuatorState | None, moment: Moment) -> Snapshot:
         settled=state is not None and state.settled,
         homed=state is not None and state.homed,
         open_loop=moment.open_loop,
-        fault=_fault(state),
+        fault=fault,
         rotation_max=moment.config.explore.max_rotations,
         criterion=moment.config.exploit.criterion,
     )
-
-
-def _fault(state: ActuatorState | None) -> str:
-    return "" if state is None or state.healthy else state.fault or "the actuator reports a fault"
+    if hop is None:
+        return unheard
+    rate, pointing = moment.config.audio.rate_hz, hop.pointing
+    seconds = hop.block.samples.shape[1] / rate
+    joint = pointing.joint if state is None else state.angle
+    return replace(
+        unheard,
+        mission_time=hop.block.index / rate + seconds,
+        earth=pointing.earth,
+        heading=wrap(pointing.at(joint)),
+        mount_yaw=pointing.base if pointing.earth else None,
+        present=True,
+        joint=joint,
+        joint_rate=wrap(pointing.heading - hop.heading_start) / seconds if state is None else state.rate,
+        settled=hop.settled,
+        homed=state is None or state.homed,
+        fault=hop.fault or fault,
+    )

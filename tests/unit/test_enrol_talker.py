@@ -1,7 +1,6 @@
 """Enrolment by pointing: turn, separate, learn the voice; nobody is enrolled who has not agreed, and no mixture."""
 
 import json
-from concurrent.futures import Future
 
 import numpy as np
 import pytest
@@ -155,42 +154,34 @@ def test_the_voice_is_in_no_log():
     assert told == {"event": "Enrolled", "time": 1.0, "name": "ann", "source": 2, "azimuth": 0.1, "seconds": 5.0}
 
 
-class AtOnce:
-    """An executor without threads."""
-
-    def submit(self, call, *arguments):
-        done = Future()
-        done.set_result(call(*arguments))
-        return done
-
-
 @pytest.fixture
-def keeper(tmp_path):
-    said = []
-    keeper = VoiceKeeper(VoiceStore(tmp_path / "voices"), AtOnce(), said.append)
-    keeper.said = said
-    return keeper
+def store(tmp_path):
+    return VoiceStore(tmp_path / "voices")
 
 
-def test_the_print_is_kept_with_the_consent_for_its_owner_alone(keeper, tmp_path):
-    keeper.on_event(Enrolled(1.0, "ann", 2, 0.1, 5.0, model_of()), None)
-    path = tmp_path / "voices" / "ann.json"
+def test_the_print_is_kept_with_the_consent_for_its_owner_alone(store):
+    with VoiceKeeper(store) as keeper:
+        keeper.on_event(Enrolled(1.0, "ann", 2, 0.1, 5.0, model_of()), None)
+    path = store.folder / "ann.json"
     assert path.stat().st_mode & 0o777 == 0o600
     assert path.parent.stat().st_mode & 0o777 == 0o700
     assert json.loads(path.read_text())["consent"].startswith("told by the order to enrol, 2")
-    assert VoiceStore(tmp_path / "voices").load("ann").consent.startswith("told by the order")
+    assert store.load("ann").consent.startswith("told by the order")
 
 
-def test_a_print_that_cannot_be_kept_is_told_on_the_pump(keeper, tmp_path):
-    (tmp_path / "voices").write_text("in the way")
-    keeper.on_event(Enrolled(1.0, "ann", 2, 0.1, 5.0, model_of()), None)
-    assert keeper.said == []
-    keeper.poll()
-    assert "voice print of ann not kept" in keeper.said[0]
+def test_a_print_that_cannot_be_kept_is_told_on_the_pump(store):
+    store.folder.write_text("in the way")
+    said = []
+    with VoiceKeeper(store) as keeper:
+        keeper.on_event(Enrolled(1.0, "ann", 2, 0.1, 5.0, model_of()), None)
+    keeper.poll(said.append)
+    assert len(said) == 1
+    assert "voice print of ann not kept" in said[0]
 
 
-def test_who_has_no_name_gets_a_number(keeper, tmp_path):
-    VoiceStore(tmp_path / "voices").save("talker-1", model_of())
-    asked = [keeper.named(Enrol(source=0, consent=True)) for _ in range(2)]
-    assert [order.name for order in asked] == ["talker-2", "talker-3"]
-    assert keeper.named(Enrol(source=0, name="ann", consent=True)).name == "ann"
+def test_who_has_no_name_gets_a_number(store):
+    store.save("talker-1", model_of())
+    with VoiceKeeper(store) as keeper:
+        asked = [keeper.named(Enrol(source=0, consent=True)) for _ in range(2)]
+        assert [order.name for order in asked] == ["talker-2", "talker-3"]
+        assert keeper.named(Enrol(source=0, name="ann", consent=True)).name == "ann"

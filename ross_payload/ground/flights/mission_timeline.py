@@ -81,7 +81,10 @@ class MissionTimeline:
             case Information():
                 self.information = value
             case Status():
-                self._status(value, at)
+                self.status = value
+                self._stay(value.state, at)
+                self._explored(value.state, value.k, at, value.rotation)
+                self.moments.append(Moment.of(value, at))
             case Source():
                 self._source(value)
             case Alignment():
@@ -94,12 +97,6 @@ class MissionTimeline:
                 self._stay(value.state, at)
             case Named() if self.status is None:
                 self._mirror(value, at)
-
-    def _status(self, status: Status, at: float) -> None:
-        self.status = status
-        self._stay(status.state, at)
-        self._explored(status.state, status.k, at, status.rotation)
-        self.moments.append(Moment.of(status, at))
 
     def _mirror(self, named: Named, at: float) -> None:
         """Take what a payload says to those who do not know its dialect."""

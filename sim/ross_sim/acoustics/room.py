@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pyroomacoustics as pra
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Samples
@@ -48,67 +48,24 @@ class RoomSpec:
         _walls(self)
 
 
-def impulse_responses(  # noqa: PLR0917
-    size: ArrayLike,
-    t60: float,
-    rate: int,
-    array_centre: ArrayLike,
-    spacing: float,
-    sources: ArrayLike,
-    headings: ArrayLike,
-    speed_of_sound: float = SPEED_OF_SOUND,
-) -> Samples:
+def respond(spec: RoomSpec, headings: Sequence[float]) -> Samples:
     """Impulse responses from every source to both microphones at every heading, (n_headings, 2, n_sources, n_taps).
 
-    The axis from microphone 1 to microphone 2 points along the heading h: with u = (cos h, sin h), microphone 1 is at
-    centre - d/2 u and microphone 2 at centre + d/2 u. The walls' absorption comes from the nominal T60 by Sabine's
-    formula (in its two-dimensional form for a plane); all images that arrive within T60 count and nothing later.
-    With T60 = 0 only the direct path does. Every response starts 40 samples late: half a fractional delay filter.
+    The axis from microphone 1 to microphone 2 points along the heading h [rad]: with u = (cos h, sin h), microphone 1
+    is at centre - d/2 u and microphone 2 at centre + d/2 u. The absorption of the walls comes from the nominal T60 by
+    Sabine's formula (in its two-dimensional form for a plane); all images that arrive within T60 count and nothing
+    later. With T60 = 0 only the direct path does. Every response starts 40 samples late: half a fractional delay
+    filter.
 
-    Parameters
-    ----------
-    size
-        Two or three sides [m].
-    t60
-        Nominal reverberation time [s].
-    rate
-        [Hz].
-    array_centre
-        [m], (2,) or (3,).
-    spacing
-        d [m].
-    sources
-        [m], (n_sources, 2) or (n_sources, 3).
-    headings
-        [rad], (n_headings,).
-    speed_of_sound
-        v_p [m/s].
-
-    Raises
-    ------
-    ConfigError
-        When something lies outside the room or on top of the array, or a number is impossible.
-
-    Examples
-    --------
     A source 2 m ahead on the axis is 0.343 m nearer to microphone 2, which is 16 samples at 16 kHz:
 
-    >>> response = impulse_responses((10, 10), 0.0, 16000, (5, 5), 0.343, [(7, 5)], [0.0])
+    >>> response = respond(RoomSpec((10, 10), 0.0, 16000, (5, 5), 0.343, ((7, 5),)), [0.0])
     >>> response.shape[:3]
     (1, 2, 1)
     >>> first, second = np.abs(response[0, :, 0]).argmax(axis=-1)
     >>> int(first - second)
     16
     """
-    places = np.asarray(sources, dtype=float).reshape(-1, np.size(size))
-    spec = RoomSpec(
-        _numbers(size), float(t60), rate, _numbers(array_centre), spacing, tuple(map(_numbers, places)), speed_of_sound
-    )
-    return respond(spec, np.atleast_1d(np.asarray(headings, dtype=float)).tolist())
-
-
-def respond(spec: RoomSpec, headings: Sequence[float]) -> Samples:
-    """Impulse responses of a room at headings [rad], (n_headings, 2, n_sources, n_taps)."""
     n_sources = len(spec.sources)
     if not n_sources or not len(headings):
         return np.zeros((len(headings), 2, n_sources, n_taps(spec)), dtype=np.float32)
@@ -210,10 +167,6 @@ def _check_inside(spec: RoomSpec, who: str, place: tuple[float, ...], reach: Rea
     margin = reach + WALL
     if not bool(np.all((np.asarray(place) >= margin) & (np.asarray(place) <= np.asarray(spec.size) - margin))):
         raise ConfigError(f"{who}: expected a place inside the room of {_text(spec.size)} m, got {_text(place)} m")
-
-
-def _numbers(values: ArrayLike) -> tuple[float, ...]:
-    return tuple(float(value) for value in np.asarray(values, dtype=float).ravel())
 
 
 def _text(values: Sequence[float]) -> str:
