@@ -7,10 +7,24 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
 
-from ross_payload import orders
 from ross_payload.angles import difference
 from ross_payload.config import APART_DEG
 from ross_payload.errors import ConfigError
+from ross_payload.orders import (
+    Cancel,
+    Explore,
+    Home,
+    Informed,
+    ListenAt,
+    ListenTo,
+    MeasureNoise,
+    Order,
+    Park,
+    Rearm,
+    Seek,
+    Stop,
+    TurnTo,
+)
 from ross_protocols.mavlink.commands import Command, direction
 from ross_protocols.mavlink.dialect import ross
 
@@ -27,7 +41,7 @@ class Record:
     on: bool
 
 
-Asked = orders.Order | Record
+Asked = Order | Record
 
 
 def asked(command: Command) -> Asked:
@@ -59,16 +73,16 @@ def _direction(command: Command, index: int, name: str) -> float:
     return direction(_number(command, index, name, -360, 360))
 
 
-def _listen(command: Command) -> orders.Order:
+def _listen(command: Command) -> Order:
     mode = _whole(command, 1, "mode", VOICE, AZIMUTH)
     if mode == VOICE:
-        return orders.Seek()
+        return Seek()
     if mode == SOURCE:
-        return orders.ListenTo(_whole(command, 2, "source", 0, 255))
-    return orders.ListenAt(_direction(command, 3, "azimuth"))
+        return ListenTo(_whole(command, 2, "source", 0, 255))
+    return ListenAt(_direction(command, 3, "azimuth"))
 
 
-def _inform(command: Command) -> orders.Order:
+def _inform(command: Command) -> Order:
     told = [not math.isnan(number) for number in command.numbers[1:]]
     count = sum(told)
     if not all(told[:count]) or not count:
@@ -78,21 +92,33 @@ def _inform(command: Command) -> orders.Order:
         if abs(difference(azimuths[i], azimuths[j])) < math.radians(APART_DEG):
             raise ConfigError(f"azimuths {i} and {j} are less than {APART_DEG:g} deg apart")
     first = _whole(command, 1, "first", -1, count - 1)
-    return orders.Informed(azimuths, first=None if first < 0 else first)
+    return Informed(azimuths, first=None if first < 0 else first)
+
+
+def _turn(command: Command) -> Order:
+    return TurnTo(_direction(command, 1, "heading"))
+
+
+def _measure(command: Command) -> Order:
+    return MeasureNoise(_number(command, 1, "time", 0, LONGEST_NOISE))
+
+
+def _record(command: Command) -> Record:
+    return Record(bool(_whole(command, 1, "start", 0, 1)))
 
 
 READERS: dict[int, Callable[[Command], Asked]] = {
-    ross.MAV_CMD_ROSS_EXPLORE: lambda command: orders.Explore(),
+    ross.MAV_CMD_ROSS_EXPLORE: lambda command: Explore(),
     ross.MAV_CMD_ROSS_LISTEN: _listen,
     INFORM: _inform,
-    ross.MAV_CMD_ROSS_TURN: lambda command: orders.TurnTo(_direction(command, 1, "heading")),
-    STOP: lambda command: orders.Stop(),
-    ross.MAV_CMD_ROSS_CANCEL: lambda command: orders.Cancel(),
-    ross.MAV_CMD_ROSS_PARK: lambda command: orders.Park(),
-    ross.MAV_CMD_ROSS_MEASURE_NOISE: lambda command: orders.MeasureNoise(_number(command, 1, "time", 0, LONGEST_NOISE)),
-    ross.MAV_CMD_ROSS_RECORD: lambda command: Record(bool(_whole(command, 1, "start", 0, 1))),
-    ross.MAV_CMD_ROSS_REARM: lambda command: orders.Rearm(),
-    ross.MAV_CMD_ROSS_HOME: lambda command: orders.Home(),
+    ross.MAV_CMD_ROSS_TURN: _turn,
+    STOP: lambda command: Stop(),
+    ross.MAV_CMD_ROSS_CANCEL: lambda command: Cancel(),
+    ross.MAV_CMD_ROSS_PARK: lambda command: Park(),
+    ross.MAV_CMD_ROSS_MEASURE_NOISE: _measure,
+    ross.MAV_CMD_ROSS_RECORD: _record,
+    ross.MAV_CMD_ROSS_REARM: lambda command: Rearm(),
+    ross.MAV_CMD_ROSS_HOME: lambda command: Home(),
 }
 
 

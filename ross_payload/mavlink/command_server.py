@@ -8,7 +8,15 @@ from typing import NamedTuple
 
 from ross_payload.mavlink.component import Component, Received
 from ross_payload.token_bucket import TokenBucket
-from ross_protocols.mavlink import commands
+from ross_protocols.mavlink.commands import (
+    COMMAND_CANCEL,
+    COMMAND_INT,
+    COMMAND_LONG,
+    CancelRequest,
+    Command,
+    Result,
+    acknowledgement,
+)
 from ross_protocols.mavlink.component_id import ComponentId
 
 BURST, RATE = 40, 20.0  # commands of one sender at once, and [1/s]; what is more is not even answered
@@ -18,22 +26,20 @@ SENDERS = 64  # that have an allowance of their own
 class Verdict(NamedTuple):
     """What becomes of a command, and why."""
 
-    result: commands.Result
+    result: Result
     reason: str = ""
 
 
-ACCEPTED = Verdict(commands.Result.ACCEPTED)
+ACCEPTED = Verdict(Result.ACCEPTED)
 
-Handler = Callable[
-    [commands.Command, Received, float], Verdict | None
-]  # at a time [s]; None: it acknowledges by itself
+Handler = Callable[[Command, Received, float], Verdict | None]  # at a time [s]; None: it acknowledges by itself
 
 
-def ignore_cancel(request: commands.CancelRequest, received: Received) -> None:
+def ignore_cancel(request: CancelRequest, received: Received) -> None:
     """Cancel nothing: no command of the component takes time."""
 
 
-def explain_nothing(command: commands.Command, reason: str) -> None:
+def explain_nothing(command: Command, reason: str) -> None:
     """Refuse in silence: nobody reads what the component says."""
 
 
@@ -60,8 +66,8 @@ class CommandServer:
         handlers: Mapping[int, Handler],
         *,
         urgent: frozenset[int] = frozenset(),
-        on_cancel: Callable[[commands.CancelRequest, Received], None] = ignore_cancel,
-        explain: Callable[[commands.Command, str], None] = explain_nothing,
+        on_cancel: Callable[[CancelRequest, Received], None] = ignore_cancel,
+        explain: Callable[[Command, str], None] = explain_nothing,
     ) -> None:
         self._component = component
         self._handlers = handlers
@@ -70,14 +76,14 @@ class CommandServer:
         self._explain = explain
         self._buckets: OrderedDict[ComponentId, TokenBucket] = OrderedDict()
         self._now = 0.0
-        component.subscribe(self.on_packet, commands.COMMAND_LONG, commands.COMMAND_INT, commands.COMMAND_CANCEL)
+        component.subscribe(self.on_packet, COMMAND_LONG, COMMAND_INT, COMMAND_CANCEL)
 
     def on_packet(self, received: Received) -> None:
         """Take a packet; what is no command, or not for us, passes by."""
         request, sender = received.request, received.packet.sender
         if request is None or not request.target.includes(self._component.id):
             return
-        if isinstance(request, commands.CancelRequest):
+        if isinstance(request, CancelRequest):
             self._on_cancel(request, received)
         elif received.may_order and request.number in self._urgent:
             self._handlers[request.number](request, received, self._now)
@@ -98,20 +104,18 @@ class CommandServer:
             self._buckets.popitem(last=False)
         return bucket.spend(self._now)
 
-    def answer(self, command: commands.Command, sender: ComponentId, verdict: Verdict) -> None:
+    def answer(self, command: Command, sender: ComponentId, verdict: Verdict) -> None:
         """Acknowledge a command, and explain why it is refused."""
         self.acknowledge(command, sender, verdict.result)
         if verdict.reason:
             self._explain(command, verdict.reason)
 
-    def acknowledge(
-        self, command: commands.Command, sender: ComponentId, result: commands.Result, progress: float | None = None
-    ) -> None:
+    def acknowledge(self, command: Command, sender: ComponentId, result: Result, progress: float | None = None) -> None:
         """Tell a sender what has become of its command; ``progress`` is 0 to 1, None: not known."""
-        self._component.send(commands.acknowledgement(command.number, result, sender, progress))
+        self._component.send(acknowledgement(command.number, result, sender, progress))
 
-    def _verdict(self, command: commands.Command, received: Received) -> Verdict | None:
+    def _verdict(self, command: Command, received: Received) -> Verdict | None:
         if not received.may_order:
-            return Verdict(commands.Result.DENIED, received.refusal)
+            return Verdict(Result.DENIED, received.refusal)
         handler = self._handlers.get(command.number)
-        return Verdict(commands.Result.UNSUPPORTED) if handler is None else handler(command, received, self._now)
+        return Verdict(Result.UNSUPPORTED) if handler is None else handler(command, received, self._now)

@@ -21,13 +21,27 @@ from ross_payload.events import (
 from ross_payload.health import AudioHealth
 from ross_payload.mission_state import RESTING, MissionState, chosen
 from ross_payload.telemetry.snapshot import Snapshot
-from ross_protocols.mavlink import values
 from ross_protocols.mavlink.field_converters import compass
+from ross_protocols.mavlink.values import (
+    CURVE_POINTS,
+    Alignment,
+    Array,
+    CandidateState,
+    Density,
+    Health,
+    Isolation,
+    Named,
+    Phase,
+    Rule,
+    Separation,
+    Source,
+    Status,
+)
 
 ONE_AXIS = np.radians(1.0)  # headings within this of each other are one axis
 AZIMUTHS = 1  # id of the array of them
 
-RULES = {rule.name.lower(): rule for rule in values.Rule}
+RULES = {rule.name.lower(): rule for rule in Rule}
 MEASURING = (State.LEAD_IN, State.NOISE)  # the noise, for what comes later
 
 
@@ -39,20 +53,20 @@ class Stamp:
     earth: bool
 
 
-def health(state: State | None) -> values.Health:
+def health(state: State | None) -> Health:
     """Return the health of a component whose mission is in a state; None: it has not spoken yet."""
     if state is None:
-        return values.Health.BOOT
+        return Health.BOOT
     if state is State.FAULT:
-        return values.Health.CRITICAL
+        return Health.CRITICAL
     if state in MEASURING:
-        return values.Health.CALIBRATING
-    return values.Health.STANDBY if state in RESTING else values.Health.ACTIVE
+        return Health.CALIBRATING
+    return Health.STANDBY if state in RESTING else Health.ACTIVE
 
 
-def status(mission: MissionState, snapshot: Snapshot) -> values.Status:
+def status(mission: MissionState, snapshot: Snapshot) -> Status:
     """Return the mission at a glance."""
-    return values.Status(
+    return Status(
         time_usec=snapshot.time_usec,
         mission_time=snapshot.mission_time,
         state=int(mission.state or State.IDLE),
@@ -81,14 +95,14 @@ def status(mission: MissionState, snapshot: Snapshot) -> values.Status:
     )
 
 
-def sources(estimate: Estimate, number: int, stamp: Stamp, axis: float | None, final: bool) -> list[values.Source]:
+def sources(estimate: Estimate, number: int, stamp: Stamp, axis: float | None, final: bool) -> list[Source]:
     """Return one value per source.
 
     ``axis`` [rad] is the only axis heard at so far, or None: a source at azimuth a that is not told from its mirror
     image may be at 2 axis - a instead.
     """
     return [
-        values.Source(
+        Source(
             time_usec=stamp.time_usec,
             estimate=number,
             source=index,
@@ -121,10 +135,10 @@ def common_axis(headings: Sequence[float]) -> float | None:
     return headings[0] if np.all(apart < ONE_AXIS) else None
 
 
-def alignments(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[values.Alignment]:
+def alignments(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Alignment]:
     """Return one value per candidate, none of them tried yet."""
     return [
-        values.Alignment(
+        Alignment(
             time_usec=stamp.time_usec,
             plan=number,
             candidate=index,
@@ -134,8 +148,8 @@ def alignments(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[val
             joint=candidate.joint,
             isolation=candidate.isolation,
             aliased=tuple(sorted(candidate.aliased)),
-            rule=RULES.get(candidate.rule, values.Rule.UNKNOWN),
-            state=values.CandidateState.PLANNED,
+            rule=RULES.get(candidate.rule, Rule.UNKNOWN),
+            state=CandidateState.PLANNED,
             earth=stamp.earth,
             gain=candidate.gain_db,
         )
@@ -143,19 +157,17 @@ def alignments(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[val
     ]
 
 
-def separations(
-    event: Checked | Separated, number: int, stamp: Stamp, criterion: float | None
-) -> list[values.Separation]:
+def separations(event: Checked | Separated, number: int, stamp: Stamp, criterion: float | None) -> list[Separation]:
     """Return one value per separated group."""
     checked = isinstance(event, Checked)
     heading = event.candidate.heading if isinstance(event, Checked) else event.heading
     return [
-        values.Separation(
+        Separation(
             time_usec=stamp.time_usec,
             separation=number,
             group=index,
             count=len(event.groups),
-            phase=values.Phase.CHECK if checked else values.Phase.RUN,
+            phase=Phase.CHECK if checked else Phase.RUN,
             members=tuple(sorted(group.members)),
             method=event.method,
             earth=stamp.earth,
@@ -171,14 +183,14 @@ def separations(
     ]
 
 
-def verdict(checked: Checked) -> values.CandidateState:
+def verdict(checked: Checked) -> CandidateState:
     """Return what a check makes of its candidate: accepted when the target's group holds the isolated source."""
     if checked.accepted is None or checked.candidate.source not in checked.groups[checked.accepted].members:
-        return values.CandidateState.REJECTED
-    return values.CandidateState.ACCEPTED
+        return CandidateState.REJECTED
+    return CandidateState.ACCEPTED
 
 
-def scored(known: list[values.Source], groups: tuple[GroupScore, ...], target: int | None) -> list[values.Source]:
+def scored(known: list[Source], groups: tuple[GroupScore, ...], target: int | None) -> list[Source]:
     """Return the sources with what a separation tells: the scores of those with a group of their own, the target."""
     scores = {group.members[0]: group.value for group in groups if len(group.members) == 1}
     return [
@@ -187,12 +199,12 @@ def scored(known: list[values.Source], groups: tuple[GroupScore, ...], target: i
     ]
 
 
-def densities(event: OrientationHeard, number: int, stamp: Stamp) -> list[values.Density]:
+def densities(event: OrientationHeard, number: int, stamp: Stamp) -> list[Density]:
     """Return the curve of one orientation of exploration ``number``; none when nothing was heard."""
     if len(event.grid) < 2 or not event.density.max() > 0:
         return []
     return [
-        values.Density(
+        Density(
             time_usec=stamp.time_usec,
             exploration=number,
             rotation=event.index,
@@ -205,13 +217,13 @@ def densities(event: OrientationHeard, number: int, stamp: Stamp) -> list[values
     ]
 
 
-def isolations(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[values.Isolation]:
+def isolations(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Isolation]:
     """Return one curve per source over the headings of a plan; none when nothing can be isolated."""
     if len(planned.headings) < 2 or not planned.isolation.max(initial=0.0) > 0:
         return []
     maximum = float(planned.isolation.max())
     return [
-        values.Isolation(
+        Isolation(
             time_usec=stamp.time_usec,
             plan=number,
             source=source,
@@ -225,7 +237,7 @@ def isolations(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[val
     ]
 
 
-def shares(curve: Real, maximum: float, points: int = values.CURVE_POINTS) -> tuple[float, ...]:
+def shares(curve: Real, maximum: float, points: int = CURVE_POINTS) -> tuple[float, ...]:
     """Return a curve, (n,), at ``points`` equal steps from its first to its last point, as shares of ``maximum``.
 
     >>> shares(np.array([0.0, 2.0, 1.0]), 4.0, points=5)
@@ -235,9 +247,7 @@ def shares(curve: Real, maximum: float, points: int = values.CURVE_POINTS) -> tu
     return tuple((np.interp(places, np.arange(len(curve)), curve) / maximum).tolist())
 
 
-def named(
-    status: values.Status, sources: Sequence[values.Source], health: AudioHealth | None, time: float
-) -> list[values.Named]:
+def named(status: Status, sources: Sequence[Source], health: AudioHealth | None, time: float) -> list[Named]:
     """Return the numbers that are known, for ground stations without our dialect; ``time`` is since boot [s].
 
     Angles are degrees, clockwise from 0 to 360, as on a compass: people read them.
@@ -252,9 +262,9 @@ def named(
         "ross_score": status.score,
         "ross_level": None if health is None else max(health.level_db),
     }
-    return [values.Named(time, name, number) for name, number in numbers.items() if number is not None]
+    return [Named(time, name, number) for name, number in numbers.items() if number is not None]
 
 
-def azimuths(time_usec: int, sources: Sequence[values.Source]) -> values.Array:
+def azimuths(time_usec: int, sources: Sequence[Source]) -> Array:
     """Return K and then the azimuth of every source."""
-    return values.Array(time_usec, "ross_az", AZIMUTHS, (float(len(sources)), *(compass(s.azimuth) for s in sources)))
+    return Array(time_usec, "ross_az", AZIMUTHS, (float(len(sources)), *(compass(s.azimuth) for s in sources)))

@@ -8,8 +8,16 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Protocol
 
-from ross_payload.transport import ports
 from ross_payload.transport.async_task import Backoff
+from ross_payload.transport.ports import (
+    DEFAULTS,
+    MAX_READ_BYTES,
+    Counts,
+    PortOptions,
+    reason,
+    with_failure,
+    with_outcome,
+)
 
 
 class Handle(Protocol):
@@ -121,7 +129,7 @@ class ReconnectingStream:
         opener: Opener,
         now: Callable[[], float],
         handle: Handle | None = None,
-        options: ports.PortOptions = ports.DEFAULTS,
+        options: PortOptions = DEFAULTS,
     ) -> None:
         self._opener = opener
         self._now = now
@@ -130,7 +138,7 @@ class ReconnectingStream:
         self._stream: Stream | None = None
         self._opened = 0
         self._events = select.epoll()
-        self.counts = ports.Counts(up=False)
+        self.counts = Counts(up=False)
         if handle is not None:
             self._begin(handle)
 
@@ -148,7 +156,7 @@ class ReconnectingStream:
         except OSError as error:
             self._lose(error)
             return
-        self.counts = ports.with_outcome(self.counts, taken)
+        self.counts = with_outcome(self.counts, taken)
 
     def receive(self) -> list[bytes]:
         """Return what has arrived, finish the frame that is begun, and see to the connection."""
@@ -158,7 +166,7 @@ class ReconnectingStream:
             return []
         try:
             self._stream.flush()
-            data = self._stream.read(ports.MAX_READ_BYTES) if self._events.poll(0) else b""
+            data = self._stream.read(MAX_READ_BYTES) if self._events.poll(0) else b""
         except OSError as error:
             self._lose(error)
             return []
@@ -204,5 +212,5 @@ class ReconnectingStream:
         self._fail(error)
 
     def _fail(self, error: Exception) -> None:
-        self.counts = replace(ports.with_failure(self.counts, error), up=False, error=ports.reason(error))
+        self.counts = replace(with_failure(self.counts, error), up=False, error=reason(error))
         self._retry_at = self._now() + self._backoff.wait()

@@ -10,7 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from ross_payload.actuators.canopen_drive import cia402_controller
+from ross_payload.actuators.canopen_drive.cia402_controller import (
+    ENABLE_TIMEOUT_S,
+    TORQUE_OFF,
+    Cia402Controller,
+    DriveDiagnostics,
+)
 from ross_payload.actuators.canopen_drive.drive_client import DriveClient
 from ross_payload.actuators.canopen_drive.drive_setup import DriveSetup
 from ross_payload.actuators.canopen_drive.options import Options
@@ -33,13 +38,13 @@ class CanopenDrive(Driver):
         self._client: DriveClient
         self._leaving = False
         self._setup = DriveSetup(options)
-        self._controller = cia402_controller.Cia402Controller()
+        self._controller = Cia402Controller()
         self.capabilities = able = options.capabilities
         self._positions = PositionFilter(options.settle_ms * 1e-3, 1.5 * able.max_speed, able.max_acceleration)
         self._known = False  # where the drive counts 0
         self._homing = False  # asked for, and not over
         self._next: Move | None = None  # what was asked for meanwhile
-        self._diagnostics = cia402_controller.DriveDiagnostics()
+        self._diagnostics = DriveDiagnostics()
         self._sent: tuple[int, int, int] | None = None
         self._due = -math.inf  # the next repetition [s]
         self._fault = ""
@@ -53,7 +58,7 @@ class CanopenDrive(Driver):
     def open(self, port: Port, now: float) -> None:
         """Join the bus; asking the drive who it is and telling it how to move begins with the first poll."""
         self._client = DriveClient(self._options, port, now)
-        self._controller, self._diagnostics = cia402_controller.Cia402Controller(), cia402_controller.DriveDiagnostics()
+        self._controller, self._diagnostics = Cia402Controller(), DriveDiagnostics()
         self._fault, self._homing, self._leaving, self._published = "", False, False, -math.inf
         self._known = self._options.absolute  # whoever was switched off meanwhile counts from elsewhere
         self._begin()
@@ -80,7 +85,7 @@ class CanopenDrive(Driver):
         elif not self._homing:
             self._homing, self._known, self._next = True, self._options.absolute, None
             self._fault, self._client.event, self._client.emergency = "", "", None
-            self._diagnostics = cia402_controller.DriveDiagnostics()
+            self._diagnostics = DriveDiagnostics()
             self._positions.clear()
             if self._controller.mode is Mode.HOMING:  # one that was broken off
                 self._controller.end(State.QUICK_STOP_ACTIVE)
@@ -117,11 +122,11 @@ class CanopenDrive(Driver):
         """Let the drive decelerate, which takes its time, switch off and expect no more of us."""
         self._leaving, client = True, self._client
         braking = self.capabilities.max_speed / self.capabilities.max_acceleration
-        until = clock.now() + braking + cia402_controller.ENABLE_TIMEOUT_S if client.running else -math.inf
+        until = clock.now() + braking + ENABLE_TIMEOUT_S if client.running else -math.inf
         self._homing = False
         self._controller.end(State.QUICK_STOP_ACTIVE)
         yield
-        while clock.now() < until and cia402.state_of(client.report.status) not in cia402_controller.TORQUE_OFF:
+        while clock.now() < until and cia402.state_of(client.report.status) not in TORQUE_OFF:
             yield
         client.stop_heartbeat_watch()
         until = clock.now() + LAST_ANSWER_TIMEOUT_S

@@ -15,7 +15,31 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ross_payload.ground.client import command_status, command_types
+from ross_payload.ground.client.command_status import (
+    ACKNOWLEDGED,
+    AFTER_STOP,
+    CANCELLED,
+    DONE,
+    ENDS,
+    FAILED,
+    IN_PROGRESS,
+    NO_ANSWER,
+    NO_RESULT,
+    NOT_ANSWERED,
+    OVERTAKEN,
+    REFUSED,
+    REPLACED,
+    RESTARTED,
+    SENT,
+    CommandStatus,
+    reason_in,
+)
+from ross_payload.ground.client.command_types import (
+    Cancel,
+    Order,
+    Rearm,
+    Stop,
+)
 from ross_payload.ground.model.payload_state import PayloadState, StatusText
 from ross_payload.ground.model.status_text import EXPLANATION_S, RecentTexts
 from ross_protocols.mavlink.codec import Packet
@@ -39,7 +63,7 @@ class _OpenCommand:
 
     number: int
     who: ComponentId
-    order: command_types.Order
+    order: Order
     due: float  # when it is said again [s]
     repeated: bool  # its like ended a moment ago: what the payload remembers may be that
     trusted: float  # [s]: a final answer before may be a late one to its like
@@ -73,25 +97,23 @@ class CommandProtocol:
     def __init__(self, send: Callable[[Any, ComponentId], None], system_id: int, component_id: int) -> None:
         self._send = send
         self._us = ComponentId(system_id, component_id)
-        self._doing: dict[int, command_status.CommandStatus] = {}
+        self._doing: dict[int, CommandStatus] = {}
         self._open: dict[int, _OpenCommand] = {}
         self._peers: dict[ComponentId, _Peer] = {}
         self._count = 0
         self._now = 0.0
 
     @property
-    def doing(self) -> tuple[command_status.CommandStatus, ...]:
+    def doing(self) -> tuple[CommandStatus, ...]:
         """The latest orders, newest last."""
         return tuple(self._doing.values())
 
-    def order(self, who: ComponentId, order: command_types.Order) -> int:
+    def order(self, who: ComponentId, order: Order) -> int:
         """Order something at once; return the number of what becomes of it."""
         self._give_way(who, order)
         self._count += 1
         peer, number = self._peer(who), order.number
-        self._doing[self._count] = command_status.CommandStatus(
-            self._count, who, order, command_status.SENT, self._now, self._now
-        )
+        self._doing[self._count] = CommandStatus(self._count, who, order, SENT, self._now, self._now)
         self._open[self._count] = _OpenCommand(
             self._count, who, order, self._now,
             repeated=self._now - peer.sent.get(number, -math.inf) < REPEATED_S,
@@ -117,14 +139,10 @@ class CommandProtocol:
         peer = self._peer(payload.who)
         if peer.boots is not None and payload.boots > peer.boots:
             for one in [one for one in self._of(payload.who) if not one.over]:
-                self._end(one, command_status.FAILED, command_status.RESTARTED)
+                self._end(one, FAILED, RESTARTED)
             self._peers[payload.who] = peer = _Peer()
         elif peer.boots is None:
-            for one in [
-                one
-                for one in self._of(payload.who)
-                if isinstance(one.order, command_types.Stop) and one.answered is None
-            ]:
+            for one in [one for one in self._of(payload.who) if isinstance(one.order, Stop) and one.answered is None]:
                 one.sent, one.due = min(one.sent, 1), self._now
         peer.boots = payload.boots
 
@@ -156,26 +174,26 @@ class CommandProtocol:
         stop, arm. A task must not be done twice.
         """
         anew = one.repeated and not one.order.task
-        one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, command_types.Stop) else ACK_TIMEOUT_S)
+        one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, Stop) else ACK_TIMEOUT_S)
         confirmation = 0 if anew else min(one.sent, 255)
         one.sent += 1
         who = one.who
         self._send(long_message(one.order.number, one.order.numbers, who, confirmation), who)
 
-    def _give_way(self, who: ComponentId, order: command_types.Order) -> None:
+    def _give_way(self, who: ComponentId, order: Order) -> None:
         """What was never answered is not said again after a stop; nor is a cancel after any order: it would end it."""
         for one in self._of(who):
             unanswered = one.answered is None and not one.over
-            if unanswered and isinstance(order, command_types.Stop) and not isinstance(one.order, command_types.Stop):
-                self._end(one, command_status.CANCELLED, command_status.AFTER_STOP)
-            elif unanswered and isinstance(one.order, command_types.Cancel):
-                self._end(one, command_status.NO_ANSWER, command_status.OVERTAKEN)
+            if unanswered and isinstance(order, Stop) and not isinstance(one.order, Stop):
+                self._end(one, CANCELLED, AFTER_STOP)
+            elif unanswered and isinstance(one.order, Cancel):
+                self._end(one, NO_ANSWER, OVERTAKEN)
             elif one.over and one.order.number == order.number:
                 del self._open[one.number]
 
     def _resend(self, one: _OpenCommand) -> None:
         """Say it again where that can help; a cancel stands for its order."""
-        times = STOP_RESENDS if isinstance(one.order, command_types.Stop) else RESENDS
+        times = STOP_RESENDS if isinstance(one.order, Stop) else RESENDS
         if one.cancelling:
             self._send_cancel(one) if one.cancelling <= RESENDS else self._give_up(one)
         elif one.answered is None:
@@ -188,7 +206,7 @@ class CommandProtocol:
 
     def _is_sought(self, one: _OpenCommand) -> bool:
         """Whether it is a stop for somebody who was never heard, but may be any moment: we may have just started."""
-        unmet = isinstance(one.order, command_types.Stop) and self._peer(one.who).boots is None
+        unmet = isinstance(one.order, Stop) and self._peer(one.who).boots is None
         return unmet and self._now - self._doing[one.number].since < STOP_SEARCH_S
 
     def _send_cancel(self, one: _OpenCommand) -> None:
@@ -198,17 +216,13 @@ class CommandProtocol:
 
     def _give_up(self, one: _OpenCommand) -> None:
         one.over, one.due = True, math.inf
-        self._change(
-            one,
-            command_status.NO_ANSWER,
-            command_status.NOT_ANSWERED if one.answered is None else command_status.NO_RESULT,
-        )
+        self._change(one, NO_ANSWER, NOT_ANSWERED if one.answered is None else NO_RESULT)
 
-    def _trusted(self, peer: _Peer, order: command_types.Order) -> float:
+    def _trusted(self, peer: _Peer, order: Order) -> float:
         """Return from when on a final answer is one to this order; a stop is only in doubt after it was re-armed."""
         ended = peer.ended.get(order.number, -math.inf)
-        armed = peer.sent.get(command_types.Rearm.number, -math.inf) >= ended > -math.inf
-        return ended + LATE_ACK_S if armed or not isinstance(order, command_types.Stop) else -math.inf
+        armed = peer.sent.get(Rearm.number, -math.inf) >= ended > -math.inf
+        return ended + LATE_ACK_S if armed or not isinstance(order, Stop) else -math.inf
 
     # ------------------------------------------------------------------------------------------------ hearing
 
@@ -221,9 +235,7 @@ class CommandProtocol:
         going_on = [one for one in older if one.answered is not None]
         if ack.result is Result.IN_PROGRESS:
             self._goes_on(newest, ack.progress, alone=not going_on)
-        elif (
-            command_status.ENDS[ack.result][0] == command_status.REFUSED or newest.answered is not None or not going_on
-        ):
+        elif ENDS[ack.result][0] == REFUSED or newest.answered is not None or not going_on:
             self._is_over(newest, older, ack.result)
         else:
             self._is_over(going_on[-1], [], ack.result)
@@ -234,27 +246,24 @@ class CommandProtocol:
         one.answered = self._now
         if not one.cancelling and (alone or not first):
             one.due = self._now + PROGRESS_TIMEOUT_S
-        state = command_status.ACKNOWLEDGED if first and progress is None else command_status.IN_PROGRESS
+        state = ACKNOWLEDGED if first and progress is None else IN_PROGRESS
         self._change(one, state, "", progress=progress)
 
     def _is_over(self, one: _OpenCommand, older: list[_OpenCommand], result: Result) -> None:
         if self._now < one.trusted:
             one.due = min(one.due, one.trusted)
             return
-        state, reason = command_status.ENDS[result]
-        for other in older if state != command_status.REFUSED else []:
-            self._end(
-                other,
-                *((state, reason) if other.order == one.order else (command_status.CANCELLED, command_status.REPLACED)),
-            )
+        state, reason = ENDS[result]
+        for other in older if state != REFUSED else []:
+            self._end(other, *((state, reason) if other.order == one.order else (CANCELLED, REPLACED)))
         self._end(one, state, reason)
 
     def _end(self, one: _OpenCommand, state: str, reason: str) -> None:
         self._open.pop(one.number, None)
         peer = self._peer(one.who)
-        if state != command_status.NO_ANSWER:
+        if state != NO_ANSWER:
             peer.ended[one.order.number] = self._now
-        self._change(one, state, reason, progress=1.0 if state == command_status.DONE else None)
+        self._change(one, state, reason, progress=1.0 if state == DONE else None)
         for text in peer.texts.latest(self._now):
             self._explain(one.who, text)
 
@@ -262,7 +271,7 @@ class CommandProtocol:
         """Let a text say why something was refused, or failed, around the time it came."""
         for doing in reversed(self.doing):
             near = doing.who == who and abs(doing.at - text.at) < EXPLANATION_S
-            if near and (reason := command_status.reason_in(text, doing)):
+            if near and (reason := reason_in(text, doing)):
                 self._doing[doing.number] = replace(doing, reason=reason)
                 return
 

@@ -9,7 +9,14 @@ import json
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
-from foxglove import Channel, Context, Schema, channels, open_mcap
+from foxglove import Channel, Context, Schema, open_mcap
+from foxglove.channels import (
+    FrameTransformChannel,
+    LocationFixChannel,
+    LogChannel,
+    PoseInFrameChannel,
+    SceneUpdateChannel,
+)
 from foxglove.mcap import MCAPWriteOptions
 from foxglove.messages import Log, LogLevel, Timestamp
 
@@ -160,7 +167,7 @@ class _Export:
         after, there = self._fleet.payloads.get(who), self._fleet.vehicles.get(packet.system_id)
         if there is not None and there is not place:
             fix = scene.location(there.system, there.position, _stamp(now))
-            self._publish(channels.LocationFixChannel, f"/vehicle-{there.system}/location", fix, now)
+            self._publish(LocationFixChannel, f"/vehicle-{there.system}/location", fix, now)
         if after is not None and who in self._payloads:
             self._wire(who, packet, now)
             self._news(before, after, now)
@@ -180,14 +187,14 @@ class _Export:
         who, stamp = after.who, _stamp(now)
         if after.status is not None and (before is None or before.status is not after.status):
             for transform in scene.transforms(who, after.status, stamp):
-                self._publish(channels.FrameTransformChannel, "/tf", transform, now)
+                self._publish(FrameTransformChannel, "/tf", transform, now)
             pose = scene.heading(who, after.status, stamp)
             if pose is not None:
-                self._publish(channels.PoseInFrameChannel, f"/{who}/heading", pose, now)
+                self._publish(PoseInFrameChannel, f"/{who}/heading", pose, now)
         if after.sources != (before.sources if before else ()):
-            self._publish(channels.SceneUpdateChannel, f"/{who}/scene", scene.sources(after, stamp), now)
+            self._publish(SceneUpdateChannel, f"/{who}/scene", scene.sources(after, stamp), now)
         for text in after.texts_since(before):
-            self._publish(channels.LogChannel, f"/{who}/log", _log(who, text, stamp), now)
+            self._publish(LogChannel, f"/{who}/log", _log(who, text, stamp), now)
 
     def _publish(self, kind: Any, topic: str, message: Any, now: int) -> None:
         if topic not in self._channels:

@@ -10,7 +10,23 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from foxglove import messages
+from foxglove.messages import (
+    Color,
+    FrameTransform,
+    LinePrimitive,
+    LinePrimitiveLineType,
+    LocationFix,
+    Point3,
+    Pose,
+    PoseInFrame,
+    Quaternion,
+    SceneEntity,
+    SceneUpdate,
+    TextPrimitive,
+    Timestamp,
+    TriangleListPrimitive,
+    Vector3,
+)
 
 from ross_payload.ground.flights.plot_style import COLOURS, parts
 from ross_payload.ground.model.payload_state import PayloadState
@@ -21,7 +37,7 @@ from ross_protocols.mavlink.vehicle import Position
 EARTH = "earth"
 LENGTH = 5.0  # of a wedge [m]: how far a source is nobody knows
 SIGMAS = 3.0  # to each side of a wedge
-NOWHERE = messages.Vector3(x=0.0, y=0.0, z=0.0)
+NOWHERE = Vector3(x=0.0, y=0.0, z=0.0)
 
 
 def mount(who: ComponentId) -> str:
@@ -38,7 +54,7 @@ def yaw(angle: float, earth: bool) -> float:
     return angle + math.pi / 2 if earth else angle
 
 
-def transforms(who: ComponentId, status: Status, at: messages.Timestamp) -> Iterator[messages.FrameTransform]:
+def transforms(who: ComponentId, status: Status, at: Timestamp) -> Iterator[FrameTransform]:
     """Yield how the mount stands on the earth, when that is known, and the axis on the mount."""
     if status.heading is None:
         return
@@ -51,18 +67,18 @@ def transforms(who: ComponentId, status: Status, at: messages.Timestamp) -> Iter
     yield _transform(mount(who), f"{who}/axis", status.heading - base, at)
 
 
-def heading(who: ComponentId, status: Status, at: messages.Timestamp) -> messages.PoseInFrame | None:
+def heading(who: ComponentId, status: Status, at: Timestamp) -> PoseInFrame | None:
     """Return where the axis points; None: that is not known."""
     if status.heading is None:
         return None
-    pose = messages.Pose(position=NOWHERE, orientation=about_z(yaw(status.heading, status.earth)))
-    return messages.PoseInFrame(timestamp=at, frame_id=_frame(who, status.earth), pose=pose)
+    pose = Pose(position=NOWHERE, orientation=about_z(yaw(status.heading, status.earth)))
+    return PoseInFrame(timestamp=at, frame_id=_frame(who, status.earth), pose=pose)
 
 
-def sources(known: PayloadState, at: messages.Timestamp) -> messages.SceneUpdate:
+def sources(known: PayloadState, at: Timestamp) -> SceneUpdate:
     """Return all sources of the latest estimate: a wedge and a name each, a line where it may be instead."""
     earth = known.sources[0].earth if known.sources else known.earth
-    entity = messages.SceneEntity(
+    entity = SceneEntity(
         timestamp=at,
         frame_id=_frame(known.who, earth),
         id="sources",
@@ -70,12 +86,12 @@ def sources(known: PayloadState, at: messages.Timestamp) -> messages.SceneUpdate
         lines=[_mirror(source, source.mirror) for source in known.sources if source.mirror is not None],
         texts=[_name(source) for source in known.sources],
     )
-    return messages.SceneUpdate(entities=[entity])
+    return SceneUpdate(entities=[entity])
 
 
-def location(system: int, position: Position, at: messages.Timestamp) -> messages.LocationFix:
+def location(system: int, position: Position, at: Timestamp) -> LocationFix:
     """Return where a vehicle is; its heading is clockwise from north, as this message wants it."""
-    return messages.LocationFix(
+    return LocationFix(
         timestamp=at,
         frame_id=f"vehicle-{system}",
         latitude=math.degrees(position.latitude),
@@ -85,13 +101,13 @@ def location(system: int, position: Position, at: messages.Timestamp) -> message
     )
 
 
-def about_z(angle: float) -> messages.Quaternion:
+def about_z(angle: float) -> Quaternion:
     """Return the rotation by an angle [rad], counter-clockwise seen from above."""
-    return messages.Quaternion(x=0.0, y=0.0, z=math.sin(angle / 2), w=math.cos(angle / 2))
+    return Quaternion(x=0.0, y=0.0, z=math.sin(angle / 2), w=math.cos(angle / 2))
 
 
-def _transform(parent: str, child: str, angle: float, at: messages.Timestamp) -> messages.FrameTransform:
-    return messages.FrameTransform(
+def _transform(parent: str, child: str, angle: float, at: Timestamp) -> FrameTransform:
+    return FrameTransform(
         timestamp=at, parent_frame_id=parent, child_frame_id=child, translation=NOWHERE, rotation=about_z(angle)
     )
 
@@ -100,36 +116,32 @@ def _frame(who: ComponentId, earth: bool) -> str:
     return EARTH if earth else mount(who)
 
 
-def _point(angle: float, length: float) -> messages.Point3:
-    return messages.Point3(x=length * math.cos(angle), y=length * math.sin(angle), z=0.0)
+def _point(angle: float, length: float) -> Point3:
+    return Point3(x=length * math.cos(angle), y=length * math.sin(angle), z=0.0)
 
 
-def _colour(source: Source, alpha: float) -> messages.Color:
+def _colour(source: Source, alpha: float) -> Color:
     r, g, b = parts(COLOURS[source.source % len(COLOURS)])
-    return messages.Color(r=r, g=g, b=b, a=alpha)
+    return Color(r=r, g=g, b=b, a=alpha)
 
 
-def _wedge(source: Source) -> messages.TriangleListPrimitive:
+def _wedge(source: Source) -> TriangleListPrimitive:
     middle, half = yaw(source.azimuth, source.earth), min(max(SIGMAS * source.sigma, 0.0), math.pi)
     steps = 2 + 2 * math.ceil(half / math.radians(5))
     edges = [_point(middle + half * (2 * step / steps - 1), LENGTH) for step in range(steps + 1)]
     points = [point for pair in pairwise(edges) for point in (_point(0.0, 0.0), *pair)]
-    return messages.TriangleListPrimitive(
-        points=points, color=_colour(source, 0.3 + 0.5 * min(max(source.confidence, 0), 1))
-    )
+    return TriangleListPrimitive(points=points, color=_colour(source, 0.3 + 0.5 * min(max(source.confidence, 0), 1)))
 
 
-def _mirror(source: Source, azimuth: float) -> messages.LinePrimitive:
+def _mirror(source: Source, azimuth: float) -> LinePrimitive:
     ends = [_point(0.0, 0.0), _point(yaw(azimuth, source.earth), LENGTH)]
-    kind = messages.LinePrimitiveLineType.LineStrip
-    return messages.LinePrimitive(
-        type=kind, thickness=2.0, scale_invariant=True, points=ends, color=_colour(source, 0.6)
-    )
+    kind = LinePrimitiveLineType.LineStrip
+    return LinePrimitive(type=kind, thickness=2.0, scale_invariant=True, points=ends, color=_colour(source, 0.6))
 
 
-def _name(source: Source) -> messages.TextPrimitive:
+def _name(source: Source) -> TextPrimitive:
     angle, length = yaw(source.azimuth, source.earth), 1.08 * LENGTH
-    place = messages.Vector3(x=length * math.cos(angle), y=length * math.sin(angle), z=0.0)
-    pose = messages.Pose(position=place, orientation=about_z(0.0))
+    place = Vector3(x=length * math.cos(angle), y=length * math.sin(angle), z=0.0)
+    pose = Pose(position=place, orientation=about_z(0.0))
     text = f"{source.source} target" if source.target else str(source.source)
-    return messages.TextPrimitive(pose=pose, billboard=True, font_size=0.4, color=_colour(source, 1.0), text=text)
+    return TextPrimitive(pose=pose, billboard=True, font_size=0.4, color=_colour(source, 1.0), text=text)

@@ -28,8 +28,18 @@ from ross_payload.mavlink.message_scheduler import BEAT, MessageScheduler
 from ross_payload.mavlink.router import Router
 from ross_payload.orders import Order
 from ross_payload.transport.async_task import drained
-from ross_protocols.mavlink import gimbal_device
 from ross_protocols.mavlink.commands import Command, Result
+from ross_protocols.mavlink.gimbal_device import (
+    FAULTS,
+    PITCHYAW,
+    Pose,
+    attitude_status,
+    commanded,
+    device_information,
+    flags_of,
+    heartbeat,
+    set_point_of,
+)
 from ross_protocols.mavlink.gimbal_messages import (
     COMPONENTS,
     CONFIGURE,
@@ -75,26 +85,20 @@ class GimbalComponent:
         self._device_ids = 0, role.device_id, component_id
         number = role.device_id
         streams: dict[int, tuple[Make, float]] = {
-            BEAT: (
-                lambda boot: gimbal_device.heartbeat(well=not self._pose().failures & gimbal_device.FAULTS),
-                HEARTBEAT_PERIOD_S,
-            ),
-            DEVICE_ATTITUDE: (
-                lambda boot: gimbal_device.attitude_status(boot, number, self._pose()),
-                ATTITUDE_PERIOD_S,
-            ),
+            BEAT: (lambda boot: heartbeat(well=not self._pose().failures & FAULTS), HEARTBEAT_PERIOD_S),
+            DEVICE_ATTITUDE: (lambda boot: attitude_status(boot, number, self._pose()), ATTITUDE_PERIOD_S),
         }
-        streams |= role.streams(lambda: gimbal_device.flags_of(self._pose()))
+        streams |= role.streams(lambda: flags_of(self._pose()))
         board = Board()
         for message_id, (make, _) in streams.items():
             board.put(RANKS[message_id], [Sampled(message_id, self._timed(make))])
         periods = {message_id: period for message_id, (_, period) in streams.items()}
         self._scheduler = MessageScheduler(board, links, self._component, periods, share=SHARE)
-        made = {DEVICE_INFORMATION: lambda boot: gimbal_device.device_information(boot, number, device.axis())}
+        made = {DEVICE_INFORMATION: lambda boot: device_information(boot, number, device.axis())}
         on_request = {message_id: self._timed(make) for message_id, make in (made | role.made(device.axis)).items()}
         handlers: dict[int, Handler] = {**MessageRequests(self._component, self._scheduler, on_request).handlers}
         if role.is_manager:
-            handlers |= {gimbal_device.PITCHYAW: self._point, CONFIGURE: self._configure}
+            handlers |= {PITCHYAW: self._point, CONFIGURE: self._configure}
         self._server = CommandServer(self._component, handlers)
         self._component.subscribe(self._on_setpoint, *role.numbers)
 
@@ -105,12 +109,12 @@ class GimbalComponent:
 
     def _on_setpoint(self, received: Received) -> None:
         """Take a message with a set-point."""
-        asked = gimbal_device.set_point_of(received.packet.message)
+        asked = set_point_of(received.packet.message)
         if asked is not None and asked.target.includes(self._component.id) and asked.device_id in self._device_ids:
             self._role.on_setpoint(asked.aim, received)
 
     def _point(self, command: Command, received: Received, now: float) -> Verdict:
-        aim = gimbal_device.commanded(command)
+        aim = commanded(command)
         if aim is None or command.numbers[6] not in self._device_ids:
             return Verdict(Result.DENIED)
         return self._arbiter.point(aim, received.packet.sender, self._clock.now())
@@ -126,7 +130,7 @@ class GimbalComponent:
         self._arbiter.configure(control, sender, taken=numbers[0] not in (UNCHANGED, AWAY))
         return ACCEPTED
 
-    def _pose(self) -> gimbal_device.Pose:
+    def _pose(self) -> Pose:
         return self._device.pose(self._clock.now(), self._arbiter.aim, self._role.failures)
 
     def _timed(self, make: Make) -> Callable[[], Any]:
