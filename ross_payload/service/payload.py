@@ -29,7 +29,7 @@ from ross_payload.mission.live_session import Kit, LiveSession, Make
 from ross_payload.mission.tasks import Memory
 from ross_payload.orders import Explore, Order, Seek, Set, Task
 from ross_payload.service.assemble import settings_of, tools_of
-from ross_payload.service.dronecan_node import node_on_bus
+from ross_payload.service.dronecan_node import Aboard, node_on_bus
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.service.voice_keeper import VoiceKeeper
@@ -87,13 +87,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         aboard = stack.enter_context(node_on_bus(config, clock, parts.open_port, parts.state, parts.rng))
         actuator = stack.enter_context(open_actuator(config, Services(clock, parts.open_port)))
         stack.enter_context(parts.source)
-        recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
-        voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
-        memory = Memory(stopped=stopped, starting=True)
-        session = LiveSession(config, maker(actuator, voiceprint), memory, recorder.noting)
-        first = FIRST[config.service.autostart]
-        mission = session.mission(first() if first is not None else None)
-        runner = Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
+        recorder, runner = _mission(parts, actuator, stopped=stopped)
         ears = HealthMonitor(config, parts.watched)
         keeper = stack.enter_context(VoiceKeeper(parts.voices))
         telemetry = stack.enter_context(
@@ -107,18 +101,8 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.callback(clock.every(LOOK, partial(keeper.poll, partial(telemetry.send_text, Severity.ERROR))))
         if parts.latch is not None:
             runner.observers.append(parts.latch)
-        if config.gimbal.mode != "off":
-            runner.observers.append(stack.enter_context(_gimbal(parts, actuator, runner, recorder)))
-        if aboard is not None:
-            speaking = aboard.speaking(
-                parts.parameters,
-                actuator,
-                parts.timebase,
-                give=runner.order,
-                send_text=telemetry.send_text,
-                restart=parts.restart,
-            )
-            runner.observers.append(stack.enter_context(speaking))
+        speakers = _speakers(parts, actuator, runner, recorder, telemetry=telemetry, aboard=aboard)
+        runner.observers += map(stack.enter_context, speakers)
         stack.callback(clock.every(POLL, parts.links.poll))
         stack.callback(clock.every(LOOK, Changes(parts.links.status, ears.health, recorder.status).poll))
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
@@ -127,6 +111,18 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         if stopped:
             actuator.stop()
         yield runner
+
+
+def _mission(parts: Parts, actuator: Guard, *, stopped: bool) -> tuple[Recorder, Runner]:
+    """Make what records the session and what runs it; the one writes down what the other begins with."""
+    config, clock = parts.parameters.config, parts.clock
+    recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
+    voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
+    memory = Memory(stopped=stopped, starting=True)
+    session = LiveSession(config, maker(actuator, voiceprint), memory, recorder.noting)
+    first = FIRST[config.service.autostart]
+    mission = session.mission(first() if first is not None else None)
+    return recorder, Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
 
 
 def _wait_for_report(actuator: Guard, clock: Clock) -> None:
@@ -154,16 +150,29 @@ def beginning(session: LiveSession, actuator: Guard, config: Config) -> Beginnin
     return Beginning("session", session.config, travel.lower, travel.upper, session.target, session.memory)
 
 
-def _gimbal(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder) -> Gimbal:
-    return Gimbal(
-        parts.parameters.config,
-        parts.clock,
-        parts.links,
-        actuator,
-        parts.mount,
-        give=runner.order,
-        tap=lambda frame: recorder.on_frame(parts.timebase.usec(), frame),
-    )
+def _speakers(
+    parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder, *, telemetry: Telemetry, aboard: Aboard | None
+) -> Iterator[AbstractContextManager[Observer]]:
+    """Who else speaks for the payload: a gimbal on the links, and our node on a DroneCAN bus."""
+    if parts.parameters.config.gimbal.mode != "off":
+        yield Gimbal(
+            parts.parameters.config,
+            parts.clock,
+            parts.links,
+            actuator,
+            parts.mount,
+            give=runner.order,
+            tap=lambda frame: recorder.on_frame(parts.timebase.usec(), frame),
+        )
+    if aboard is not None:
+        yield aboard.speaking(
+            parts.parameters,
+            actuator,
+            parts.timebase,
+            give=runner.order,
+            send_text=telemetry.send_text,
+            restart=parts.restart,
+        )
 
 
 def _telemetry(

@@ -27,15 +27,17 @@ from ross_payload.mavlink.ftp_server import FtpServer
 from ross_payload.mavlink.message_board import MESSAGE_IDS, Board, Rank
 from ross_payload.mavlink.message_requests import MessageRequests
 from ross_payload.mavlink.message_scheduler import MessageScheduler, periods
-from ross_payload.mavlink.mission_commands import MissionCommands, StopMemory
+from ross_payload.mavlink.mission_commands import MissionCommands, StopMemory, no_streams
 from ross_payload.mavlink.param_server import ParamServer
 from ross_payload.mavlink.recording_files import Recordings
 from ross_payload.orders import Order
+from ross_payload.streams import StreamOrder, StreamStatus
 from ross_payload.telemetry import event_messages
 from ross_payload.telemetry.health_report import HealthReport
 from ross_payload.telemetry.reporter import Reporter
 from ross_payload.telemetry.snapshot import Moment, Snapshot, standing
 from ross_payload.telemetry.status_texts import OperatorTexts
+from ross_payload.telemetry.stream_report import StreamReporter
 from ross_payload.timebase import Timebase
 from ross_payload.transport.async_task import drained
 from ross_payload.transport.tlog import TlogRecorder
@@ -67,6 +69,16 @@ class Recorder(Protocol):
         """Tell how the recording is."""
 
 
+class Listening(Protocol):
+    """Lets others listen, live. Both methods are called on the pump and do not wait."""
+
+    def order(self, order: StreamOrder) -> str:
+        """Start, change or end a stream; return '' or why not."""
+
+    def streams(self) -> tuple[StreamStatus, ...]:
+        """Tell how every stream is, also those that have ended, by number."""
+
+
 class Telemetry:
     """Observes a mission and speaks for it. A context manager; the links belong to who opened them.
 
@@ -82,6 +94,8 @@ class Telemetry:
         What is in force and may be set in flight (None: the configuration, for good), and who is told of a change.
     recorder, health, computer
         Tell how the recording, the microphones and the computer are; None: nothing is said of them.
+    listening
+        Lets others listen, live; None: nobody can.
     timebase
         Tells the time; None: time is since the boot.
     recordings
@@ -109,6 +123,7 @@ class Telemetry:
         recorder: Recorder | None = None,
         health: Callable[[], AudioHealth] | None = None,
         computer: Callable[[], Computer] | None = None,
+        listening: Listening | None = None,
         timebase: Timebase | None = None,
         recordings: Recordings | None = None,
         latch: StopMemory | None = None,
@@ -134,7 +149,9 @@ class Telemetry:
         self._reporter = Reporter(self._board, self._send_text)
         taping = None if recorder is None else recorder.status
         self._health_report = HealthReport(self._board, self._send_text, health, taping, computer)
-        self._commands = None if give is None else self._server(component, give, recorder, latch)
+        self._streams = StreamReporter(self._board, self._send_text, tuple if listening is None else listening.streams)
+        stream = no_streams if listening is None else listening.order
+        self._commands = None if give is None else self._server(component, give, recorder, stream, latch)
         self._settings = None if parameters is None else ParamServer(component, parameters, changed, self._send_text)
         self._files = None if give is None else FtpServer(component, files(), recordings, links.rates)
         self._tlog = None if tlog is None else TlogRecorder(tlog)
@@ -142,11 +159,16 @@ class Telemetry:
         component.subscribe(self._meet, MESSAGE_IDS[Information])
 
     def _server(
-        self, component: Component, give: Callable[[Order], None], recorder: Recorder | None, latch: StopMemory | None
+        self,
+        component: Component,
+        give: Callable[[Order], None],
+        recorder: Recorder | None,
+        stream: Callable[[StreamOrder], str],
+        latch: StopMemory | None,
     ) -> MissionCommands:
         record = no_recorder if recorder is None else recorder.record
         requests = MessageRequests(component, self._scheduler)
-        return MissionCommands(component, give, record, self._send_text, requests, latch=latch)
+        return MissionCommands(component, give, record, self._send_text, requests, stream=stream, latch=latch)
 
     # ------------------------------------------------------------------------------------- from any thread
 
@@ -182,6 +204,7 @@ class Telemetry:
                 status, sources = self._reporter.status, self._reporter.sources
                 numbers = event_messages.named(status, sources, self._health_report.health, now)
                 self._board.put(Rank.MIRROR, [*numbers, event_messages.azimuths(status.time_usec, sources)])
+                self._streams.look(self._timebase.usec(), earth=status.earth)
             self._scheduler.flow(now)
 
     def __enter__(self) -> Self:
@@ -231,7 +254,14 @@ class Telemetry:
 
     def _snapshot(self, hop: Input | None) -> Snapshot:
         state = None if self._actuator is None else self._actuator.state()
-        moment = Moment(self._timebase.usec(), self._timebase.unix, self._in_force(), self._open_loop)
+        moment = Moment(
+            self._timebase.usec(),
+            self._timebase.unix,
+            self._in_force(),
+            self._open_loop,
+            streaming=self._streams.streaming,
+            recording=self._streams.recording or self._health_report.recording,
+        )
         return standing(hop, state, moment)
 
     def _in_force(self) -> Config:

@@ -28,6 +28,8 @@ class Snapshot:
     fault: str = ""
     rotation_max: int = 0  # R
     criterion: float | None = None
+    streaming: bool = False  # what is heard leaves the payload live
+    recording: bool = False  # what is heard is kept on a disk
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,8 @@ class Moment:
     unix: bool
     config: Config  # in force
     open_loop: bool
+    streaming: bool = False  # what is heard leaves the payload live
+    recording: bool = False  # what is heard is kept on a disk
 
 
 def standing(hop: Input | None, state: ActuatorState | None, moment: Moment) -> Snapshot:
@@ -58,6 +62,8 @@ def standing(hop: Input | None, state: ActuatorState | None, moment: Moment) -> 
         fault=fault,
         rotation_max=moment.config.explore.max_rotations,
         criterion=moment.config.exploit.criterion,
+        streaming=moment.streaming,
+        recording=moment.recording,
     )
     if hop is None:
         return unheard

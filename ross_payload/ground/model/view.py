@@ -12,6 +12,7 @@ from typing import Any
 
 from ross_payload.ground.model.health import condition
 from ross_payload.ground.model.payload_state import PayloadState, elapsed
+from ross_payload.ground.model.stream_rows import stream_row
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.field_converters import compass
 from ross_protocols.mavlink.values import Alignment, CandidateState, Information, Separation, Source, Status
@@ -72,6 +73,8 @@ def standing(known: PayloadState, settings: Mapping[str, float]) -> Section:
         "version": known.information.software_version if known.information else None,
         "dialect": known.information.dialect_version if known.information else None,
         "actuator": known.information.actuator if known.information else None,
+        "streaming": status.streaming if status else None,
+        "recording": status.recording if status else None,
         "flaws": list(known.flaws),
     }
 
@@ -135,13 +138,17 @@ def source_row(source: Source) -> dict[str, Any]:
         "mirror": _compass(source.mirror),
         "sigma": math.degrees(source.sigma),
         "elevation": None if source.elevation is None else math.degrees(source.elevation),
+        "tracked": source.tracked,
+        "rate": _degrees(source.rate or 0.0) if source.tracked else None,
+        "age": source.age or 0.0 if source.tracked else None,
     }
 
 
 def _mirrored(known: PayloadState) -> Section:
     """Sources of which nothing is known but where they are."""
-    nothing = dict.fromkeys(("mirror", "sigma", "elevation", "confidence", "weight", "score"))
-    flags = {"resolved": True, "target": False, "final": False, "earth": False, "announced": len(known.azimuths)}
+    nothing = dict.fromkeys(("mirror", "sigma", "elevation", "confidence", "weight", "score", "rate", "age"))
+    flags: dict[str, Any] = {"resolved": True, "target": False, "final": False, "earth": False, "tracked": False}
+    flags["announced"] = len(known.azimuths)
     return [
         {"source": index, "azimuth": azimuth % 360.0, **nothing, **flags, "trail": []}
         for index, azimuth in enumerate(known.azimuths)
@@ -212,6 +219,11 @@ def group_row(group: Separation) -> dict[str, Any]:
     }
 
 
+def streams(known: PayloadState, settings: Mapping[str, float]) -> Section:
+    """Live listening, one entry per stream, also those that have ended."""
+    return [stream_row(each) for each in known.streams]
+
+
 def history(known: PayloadState, settings: Mapping[str, float]) -> Section:
     """K, score and state over time, oldest first."""
     return [
@@ -235,6 +247,7 @@ SECTIONS: dict[str, Callable[[PayloadState, Mapping[str, float]], Section]] = {
     "densities": densities,
     "isolation": isolation,
     "groups": groups,
+    "streams": streams,
     "history": history,
     "events": events,
     "health": lambda known, settings: condition(known),

@@ -18,6 +18,7 @@ from ross_protocols.angle_text import frame, rounded
 from ross_protocols.mavlink.component_id import ComponentId
 
 UNFINISHED = object()  # an estimate of which not all messages have come
+UNSTEADY = ("level_db", "delay", "lost", "packets_lost", "azimuth", "group")  # of a stream: numbers that never rest
 MOVED_DEG = 5.0  # from which a source has moved
 View = dict[str, Any]
 
@@ -89,6 +90,8 @@ def _steady(name: str, section: Any) -> Any:
         return {key: value for key, value in section.items() if key != "last"}
     if name == "sources":
         return [{key: value for key, value in each.items() if key != "trail"} for each in section]
+    if name == "streams":
+        return [{key: value for key, value in each.items() if key not in UNSTEADY} for each in section]
     if name == "health":
         return {
             key: [_level(each) for each in part] if isinstance(part, list) else _level(part)
@@ -171,6 +174,14 @@ def _groups(view: View) -> list[str]:
     return [f"separated ({view['groups'][0]['phase']}) {', '.join(told)}"] if told else []
 
 
+def _streams(view: View) -> list[str]:
+    return [_stream_words(each) for each in view["streams"]]
+
+
+def _stream_words(stream: dict[str, Any]) -> str:
+    return f"stream {stream['number']}: {stream['whom']} to {stream['place']}, {stream['words']}"
+
+
 def _health(view: View) -> list[str]:
     return [
         f"health {name}: {LEVELS[each['level']].lower()}, {each['words']}"
@@ -197,6 +208,7 @@ SECTIONS: dict[str, tuple[Callable[[View], Any], Callable[[View], list[str]]]] =
     "sources": (_sources_key, _sources),
     "plan": (lambda view: (view["plan"]["current"], _picked(view["plan"]["candidates"], "heading", "state")), _plan),
     "groups": (lambda view: _picked(view["groups"], "phase", "members", "score"), _groups),
+    "streams": (_streams, _streams),
     "health": (lambda view: [(name, each["level"]) for name, each in _parts(view)], _health),
 }
 

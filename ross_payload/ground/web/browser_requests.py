@@ -7,7 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from ross_payload.ground.client.command_protocol import CommandProtocol
-from ross_payload.ground.client.command_types import Cancel, Stop, order_of
+from ross_payload.ground.client.command_types import Cancel, Stop
+from ross_payload.ground.client.order_json import order_of
 from ross_payload.ground.web.browser_session import BrowserSession
 from ross_payload.ground.web.positions import number, typed_position
 from ross_protocols.mavlink.component_id import ComponentId

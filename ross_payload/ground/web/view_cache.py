@@ -25,6 +25,7 @@ DRAWN_FROM: dict[str, tuple[str, ...]] = {
     "densities": ("densities",),
     "isolation": ("isolations",),
     "groups": ("separations",),
+    "streams": ("streams",),
     "history": ("history",),
     "events": ("texts",),
     "health": ("who", "twin", "counts", "status", "status_at", "audio", "recording", "links", "computer"),

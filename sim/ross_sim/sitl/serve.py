@@ -30,8 +30,9 @@ from ross_sim.devices.far_end import FarEnd, far_end_of
 from ross_sim.live_world.world_loop import STRETCH
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.ground_truth import TruthWriter, facts
-from ross_sim.sitl.mission_session import Pace, aboard, drained
+from ross_sim.sitl.mission_session import Pace, aboard
 from ross_sim.sitl.mission_view import MissionView
+from ross_sim.sitl.recording import drained
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import TalkerSelection
 from ross_sim.sitl.world import World

@@ -93,7 +93,7 @@ async def test_an_opened_flight_tells_what_is_in_it_and_shows_its_first_payload(
         assert shown["sections"]["mission"]["time"] == pytest.approx(30, abs=0.2)
         await one.say(type="flight", slot="a", watch="2-191")
         shown = await one.next("payload", lambda message: message["id"] == "2-191")
-        assert len(shown["sections"]) == 11
+        assert len(shown["sections"]) == 12
 
 
 async def test_a_playing_flight_goes_on_with_the_wall_clock_times_its_speed(folder):
