@@ -68,7 +68,6 @@ def refusal(context: Context, memory: Memory, task: Task, *, stopped: bool, faul
     impossible = {
         "stopped: re-arm first": stopped,
         f"fault: {fault}": bool(fault) and not isinstance(task, STILL_FAULTY),
-        "this payload cannot enrol": isinstance(task, Enrol),
         "no target voice is enrolled": isinstance(task, (Seek, Informed)) and context.tools.voiceprint is None,
         "no source is known: explore first": source is not None and known is None,
         "there is no such source": source is not None and known is not None and not 0 <= source < known.k,
