@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,17 +27,20 @@ from ross_payload.mavlink.gimbal import Gimbal
 from ross_payload.mavlink.recording_files import Recordings
 from ross_payload.mission.live_session import Kit, LiveSession, Make
 from ross_payload.mission.tasks import Memory
-from ross_payload.orders import Explore, Seek, Set, Task
+from ross_payload.orders import Explore, Order, Seek, Set, Task
 from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.dronecan_node import Aboard, node_on_bus
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
+from ross_payload.service.voice_keeper import VoiceKeeper
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.recorder import Recorder
 from ross_payload.sessions.session_store import SessionStore
 from ross_payload.telemetry.component import Telemetry
 from ross_payload.timebase import Timebase
+from ross_payload.voiceprint import VoiceStore
 from ross_protocols.mavlink.computer import Computer
+from ross_protocols.mavlink.values import Severity
 
 POLL = 0.010  # [s] of the pump
 FOUND = 5.0  # [s] that an actuator may take to report for the first time; later it is a fault
@@ -59,6 +63,7 @@ class Parts:
     drained: Callable[[Recorder], AbstractContextManager[None]]  # has what the recorder queues written
     watched: Watched | None = None  # the source, where it tells how it is
     voiceprint: VoicePrint | None = None
+    voices: VoiceStore | None = None  # where voices go that are enrolled on the way; None: they are not kept
     stamp: Callable[[], str] = lambda: ""  # of a new recording
     latch: StopLatch | None = None  # what remembers an order to stop over a restart
     state: Path | None = None  # folder of what outlives a restart
@@ -84,12 +89,16 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.enter_context(parts.source)
         recorder, runner = _mission(parts, actuator, stopped=stopped)
         ears = HealthMonitor(config, parts.watched)
-        telemetry = stack.enter_context(_telemetry(parts, actuator, runner, recorder, ears))
+        keeper = stack.enter_context(VoiceKeeper(parts.voices))
+        telemetry = stack.enter_context(
+            _telemetry(parts, actuator, lambda order: runner.order(keeper.named(order)), recorder, ears)
+        )
         stack.enter_context(recorder)
         stack.enter_context(parts.drained(recorder))
         component = parts.links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.on_frame(parts.timebase.usec(), frame))
-        runner.observers = [ears, telemetry, recorder, *observers]
+        runner.observers = [ears, telemetry, recorder, keeper, *observers]
+        stack.callback(clock.every(LOOK, partial(keeper.poll, partial(telemetry.send_text, Severity.ERROR))))
         if parts.latch is not None:
             runner.observers.append(parts.latch)
         speakers = _speakers(parts, actuator, runner, recorder, telemetry=telemetry, aboard=aboard)
@@ -109,7 +118,8 @@ def _mission(parts: Parts, actuator: Guard, *, stopped: bool) -> tuple[Recorder,
     config, clock = parts.parameters.config, parts.clock
     recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
     voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
-    session = LiveSession(config, maker(actuator, voiceprint), Memory(stopped=stopped, starting=True))
+    memory = Memory(stopped=stopped, starting=True)
+    session = LiveSession(config, maker(actuator, voiceprint), memory, recorder.noting)
     first = FIRST[config.service.autostart]
     mission = session.mission(first() if first is not None else None)
     return recorder, Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
@@ -137,8 +147,7 @@ def beginning(session: LiveSession, actuator: Guard, config: Config) -> Beginnin
     if session.busy:
         return None
     travel = actuator.capabilities
-    voice = config.service.target
-    return Beginning("session", session.config, travel.lower, travel.upper, voice, session.memory)
+    return Beginning("session", session.config, travel.lower, travel.upper, session.target, session.memory)
 
 
 def _speakers(
@@ -166,16 +175,18 @@ def _speakers(
         )
 
 
-def _telemetry(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder, ears: HealthMonitor) -> Telemetry:
+def _telemetry(
+    parts: Parts, actuator: Guard, give: Callable[[Order], None], recorder: Recorder, ears: HealthMonitor
+) -> Telemetry:
     asked = parts.parameters.config.recording
     return Telemetry(
         parts.parameters.config,
         parts.clock,
         parts.links,
         actuator=actuator,
-        give=runner.order,
+        give=give,
         parameters=parts.parameters,
-        changed=lambda name, value: runner.order(Set(name, value)),
+        changed=lambda name, value: give(Set(name, value)),
         recorder=recorder,
         health=ears.health,
         computer=parts.computer,
