@@ -157,10 +157,10 @@ def _shoebox(spec: RoomSpec) -> Any:
 
 def _walls(spec: RoomSpec) -> tuple[float, int]:
     """Absorption of the walls, and the order of reflections up to which images count."""
-    import pyroomacoustics as pra  # noqa: PLC0415
-
     if spec.t60 <= 0:
         return 1.0, 0
+    import pyroomacoustics as pra  # noqa: PLC0415
+
     try:
         absorption, order = pra.inverse_sabine(spec.t60, list(spec.size), c=spec.speed_of_sound)
     except ValueError as error:
