@@ -36,7 +36,6 @@ from ross_sim.autopilot import simulated_autopilot as simulated
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, far_end_of, wire
 from ross_sim.scenario import Cast, Scenario, Vehicle
-from ross_sim.sitl.mission_figure import draw
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.page_observer import PageObserver
 from ross_sim.sitl.recording import Collector, recorded
@@ -231,5 +230,7 @@ def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, 
             name = "target.wav" if index == separated.target else f"group-{index}.wav"
             write_wav(out.staging / name, voice, rate)
     unit = config.array.spacing_m / config.array.speed_of_sound_m_s
+    from ross_sim.sitl.mission_figure import draw  # noqa: PLC0415  matplotlib, where a picture is wanted
+
     with out.writing("mission.png") as path:
         draw(path, story, truth, rate=rate, unit=unit, title=scenario.title)
