@@ -61,7 +61,11 @@ def check(config: Config) -> None:
     """
     _check_links(config)
     _check_audio(config)
-    _check_voice(config)
+    name, store = config.service.target, VoiceStore.default()
+    if config.service.autostart == "seek" and not name:
+        raise ConfigError("service.target: expected the name of an enrolled voice for autostart = 'seek', got none")
+    if name:
+        _at("service.target", partial(store.check, name))
     check_state_folder(config)
     checked_options(config)
     check_one_id(config)
@@ -100,14 +104,6 @@ def _check_audio(config: Config) -> None:
     elif kind == "file":
         with open_source(config, SystemClock()):
             return
-
-
-def _check_voice(config: Config) -> None:
-    name, store = config.service.target, VoiceStore.default()
-    if config.service.autostart == "seek" and not name:
-        raise ConfigError("service.target: expected the name of an enrolled voice for autostart = 'seek', got none")
-    if name:
-        _at("service.target", partial(store.check, name))
 
 
 def _ports(config: Config) -> Iterator[tuple[str, str]]:

@@ -139,6 +139,7 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
             shelf=SessionStore(shelf),
             drained=in_background,
             voiceprint=_enrolled(config),
+            voices=VoiceStore.default(),
             latch=latch,
             state=state,
             computer=ComputerReader(shelf),

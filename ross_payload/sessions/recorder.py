@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from typing import Self
 
 from ross_payload import config
@@ -25,6 +25,7 @@ from ross_payload.interfaces import Input, Real, Score, VoiceBlock, VoicePrint
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.session_store import GB, SessionStore
 from ross_payload.sessions.session_writer import SessionWriter
+from ross_payload.transport.async_task import drained
 
 BACKLOG = 30.0  # [s] of audio that wait for the disk: then it is too slow
 DRAIN = 0.2  # [s] between two looks at the queue
@@ -106,7 +107,12 @@ class Recorder:
         if recording is not None and recording.over:
             self._recording, self._wanted = None, self._wanted and not recording.failed
         if self._wanted != (self._recording is not None):
-            self._begin_or_end()
+            if self._recording is not None:
+                self._put(self._recording, partial(self._end, reason="ended by order"))
+                self._recording = None
+            elif (begin := self._begin()) is not None:
+                self._recording = OngoingRecording(begin.config.audio.hop_ms / 1000)
+                self._put(self._recording, partial(self._start, begin=begin))
         if self._recording is None:
             return
         self._recording.inputs += 1
@@ -130,14 +136,6 @@ class Recorder:
             number = self._recording.inputs
             self._write(self._recording, lambda writer: writer.write_score(number, score))
 
-    def _begin_or_end(self) -> None:
-        if self._recording is not None:
-            self._put(self._recording, partial(self._end, reason="ended by order"))
-            self._recording = None
-        elif (begin := self._begin()) is not None:
-            self._recording = OngoingRecording(begin.config.audio.hop_ms / 1000)
-            self._put(self._recording, partial(self._start, begin=begin))
-
     # ------------------------------------------------------------------------------- on the thread that listens
 
     def on_voice(self, name: str, block: VoiceBlock) -> None:
@@ -158,11 +156,8 @@ class Recorder:
 
     def drain(self) -> None:
         """Write what waits."""
-        try:
-            while True:
-                self._queue.get_nowait()()
-        except Empty:
-            return
+        for write in drained(self._queue):
+            write()
 
     def close(self) -> None:
         """End the recording and write the rest; idempotent."""

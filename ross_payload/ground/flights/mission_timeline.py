@@ -95,7 +95,10 @@ class MissionTimeline:
             case Information():
                 self.information = value
             case Status():
-                self._status(value, at)
+                self.status = value
+                self._stay(value.state, at)
+                self._explored(value.state, value.k, at, value.rotation)
+                self.moments.append(Moment.of(value, at))
             case Source():
                 self._source(value)
             case Alignment():
@@ -110,12 +113,6 @@ class MissionTimeline:
                 self._stay(value.state, at)
             case Named() if self.status is None:
                 self._mirror(value, at)
-
-    def _status(self, status: Status, at: float) -> None:
-        self.status = status
-        self._stay(status.state, at)
-        self._explored(status.state, status.k, at, status.rotation)
-        self.moments.append(Moment.of(status, at))
 
     def _stream(self, stream: StreamReport, at: float) -> None:
         before = self._streams_on.pop(stream.number, None)

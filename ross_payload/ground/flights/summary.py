@@ -54,16 +54,13 @@ class FlightContent:
         inner = unwrapped(packet)
         value = None if inner is None else inner.value
         if isinstance(value, Text) or timeline.who not in self._fleet.payloads:
-            self._text(timeline.who, packet, at)
+            before = self._fleet.payloads.get(timeline.who)
+            self._fleet.on_packet(packet, at)
+            after = self._fleet.payloads.get(timeline.who)
+            if after is not None:
+                self.texts[timeline.who].extend(after.texts_since(before))
         if value is not None and is_sane(value):
             timeline.on_value(value, at)
-
-    def _text(self, who: ComponentId, packet: Packet, at: float) -> None:
-        before = self._fleet.payloads.get(who)
-        self._fleet.on_packet(packet, at)
-        after = self._fleet.payloads.get(who)
-        if after is not None:
-            self.texts[who].extend(after.texts_since(before))
 
 
 def chosen(flight: Flight, payload: ComponentId | None) -> tuple[ComponentId, ...]:

@@ -16,8 +16,9 @@ from rich.live import Live
 
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.errors import GroundError
+from ross_payload.ground.links.signing import read_key
 from ross_payload.ground.model.payload_state import PayloadState
-from ross_payload.ground.station import Station, read_key
+from ross_payload.ground.station import Station
 from ross_payload.ground.terminal.change_log import LineWriter
 from ross_payload.ground.terminal.controller import Controller
 from ross_payload.ground.terminal.keyboard import Keyboard

@@ -119,14 +119,6 @@ def _hold(session: BrowserSession) -> None:
         raise ValueError(f"{control.name} has control: take control first")
 
 
-def _watch(session: BrowserSession, message: Message) -> None:
-    session.watch(_who(message))
-
-
-def _unwatch(session: BrowserSession, message: Message) -> None:
-    session.watch(None)
-
-
 def _control(session: BrowserSession, message: Message) -> None:
     if message.get("take") is True:
         session.state.control.acquire(session.id, session.name)
@@ -161,8 +153,8 @@ REQUESTS: dict[str, Callable[[BrowserSession, Message], None]] = {
     "order": _order,
     "set": _set,
     "refresh": _refresh,
-    "watch": _watch,
-    "unwatch": _unwatch,
+    "watch": lambda session, message: session.watch(_who(message)),
+    "unwatch": lambda session, message: session.watch(None),
     "control": _control,
     "place": _place,
     "flight": _flight,
