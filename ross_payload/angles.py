@@ -48,12 +48,3 @@ def circular_mean(angles: ArrayLike, weights: ArrayLike | None = None) -> float:
     """
     phasors = np.exp(1j * np.asarray(angles))
     return float(np.angle(np.average(phasors, weights=None if weights is None else np.asarray(weights))))
-
-
-def nearest_equivalent(angle: float, reference: float, period: float = 2 * np.pi) -> float:
-    """The angle [rad] equal to ``angle`` modulo ``period`` that lies nearest to ``reference`` (unwrapped).
-
-    >>> round(nearest_equivalent(0.1, 6.0), 6)
-    6.383185
-    """
-    return float(angle + period * np.round((reference - angle) / period))

@@ -214,6 +214,17 @@ class Slipped(Event):
 
 
 @dataclass(frozen=True, slots=True)
+class Enrolled(Event):
+    """The talker at a source agreed to be enrolled, and is."""
+
+    name: str
+    source: int  # index into the estimate's sources
+    azimuth: float  # [rad]
+    seconds: float  # of voiced speech
+    voiceprint: Any  # an `interfaces.VoicePrint`: personal data, which is in no log
+
+
+@dataclass(frozen=True, slots=True)
 class Finished(Event):
     """The mission is over."""
 

@@ -177,7 +177,11 @@ class ActuatorState:
 
 
 class Actuator(Protocol):
-    """Something that turns. A context manager; no method blocks."""
+    """Something that turns. A context manager; no method blocks.
+
+    It may have an ``identity``: vendor, model, name, version, as its device tells them, in one line; empty while it
+    has not.
+    """
 
     @property
     def capabilities(self) -> Capabilities:
@@ -218,14 +222,6 @@ class Actuator(Protocol):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop and close."""
-
-
-class Identified(Protocol):
-    """An actuator that can also tell what its device says of itself."""
-
-    @property
-    def identity(self) -> str:
-        """Vendor, model, name, version, as the device tells them, in one line; empty while it has not."""
 
 
 @runtime_checkable
@@ -319,9 +315,7 @@ class Output:
     rearm: bool = False
     home: bool = False
     slipped: float | None = None  # so much is the reported joint angle ahead of the true one [rad]: put it right
-    hold: bool | None = (
-        None  # True: a task begins, nobody else may turn the actuator; False: others may; None: as before
-    )
+    hold: bool | None = None  # True: a task begins, nobody else may turn the actuator; False: others may; None: as is
 
 
 @dataclass(frozen=True, slots=True)

@@ -183,18 +183,17 @@ class Changes:
     def poll(self) -> None:
         """Look, and say what has changed since the last look."""
         for link in self._links():
-            self._link(link)
+            up, twins = self._links_before.get(link.url, (None, 0))
+            if link.up is not up:
+                what = f"link {link.url} is {'up' if link.up else 'down'}"
+                self._log.log(
+                    logging.INFO if link.up else logging.WARNING, what if link.up else _colon(what, link.error)
+                )
+            if link.twins > twins:
+                self._log.warning("link %s: another sender uses our system and component id", link.url)
+            self._links_before[link.url] = link.up, link.twins
         self._microphones(self._ears())
         self._records(self._recorder())
-
-    def _link(self, now: LinkStatus) -> None:
-        up, twins = self._links_before.get(now.url, (None, 0))
-        if now.up is not up:
-            what = f"link {now.url} is {'up' if now.up else 'down'}"
-            self._log.log(logging.INFO if now.up else logging.WARNING, what if now.up else _colon(what, now.error))
-        if now.twins > twins:
-            self._log.warning("link %s: another sender uses our system and component id", now.url)
-        self._links_before[now.url] = now.up, now.twins
 
     def _microphones(self, now: AudioHealth) -> None:
         begun, over = now.trouble & ~self._trouble, self._trouble & ~now.trouble

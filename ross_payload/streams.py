@@ -33,10 +33,14 @@ class Selection:
 
 @dataclass(frozen=True, slots=True)
 class StreamOrder:
-    """Start, change or stop one stream: for the listening stage, not for the mission. None: as it is."""
+    """Start, change or end one stream: for the listening stage, not for the mission. None: as it is.
+
+    An order may come twice, since networks double frames: what it asks for is a state, and the second one changes
+    nothing.
+    """
 
     on: bool
-    number: int | None = None  # None: a new one; of a stop: all of them
+    number: int | None = None  # None: the one that goes to this address and port, else a new one; of an end: all
     selection: Selection | None = None  # None, of a new one: the target
     gain_db: float | None = None  # None, of a new one: 0
     muted: bool | None = None  # None, of a new one: not muted

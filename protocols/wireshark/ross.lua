@@ -52,6 +52,7 @@ messageName = {
     [54007] = 'ROSS_DENSITY',
     [54008] = 'ROSS_ISOLATION',
     [54009] = 'ROSS_LINK',
+    [54010] = 'ROSS_STREAM',
     [80] = 'COMMAND_CANCEL',
     [300] = 'PROTOCOL_VERSION',
     [396] = 'COMPONENT_INFORMATION_BASIC',
@@ -117,6 +118,8 @@ local enumEntryName = {
         [2] = "ROSS_STATUS_FLAGS_CERTAIN",
         [4] = "ROSS_STATUS_FLAGS_TARGET_FOUND",
         [8] = "ROSS_STATUS_FLAGS_TIME_UNIX",
+        [16] = "ROSS_STATUS_FLAGS_STREAMING",
+        [32] = "ROSS_STATUS_FLAGS_RECORDING",
     },
     ["ROSS_ACTUATOR_FLAGS"] = {
         [1] = "ROSS_ACTUATOR_FLAGS_PRESENT",
@@ -129,6 +132,7 @@ local enumEntryName = {
         [1] = "ROSS_SOURCE_FLAGS_RESOLVED",
         [2] = "ROSS_SOURCE_FLAGS_TARGET",
         [4] = "ROSS_SOURCE_FLAGS_FINAL",
+        [8] = "ROSS_SOURCE_FLAGS_TRACKED",
     },
     ["ROSS_ALIGNMENT_RULE"] = {
         [0] = "ROSS_ALIGNMENT_RULE_UNKNOWN",
@@ -168,6 +172,27 @@ local enumEntryName = {
         [2] = "ROSS_RECORDING_STATE_FULL",
         [3] = "ROSS_RECORDING_STATE_BROKEN",
     },
+    ["ROSS_SELECTION"] = {
+        [0] = "ROSS_SELECTION_NONE",
+        [1] = "ROSS_SELECTION_MIXTURE",
+        [2] = "ROSS_SELECTION_TARGET",
+        [3] = "ROSS_SELECTION_SOURCE",
+        [4] = "ROSS_SELECTION_AZIMUTH",
+    },
+    ["ROSS_CODEC"] = {
+        [0] = "ROSS_CODEC_OTHER",
+        [1] = "ROSS_CODEC_L16",
+        [2] = "ROSS_CODEC_OPUS",
+        [3] = "ROSS_CODEC_PCM",
+        [4] = "ROSS_CODEC_FLAC",
+    },
+    ["ROSS_STREAM_FLAGS"] = {
+        [1] = "ROSS_STREAM_FLAGS_ON",
+        [2] = "ROSS_STREAM_FLAGS_FAULT",
+        [4] = "ROSS_STREAM_FLAGS_MUTED",
+        [8] = "ROSS_STREAM_FLAGS_RECORDS",
+        [16] = "ROSS_STREAM_FLAGS_SEPARATED",
+    },
     ["ROSS_LINK_FLAGS"] = {
         [1] = "ROSS_LINK_FLAGS_UP",
         [2] = "ROSS_LINK_FLAGS_AUTOPILOT",
@@ -192,6 +217,8 @@ local enumEntryName = {
         [54008] = "MAV_CMD_ROSS_RECORD",
         [54009] = "MAV_CMD_ROSS_REARM",
         [54010] = "MAV_CMD_ROSS_HOME",
+        [54011] = "MAV_CMD_ROSS_STREAM",
+        [54012] = "MAV_CMD_ROSS_ENROL",
     },
     ["MAV_AUTOPILOT"] = {
         [0] = "MAV_AUTOPILOT_GENERIC",
@@ -721,6 +748,26 @@ f.cmd_MAV_CMD_ROSS_RECORD_param1 = ProtoField.new("param1: Start (float)", "mavl
 
 
 
+f.cmd_MAV_CMD_ROSS_STREAM_param1 = ProtoField.new("param1: Stream (float)", "mavlink_proto.cmd_MAV_CMD_ROSS_STREAM_param1", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_STREAM_param2 = ProtoField.new("param2: Selection (ROSS_SELECTION)", "mavlink_proto.cmd_MAV_CMD_ROSS_STREAM_param2", ftypes.UINT32, enumEntryName.ROSS_SELECTION)
+f.cmd_MAV_CMD_ROSS_STREAM_param3 = ProtoField.new("param3: Which (float)", "mavlink_proto.cmd_MAV_CMD_ROSS_STREAM_param3", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_STREAM_param4 = ProtoField.new("param4: Gain (float) dB", "mavlink_proto.cmd_MAV_CMD_ROSS_STREAM_param4", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_STREAM_param5 = ProtoField.new("param5: Address 1 (float)", "mavlink_proto.cmd_MAV_CMD_ROSS_STREAM_param5", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_STREAM_x = ProtoField.new("x: Address 1 (int32_t)", "mavlink_proto.cmd_MAV_CMD_ROSS_STREAM_x", ftypes.INT32, nil)
+f.cmd_MAV_CMD_ROSS_STREAM_param6 = ProtoField.new("param6: Address 2 (float)", "mavlink_proto.cmd_MAV_CMD_ROSS_STREAM_param6", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_STREAM_y = ProtoField.new("y: Address 2 (int32_t)", "mavlink_proto.cmd_MAV_CMD_ROSS_STREAM_y", ftypes.INT32, nil)
+f.cmd_MAV_CMD_ROSS_STREAM_param7 = ProtoField.new("param7: Port and codec (float)", "mavlink_proto.cmd_MAV_CMD_ROSS_STREAM_param7", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_STREAM_z = ProtoField.new("z: Port and codec (float)", "mavlink_proto.cmd_MAV_CMD_ROSS_STREAM_z", ftypes.FLOAT, nil)
+
+f.cmd_MAV_CMD_ROSS_ENROL_param1 = ProtoField.new("param1: Mode (ROSS_LISTEN_MODE)", "mavlink_proto.cmd_MAV_CMD_ROSS_ENROL_param1", ftypes.UINT32, enumEntryName.ROSS_LISTEN_MODE)
+f.cmd_MAV_CMD_ROSS_ENROL_param2 = ProtoField.new("param2: Source (float)", "mavlink_proto.cmd_MAV_CMD_ROSS_ENROL_param2", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_ENROL_param3 = ProtoField.new("param3: Azimuth (float) deg", "mavlink_proto.cmd_MAV_CMD_ROSS_ENROL_param3", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_ENROL_param4 = ProtoField.new("param4: Time (float) s", "mavlink_proto.cmd_MAV_CMD_ROSS_ENROL_param4", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_ENROL_param5 = ProtoField.new("param5: Consent (float)", "mavlink_proto.cmd_MAV_CMD_ROSS_ENROL_param5", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_ENROL_x = ProtoField.new("x: Consent (int32_t)", "mavlink_proto.cmd_MAV_CMD_ROSS_ENROL_x", ftypes.INT32, nil)
+f.cmd_MAV_CMD_ROSS_ENROL_param6 = ProtoField.new("param6: Name (float)", "mavlink_proto.cmd_MAV_CMD_ROSS_ENROL_param6", ftypes.FLOAT, nil)
+f.cmd_MAV_CMD_ROSS_ENROL_y = ProtoField.new("y: Name (int32_t)", "mavlink_proto.cmd_MAV_CMD_ROSS_ENROL_y", ftypes.INT32, nil)
+
 
 f.ROSS_INFORMATION_time_usec = ProtoField.new("time_usec (uint64_t) [us]", "mavlink_proto.ROSS_INFORMATION_time_usec", ftypes.UINT64, nil)
 f.ROSS_INFORMATION_dialect_version = ProtoField.new("dialect_version (uint16_t)", "mavlink_proto.ROSS_INFORMATION_dialect_version", ftypes.UINT16, nil)
@@ -742,10 +789,12 @@ f.ROSS_STATUS_state = ProtoField.new("state (ROSS_STATE)", "mavlink_proto.ROSS_S
 f.ROSS_STATUS_outcome = ProtoField.new("outcome (ROSS_OUTCOME)", "mavlink_proto.ROSS_STATUS_outcome", ftypes.UINT8, enumEntryName.ROSS_OUTCOME)
 f.ROSS_STATUS_frame = ProtoField.new("frame (ROSS_FRAME)", "mavlink_proto.ROSS_STATUS_frame", ftypes.UINT8, enumEntryName.ROSS_FRAME)
 f.ROSS_STATUS_flags = ProtoField.new("flags (ROSS_STATUS_FLAGS)", "mavlink_proto.ROSS_STATUS_flags", ftypes.UINT8, nil, base.HEX_DEC)
-f.ROSS_STATUS_flags_flagROSS_STATUS_FLAGS_NOISE_MEASURED = ProtoField.bool("mavlink_proto.ROSS_STATUS_flags.ROSS_STATUS_FLAGS_NOISE_MEASURED", "ROSS_STATUS_FLAGS_NOISE_MEASURED", 4, nil, 1)
-f.ROSS_STATUS_flags_flagROSS_STATUS_FLAGS_CERTAIN = ProtoField.bool("mavlink_proto.ROSS_STATUS_flags.ROSS_STATUS_FLAGS_CERTAIN", "ROSS_STATUS_FLAGS_CERTAIN", 4, nil, 2)
-f.ROSS_STATUS_flags_flagROSS_STATUS_FLAGS_TARGET_FOUND = ProtoField.bool("mavlink_proto.ROSS_STATUS_flags.ROSS_STATUS_FLAGS_TARGET_FOUND", "ROSS_STATUS_FLAGS_TARGET_FOUND", 4, nil, 4)
-f.ROSS_STATUS_flags_flagROSS_STATUS_FLAGS_TIME_UNIX = ProtoField.bool("mavlink_proto.ROSS_STATUS_flags.ROSS_STATUS_FLAGS_TIME_UNIX", "ROSS_STATUS_FLAGS_TIME_UNIX", 4, nil, 8)
+f.ROSS_STATUS_flags_flagROSS_STATUS_FLAGS_NOISE_MEASURED = ProtoField.bool("mavlink_proto.ROSS_STATUS_flags.ROSS_STATUS_FLAGS_NOISE_MEASURED", "ROSS_STATUS_FLAGS_NOISE_MEASURED", 8, nil, 1)
+f.ROSS_STATUS_flags_flagROSS_STATUS_FLAGS_CERTAIN = ProtoField.bool("mavlink_proto.ROSS_STATUS_flags.ROSS_STATUS_FLAGS_CERTAIN", "ROSS_STATUS_FLAGS_CERTAIN", 8, nil, 2)
+f.ROSS_STATUS_flags_flagROSS_STATUS_FLAGS_TARGET_FOUND = ProtoField.bool("mavlink_proto.ROSS_STATUS_flags.ROSS_STATUS_FLAGS_TARGET_FOUND", "ROSS_STATUS_FLAGS_TARGET_FOUND", 8, nil, 4)
+f.ROSS_STATUS_flags_flagROSS_STATUS_FLAGS_TIME_UNIX = ProtoField.bool("mavlink_proto.ROSS_STATUS_flags.ROSS_STATUS_FLAGS_TIME_UNIX", "ROSS_STATUS_FLAGS_TIME_UNIX", 8, nil, 8)
+f.ROSS_STATUS_flags_flagROSS_STATUS_FLAGS_STREAMING = ProtoField.bool("mavlink_proto.ROSS_STATUS_flags.ROSS_STATUS_FLAGS_STREAMING", "ROSS_STATUS_FLAGS_STREAMING", 8, nil, 16)
+f.ROSS_STATUS_flags_flagROSS_STATUS_FLAGS_RECORDING = ProtoField.bool("mavlink_proto.ROSS_STATUS_flags.ROSS_STATUS_FLAGS_RECORDING", "ROSS_STATUS_FLAGS_RECORDING", 8, nil, 32)
 f.ROSS_STATUS_actuator_flags = ProtoField.new("actuator_flags (ROSS_ACTUATOR_FLAGS)", "mavlink_proto.ROSS_STATUS_actuator_flags", ftypes.UINT16, nil, base.HEX_DEC)
 f.ROSS_STATUS_actuator_flags_flagROSS_ACTUATOR_FLAGS_PRESENT = ProtoField.bool("mavlink_proto.ROSS_STATUS_actuator_flags.ROSS_ACTUATOR_FLAGS_PRESENT", "ROSS_ACTUATOR_FLAGS_PRESENT", 8, nil, 1)
 f.ROSS_STATUS_actuator_flags_flagROSS_ACTUATOR_FLAGS_SETTLED = ProtoField.bool("mavlink_proto.ROSS_STATUS_actuator_flags.ROSS_ACTUATOR_FLAGS_SETTLED", "ROSS_ACTUATOR_FLAGS_SETTLED", 8, nil, 2)
@@ -780,6 +829,9 @@ f.ROSS_SOURCE_flags = ProtoField.new("flags (ROSS_SOURCE_FLAGS)", "mavlink_proto
 f.ROSS_SOURCE_flags_flagROSS_SOURCE_FLAGS_RESOLVED = ProtoField.bool("mavlink_proto.ROSS_SOURCE_flags.ROSS_SOURCE_FLAGS_RESOLVED", "ROSS_SOURCE_FLAGS_RESOLVED", 4, nil, 1)
 f.ROSS_SOURCE_flags_flagROSS_SOURCE_FLAGS_TARGET = ProtoField.bool("mavlink_proto.ROSS_SOURCE_flags.ROSS_SOURCE_FLAGS_TARGET", "ROSS_SOURCE_FLAGS_TARGET", 4, nil, 2)
 f.ROSS_SOURCE_flags_flagROSS_SOURCE_FLAGS_FINAL = ProtoField.bool("mavlink_proto.ROSS_SOURCE_flags.ROSS_SOURCE_FLAGS_FINAL", "ROSS_SOURCE_FLAGS_FINAL", 4, nil, 4)
+f.ROSS_SOURCE_flags_flagROSS_SOURCE_FLAGS_TRACKED = ProtoField.bool("mavlink_proto.ROSS_SOURCE_flags.ROSS_SOURCE_FLAGS_TRACKED", "ROSS_SOURCE_FLAGS_TRACKED", 4, nil, 8)
+f.ROSS_SOURCE_azimuth_rate = ProtoField.new("azimuth_rate (float) [rad/s]", "mavlink_proto.ROSS_SOURCE_azimuth_rate", ftypes.FLOAT, nil)
+f.ROSS_SOURCE_age = ProtoField.new("age (float) [s]", "mavlink_proto.ROSS_SOURCE_age", ftypes.FLOAT, nil)
 
 f.ROSS_ALIGNMENT_time_usec = ProtoField.new("time_usec (uint64_t) [us]", "mavlink_proto.ROSS_ALIGNMENT_time_usec", ftypes.UINT64, nil)
 f.ROSS_ALIGNMENT_aliased = ProtoField.new("aliased (uint32_t)", "mavlink_proto.ROSS_ALIGNMENT_aliased", ftypes.UINT32, nil, base.HEX_DEC)
@@ -876,6 +928,33 @@ f.ROSS_LINK_flags = ProtoField.new("flags (ROSS_LINK_FLAGS)", "mavlink_proto.ROS
 f.ROSS_LINK_flags_flagROSS_LINK_FLAGS_UP = ProtoField.bool("mavlink_proto.ROSS_LINK_flags.ROSS_LINK_FLAGS_UP", "ROSS_LINK_FLAGS_UP", 4, nil, 1)
 f.ROSS_LINK_flags_flagROSS_LINK_FLAGS_AUTOPILOT = ProtoField.bool("mavlink_proto.ROSS_LINK_flags.ROSS_LINK_FLAGS_AUTOPILOT", "ROSS_LINK_FLAGS_AUTOPILOT", 4, nil, 2)
 f.ROSS_LINK_url = ProtoField.new("url (char)", "mavlink_proto.ROSS_LINK_url", ftypes.STRING, nil)
+
+f.ROSS_STREAM_time_usec = ProtoField.new("time_usec (uint64_t) [us]", "mavlink_proto.ROSS_STREAM_time_usec", ftypes.UINT64, nil)
+f.ROSS_STREAM_azimuth = ProtoField.new("azimuth (float) [rad]", "mavlink_proto.ROSS_STREAM_azimuth", ftypes.FLOAT, nil)
+f.ROSS_STREAM_gain = ProtoField.new("gain (float) [dB]", "mavlink_proto.ROSS_STREAM_gain", ftypes.FLOAT, nil)
+f.ROSS_STREAM_rate = ProtoField.new("rate (uint32_t) [Hz]", "mavlink_proto.ROSS_STREAM_rate", ftypes.UINT32, nil)
+f.ROSS_STREAM_lost = ProtoField.new("lost (uint32_t)", "mavlink_proto.ROSS_STREAM_lost", ftypes.UINT32, nil)
+f.ROSS_STREAM_packets_lost = ProtoField.new("packets_lost (uint32_t)", "mavlink_proto.ROSS_STREAM_packets_lost", ftypes.UINT32, nil)
+f.ROSS_STREAM_port = ProtoField.new("port (uint16_t)", "mavlink_proto.ROSS_STREAM_port", ftypes.UINT16, nil)
+f.ROSS_STREAM_delay = ProtoField.new("delay (uint16_t) [ms]", "mavlink_proto.ROSS_STREAM_delay", ftypes.UINT16, nil)
+f.ROSS_STREAM_number = ProtoField.new("number (uint8_t)", "mavlink_proto.ROSS_STREAM_number", ftypes.UINT8, nil)
+f.ROSS_STREAM_count = ProtoField.new("count (uint8_t)", "mavlink_proto.ROSS_STREAM_count", ftypes.UINT8, nil)
+f.ROSS_STREAM_selection = ProtoField.new("selection (ROSS_SELECTION)", "mavlink_proto.ROSS_STREAM_selection", ftypes.UINT8, enumEntryName.ROSS_SELECTION)
+f.ROSS_STREAM_source = ProtoField.new("source (uint8_t)", "mavlink_proto.ROSS_STREAM_source", ftypes.UINT8, nil)
+f.ROSS_STREAM_group = ProtoField.new("group (uint8_t)", "mavlink_proto.ROSS_STREAM_group", ftypes.UINT8, nil)
+f.ROSS_STREAM_listeners = ProtoField.new("listeners (uint8_t)", "mavlink_proto.ROSS_STREAM_listeners", ftypes.UINT8, nil)
+f.ROSS_STREAM_flags = ProtoField.new("flags (ROSS_STREAM_FLAGS)", "mavlink_proto.ROSS_STREAM_flags", ftypes.UINT8, nil, base.HEX_DEC)
+f.ROSS_STREAM_flags_flagROSS_STREAM_FLAGS_ON = ProtoField.bool("mavlink_proto.ROSS_STREAM_flags.ROSS_STREAM_FLAGS_ON", "ROSS_STREAM_FLAGS_ON", 8, nil, 1)
+f.ROSS_STREAM_flags_flagROSS_STREAM_FLAGS_FAULT = ProtoField.bool("mavlink_proto.ROSS_STREAM_flags.ROSS_STREAM_FLAGS_FAULT", "ROSS_STREAM_FLAGS_FAULT", 8, nil, 2)
+f.ROSS_STREAM_flags_flagROSS_STREAM_FLAGS_MUTED = ProtoField.bool("mavlink_proto.ROSS_STREAM_flags.ROSS_STREAM_FLAGS_MUTED", "ROSS_STREAM_FLAGS_MUTED", 8, nil, 4)
+f.ROSS_STREAM_flags_flagROSS_STREAM_FLAGS_RECORDS = ProtoField.bool("mavlink_proto.ROSS_STREAM_flags.ROSS_STREAM_FLAGS_RECORDS", "ROSS_STREAM_FLAGS_RECORDS", 8, nil, 8)
+f.ROSS_STREAM_flags_flagROSS_STREAM_FLAGS_SEPARATED = ProtoField.bool("mavlink_proto.ROSS_STREAM_flags.ROSS_STREAM_FLAGS_SEPARATED", "ROSS_STREAM_FLAGS_SEPARATED", 8, nil, 16)
+f.ROSS_STREAM_frame = ProtoField.new("frame (ROSS_FRAME)", "mavlink_proto.ROSS_STREAM_frame", ftypes.UINT8, enumEntryName.ROSS_FRAME)
+f.ROSS_STREAM_codec = ProtoField.new("codec (ROSS_CODEC)", "mavlink_proto.ROSS_STREAM_codec", ftypes.UINT8, enumEntryName.ROSS_CODEC)
+f.ROSS_STREAM_level = ProtoField.new("level (int8_t) [dB]", "mavlink_proto.ROSS_STREAM_level", ftypes.INT8, nil)
+f.ROSS_STREAM_sink = ProtoField.new("sink (char)", "mavlink_proto.ROSS_STREAM_sink", ftypes.STRING, nil)
+f.ROSS_STREAM_address = ProtoField.new("address (char)", "mavlink_proto.ROSS_STREAM_address", ftypes.STRING, nil)
+f.ROSS_STREAM_detail = ProtoField.new("detail (char)", "mavlink_proto.ROSS_STREAM_detail", ftypes.STRING, nil)
 
 f.COMMAND_CANCEL_target_system = ProtoField.new("target_system (uint8_t)", "mavlink_proto.COMMAND_CANCEL_target_system", ftypes.UINT8, nil)
 f.COMMAND_CANCEL_target_component = ProtoField.new("target_component (uint8_t)", "mavlink_proto.COMMAND_CANCEL_target_component", ftypes.UINT8, nil)
@@ -1334,6 +1413,8 @@ function dissect_flags_ROSS_STATUS_FLAGS(tree, name, tvbrange, value)
     tree:add_le(f[name .. "_flagROSS_STATUS_FLAGS_CERTAIN"], tvbrange, value)
     tree:add_le(f[name .. "_flagROSS_STATUS_FLAGS_TARGET_FOUND"], tvbrange, value)
     tree:add_le(f[name .. "_flagROSS_STATUS_FLAGS_TIME_UNIX"], tvbrange, value)
+    tree:add_le(f[name .. "_flagROSS_STATUS_FLAGS_STREAMING"], tvbrange, value)
+    tree:add_le(f[name .. "_flagROSS_STATUS_FLAGS_RECORDING"], tvbrange, value)
 end
 -- dissect flag field
 function dissect_flags_ROSS_ACTUATOR_FLAGS(tree, name, tvbrange, value)
@@ -1348,6 +1429,7 @@ function dissect_flags_ROSS_SOURCE_FLAGS(tree, name, tvbrange, value)
     tree:add_le(f[name .. "_flagROSS_SOURCE_FLAGS_RESOLVED"], tvbrange, value)
     tree:add_le(f[name .. "_flagROSS_SOURCE_FLAGS_TARGET"], tvbrange, value)
     tree:add_le(f[name .. "_flagROSS_SOURCE_FLAGS_FINAL"], tvbrange, value)
+    tree:add_le(f[name .. "_flagROSS_SOURCE_FLAGS_TRACKED"], tvbrange, value)
 end
 -- dissect flag field
 function dissect_flags_ROSS_GROUP_FLAGS(tree, name, tvbrange, value)
@@ -1364,6 +1446,14 @@ function dissect_flags_ROSS_AUDIO_TROUBLE(tree, name, tvbrange, value)
     tree:add_le(f[name .. "_flagROSS_AUDIO_TROUBLE_INVERTED"], tvbrange, value)
     tree:add_le(f[name .. "_flagROSS_AUDIO_TROUBLE_LOST"], tvbrange, value)
     tree:add_le(f[name .. "_flagROSS_AUDIO_TROUBLE_ABSENT"], tvbrange, value)
+end
+-- dissect flag field
+function dissect_flags_ROSS_STREAM_FLAGS(tree, name, tvbrange, value)
+    tree:add_le(f[name .. "_flagROSS_STREAM_FLAGS_ON"], tvbrange, value)
+    tree:add_le(f[name .. "_flagROSS_STREAM_FLAGS_FAULT"], tvbrange, value)
+    tree:add_le(f[name .. "_flagROSS_STREAM_FLAGS_MUTED"], tvbrange, value)
+    tree:add_le(f[name .. "_flagROSS_STREAM_FLAGS_RECORDS"], tvbrange, value)
+    tree:add_le(f[name .. "_flagROSS_STREAM_FLAGS_SEPARATED"], tvbrange, value)
 end
 -- dissect flag field
 function dissect_flags_ROSS_LINK_FLAGS(tree, name, tvbrange, value)
@@ -1617,9 +1707,9 @@ end
 -- dissect payload of message type ROSS_SOURCE
 function payload_fns.payload_54002(buffer, tree, msgid, offset, limit, pinfo)
     local padded, field_offset, value, subtree, tvbrange
-    if (offset + 42 > limit) then
+    if (offset + 50 > limit) then
         padded = buffer(0, limit):bytes()
-        padded:set_size(offset + 42)
+        padded:set_size(offset + 50)
         padded = padded:tvb("Untruncated payload")
     else
         padded = buffer
@@ -1662,6 +1752,12 @@ function payload_fns.payload_54002(buffer, tree, msgid, offset, limit, pinfo)
     subtree = tree:add_le(f.ROSS_SOURCE_flags, tvbrange)
     value = tvbrange:le_uint()
     dissect_flags_ROSS_SOURCE_FLAGS(subtree, "ROSS_SOURCE_flags", tvbrange, value)
+    tvbrange = padded(offset + 42, 4)
+    subtree = tree:add_le(f.ROSS_SOURCE_azimuth_rate, tvbrange)
+    value = tvbrange:le_float()
+    subtree:append_text(string.format(" (%g deg/s)",value*180/math.pi))
+    tvbrange = padded(offset + 46, 4)
+    subtree = tree:add_le(f.ROSS_SOURCE_age, tvbrange)
 end
 -- dissect payload of message type ROSS_ALIGNMENT
 function payload_fns.payload_54003(buffer, tree, msgid, offset, limit, pinfo)
@@ -1925,6 +2021,65 @@ function payload_fns.payload_54009(buffer, tree, msgid, offset, limit, pinfo)
     dissect_flags_ROSS_LINK_FLAGS(subtree, "ROSS_LINK_flags", tvbrange, value)
     tvbrange = padded(offset + 37, 60)
     subtree = tree:add_le(f.ROSS_LINK_url, tvbrange)
+end
+-- dissect payload of message type ROSS_STREAM
+function payload_fns.payload_54010(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 116 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 116)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 0, 8)
+    subtree = tree:add_le(f.ROSS_STREAM_time_usec, tvbrange)
+    value = tvbrange:le_uint64()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 8, 4)
+    subtree = tree:add_le(f.ROSS_STREAM_azimuth, tvbrange)
+    value = tvbrange:le_float()
+    subtree:append_text(string.format(" (%g deg)",value*180/math.pi))
+    tvbrange = padded(offset + 12, 4)
+    subtree = tree:add_le(f.ROSS_STREAM_gain, tvbrange)
+    tvbrange = padded(offset + 16, 4)
+    subtree = tree:add_le(f.ROSS_STREAM_rate, tvbrange)
+    tvbrange = padded(offset + 20, 4)
+    subtree = tree:add_le(f.ROSS_STREAM_lost, tvbrange)
+    tvbrange = padded(offset + 24, 4)
+    subtree = tree:add_le(f.ROSS_STREAM_packets_lost, tvbrange)
+    tvbrange = padded(offset + 28, 2)
+    subtree = tree:add_le(f.ROSS_STREAM_port, tvbrange)
+    tvbrange = padded(offset + 30, 2)
+    subtree = tree:add_le(f.ROSS_STREAM_delay, tvbrange)
+    tvbrange = padded(offset + 32, 1)
+    subtree = tree:add_le(f.ROSS_STREAM_number, tvbrange)
+    tvbrange = padded(offset + 33, 1)
+    subtree = tree:add_le(f.ROSS_STREAM_count, tvbrange)
+    tvbrange = padded(offset + 34, 1)
+    subtree = tree:add_le(f.ROSS_STREAM_selection, tvbrange)
+    tvbrange = padded(offset + 35, 1)
+    subtree = tree:add_le(f.ROSS_STREAM_source, tvbrange)
+    tvbrange = padded(offset + 36, 1)
+    subtree = tree:add_le(f.ROSS_STREAM_group, tvbrange)
+    tvbrange = padded(offset + 37, 1)
+    subtree = tree:add_le(f.ROSS_STREAM_listeners, tvbrange)
+    tvbrange = padded(offset + 38, 1)
+    subtree = tree:add_le(f.ROSS_STREAM_flags, tvbrange)
+    value = tvbrange:le_uint()
+    dissect_flags_ROSS_STREAM_FLAGS(subtree, "ROSS_STREAM_flags", tvbrange, value)
+    tvbrange = padded(offset + 39, 1)
+    subtree = tree:add_le(f.ROSS_STREAM_frame, tvbrange)
+    tvbrange = padded(offset + 40, 1)
+    subtree = tree:add_le(f.ROSS_STREAM_codec, tvbrange)
+    tvbrange = padded(offset + 41, 1)
+    subtree = tree:add_le(f.ROSS_STREAM_level, tvbrange)
+    tvbrange = padded(offset + 42, 10)
+    subtree = tree:add_le(f.ROSS_STREAM_sink, tvbrange)
+    tvbrange = padded(offset + 52, 40)
+    subtree = tree:add_le(f.ROSS_STREAM_address, tvbrange)
+    tvbrange = padded(offset + 92, 24)
+    subtree = tree:add_le(f.ROSS_STREAM_detail, tvbrange)
 end
 -- dissect payload of message type COMMAND_CANCEL
 function payload_fns.payload_80(buffer, tree, msgid, offset, limit, pinfo)
@@ -2769,8 +2924,84 @@ function payload_fns.payload_75_cmd54010(buffer, tree, msgid, offset, limit, pin
     tvbrange = padded(offset + 24, 4)
     subtree = tree:add_le(f.COMMAND_INT_z, tvbrange)
 end
--- dissect payload of message type COMMAND_INT with command MAV_CMD_ENUM_END
+-- dissect payload of message type COMMAND_INT with command MAV_CMD_ROSS_STREAM
 function payload_fns.payload_75_cmd54011(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 35 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 35)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 30, 1)
+    subtree = tree:add_le(f.COMMAND_INT_target_system, tvbrange)
+    tvbrange = padded(offset + 31, 1)
+    subtree = tree:add_le(f.COMMAND_INT_target_component, tvbrange)
+    tvbrange = padded(offset + 32, 1)
+    subtree = tree:add_le(f.COMMAND_INT_frame, tvbrange)
+    tvbrange = padded(offset + 28, 2)
+    subtree = tree:add_le(f.COMMAND_INT_command, tvbrange)
+    tvbrange = padded(offset + 33, 1)
+    subtree = tree:add_le(f.COMMAND_INT_current, tvbrange)
+    tvbrange = padded(offset + 34, 1)
+    subtree = tree:add_le(f.COMMAND_INT_autocontinue, tvbrange)
+    tvbrange = padded(offset + 0, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param1, tvbrange)
+    tvbrange = padded(offset + 4, 4)
+    value = tvbrange:le_float()
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param2, tvbrange, value)
+    tvbrange = padded(offset + 8, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param3, tvbrange)
+    tvbrange = padded(offset + 12, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param4, tvbrange)
+    tvbrange = padded(offset + 16, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_x, tvbrange)
+    tvbrange = padded(offset + 20, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_y, tvbrange)
+    tvbrange = padded(offset + 24, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_z, tvbrange)
+end
+-- dissect payload of message type COMMAND_INT with command MAV_CMD_ROSS_ENROL
+function payload_fns.payload_75_cmd54012(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 35 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 35)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 30, 1)
+    subtree = tree:add_le(f.COMMAND_INT_target_system, tvbrange)
+    tvbrange = padded(offset + 31, 1)
+    subtree = tree:add_le(f.COMMAND_INT_target_component, tvbrange)
+    tvbrange = padded(offset + 32, 1)
+    subtree = tree:add_le(f.COMMAND_INT_frame, tvbrange)
+    tvbrange = padded(offset + 28, 2)
+    subtree = tree:add_le(f.COMMAND_INT_command, tvbrange)
+    tvbrange = padded(offset + 33, 1)
+    subtree = tree:add_le(f.COMMAND_INT_current, tvbrange)
+    tvbrange = padded(offset + 34, 1)
+    subtree = tree:add_le(f.COMMAND_INT_autocontinue, tvbrange)
+    tvbrange = padded(offset + 0, 4)
+    value = tvbrange:le_float()
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_param1, tvbrange, value)
+    tvbrange = padded(offset + 4, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_param2, tvbrange)
+    tvbrange = padded(offset + 8, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_param3, tvbrange)
+    tvbrange = padded(offset + 12, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_param4, tvbrange)
+    tvbrange = padded(offset + 16, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_x, tvbrange)
+    tvbrange = padded(offset + 20, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_y, tvbrange)
+    tvbrange = padded(offset + 24, 4)
+    subtree = tree:add_le(f.COMMAND_INT_z, tvbrange)
+end
+-- dissect payload of message type COMMAND_INT with command MAV_CMD_ENUM_END
+function payload_fns.payload_75_cmd54013(buffer, tree, msgid, offset, limit, pinfo)
     local padded, field_offset, value, subtree, tvbrange
     if (offset + 35 > limit) then
         padded = buffer(0, limit):bytes()
@@ -3316,8 +3547,76 @@ function payload_fns.payload_76_cmd54010(buffer, tree, msgid, offset, limit, pin
     tvbrange = padded(offset + 24, 4)
     subtree = tree:add_le(f.COMMAND_LONG_param7, tvbrange)
 end
--- dissect payload of message type COMMAND_LONG with command MAV_CMD_ENUM_END
+-- dissect payload of message type COMMAND_LONG with command MAV_CMD_ROSS_STREAM
 function payload_fns.payload_76_cmd54011(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 33 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 33)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 30, 1)
+    subtree = tree:add_le(f.COMMAND_LONG_target_system, tvbrange)
+    tvbrange = padded(offset + 31, 1)
+    subtree = tree:add_le(f.COMMAND_LONG_target_component, tvbrange)
+    tvbrange = padded(offset + 28, 2)
+    subtree = tree:add_le(f.COMMAND_LONG_command, tvbrange)
+    tvbrange = padded(offset + 32, 1)
+    subtree = tree:add_le(f.COMMAND_LONG_confirmation, tvbrange)
+    tvbrange = padded(offset + 0, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param1, tvbrange)
+    tvbrange = padded(offset + 4, 4)
+    value = tvbrange:le_float()
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param2, tvbrange, value)
+    tvbrange = padded(offset + 8, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param3, tvbrange)
+    tvbrange = padded(offset + 12, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param4, tvbrange)
+    tvbrange = padded(offset + 16, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param5, tvbrange)
+    tvbrange = padded(offset + 20, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param6, tvbrange)
+    tvbrange = padded(offset + 24, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_STREAM_param7, tvbrange)
+end
+-- dissect payload of message type COMMAND_LONG with command MAV_CMD_ROSS_ENROL
+function payload_fns.payload_76_cmd54012(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 33 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 33)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 30, 1)
+    subtree = tree:add_le(f.COMMAND_LONG_target_system, tvbrange)
+    tvbrange = padded(offset + 31, 1)
+    subtree = tree:add_le(f.COMMAND_LONG_target_component, tvbrange)
+    tvbrange = padded(offset + 28, 2)
+    subtree = tree:add_le(f.COMMAND_LONG_command, tvbrange)
+    tvbrange = padded(offset + 32, 1)
+    subtree = tree:add_le(f.COMMAND_LONG_confirmation, tvbrange)
+    tvbrange = padded(offset + 0, 4)
+    value = tvbrange:le_float()
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_param1, tvbrange, value)
+    tvbrange = padded(offset + 4, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_param2, tvbrange)
+    tvbrange = padded(offset + 8, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_param3, tvbrange)
+    tvbrange = padded(offset + 12, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_param4, tvbrange)
+    tvbrange = padded(offset + 16, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_param5, tvbrange)
+    tvbrange = padded(offset + 20, 4)
+    subtree = tree:add_le(f.cmd_MAV_CMD_ROSS_ENROL_param6, tvbrange)
+    tvbrange = padded(offset + 24, 4)
+    subtree = tree:add_le(f.COMMAND_LONG_param7, tvbrange)
+end
+-- dissect payload of message type COMMAND_LONG with command MAV_CMD_ENUM_END
+function payload_fns.payload_76_cmd54013(buffer, tree, msgid, offset, limit, pinfo)
     local padded, field_offset, value, subtree, tvbrange
     if (offset + 33 > limit) then
         padded = buffer(0, limit):bytes()

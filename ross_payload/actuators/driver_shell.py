@@ -9,17 +9,17 @@ from __future__ import annotations
 import logging
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
-from queue import Empty, SimpleQueue
-from types import TracebackType
+from queue import SimpleQueue
 from typing import Annotated, Any, Self
 
 from pydantic import Field
 
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, Feedback, Port, Services
+from ross_payload.transport.async_task import drained
 
 CLOSING_PERIOD_S = 0.010  # between two polls while a device comes to rest before it is closed
 TIME_TOLERANCE_S = 1e-6  # so much before its time something is due, for every driver
@@ -44,37 +44,6 @@ class Request(Enum):
     TAKE_CONTROL = "take control"
     RELEASE_CONTROL = "release control"
     BRAKE = "decelerate a motion of another controller"
-
-
-class RequestQueue:
-    """Requests in the order in which they came: left by any thread, taken out by the pump.
-
-    >>> requests = RequestQueue()
-    >>> requests.put(Move(1.0, 0.5))
-    >>> requests.put(Request.HALT)
-    >>> [*requests.drain()], requests.empty
-    ([Move(goal=1.0, rate=0.5), <Request.HALT: 'halt'>], True)
-    """
-
-    def __init__(self) -> None:
-        self._queue: SimpleQueue[Move | Request] = SimpleQueue()
-
-    @property
-    def empty(self) -> bool:
-        """Whether none waits."""
-        return self._queue.empty()
-
-    def put(self, request: Move | Request) -> None:
-        """Leave a request; from any thread."""
-        self._queue.put(request)
-
-    def drain(self) -> Iterator[Move | Request]:
-        """Take out one after the other until none waits."""
-        while True:
-            try:
-                yield self._queue.get_nowait()
-            except Empty:
-                return
 
 
 class Driver(ABC):
@@ -151,7 +120,7 @@ class DriverShell:
         self._driver = driver
         self._services = services
         self._url = url
-        self._requests = RequestQueue()
+        self._requests: SimpleQueue[Move | Request] = SimpleQueue()
         self._is_open = False
         self._zero_given_up = False  # by a request that waits
         self._state = ActuatorState(0.0, 0.0, settled=False, homed=False, healthy=True, time=-math.inf)
@@ -179,7 +148,7 @@ class DriverShell:
 
     def state(self) -> ActuatorState:
         """Return the state at the last poll; not settled while a request waits, nor homed if it gives up the zero."""
-        if self._requests.empty:
+        if self._requests.empty():
             return self._state
         return replace(self._state, settled=False, homed=self._state.homed and not self._zero_given_up)
 
@@ -204,14 +173,14 @@ class DriverShell:
             return
         try:
             self._driver.read(now)
-            for request in self._requests.drain():
+            for request in drained(self._requests):
                 self._driver.obey(request, now)
                 self._zero_given_up = self._zero_given_up and request not in (Request.HOME, Request.RELEASE)
             self._driver.write(now)
         except LinkError as error:
             if not self._driver.link_lost(error):
                 raise
-            list(self._requests.drain())
+            list(drained(self._requests))
         finally:
             self._state = self._driver.snapshot(now)
 
@@ -222,14 +191,12 @@ class DriverShell:
         self._is_open = True
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Come to rest, which may take its time, and close the wire; requests that wait are dropped; idempotent."""
         if not self._is_open:
             return
         clock = self._services.clock
-        list(self._requests.drain())
+        list(drained(self._requests))
         try:
             for n, _ in enumerate(self._driver.leave(clock)):
                 if n:

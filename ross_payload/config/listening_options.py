@@ -6,7 +6,7 @@ import math
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from ross_payload.config.table import Table
 from ross_payload.streams import MAX_STREAMS, Selection, What
@@ -43,14 +43,27 @@ class Stream(Table):
 class Listening(Table):
     """[listening]: voices that leave the payload while they are heard; nothing does without a stream or an order."""
 
-    separator: str = "auto"  # live separator, see `ross sitl --separator`
+    separator: str = "gaussian"  # one that separates frame by frame
     otherwise: Literal["mixture", "silence"] = (
         "mixture"  # what a stream of a voice carries while no voice can be separated: exploring, turning, nobody known
     )
-    frame_ms: Annotated[float, Field(ge=16, le=256)] = 64.0  # STFT frame of live separation [ms]
+    frame_ms: Annotated[float, Field(ge=16, le=256)] = 64.0  # STFT frame of live separation, in four hops [ms]
+    delay_ms: Annotated[float, Field(ge=8, le=256)] | None = (
+        None  # of analysis and synthesis, from half a frame to a frame: less costs quality; absent: a frame
+    )
+    lookahead: Annotated[int, Field(ge=0, le=8)] = 1  # hops that are heard after a frame before it is separated
     window_s: Annotated[float, Field(ge=1, le=30)] = 4.0  # of audio from which the covariances are learnt
     learn_s: Annotated[float, Field(ge=0.05, le=10)] = 0.25  # between two times that they are learnt anew
     streams: Annotated[tuple[Stream, ...], Field(max_length=MAX_STREAMS)] = ()
+
+    @model_validator(mode="after")
+    def _possible(self) -> Listening:
+        if self.delay_ms is not None and not self.frame_ms / 2 <= self.delay_ms <= self.frame_ms:
+            raise ValueError(
+                f"delay_ms: expected {self.frame_ms / 2:g} to {self.frame_ms:g}, from half a frame to a frame, "
+                f"got {self.delay_ms:g}"
+            )
+        return self
 
 
 def selection_of(text: str) -> Selection:
@@ -66,7 +79,7 @@ def selection_of(text: str) -> Selection:
     """
     found = _SELECTION.fullmatch(text)
     if found is None or int(found["source"] or 0) >= MOST_SOURCES:
-        raise ValueError(f"what: expected {WHAT}, got '{text[:80]}'")
+        raise ValueError(f"expected {WHAT}, got '{text[:80]}'")
     if found["source"]:
         return Selection(What.SOURCE, source=int(found["source"]))
     if found["azimuth"]:

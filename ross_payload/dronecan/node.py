@@ -140,7 +140,12 @@ class Node:
             self._clash_until = None
             self._note("id", "")
         if self._allocatee is not None:
-            self._pursue(self._allocatee)
+            ask = self._allocatee.due(self._now)
+            if ask is not None:
+                self._asked += 1
+                self._out([ask.asked(self._allocatee.discriminator, self._asked)])
+            if self._now - self._asking_since > ALLOCATOR_TIMEOUT_S:
+                self._note("id", "no node id yet: no allocator on the bus answers")
         if now >= self._next_beat - EARLY:
             self._next_beat = now + BEAT
             self.send(self._status())
@@ -214,14 +219,6 @@ class Node:
     def _ask_for_id(self, preferred: int, now: float) -> None:
         self._allocatee = Allocatee(self.unique_id, preferred, self._rng, now)
         self._asking_since = now
-
-    def _pursue(self, allocatee: Allocatee) -> None:
-        ask = allocatee.due(self._now)
-        if ask is not None:
-            self._asked += 1
-            self._out([ask.asked(allocatee.discriminator, self._asked)])
-        if self._now - self._asking_since > ALLOCATOR_TIMEOUT_S:
-            self._note("id", "no node id yet: no allocator on the bus answers")
 
     def _clash(self) -> None:
         """Somebody else has our id: take another one where that is ours to do, else be silent while he is there."""

@@ -166,7 +166,12 @@ def delays(
     >>> (1e6 * delays(Config(), [30.0, 120.0], 30.0, [], None)).round(1).tolist()
     [145.8, 0.0]
     """
-    _consistent(azimuths_deg, heading_deg, tdoas_us, sources)
+    if not np.isfinite([*azimuths_deg, heading_deg or 0.0, *tdoas_us]).all():
+        raise ConfigError("--azimuth, --heading and --tdoa-us: expected finite numbers")
+    if sum(map(bool, (azimuths_deg, tdoas_us, sources))) > 1:
+        raise ConfigError("--azimuth, --tdoa-us, --sources: expected only one of them")
+    if heading_deg is not None and not azimuths_deg:
+        raise ConfigError("--heading: expected together with --azimuth")
     array = config.array
     longest = array.spacing_m / array.speed_of_sound_m_s
     if azimuths_deg:
@@ -176,14 +181,3 @@ def delays(
         if not abs(delay) <= 1e6 * longest + 1:
             raise ConfigError(f"--tdoa-us: expected at most {1e6 * longest:.0f} us (d / v_p), got {delay:g}")
     return np.array(tdoas_us) * 1e-6 if tdoas_us else None
-
-
-def _consistent(
-    azimuths_deg: Sequence[float], heading_deg: float | None, tdoas_us: Sequence[float], sources: int | None
-) -> None:
-    if not np.isfinite([*azimuths_deg, heading_deg or 0.0, *tdoas_us]).all():
-        raise ConfigError("--azimuth, --heading and --tdoa-us: expected finite numbers")
-    if sum(map(bool, (azimuths_deg, tdoas_us, sources))) > 1:
-        raise ConfigError("--azimuth, --tdoa-us, --sources: expected only one of them")
-    if heading_deg is not None and not azimuths_deg:
-        raise ConfigError("--heading: expected together with --azimuth")

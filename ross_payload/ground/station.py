@@ -10,22 +10,19 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack, suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
-from ross_payload.errors import ConfigError
-from ross_payload.ground.errors import GroundError
 from ross_payload.ground.links.diagnostics import DIAGNOSIS_DELAY_S, advice
 from ross_payload.ground.links.link import GroundLink, LinkState
 from ross_payload.ground.links.routing import Route, RoutingTable
+from ross_payload.ground.links.signing import SigningTime
 from ross_payload.ground.links.tlog import BufferedTlog
 from ross_payload.ground.model.fleet import Fleet
-from ross_payload.transport import signing
 from ross_payload.transport.ports import Peer
 from ross_protocols.mavlink.codec import Encoder, Packet, message_of
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
-from ross_protocols.mavlink.signing import LATEST, SECOND, WINDOW, Guardian, timestamp_of
+from ross_protocols.mavlink.signing import Guardian
 
 BEAT = 1.0  # [s] between two heartbeats, and between two writes of the log
 TICK = 0.1  # [s] between two looks at what is due
@@ -96,9 +93,7 @@ class Station:
             self._stack = stack.pop_all()
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *error: object) -> None:
         """Close everything."""
         await self._stack.aclose()
 
@@ -189,48 +184,3 @@ async def _ended(task: asyncio.Task[None]) -> None:
     task.cancel()
     with suppress(asyncio.CancelledError):
         await task
-
-
-def read_key(path: Path) -> bytes:
-    """Read a key: 32 bytes, or 64 hexadecimal digits, for its owner's eyes only.
-
-    Raises
-    ------
-    GroundError
-        When it cannot be read, is none, or others can read it too.
-    """
-    try:
-        return signing.read_key(path, "key")
-    except ConfigError as error:
-        raise GroundError(str(error)) from error
-
-
-class SigningTime:
-    """The local signing time: the system's clock, never back, and never behind a peer that is believed."""
-
-    floor = 0  # nothing is remembered of earlier runs
-    trouble = ""  # nor written
-
-    def __init__(self, unix: Callable[[], float]) -> None:
-        self._unix = unix
-        self._latest = 0
-
-    def stamp(self, now: float) -> int | None:
-        """Return a timestamp that was never used; None when there is none left."""
-        stamp = max(self._latest + 1, timestamp_of(self._unix()))
-        if stamp > LATEST:
-            return None
-        self._latest = stamp
-        return stamp
-
-    def covers(self, timestamp: int, now: float) -> bool:
-        """Tell whether a timestamp leaves room to follow it: a day at least."""
-        return timestamp < LATEST - 86400 * SECOND
-
-    def behind(self, timestamp: int, now: float) -> bool:
-        """Tell whether a timestamp is more than a minute behind ours."""
-        return timestamp + WINDOW < max(self._latest, timestamp_of(self._unix()))
-
-    def learn(self, timestamp: int) -> None:
-        """Follow a peer that is ahead."""
-        self._latest = max(self._latest, timestamp)

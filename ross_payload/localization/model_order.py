@@ -117,7 +117,7 @@ def rearrange(data: Data, model: Mixture, price: Price, rounds: int = 2) -> Mixt
     for _ in range(rounds):
         worth, reduced = worths(data, model, 3)
         least = np.argsort(worth)[:3]
-        moved = [_moved(data, reduced[k], price, float(model.azimuths[k])) for k in least]
+        moved = [_added(data, reduced[k], price, float(model.azimuths[k]))[0] for k in least]
         fewer = reduced[least[0]]
         halves = [itd_mixture.split(fewer, k, ASIDE, price.width) for k in range(len(fewer.azimuths))]
         tried, likelihoods = _refined(data, [*moved, *halves], 10)
@@ -164,10 +164,6 @@ def _added(data: Data, model: Mixture, price: Price, not_at: float | None = None
     shares = np.maximum(share[:, best], 0.01)
     added = itd_mixture.add(model, float(azimuths[best]), float(amplitudes[best]), price.width, shares)
     return added, float(gain[best])
-
-
-def _moved(data: Data, fewer: Mixture, price: Price, azimuth: float) -> Mixture:
-    return _added(data, fewer, price, azimuth)[0]
 
 
 def _too_near(model: Mixture, price: Price) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from ross_payload.events import Answer, Answered, Event, State, StateChanged
 from ross_payload.mavlink.command_server import Verdict
 from ross_payload.mission_state import BUSY, STOPPED, MissionState, reduce
-from ross_payload.orders import Home, ListenTo, Order, Rearm, Stop, Task
+from ross_payload.orders import Enrol, Home, ListenTo, Order, Rearm, Stop, Task
 from ross_protocols.mavlink.commands import Result
 
 ENDED = (Answer.REFUSED, Answer.DONE, Answer.FAILED, Answer.CANCELLED)
@@ -56,8 +56,9 @@ class CommandGate:
         if reason:
             return Verdict(Result.TEMPORARILY_REJECTED, reason)
         known = self._mission.known
-        if isinstance(order, ListenTo) and known is not None and order.source >= known:
-            return Verdict(Result.DENIED, f"source: expected 0 to {known - 1}, got {order.source}")
+        source = source_of(order)
+        if source is not None and known is not None and source >= known:
+            return Verdict(Result.DENIED, f"source: expected 0 to {known - 1}, got {source}")
         return None
 
     def _state_forbids(self, order: Task, *, stopping: bool) -> str:
@@ -68,7 +69,7 @@ class CommandGate:
             return mission.barred
         if self._waiting or (self._running is not None and mission.state is not State.RUN):
             return BUSY
-        if isinstance(order, ListenTo) and mission.known is None:
+        if source_of(order) is not None and mission.known is None:
             return "no source is known: explore first"
         return ""
 
@@ -76,3 +77,8 @@ class CommandGate:
     def _waiting(self) -> bool:
         """A task is on its way to the mission."""
         return any(isinstance(order, Task) for order in self._unanswered.values())
+
+
+def source_of(order: Order) -> int | None:
+    """Return the source of the latest estimate that an order means; None: it means none."""
+    return order.source if isinstance(order, ListenTo | Enrol) else None

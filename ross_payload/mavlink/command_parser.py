@@ -12,6 +12,7 @@ from ross_payload.config import APART_DEG
 from ross_payload.errors import ConfigError
 from ross_payload.orders import (
     Cancel,
+    Enrol,
     Explore,
     Home,
     Informed,
@@ -25,10 +26,16 @@ from ross_payload.orders import (
     Stop,
     TurnTo,
 )
+from ross_payload.streams import Selection, StreamOrder, What
+from ross_protocols.mavlink import stream_command
 from ross_protocols.mavlink.commands import Command, direction
 from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.stream_command import MUTED_DB, StreamCommand
+from ross_protocols.mavlink.stream_values import Selection as Selected
 
 LONGEST_NOISE = 60.0  # [s]
+LONGEST_ENROLMENT = 300.0  # [s]
+MOST_NAMES = 9999
 VOICE, SOURCE, AZIMUTH = ross.ROSS_LISTEN_MODE_VOICE, ross.ROSS_LISTEN_MODE_SOURCE, ross.ROSS_LISTEN_MODE_AZIMUTH
 INFORM = ross.MAV_CMD_ROSS_INFORM
 STOP = ross.MAV_CMD_ROSS_STOP
@@ -41,7 +48,7 @@ class Record:
     on: bool
 
 
-Asked = Order | Record
+Asked = Order | Record | StreamOrder
 
 
 def asked(command: Command) -> Asked:
@@ -107,6 +114,50 @@ def _record(command: Command) -> Record:
     return Record(bool(_whole(command, 1, "start", 0, 1)))
 
 
+def _stream(command: Command) -> StreamOrder:
+    try:
+        told = stream_command.command_of(command.numbers)
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+    if told.selection is Selected.NONE:
+        return StreamOrder(on=False, number=told.number)
+    if told.number is None and not told.address:
+        raise ConfigError("address: expected one for a new stream, got 0.0.0.0")
+    return StreamOrder(
+        on=True,
+        number=told.number,
+        selection=_selection(told),
+        gain_db=None if told.gain == MUTED_DB else told.gain,
+        muted=None if told.gain is None else told.gain == MUTED_DB,
+        address=told.address,
+        port=told.port,
+        codec=told.codec,
+    )
+
+
+def _selection(told: StreamCommand) -> Selection | None:
+    if told.selection is None:
+        return None
+    what = What[told.selection.name]
+    if what is What.SOURCE:
+        return Selection(what, source=told.source)
+    return Selection(what, azimuth=direction(told.azimuth)) if what is What.AZIMUTH else Selection(what)
+
+
+def _enrol(command: Command) -> Order:
+    mode = _whole(command, 1, "mode", SOURCE, AZIMUTH)
+    if command.numbers[4] != 1:
+        raise ConfigError("consent: expected 1, since the talker must have agreed")
+    name = _whole(command, 6, "name", 0, MOST_NAMES)
+    return Enrol(
+        source=_whole(command, 2, "source", 0, 255) if mode == SOURCE else None,
+        azimuth=_direction(command, 3, "azimuth") if mode == AZIMUTH else None,
+        seconds=_number(command, 4, "time", 0, LONGEST_ENROLMENT),
+        name=f"talker-{name}" if name else "",
+        consent=True,
+    )
+
+
 READERS: dict[int, Callable[[Command], Asked]] = {
     ross.MAV_CMD_ROSS_EXPLORE: lambda command: Explore(),
     ross.MAV_CMD_ROSS_LISTEN: _listen,
@@ -119,6 +170,8 @@ READERS: dict[int, Callable[[Command], Asked]] = {
     ross.MAV_CMD_ROSS_RECORD: _record,
     ross.MAV_CMD_ROSS_REARM: lambda command: Rearm(),
     ross.MAV_CMD_ROSS_HOME: lambda command: Home(),
+    ross.MAV_CMD_ROSS_STREAM: _stream,
+    ross.MAV_CMD_ROSS_ENROL: _enrol,
 }
 
 

@@ -27,14 +27,15 @@ class Rank(IntEnum):
     SEPARATION = 6
     AUDIO = 7
     RECORDING = 8
-    LINK = 9
-    INFORMATION = 10
-    DENSITY = 11
-    ISOLATION = 12
-    COMPUTER = 13
-    GIMBAL_ATTITUDE = 14
-    GIMBAL_MANAGER = 15
-    EXTRA = 16  # a status that nothing new calls for, sooner than `ENOUGH` after the last one
+    STREAM = 9
+    LINK = 10
+    INFORMATION = 11
+    DENSITY = 12
+    ISOLATION = 13
+    COMPUTER = 14
+    GIMBAL_ATTITUDE = 15
+    GIMBAL_MANAGER = 16
+    EXTRA = 17  # a status that nothing new calls for, sooner than `ENOUGH` after the last one
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -26,6 +26,7 @@ from ross_payload.mavlink.command_server import ACCEPTED, SENDERS, CommandServer
 from ross_payload.mavlink.component import Component, Received
 from ross_payload.mavlink.message_requests import MessageRequests
 from ross_payload.orders import Cancel, Order, Stop, Task
+from ross_payload.streams import StreamOrder
 from ross_payload.token_bucket import TokenBucket
 from ross_protocols.mavlink.commands import CancelRequest, Command, Result
 from ross_protocols.mavlink.component_id import ComponentId
@@ -59,6 +60,11 @@ class StopMemory(Protocol):
         """Why the disk refused the latest; empty when it did not."""
 
 
+def no_streams(order: StreamOrder) -> str:
+    """Refuse to let anybody listen."""
+    return "this payload has no live listening"
+
+
 class MissionCommands:
     """Answers the commands that are meant for the payload.
 
@@ -74,6 +80,8 @@ class MissionCommands:
         Tells an operator something.
     requests
         Obeys the commands that ask for messages.
+    stream
+        Starts, changes or ends a stream of live listening; returns why not, or nothing.
     latch
         Tells when a stop is on the disk: it is acknowledged then. None: at once.
     """
@@ -86,10 +94,12 @@ class MissionCommands:
         send_text: Callable[[Severity, str], None],
         requests: MessageRequests,
         *,
+        stream: Callable[[StreamOrder], str] = no_streams,
         latch: StopMemory | None = None,
     ) -> None:
         self._give = give
         self._record = record
+        self._stream = stream
         self._send_text = send_text
         self._gate = CommandGate()
         self._frames = FrameCounter()
@@ -205,8 +215,8 @@ class MissionCommands:
             wanted = asked(command)
         except ConfigError as error:
             return Verdict(Result.DENIED, str(error))
-        if isinstance(wanted, Record):
-            reason = self._record(wanted.on)
+        if isinstance(wanted, Record | StreamOrder):
+            reason = self._record(wanted.on) if isinstance(wanted, Record) else self._stream(wanted)
             return Verdict(Result.FAILED, reason) if reason else ACCEPTED
         if self._recent.not_after(STOP, entry.origin, self._now):
             return Verdict(Result.TEMPORARILY_REJECTED, "sent before the stop")

@@ -20,6 +20,7 @@ from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Services
+from ross_payload.listening.observers import check_listening
 from ross_payload.service.assemble import tools_of
 from ross_payload.service.dronecan_node import check_one_id
 from ross_payload.service.state_folder import check_state_folder
@@ -60,7 +61,11 @@ def check(config: Config) -> None:
     """
     _check_links(config)
     _check_audio(config)
-    _check_voice(config)
+    name, store = config.service.target, VoiceStore.default()
+    if config.service.autostart == "seek" and not name:
+        raise ConfigError("service.target: expected the name of an enrolled voice for autostart = 'seek', got none")
+    if name:
+        _at("service.target", partial(store.check, name))
     check_state_folder(config)
     checked_options(config)
     check_one_id(config)
@@ -68,6 +73,7 @@ def check(config: Config) -> None:
         _at(key, partial(check_wire, port))
     open_actuator(config, Services(SystemClock(), _refused))  # it is not entered, so its wire stays closed
     tools_of(config, None)
+    check_listening(config)
 
 
 def _check_links(config: Config) -> None:
@@ -98,14 +104,6 @@ def _check_audio(config: Config) -> None:
     elif kind == "file":
         with open_source(config, SystemClock()):
             return
-
-
-def _check_voice(config: Config) -> None:
-    name, store = config.service.target, VoiceStore.default()
-    if config.service.autostart == "seek" and not name:
-        raise ConfigError("service.target: expected the name of an enrolled voice for autostart = 'seek', got none")
-    if name:
-        _at("service.target", partial(store.check, name))
 
 
 def _ports(config: Config) -> Iterator[tuple[str, str]]:

@@ -121,16 +121,12 @@ def mission_of(session: RecordedSession, recorded: Config, config: Config, voice
         When the kind of session is unknown, or what it knew cannot be read.
     """
     if session.manifest.kind == "mission":
-        return _single(session, config, voiceprint)
+        kit, told = _kit(session, config, voiceprint), config.informed
+        informed = informed_of(config, Attitude(session.manifest.yaw))
+        return mission(kit.settings, kit.tools, informed, None if told is None else told.target)
     if session.manifest.kind == "session":
         return _live(session, recorded, config, voiceprint)
     raise ConfigError(f"session.json: kind: expected 'mission' or 'session', got '{session.manifest.kind}'")
-
-
-def _single(session: RecordedSession, config: Config, voiceprint: VoicePrint | None) -> Mission:
-    kit, told = _kit(session, config, voiceprint), config.informed
-    informed = informed_of(config, Attitude(session.manifest.yaw))
-    return mission(kit.settings, kit.tools, informed, None if told is None else told.target)
 
 
 def _live(session: RecordedSession, recorded: Config, config: Config, voiceprint: VoicePrint | None) -> Mission:

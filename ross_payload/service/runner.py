@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, bisect_right
 from dataclasses import replace
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from typing import Protocol
 
 from ross_payload.actuators.guard import Guard
@@ -18,6 +18,7 @@ from ross_payload.events import Event
 from ross_payload.interfaces import ActuatorState, AudioSource, Clock, Input, Mission, Mount, Output, Result
 from ross_payload.orders import Cancel, Order, Shutdown, Stop
 from ross_payload.pointing import BaseRate, Pointing
+from ross_payload.transport.async_task import drained
 
 EARLY = 1e-9  # [s], of rounding
 AHEAD = 0.1  # [s] beyond the newest report that its rate is trusted
@@ -139,6 +140,15 @@ class Runner:
         self._actuator.poll(self._clock.now())
         self._history.note(self._actuator.state())
 
+    def located(self, begin: float, end: float) -> tuple[Pointing, bool]:
+        """Return where the array pointed at ``end`` [s] on the Clock, and whether it was at rest since ``begin``.
+
+        From any thread: it may be asked before the mission has heard what was heard then.
+        """
+        attitude, offset = self._mount.attitude(end), self._offset - self._slipped
+        joint = self._joint(end, self._actuator.state())
+        return Pointing(end, joint, attitude.yaw, offset, earth=attitude.known), self._history.settled(begin, end)
+
     def run(self) -> Result:
         """Run the mission to its end and the actuator to rest."""
         output = next(self._mission)
@@ -146,7 +156,9 @@ class Runner:
             while True:
                 self._move(output)
                 hop = self._listen(output.goal)
-                self._publish(output, hop)
+                for event in output.events:
+                    for observer in self.observers:
+                        observer.on_event(event, hop)
                 output = self._mission.send(hop)
         except StopIteration as end:
             result: Result = end.value
@@ -179,7 +191,7 @@ class Runner:
             settled=still and self._history.settled(block.time, end),
             attitude=attitude,
             fault=self._fault or ("" if state.healthy else state.fault or "the actuator reports a fault"),
-            orders=self._drain(),
+            orders=tuple(drained(self._orders)),
         )
         for observer in self.observers:
             observer.on_input(hop)
@@ -209,11 +221,6 @@ class Runner:
             if not (self._actuator.stopped and self._orders.qsize()):  # else the mission is about to hear of the stop
                 self._fault = str(error)
 
-    def _publish(self, output: Output, hop: Input) -> None:
-        for event in output.events:
-            for observer in self.observers:
-                observer.on_event(event, hop)
-
     def _rest(self) -> None:
         """Keep hearing until the motor stands still, so that what is recorded includes its deceleration."""
         for _ in range(self._rest_hops):
@@ -224,11 +231,3 @@ class Runner:
     def _joint(self, time: float, state: ActuatorState) -> float:
         angle = self._history.angle(time)
         return state.angle if angle is None else angle
-
-    def _drain(self) -> tuple[Order, ...]:
-        orders = []
-        try:
-            while True:
-                orders.append(self._orders.get_nowait())
-        except Empty:
-            return tuple(orders)

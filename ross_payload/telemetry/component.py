@@ -7,40 +7,40 @@ the same calls happen on one thread.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from queue import Empty, SimpleQueue
-from types import TracebackType
+from queue import SimpleQueue
 from typing import Protocol, Self
 
-from ross_payload import __version__
 from ross_payload.clock import Every
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.events import Event
 from ross_payload.health import AudioHealth, RecordingStatus
-from ross_payload.interfaces import Actuator, Capabilities, Clock, Feedback, Input
-from ross_payload.localization.model_order import MAX_SOURCES
+from ross_payload.interfaces import Actuator, Clock, Feedback, Input
 from ross_payload.mavlink import Component, Received, Router
 from ross_payload.mavlink.component_info import files
 from ross_payload.mavlink.ftp_server import FtpServer
 from ross_payload.mavlink.message_board import MESSAGE_IDS, Board, Rank
 from ross_payload.mavlink.message_requests import MessageRequests
 from ross_payload.mavlink.message_scheduler import MessageScheduler, periods
-from ross_payload.mavlink.mission_commands import MissionCommands, StopMemory
+from ross_payload.mavlink.mission_commands import MissionCommands, StopMemory, no_streams
 from ross_payload.mavlink.param_server import ParamServer
 from ross_payload.mavlink.recording_files import Recordings
 from ross_payload.orders import Order
+from ross_payload.streams import StreamOrder, StreamStatus
 from ross_payload.telemetry import event_messages
 from ross_payload.telemetry.health_report import HealthReport
 from ross_payload.telemetry.reporter import Reporter
-from ross_payload.telemetry.snapshot import Moment, Snapshot, standing
+from ross_payload.telemetry.snapshot import Moment, Snapshot, information, standing
 from ross_payload.telemetry.status_texts import OperatorTexts
+from ross_payload.telemetry.stream_report import StreamReporter
 from ross_payload.timebase import Timebase
+from ross_payload.transport.async_task import drained
 from ross_payload.transport.tlog import TlogRecorder
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.computer import Computer
+from ross_protocols.mavlink.stream_values import description_file
 from ross_protocols.mavlink.values import DIALECT_VERSION, Information, Severity
 
 PERIOD = 0.020  # [s] between two polls
@@ -67,6 +67,16 @@ class Recorder(Protocol):
         """Tell how the recording is."""
 
 
+class Listening(Protocol):
+    """Lets others listen, live. Both methods are called on the pump and do not wait."""
+
+    def order(self, order: StreamOrder) -> str:
+        """Start, change or end a stream; return '' or why not."""
+
+    def streams(self) -> tuple[StreamStatus, ...]:
+        """Tell how every stream is, also those that have ended, by number."""
+
+
 class Telemetry:
     """Observes a mission and speaks for it. A context manager; the links belong to who opened them.
 
@@ -82,6 +92,11 @@ class Telemetry:
         What is in force and may be set in flight (None: the configuration, for good), and who is told of a change.
     recorder, health, computer
         Tell how the recording, the microphones and the computer are; None: nothing is said of them.
+    listening
+        Lets others listen, live; None: nobody can.
+    descriptions
+        Tells the session description (SDP, RFC 8866) of every stream that has one, by its number: they are offered
+        over MAVLink FTP as ``stream-<number>.sdp``.
     timebase
         Tells the time; None: time is since the boot.
     recordings
@@ -109,6 +124,8 @@ class Telemetry:
         recorder: Recorder | None = None,
         health: Callable[[], AudioHealth] | None = None,
         computer: Callable[[], Computer] | None = None,
+        listening: Listening | None = None,
+        descriptions: Callable[[], Mapping[int, str]] = dict,
         timebase: Timebase | None = None,
         recordings: Recordings | None = None,
         latch: StopMemory | None = None,
@@ -134,19 +151,34 @@ class Telemetry:
         self._reporter = Reporter(self._board, self._send_text)
         taping = None if recorder is None else recorder.status
         self._health_report = HealthReport(self._board, self._send_text, health, taping, computer)
-        self._commands = None if give is None else self._server(component, give, recorder, latch)
+        self._streams = StreamReporter(self._board, self._send_text, tuple if listening is None else listening.streams)
+        stream = no_streams if listening is None else listening.order
+        self._commands = None if give is None else self._server(component, give, recorder, stream, latch)
         self._settings = None if parameters is None else ParamServer(component, parameters, changed, self._send_text)
-        self._files = None if give is None else FtpServer(component, files(), recordings, links.rates)
+        self._files = None if give is None else self._file_server(component, recordings, descriptions)
         self._tlog = None if tlog is None else TlogRecorder(tlog)
         component.tap(self._record)
         component.subscribe(self._meet, MESSAGE_IDS[Information])
 
     def _server(
-        self, component: Component, give: Callable[[Order], None], recorder: Recorder | None, latch: StopMemory | None
+        self,
+        component: Component,
+        give: Callable[[Order], None],
+        recorder: Recorder | None,
+        stream: Callable[[StreamOrder], str],
+        latch: StopMemory | None,
     ) -> MissionCommands:
         record = no_recorder if recorder is None else recorder.record
         requests = MessageRequests(component, self._scheduler)
-        return MissionCommands(component, give, record, self._send_text, requests, latch=latch)
+        return MissionCommands(component, give, record, self._send_text, requests, stream=stream, latch=latch)
+
+    def _file_server(
+        self, component: Component, recordings: Recordings | None, descriptions: Callable[[], Mapping[int, str]]
+    ) -> FtpServer:
+        def passing() -> dict[str, bytes]:
+            return {description_file(number): text.encode() for number, text in descriptions().items() if text}
+
+        return FtpServer(component, files(), recordings, self._links.rates, passing)
 
     # ------------------------------------------------------------------------------------- from any thread
 
@@ -175,24 +207,22 @@ class Telemetry:
             if part is not None:
                 part.tick(now)
         if self._observing.due(now) or not self._scheduler.quiet(now):
-            self._observe(now)
-
-    def _observe(self, now: float) -> None:
-        self._reporter.observe(self._snapshot(self._latest))
-        if self._looking.due(now):
-            self._look(now)
-        if self._mirroring.due(now):
-            self._mirror(now)
-        self._scheduler.flow(now)
+            self._reporter.observe(self._snapshot(self._latest))
+            if self._looking.due(now):
+                self._look(now)
+            if self._mirroring.due(now):
+                status, sources = self._reporter.status, self._reporter.sources
+                numbers = event_messages.named(status, sources, self._health_report.health, now)
+                self._board.put(Rank.MIRROR, [*numbers, event_messages.azimuths(status.time_usec, sources)])
+                self._streams.look(self._timebase.usec(), earth=status.earth)
+            self._scheduler.flow(now)
 
     def __enter__(self) -> Self:
         """Begin to speak."""
         self._cancel = self._clock.every(PERIOD, self.poll)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Wait until the pump has sent what was said last, then close the log."""
         end = self._clock.now() + FLUSHING
         try:
@@ -232,14 +262,16 @@ class Telemetry:
         capabilities = None if self._actuator is None else self._actuator.capabilities
         self._health_report.look(information(config, capabilities, self._timebase.usec()), self._links.status(), now)
 
-    def _mirror(self, now: float) -> None:
-        status, sources = self._reporter.status, self._reporter.sources
-        numbers = event_messages.named(status, sources, self._health_report.health, now)
-        self._board.put(Rank.MIRROR, [*numbers, event_messages.azimuths(status.time_usec, sources)])
-
     def _snapshot(self, hop: Input | None) -> Snapshot:
         state = None if self._actuator is None else self._actuator.state()
-        moment = Moment(self._timebase.usec(), self._timebase.unix, self._in_force(), self._open_loop)
+        moment = Moment(
+            self._timebase.usec(),
+            self._timebase.unix,
+            self._in_force(),
+            self._open_loop,
+            streaming=self._streams.streaming,
+            recording=self._streams.recording or self._health_report.recording,
+        )
         return standing(hop, state, moment)
 
     def _in_force(self) -> Config:
@@ -248,34 +280,3 @@ class Telemetry:
     def _record(self, frame: bytes) -> None:
         if self._tlog is not None:
             self._tlog.write(self._timebase.usec(), frame)
-
-
-def drained(queue: SimpleQueue[tuple[Event, Input]]) -> Iterator[tuple[Event, Input]]:
-    """Take everything out of a queue."""
-    try:
-        while True:
-            yield queue.get_nowait()
-    except Empty:
-        return
-
-
-def information(config: Config, capabilities: Capabilities | None, time_usec: int) -> Information:
-    """Return who we are; the travel is the actuator's, or the guard's limits when no actuator is given."""
-    guard = config.guard
-    lower, upper, speed = (math.radians(x) for x in (guard.lower_deg, guard.upper_deg, guard.max_speed_deg_s))
-    if capabilities is not None:
-        lower, upper, speed = capabilities.lower, capabilities.upper, capabilities.max_speed
-    return Information(
-        time_usec=time_usec,
-        spacing=config.array.spacing_m,
-        speed_of_sound=config.array.speed_of_sound_m_s,
-        axis_offset=config.offset,
-        joint_lower=lower if math.isfinite(lower) else None,
-        joint_upper=upper if math.isfinite(upper) else None,
-        joint_speed=speed,
-        unit=config.explore.unit_s,
-        rate=config.audio.rate_hz,
-        k_max=MAX_SOURCES,
-        software_version=__version__,
-        actuator=config.actuator.kind,
-    )

@@ -17,11 +17,11 @@ from ross_payload.dronecan.node import Node
 from ross_payload.events import AlignmentCandidate, Event, State
 from ross_payload.interfaces import Actuator, Feedback, Input
 from ross_payload.mavlink.message_board import Board
-from ross_payload.telemetry.component import drained
 from ross_payload.telemetry.reporter import Reporter
 from ross_payload.telemetry.snapshot import Moment, Snapshot, standing
 from ross_payload.telemetry.status_texts import may_say, operator_texts
 from ross_payload.timebase import Timebase
+from ross_payload.transport.async_task import drained
 from ross_protocols.dronecan.messages import Health, LogMessage, Mode
 from ross_protocols.dronecan.ross_types import RossSource, RossSources, RossStatus
 from ross_protocols.mavlink import values

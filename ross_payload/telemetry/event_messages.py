@@ -16,6 +16,7 @@ from ross_payload.events import (
     OrientationHeard,
     Real,
     Separated,
+    SourcesTracked,
     State,
 )
 from ross_payload.health import AudioHealth
@@ -39,6 +40,7 @@ from ross_protocols.mavlink.values import (
 )
 
 ONE_AXIS = np.radians(1.0)  # headings within this of each other are one axis
+MOVED = np.radians(1.0)  # that a tracked source must have moved to be told at once
 AZIMUTHS = 1  # id of the array of them
 
 RULES = {rule.name.lower(): rule for rule in Rule}
@@ -87,6 +89,8 @@ def status(mission: MissionState, snapshot: Snapshot) -> Status:
         certain=mission.estimate is not None and mission.estimate.certain,
         target_found=mission.target_found,
         time_unix=snapshot.unix,
+        streaming=snapshot.streaming,
+        recording=snapshot.recording,
         actuator_present=snapshot.present,
         settled=snapshot.settled,
         homed=snapshot.homed,
@@ -119,6 +123,38 @@ def sources(estimate: Estimate, number: int, stamp: Stamp, axis: float | None, f
         )
         for index, source in enumerate(estimate.sources)
     ]
+
+
+def tracked(known: list[Source], event: SourcesTracked, stamp: Stamp) -> list[Source]:
+    """Return the sources of the latest estimate where they are by now; the rest of what is known of them stays."""
+    ages = event.ages or (0.0,) * event.estimate.k
+    return [
+        replace(
+            source,
+            time_usec=stamp.time_usec,
+            azimuth=now.azimuth,
+            mirror=None,
+            sigma=now.sigma,
+            confidence=now.confidence,
+            weight=now.weight,
+            resolved=now.resolved,
+            elevation=now.elevation,
+            earth=stamp.earth,
+            tracked=True,
+            rate=rate,
+            age=age,
+        )
+        for source, now, rate, age in zip(known, event.estimate.sources, event.rates, ages, strict=False)
+    ]
+
+
+def moved(before: Sequence[Source], now: Sequence[Source]) -> bool:
+    """Tell whether a source is elsewhere than before, or begins to be tracked."""
+    apart = len(before) != len(now) or any(
+        abs(difference(old.azimuth, new.azimuth)) > MOVED or old.tracked != new.tracked
+        for old, new in zip(before, now, strict=False)
+    )
+    return bool(apart)
 
 
 def common_axis(headings: Sequence[float]) -> float | None:

@@ -42,6 +42,11 @@ class HealthReport:
         """How the microphones are; None: nobody watches them."""
         return None if self._ask_audio is None else self._health
 
+    @property
+    def recording(self) -> bool:
+        """Whether the recorder records."""
+        return RecordingState[self._recording.state.name] is RecordingState.ON
+
     def look(self, information: Information, links: Sequence[LinkStatus], now: float) -> None:
         """Look at everything at ``now`` [s]; ``information`` is who we are at this moment."""
         self._board.put(Rank.INFORMATION, [information])

@@ -5,6 +5,7 @@ It owns no port, no clock and no thread: values go to the board, texts to ``send
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from ross_payload.events import (
     OrientationHeard,
     Separated,
     SourcesEstimated,
+    SourcesTracked,
     State,
     StateChanged,
     TurnStarted,
@@ -36,6 +38,8 @@ from ross_protocols.mavlink.values import (
     Status,
 )
 
+TRACKING_PERIOD = 0.5  # [s] at least between two announcements of sources that move
+
 
 class Reporter:
     """Turns a mission into what there is to tell; one that lives through many tasks."""
@@ -48,6 +52,8 @@ class Reporter:
         self._fault = ""  # that was said
         self._densities: list[Density] = []
         self.sources: list[Source] = []  # of the latest estimate
+        self._told: list[Source] = []  # when they were announced last because they had moved
+        self._tracked = -math.inf  # when that was, in mission time [s]
         self._alignments: list[Alignment] = []
         self._separations: list[Separation] = []
         self._beat()
@@ -84,6 +90,8 @@ class Reporter:
                 self._orient(event, stamp)
             case SourcesEstimated():
                 self._estimate(event, stamp)
+            case SourcesTracked():
+                self._track(event, stamp)
             case AlignmentPlanned():
                 self._alignments = event_messages.alignments(event, self.mission.plans, stamp)
                 self._board.announce(Rank.ALIGNMENT, self._alignments)
@@ -107,6 +115,16 @@ class Reporter:
         self._board.announce(Rank.SOURCE, self.sources)
         for rank in (Rank.ALIGNMENT, Rank.SEPARATION, Rank.ISOLATION):
             self._board.announce(rank, [])
+
+    def _track(self, event: SourcesTracked, stamp: Stamp) -> None:
+        """Tell where the sources are by now: at once when one of them has moved, but not with every event."""
+        self.sources = event_messages.tracked(self.sources, event, stamp)
+        moved = event_messages.moved(self._told, self.sources)
+        if moved and event.time - self._tracked >= TRACKING_PERIOD:
+            self._told, self._tracked = self.sources, event.time
+            self._board.announce(Rank.SOURCE, self.sources)
+        else:
+            self._board.put(Rank.SOURCE, self.sources)
 
     def _separate(self, event: Checked | Separated, stamp: Stamp) -> None:
         self.sources = event_messages.scored(self.sources, event.groups, self.mission.target)

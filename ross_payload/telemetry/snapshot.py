@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
+from ross_payload import __version__
 from ross_payload.angles import wrap
 from ross_payload.config import Config
-from ross_payload.interfaces import ActuatorState, Input
+from ross_payload.interfaces import ActuatorState, Capabilities, Input
+from ross_payload.localization.model_order import MAX_SOURCES
+from ross_protocols.mavlink.values import Information
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +32,8 @@ class Snapshot:
     fault: str = ""
     rotation_max: int = 0  # R
     criterion: float | None = None
+    streaming: bool = False  # what is heard leaves the payload live
+    recording: bool = False  # what is heard is kept on a disk
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +44,8 @@ class Moment:
     unix: bool
     config: Config  # in force
     open_loop: bool
+    streaming: bool = False  # what is heard leaves the payload live
+    recording: bool = False  # what is heard is kept on a disk
 
 
 def standing(hop: Input | None, state: ActuatorState | None, moment: Moment) -> Snapshot:
@@ -45,34 +53,8 @@ def standing(hop: Input | None, state: ActuatorState | None, moment: Moment) -> 
 
     While the mission computes, what it heard last grows old; the actuator's own report does not.
     """
-    if hop is None:
-        return _unheard(state, moment)
-    rate = moment.config.audio.rate_hz
-    seconds = hop.block.samples.shape[1] / rate
-    pointing = hop.pointing
-    turned = wrap(pointing.heading - hop.heading_start)
-    joint = pointing.joint if state is None else state.angle
-    return Snapshot(
-        mission_time=hop.block.index / rate + seconds,
-        time_usec=moment.time_usec,
-        unix=moment.unix,
-        earth=pointing.earth,
-        heading=wrap(pointing.at(joint)),
-        mount_yaw=pointing.base if pointing.earth else None,
-        present=True,
-        joint=joint,
-        joint_rate=turned / seconds if state is None else state.rate,
-        settled=hop.settled,
-        homed=state is None or state.homed,
-        open_loop=moment.open_loop,
-        fault=hop.fault or _fault(state),
-        rotation_max=moment.config.explore.max_rotations,
-        criterion=moment.config.exploit.criterion,
-    )
-
-
-def _unheard(state: ActuatorState | None, moment: Moment) -> Snapshot:
-    return Snapshot(
+    fault = "" if state is None or state.healthy else state.fault or "the actuator reports a fault"
+    unheard = Snapshot(
         time_usec=moment.time_usec,
         unix=moment.unix,
         present=state is not None,
@@ -81,11 +63,49 @@ def _unheard(state: ActuatorState | None, moment: Moment) -> Snapshot:
         settled=state is not None and state.settled,
         homed=state is not None and state.homed,
         open_loop=moment.open_loop,
-        fault=_fault(state),
+        fault=fault,
         rotation_max=moment.config.explore.max_rotations,
         criterion=moment.config.exploit.criterion,
+        streaming=moment.streaming,
+        recording=moment.recording,
+    )
+    if hop is None:
+        return unheard
+    rate, pointing = moment.config.audio.rate_hz, hop.pointing
+    seconds = hop.block.samples.shape[1] / rate
+    joint = pointing.joint if state is None else state.angle
+    return replace(
+        unheard,
+        mission_time=hop.block.index / rate + seconds,
+        earth=pointing.earth,
+        heading=wrap(pointing.at(joint)),
+        mount_yaw=pointing.base if pointing.earth else None,
+        present=True,
+        joint=joint,
+        joint_rate=wrap(pointing.heading - hop.heading_start) / seconds if state is None else state.rate,
+        settled=hop.settled,
+        homed=state is None or state.homed,
+        fault=hop.fault or fault,
     )
 
 
-def _fault(state: ActuatorState | None) -> str:
-    return "" if state is None or state.healthy else state.fault or "the actuator reports a fault"
+def information(config: Config, capabilities: Capabilities | None, time_usec: int) -> Information:
+    """Return who we are; the travel is the actuator's, or the guard's limits when no actuator is given."""
+    guard = config.guard
+    lower, upper, speed = (math.radians(x) for x in (guard.lower_deg, guard.upper_deg, guard.max_speed_deg_s))
+    if capabilities is not None:
+        lower, upper, speed = capabilities.lower, capabilities.upper, capabilities.max_speed
+    return Information(
+        time_usec=time_usec,
+        spacing=config.array.spacing_m,
+        speed_of_sound=config.array.speed_of_sound_m_s,
+        axis_offset=config.offset,
+        joint_lower=lower if math.isfinite(lower) else None,
+        joint_upper=upper if math.isfinite(upper) else None,
+        joint_speed=speed,
+        unit=config.explore.unit_s,
+        rate=config.audio.rate_hz,
+        k_max=MAX_SOURCES,
+        software_version=__version__,
+        actuator=config.actuator.kind,
+    )

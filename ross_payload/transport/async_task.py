@@ -1,10 +1,15 @@
-"""What takes a while (looking up a host, saving a file) goes to a thread of its own; who polls looks in again."""
+"""Work that crosses threads.
+
+What takes a while (looking up a host, saving a file) goes to a thread of its own; who polls looks in again. What other
+threads leave in a queue is taken out by whoever polls it.
+"""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
+from queue import Empty, SimpleQueue
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -22,6 +27,15 @@ def begin(work: Callable[[], T]) -> Future[T]:
 
     threading.Thread(target=run, daemon=True, name="links").start()
     return future
+
+
+def drained(queue: SimpleQueue[T]) -> Iterator[T]:
+    """Take out one after the other until nothing waits."""
+    try:
+        while True:
+            yield queue.get_nowait()
+    except Empty:
+        return
 
 
 class Backoff:

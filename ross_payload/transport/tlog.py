@@ -10,7 +10,6 @@ import os
 from collections.abc import Sequence
 from itertools import accumulate
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from ross_payload.errors import ConfigError, OutputError
@@ -81,8 +80,6 @@ class TlogRecorder:
         """The file is open from the start."""
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Close the file."""
         self.close()

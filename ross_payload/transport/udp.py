@@ -23,7 +23,7 @@ from ross_payload.transport.ports import (
 
 MAX_DATAGRAM_BYTES = 2048
 MAX_DATAGRAMS = 512  # of one call: 50,000 a second, before the system drops what a flood leaves no room for
-BUFFER_BYTES = 1 << 20  # of datagrams that may wait with the system, which may grant less
+BUFFER_BYTES = 4 << 20  # of datagrams that may wait with the system, which may grant less: 0.3 s of a flood of 30,000/s
 ALL_BYTES = MAX_DATAGRAMS * MAX_DATAGRAM_BYTES  # of one call, where what strangers say is thrown away unread
 
 

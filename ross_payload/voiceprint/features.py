@@ -59,7 +59,7 @@ def analyse(voice: Real, rate: int) -> Features:
     125
     """
     samples = at_rate(checked(voice, rate), rate)
-    loudness = _loudness(samples)
+    loudness = np.asarray(np.mean(_frames(np.diff(samples, prepend=samples[:1]), FRAME) ** 2, axis=1))
     loud = loudness > LOUDNESS * np.percentile(loudness, 95)
     periodicity, pitch = _pitch(samples)
     return Features(_cepstra(_power(samples), loud), pitch[loud & (periodicity > PERIODICITY)])
@@ -104,10 +104,6 @@ def _frames(samples: Real, size: int) -> Real:
     """Cut frames centred on every HOP-th sample, (n_samples // HOP + 1, size)."""
     padded = np.pad(samples, size // 2)
     return np.lib.stride_tricks.sliding_window_view(padded, size)[: len(samples) // HOP * HOP + 1 : HOP]
-
-
-def _loudness(samples: Real) -> Real:
-    return np.asarray(np.mean(_frames(np.diff(samples, prepend=samples[:1]), FRAME) ** 2, axis=1))
 
 
 def _power(samples: Real) -> Real:

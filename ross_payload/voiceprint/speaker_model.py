@@ -24,6 +24,7 @@ class VoicePrintModel:
     seconds: float  # voiced speech that it was enrolled from [s]
     background: Background = field(repr=False)
     criterion: float = 0.0  # accept above this score [nat]
+    consent: str = ""  # how the talker agreed, in words; empty: the file does not say
 
     def score(self, voice: Real, rate: int) -> Score:
         """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice.

@@ -2,7 +2,8 @@
 
 ``browser``     one for all tests of this folder (a package for that reason alone); its driver keeps asyncio from
                 the thread, and ends before a test of another folder begins
-``window``      a private window (`browsing.Watched`): the test fails when a page of it asks another machine for
+``profile``     its profile (`browsing.Profile`), one for all tests, which forgets a test when it ends
+``window``      the pages of a test (`browsing.Watched`): the test fails when one of them asks another machine for
                 something, or complains; a complaint that a test causes goes into ``window.expected``
 ``open_page``   opens a page of the window: ``open_page(url, width=..., height=..., scheme="dark")``
 
@@ -11,7 +12,14 @@ No test beside these may use asyncio in its own thread.
 
 import pytest
 
-from browsing import FLAGS, Watched, chromium
+from browsing import FLAGS, Profile, chromium
+
+LONGEST = "test_whole_mission"
+
+
+def pytest_collection_modifyitems(items):
+    """Begin with what takes longest, so that nobody waits for it in the end."""
+    items.sort(key=lambda item: item.path.stem != LONGEST)
 
 
 @pytest.fixture(scope="package")
@@ -27,12 +35,15 @@ def browser():
         browser.close()
 
 
+@pytest.fixture(scope="package")
+def profile(browser):
+    return Profile(browser)
+
+
 @pytest.fixture
-def window(browser):
-    context = browser.new_context(service_workers="block")
-    watched = Watched(context)
-    yield watched
-    context.close()
+def window(profile):
+    with profile.watched() as watched:
+        yield watched
     assert not watched.strangers, f"asked other machines: {watched.strangers}"
     assert not watched.unexpected(), f"the page complains: {watched.unexpected()}"
 
@@ -40,7 +51,7 @@ def window(browser):
 @pytest.fixture
 def open_page(window):
     def opened(url, *, width=1280, height=800, scheme="light"):
-        page = window.context.new_page()
+        page = window.new_page()
         page.set_viewport_size({"width": width, "height": height})
         page.emulate_media(color_scheme=scheme)
         window.open(page, url)

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from fleet_bench import OTHER, FleetBench
+from fleet_bench import OTHER, FleetThread
 from ross_payload.config.parameter_table import TABLE
 from ross_payload.ground.model.fleet import Fleet
 from ross_protocols.mavlink.codec import Decoder, Encoder
@@ -63,7 +63,7 @@ def known(ear, system=1):
 
 
 def test_everything_is_told(ear):
-    with FleetBench(ear.port, payloads=2, sources=4):
+    with FleetThread(ear.port, payloads=2, sources=4):
         ear.until(lambda: known(ear, 1) and known(ear, 2) and known(ear, 2).computer and known(ear, 2).isolations)
     one = known(ear, 2)
     assert (len(one.sources), len(one.densities), len(one.links), one.status.k) == (4, 4, 2, 4)
@@ -72,7 +72,7 @@ def test_everything_is_told(ear):
 
 def test_a_command_is_answered_to_its_end(ear):
     number = ross.MAV_CMD_ROSS_EXPLORE
-    with FleetBench(ear.port):
+    with FleetThread(ear.port):
         ear.until(lambda: known(ear))
         ear.ask(common.MAVLink_command_long_message(1, 191, number, 0, 0, 0, 0, 0, 0, 0, 0))
         ear.until(lambda: any(ack.result == 0 for ack in ear.named("COMMAND_ACK")))
@@ -81,7 +81,7 @@ def test_a_command_is_answered_to_its_end(ear):
 
 @pytest.mark.parametrize(("how", "names"), [("restart", set(TABLE)), ("change", set(OTHER))])
 def test_a_start_is_noticed_and_its_parameters_are_told(ear, how, names):
-    with FleetBench(ear.port) as bench:
+    with FleetThread(ear.port) as bench:
         ear.until(lambda: known(ear) and known(ear).status)
         bench.tell(**{how: [1]})
         ear.until(lambda: known(ear).boots == 2 and known(ear).status)
@@ -90,12 +90,11 @@ def test_a_start_is_noticed_and_its_parameters_are_told(ear, how, names):
 
 
 def test_what_goes_wrong_goes_wrong(ear):
-    with FleetBench(ear.port, payloads=3) as bench:
+    with FleetThread(ear.port, payloads=3) as bench:
         ear.until(lambda: len(ear.fleet.payloads) == 3 and known(ear, 1).status)
         bench.tell(nan=[1], crowd=[2], twin=[3])
         ear.until(lambda: known(ear, 1).flaws and known(ear, 2).announced == 200 and known(ear, 3).twin)
         bench.tell(silence=[1, 2, 3])
-        time.sleep(0.3)
         ear.until(lambda: not ear.heard or ear.heard.clear())
         with pytest.raises(AssertionError, match="never"):
             patience(ear, 1.0)

@@ -6,7 +6,7 @@ import pytest
 
 from browsing import eventually
 from emulated_log import log
-from fleet_bench import FleetBench
+from fleet_bench import FleetThread
 from page_eyes import sees
 from served_ground import served
 
@@ -17,12 +17,11 @@ def fly(window):
 
     @contextmanager
     def flying(*arguments, **payloads):
-        with served(*arguments) as ground, FleetBench(ground.port, **payloads) as bench:
+        with served(*arguments) as ground, FleetThread(ground.port, **payloads) as bench:
             try:
                 yield ground, bench
             finally:
-                for page in window.context.pages:
-                    page.close()
+                window.close_pages()
 
     return flying
 

@@ -12,8 +12,8 @@ RIM = 150  # of the polar view, in its own units
 
 
 @pytest.fixture(scope="module")
-def board(browser):
-    with board_of(browser) as board:
+def board(profile):
+    with board_of(profile) as board:
         yield board
 
 

@@ -49,5 +49,4 @@ def test_images_of_another_site_do_not_keep_the_user_out(window, open_page, tmp_
         sees(page, "No payload found", "main")
         linked = open_page(f"{ground.url}?token={TOKEN}")
         sees(linked, "No payload found", "main")
-        for each in window.context.pages:
-            each.close()
+        window.close_pages()

@@ -3,7 +3,7 @@
 import pytest
 
 from browsing import eventually
-from fleet_bench import FleetBench
+from fleet_bench import FleetThread
 from map_file import corner_of, map_file, tile_at
 from served_ground import served
 
@@ -13,7 +13,7 @@ pytest.importorskip("aiohttp", reason="the extra [ground]")
 @pytest.fixture(scope="module")
 def ground(browser, tmp_path_factory):
     tiles = map_file(tmp_path_factory.mktemp("map") / "field.mbtiles")
-    with served("--map", tiles) as ground, FleetBench(ground.port, payloads=2):
+    with served("--map", tiles) as ground, FleetThread(ground.port, payloads=2):
         yield ground
 
 
@@ -35,7 +35,7 @@ def test_payloads_are_drawn_where_they_are_assumed_until_their_positions_are_kno
 
 @pytest.fixture(scope="module")
 def crew_without_map(browser):
-    with served() as ground, FleetBench(ground.port, payloads=2):
+    with served() as ground, FleetThread(ground.port, payloads=2):
         yield ground
 
 

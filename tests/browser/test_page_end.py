@@ -3,7 +3,7 @@
 import pytest
 
 from browsing import eventually
-from fleet_bench import FleetBench
+from fleet_bench import FleetThread
 from page_eyes import sees, watch
 from ports import free_port
 from ross_payload.ground.web.page_thread import in_background
@@ -15,7 +15,7 @@ OVER = "The simulation has ended."
 def simulated(browser):
     """A page in the process of a simulation, and its payload: (page, payload)."""
     port = free_port()
-    with in_background([f"udpin:127.0.0.1:{port}"]) as served, FleetBench(port) as payload:
+    with in_background([f"udpin:127.0.0.1:{port}"]) as served, FleetThread(port) as payload:
         yield served, payload
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from browsing import eventually
-from fleet_bench import FleetBench
+from fleet_bench import FleetThread
 from page_eyes import watch
 from served_ground import served
 
@@ -52,7 +52,7 @@ MISSION = """async (mission) => {
 
 @pytest.fixture(scope="module")
 def crew(browser, tmp_path_factory):
-    with served("--flights", tmp_path_factory.mktemp("flights")) as ground, FleetBench(ground.port, sources=4):
+    with served("--flights", tmp_path_factory.mktemp("flights")) as ground, FleetThread(ground.port, sources=4):
         yield ground
 
 

@@ -5,7 +5,7 @@ import zipfile
 import pytest
 
 from browsing import eventually
-from fleet_bench import FleetBench
+from fleet_bench import FleetThread
 from page_eyes import sees
 from ports import free_port
 from recording_bench import input_of, record
@@ -37,7 +37,7 @@ def test_a_recording_is_downloaded_and_deleted_on_the_page(shelf, window, open_p
 
 def test_a_payload_is_stopped_and_watched_by_its_id(window, open_page):
     port = free_port()
-    with in_background([f"udpin:127.0.0.1:{port}"]) as served, FleetBench(port) as bench:
+    with in_background([f"udpin:127.0.0.1:{port}"]) as served, FleetThread(port) as bench:
         page = open_page(served.url)
         sees(page, "1 payload found", "main")
         page.get_by_label("A payload by its id").fill("1-191")

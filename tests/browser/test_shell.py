@@ -3,9 +3,9 @@
 import pytest
 from playwright.sync_api import expect
 
-from browsing import eventually
-from fleet_bench import FleetBench
-from page_eyes import texts, watch
+from browsing import drawn, eventually
+from fleet_bench import FleetThread
+from page_eyes import texts, violations, watch
 from served_ground import served
 
 pytest.importorskip("aiohttp", reason="the extra [ground]")
@@ -40,12 +40,22 @@ STOP_IN_SIGHT = """() => {
     && Boolean(on?.closest(".stop-button"));
 }"""
 
+STATES = """() => {
+  globalThis.rossStates = [];
+  const look = () => {
+    const latest = document.querySelector(".order");
+    const [words, bars] = [".what", "progress"].map((each) => [...(latest?.querySelectorAll(each) ?? [])]);
+    globalThis.rossStates.push(`${words[0]?.textContent} ${latest?.dataset.state} ${bars.length}`);
+  };
+  new MutationObserver(look).observe(document.body, { attributes: true, childList: true, subtree: true });
+}"""
+
 
 @pytest.fixture(scope="module")
 def crew(browser, tmp_path_factory):
     """Three payloads that are well, for tests that change nothing for the next one but orders."""
     flights = tmp_path_factory.mktemp("flights")
-    with served("--flights", flights) as ground, FleetBench(ground.port, payloads=3, sources=4):
+    with served("--flights", flights) as ground, FleetThread(ground.port, payloads=3, sources=4):
         yield ground
 
 
@@ -57,27 +67,31 @@ def command(open_page, url, who="1-191"):
     return page
 
 
+def go(page, view):
+    """Show another view."""
+    page.evaluate("view => { location.hash = `#/${view}`; }", view)
+    page.locator(f".view-{view.split('/')[0] or 'fleet'}").wait_for()
+
+
 def rearm(page):
     page.get_by_role("button", name="Rearm").click()
     eventually(page, lambda: page.locator(".payload-title .state").inner_text() != "Stopped")
 
 
 def test_axe_finds_nothing_wrong(crew, open_page):
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     page = watch(open_page, crew.url)
+    page.emulate_media(reduced_motion="reduce")  # colours change at once
     page.locator("table.sources button").first.click()
     page.locator(".parameters summary").click()
     for view in (*VIEWS, "help"):
         if view == "help":
             page.get_by_role("button", name="Help").click()
         else:
-            page.evaluate("view => { location.hash = `#/${view}`; }", view)
+            go(page, view)
         for theme in THEMES:
             page.get_by_label("Theme").select_option(theme)
-            page.wait_for_timeout(300)
-            found = axe.Axe().run(page).response["violations"]
-            wrong = [(each["id"], [node["html"] for node in each["nodes"]]) for each in found]
-            assert not wrong, (view, theme)
+            drawn(page)
+            assert violations(page) == [], (view, theme)
 
 
 def test_nothing_overlaps_or_leaves_the_screen(crew, open_page):
@@ -85,10 +99,10 @@ def test_nothing_overlaps_or_leaves_the_screen(crew, open_page):
     page.locator("table.sources button").first.click()
     page.locator(".parameters summary").click()
     for view in VIEWS:
-        page.evaluate("view => { location.hash = `#/${view}`; }", view)
+        go(page, view)
         for width, height in SIZES:
             page.set_viewport_size({"width": width, "height": height})
-            page.wait_for_timeout(200)
+            drawn(page)
             at = f"{view} at {width} x {height}"
             assert page.evaluate("document.documentElement.scrollWidth") <= width, at
             assert page.evaluate(OVERLAPS) == [], at
@@ -119,9 +133,9 @@ def test_escape_twice_stops_also_from_a_field(crew, open_page):
 def test_one_escape_stops_nothing(crew, open_page):
     page = watch(open_page, crew.url)
     page.keyboard.press("Escape")
-    page.wait_for_timeout(1500)
+    page.wait_for_timeout(1200)  # more than the second within which a second one stops
     page.keyboard.press("Escape")
-    page.wait_for_timeout(500)
+    drawn(page)  # a stop is told at once
     assert not page.locator(".stop-fate").count()
 
 
@@ -156,11 +170,11 @@ def test_away_from_a_payload_stop_is_for_all(crew, open_page):
 
 def test_an_order_is_followed_to_its_end(crew, open_page):
     page = command(open_page, crew.url, "2-191")
+    page.evaluate(STATES)
     page.get_by_role("button", name="Explore", exact=True).click()
     latest = page.locator(".order").first
-    eventually(page, lambda: latest.get_attribute("data-state") == "in_progress")
-    eventually(page, lambda: latest.locator("progress").count() == 1)
-    eventually(page, lambda: latest.get_attribute("data-state") == "done")
+    eventually(page, lambda: "explore done 0" in page.evaluate("rossStates"))
+    assert "explore in_progress 1" in page.evaluate("rossStates")
     expect(latest.locator("progress")).to_have_count(0)
 
 

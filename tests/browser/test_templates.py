@@ -14,8 +14,8 @@ SCRIPT = """async (argument) => {
 
 
 @pytest.fixture(scope="module")
-def run(browser):
-    with board_of(browser) as board:
+def run(profile):
+    with board_of(profile) as board:
         page = board({})
         yield lambda script, argument=None: page.evaluate(SCRIPT % script, argument)
 

@@ -17,7 +17,7 @@ GONE = "ERR_CONNECTION_REFUSED"  # the page tries to come back when its server h
 @contextmanager
 def mission(window, *arguments):
     """``ross sitl --page``: the process and the address of its page; Ctrl-C ends it."""
-    command = [sys.executable, "-u", "-m", "ross_payload.cli", "sitl", "--page", *map(str, arguments)]
+    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--page", *map(str, arguments)]
     window.expected.append(GONE)
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         process.said = ""

@@ -1,5 +1,6 @@
 """A peer that does not stop talking: the payload hears every sample and says once a second that it is there."""
 
+import math
 import os
 import socket
 import subprocess
@@ -194,11 +195,17 @@ class Pilot:
     def close(self):
         self._socket.close()
 
-    def answered(self, number, patience):
-        """Give a command once; how long until it is accepted [s], or None after ``patience`` [s]."""
-        self._socket.send(self._encoder.encode(common.MAVLink_command_long_message(1, 191, number, 0, *[0.0] * 7)))
-        begin = time.monotonic()
-        while time.monotonic() - begin < patience:
+    def answered(self, number, patience, again=math.inf):
+        """Give a command, and once more every ``again`` [s] until it is answered, as a ground station does.
+
+        How long until it is accepted [s], or None after ``patience`` [s].
+        """
+        begin, sent = time.monotonic(), 0
+        while (passed := time.monotonic() - begin) < patience:
+            if passed >= (sent and sent * again):
+                asked = common.MAVLink_command_long_message(1, 191, number, sent, *[0.0] * 7)
+                self._socket.send(self._encoder.encode(asked))
+                sent += 1
             try:
                 packets = self._decoder.feed(self._socket.recv(2048))
             except OSError:
@@ -216,7 +223,7 @@ def stopped(ross_run, free_port, tmp_path):
     How long until each stop was accepted [s], and at what rate the frames came [1/s].
     """
 
-    def run(count, on_the_same_link):
+    def run(count, on_the_same_link, **again):
         flooded_port, other, frames = free_port(), free_port(), tmp_path / "frames"
         frames.write_bytes(chatter())
         links = [f'url = "udpin:127.0.0.1:{port}"' for port in (flooded_port, other)]
@@ -229,13 +236,13 @@ def stopped(ross_run, free_port, tmp_path):
                 time.sleep(1.0)  # let the buffers fill
                 times = []
                 for _ in range(count):
-                    times.append(pilot.answered(STOP, 1.0))
+                    times.append(pilot.answered(STOP, **{"patience": 1.0} | again))
                     time.sleep(0.1)
                 rate = float(peer.communicate()[0])
         heard = sorted(passed for passed in times if passed is not None)
         where = "on the same link" if on_the_same_link else "on another link"
         told = f"median {1e3 * heard[len(heard) // 2]:.0f}, max {1e3 * heard[-1]:.0f} ms" if heard else "none"
-        print(f"{rate:.0f} frames/s, stop {where}: {len(heard)} of {count} at the first try, {told}")  # noqa: T201
+        print(f"{rate:.0f} frames/s, stop {where}: {len(heard)} of {count}, {told}")  # noqa: T201
         return times, rate
 
     return run
@@ -243,7 +250,8 @@ def stopped(ross_run, free_port, tmp_path):
 
 @pytest.mark.parametrize("on_the_same_link", [False, True], ids=["other", "same"])
 def test_stops_are_heard_through_a_flood(stopped, on_the_same_link):
-    times, rate = stopped(5, on_the_same_link)
+    """A stop is given until it is answered: the system may drop a datagram while the payload waits for a processor."""
+    times, rate = stopped(5, on_the_same_link, patience=5.0, again=0.2)
     assert rate > 2500, "this computer is too busy to flood"
     assert None not in times
 

@@ -27,7 +27,7 @@ from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import MESSAGES, common
 from ross_protocols.mavlink.params import ListRequest, ReadRequest, SetRequest, request_of
 from ross_sim.clock import SimClock
-from ross_sim.sitl.mission_session import drained
+from ross_sim.sitl.recording import drained
 
 OURS, OPERATOR = (1, 191), 200
 URL = "udpin:127.0.0.1:14550"

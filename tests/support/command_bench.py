@@ -59,12 +59,19 @@ class Payload:
 
     def __init__(self, sky, latch=None):
         self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
-        self.given, self.recorded, self.texts, self.waiting = [], [], [], []
+        self.given, self.recorded, self.streamed, self.texts, self.waiting = [], [], [], [], []
+        self.why_not = ""  # the listening stage refuses
         self.disk_full = self.computing = self.stopped = False
         self.fault, self.joint, self.goal, self.hops = "", 0.0, None, 0
         component = self.links.component(191)
         self.server = MissionCommands(
-            component, self.give, self.record, self.say, MessageRequests(component, Streams()), latch=latch
+            component,
+            self.give,
+            self.record,
+            self.say,
+            MessageRequests(component, Streams()),
+            stream=self.stream,
+            latch=latch,
         )
         self.mission = LiveSession(Config(), kit).mission()
         self.output = next(self.mission)
@@ -78,6 +85,10 @@ class Payload:
     def record(self, on):
         self.recorded.append(on)
         return "the disk is full" if self.disk_full else ""
+
+    def stream(self, order):
+        self.streamed.append(order)
+        return self.why_not
 
     def say(self, severity, text):
         self.texts.append(text)

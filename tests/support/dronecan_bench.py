@@ -27,7 +27,7 @@ from ross_protocols.mavlink.codec import Decoder
 from ross_protocols.mavlink.values import Text
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import far_end_of
-from ross_sim.sitl.mission_session import drained
+from ross_sim.sitl.recording import drained
 
 URL = "can:test:0"
 SEED = 1

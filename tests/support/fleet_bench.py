@@ -1,8 +1,9 @@
-"""Emulated payloads in a process of their own: full telemetry over real UDP, and whoever asks is answered.
+"""Emulated payloads: full telemetry over real UDP, and whoever asks is answered.
 
 Commands, parameters and metadata are answered by the payload's own servers; what is told is made up.
-As a program: ``python fleet_bench.py udpout:127.0.0.1:14550 --payloads 5 --hz 10``; for a test `FleetBench` starts it,
-and tells it what goes wrong.
+As a program: ``python fleet_bench.py udpout:127.0.0.1:14550 --payloads 5 --hz 10``. For a test `FleetBench` starts it,
+and tells it what goes wrong; `FleetThread` does the same in the process of the test, where nobody counts its processor
+time or memory.
 """
 
 import argparse
@@ -31,6 +32,7 @@ from ross_payload.mavlink.param_server import ParamServer
 from ross_protocols.mavlink.codec import chunks
 from ross_protocols.mavlink.params import ListRequest, SetRequest, request_of, value_message
 from ross_protocols.mavlink.values import Health, Heartbeat, Source, Status
+from waiting import LIMIT_S
 
 COMPONENT = 191
 POLL = 0.005  # [s]
@@ -154,28 +156,25 @@ class Payloads:
         self.all[system] = Emulated(system, old.url, born=now, sources=old.sources, other=other)
 
 
-def listen(lines):
-    """Queue every line of the input; an empty one is its end."""
-    line = None
-    while line != "":
-        line = sys.stdin.readline()
-        lines.put(line)
+def listen(told):
+    """Queue what every line of the input tells; its end is queued as None."""
+    while line := sys.stdin.readline():
+        told.put((json.loads(line), lambda: print("done", flush=True)))  # noqa: T201 - the test waits for it
+    told.put(None)
 
 
-def run(url, number, hz, sources):
-    """Speak until the input ends."""
-    lines = SimpleQueue()
-    threading.Thread(target=listen, args=(lines,)).start()
+def run(url, number, hz, sources, told):
+    """Speak until None is told; else it is a pair: what goes wrong, and what to call when it does."""
     payloads = Payloads(url, number, sources, time.monotonic() - 20.0)
     due = time.monotonic()
     while True:
         now = time.monotonic()
         with suppress(Empty):
-            line = lines.get_nowait()
-            if not line:
+            what = told.get_nowait()
+            if what is None:
                 break
-            payloads.obey(json.loads(line), now)
-            print("done", flush=True)  # noqa: T201 - the test waits for it
+            payloads.obey(what[0], now)
+            what[1]()
         for one in payloads.everybody():
             one.poll(now)
             if now >= due:
@@ -211,6 +210,30 @@ class FleetBench:
         self.process.wait(20)
 
 
+class FleetThread:
+    """What `FleetBench` does, on a thread: a context manager with the same ``tell``."""
+
+    def __init__(self, port, payloads=1, hz=5.0, sources=3):
+        self._told = SimpleQueue()
+        self._thread = threading.Thread(
+            target=run, args=(f"udpout:127.0.0.1:{port}", payloads, hz, sources, self._told), name="payloads"
+        )
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def tell(self, **what):
+        """Let something go wrong, or right again; returns when it does."""
+        done = threading.Event()
+        self._told.put((what, done.set))
+        assert done.wait(LIMIT_S), "the emulated payloads have died"
+
+    def __exit__(self, *error):
+        self._told.put(None)
+        self._thread.join(LIMIT_S)
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("url")
@@ -218,4 +241,6 @@ if __name__ == "__main__":
     parser.add_argument("--hz", type=float, default=5.0)
     parser.add_argument("--sources", type=int, default=3)
     given = parser.parse_args()
-    run(given.url, given.payloads, given.hz, given.sources)
+    lines = SimpleQueue()
+    threading.Thread(target=listen, args=(lines,)).start()
+    run(given.url, given.payloads, given.hz, given.sources, lines)

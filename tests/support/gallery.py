@@ -7,7 +7,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
-from browsing import HERE, Watched
+from browsing import HERE, Profile
 from scenes import NOW
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -64,14 +64,12 @@ class Board:
 
 
 @contextmanager
-def board_of(browser: Any) -> Iterator[Board]:
+def board_of(profile: Profile) -> Iterator[Board]:
     """A board, which asks no other machine and does not complain."""
-    with gallery() as url:
-        context = browser.new_context(service_workers="block", reduced_motion="reduce")
-        watched = Watched(context)
-        page = context.new_page()
+    with gallery() as url, profile.watched() as watched:
+        page = watched.new_page()
+        page.emulate_media(reduced_motion="reduce")
         page.goto(url)
         yield Board(page)
-        context.close()
     assert not watched.strangers
     assert not watched.errors

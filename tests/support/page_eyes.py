@@ -1,5 +1,7 @@
 """What a person would see on a page: the words that stood in a place one after the other, and words anywhere."""
 
+import pytest
+
 from browsing import eventually
 
 FOLLOW = """selector => {
@@ -11,6 +13,20 @@ FOLLOW = """selector => {
   new MutationObserver(look).observe(document.body, {childList: true, characterData: true, subtree: true});
   look();
 }"""
+PAUSES = """() => {
+  globalThis.rossPause = 0;
+  let before = performance.now();
+  const step = 20;
+  setInterval(() => {
+    const now = performance.now();
+    globalThis.rossPause = Math.max(globalThis.rossPause, (now - before - step) / 1000);
+    before = now;
+  }, step);
+}"""
+AXE = """async () => {
+  const { violations } = await axe.run({ resultTypes: ["violations"] });
+  return violations.map((each) => [each.id, each.nodes.map((node) => node.html)]);
+}"""
 
 
 def follow(page, selector):
@@ -20,6 +36,23 @@ def follow(page, selector):
 
 def seen(page):
     return page.evaluate("() => globalThis.rossSeen")
+
+
+def note_pauses(page):
+    """From now on, note for how long the computer keeps the page from running; `longest_pause` tells it [s]."""
+    page.evaluate(PAUSES)
+
+
+def longest_pause(page):
+    return page.evaluate("() => globalThis.rossPause")
+
+
+def violations(page):
+    """What keeps people from using the page, as axe-core finds it: rules, and what breaks them."""
+    axe = pytest.importorskip("axe_playwright_python.base")
+    if not page.evaluate("'axe' in globalThis"):
+        page.evaluate(axe.AXE_SCRIPT)
+    return page.evaluate(AXE)
 
 
 def sees(page, words, selector="body"):

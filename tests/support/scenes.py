@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 UNIT = 146.0  # d / v_p [us]
@@ -118,6 +119,7 @@ def mirrors_only() -> Sections:
     }
 
 
+@cache
 def scenes() -> dict[str, Sections]:
     """Every state of the gallery, by name."""
     five = [

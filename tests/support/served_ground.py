@@ -20,7 +20,7 @@ class Ground:
 
     def __init__(self, *arguments):
         self.port = free_port()
-        command = [sys.executable, "-u", "-m", "ross_payload.cli", "ground", f"udpin:127.0.0.1:{self.port}"]
+        command = [sys.executable, "-m", "ross_payload.cli", "ground", f"udpin:127.0.0.1:{self.port}"]
         self._command = [*command, "--port", str(free_port(socket.SOCK_STREAM)), *map(str, arguments)]
         self.start()
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_payload.angles import circular_mean, difference, nearest_equivalent, wrap, wrap_axis
+from ross_payload.angles import circular_mean, difference, wrap, wrap_axis
 
 ANGLES = st.floats(-50, 50)
 
@@ -18,13 +18,6 @@ def test_wrapping_keeps_the_direction_and_lands_in_the_interval(angle):
 @given(ANGLES)
 def test_an_axis_is_the_same_after_half_a_turn(angle):
     assert abs(difference(2 * wrap_axis(angle), 2 * wrap_axis(angle + np.pi))) < 1e-9
-
-
-@given(ANGLES, ANGLES)
-def test_the_nearest_equivalent_is_within_half_a_period(angle, reference):
-    nearest = nearest_equivalent(angle, reference)
-    assert abs(nearest - reference) <= np.pi + 1e-9
-    assert abs(difference(nearest, angle)) < 1e-9
 
 
 def test_the_mean_of_directions_around_the_seam_lies_on_the_seam():

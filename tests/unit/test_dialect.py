@@ -9,7 +9,7 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from ross_payload import events, health
-from ross_protocols.mavlink import values
+from ross_protocols.mavlink import stream_values, values
 from ross_protocols.mavlink.dialect import MESSAGES, ross
 from ross_protocols.mavlink.message_map import LAYOUTS, Field
 
@@ -32,6 +32,7 @@ CRC_EXTRA = {
     54007: ("ROSS_DENSITY", 53),
     54008: ("ROSS_ISOLATION", 111),
     54009: ("ROSS_LINK", 14),
+    54010: ("ROSS_STREAM", 95),
 }
 
 
@@ -126,6 +127,8 @@ def test_bits_on_the_wire_are_those_of_the_dialect(layout) -> None:
         (values.CandidateState, "ROSS_CANDIDATE_STATE"),
         (values.Phase, "ROSS_SEPARATION_PHASE"),
         (values.RecordingState, "ROSS_RECORDING_STATE"),
+        (stream_values.Selection, "ROSS_SELECTION"),
+        (stream_values.Codec, "ROSS_CODEC"),
         (health.AudioTrouble, "ROSS_AUDIO_TROUBLE"),
     ],
 )
@@ -138,7 +141,10 @@ def test_the_payload_numbers_as_mavlink_does(enum, prefix: str) -> None:
     assert {entry: getattr(common, prefix + entry.name) for entry in enum} == {entry: entry.value for entry in enum}
 
 
-DECLARED = {("NaN", "nan"), ("UINT8_MAX", "255"), ("UINT32_MAX", str(2**32 - 1)), ("0", "0.0")}
+DECLARED = {
+    ("NaN", "nan"), ("INT8_MAX", "127"), ("UINT8_MAX", "255"), ("UINT16_MAX", "65535"),
+    ("UINT32_MAX", str(2**32 - 1)), ("0", "0.0"),
+}  # fmt: skip
 
 
 def test_a_number_not_known_is_declared_as_such() -> None:

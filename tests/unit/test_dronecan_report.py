@@ -30,7 +30,7 @@ from ross_payload.orders import Stop, TurnTo
 from ross_protocols.dronecan.messages import Health, LogMessage, Mode, NodeStatus
 from ross_protocols.dronecan.node_messages import Encoder
 from ross_protocols.dronecan.ross_types import RossSource, RossSources, RossStatus
-from ross_sim.devices.can_bus import lasts
+from ross_sim.devices.bus_nodes import lasts
 
 ROOT = Path(__file__).parents[2]
 

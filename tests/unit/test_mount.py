@@ -8,8 +8,7 @@ import pytest
 from ross_payload.config import Config, Link
 from ross_payload.errors import ConfigError
 from ross_payload.mavlink import Router
-from ross_payload.mount import FixedMount, mount_of
-from ross_payload.mount.autopilot_attitude import MOST, AttitudeHistory
+from ross_payload.mount import MOST, AttitudeHistory, FixedMount, mount_of
 from ross_payload.timebase import Timebase
 from ross_protocols.mavlink import vehicle
 from ross_protocols.mavlink.codec import Encoder

@@ -10,6 +10,7 @@ from pymavlink.dialects.v20 import common
 
 from ross_protocols.mavlink.codec import Decoder, Encoder, chunks
 from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 from ross_protocols.mavlink.values import (
     CURVE_POINTS,
     Alignment,
@@ -65,11 +66,12 @@ VALUES = st.one_of(
     st.builds(
         Status, whole[64], whole[32].map(lambda ms: ms / 1000), whole[8], flag, maybe(index), maybe(directions),
         maybe(directions), maybe(numbers), maybe(numbers), maybe(directions), maybe(numbers), maybe(numbers), whole[8],
-        whole[8], maybe(index), maybe(index), *[flag] * 9,
+        whole[8], maybe(index), maybe(index), *[flag] * 11,
     ),
     st.builds(
         Source, whole[64], whole[16], whole[8], whole[8], directions, numbers, numbers, numbers, flag, flag,
-        maybe(directions), maybe(numbers), maybe(numbers), flag, flag,
+        maybe(directions), maybe(numbers), maybe(numbers), flag, flag, flag, maybe(numbers.filter(bool)),
+        maybe(numbers.filter(bool)),
     ),
     st.builds(
         Alignment, whole[64], whole[16], whole[8], whole[8], whole[8], directions, numbers, st.floats(0, 1e-2), members,
@@ -95,6 +97,12 @@ VALUES = st.one_of(
     st.builds(
         LinkReport, whole[64], whole[8], whole[8], words(60), flag, flag, *[whole[32]] * 3,
         maybe(st.integers(0, 2**32 - 2)), *[whole[32]] * 2, whole[16],
+    ),
+    st.builds(
+        StreamReport, whole[64], whole[8], whole[8], words(10), st.sampled_from(Selection), flag, whole[32], flag,
+        maybe(index), maybe(directions), maybe(index), st.sampled_from(Codec), words(40), whole[16], maybe(index),
+        numbers, maybe(st.integers(-128, 126).map(float)), maybe(st.integers(0, 65534).map(lambda ms: ms / 1e3)),
+        whole[32], maybe(st.integers(0, 2**32 - 2)), words(24), *[flag] * 4,
     ),
     st.builds(Named, whole[32].map(lambda ms: ms / 1000), words(10), numbers),
     st.builds(Array, whole[64], words(10), whole[16], st.lists(numbers.filter(bool), max_size=58).map(tuple)),

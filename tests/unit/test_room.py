@@ -8,7 +8,7 @@ import pytest
 
 from ross_payload.errors import ConfigError
 from ross_sim.acoustics.impulse_responses import Responses
-from ross_sim.acoustics.room import SINC, RoomSpec, impulse_responses, respond
+from ross_sim.acoustics.room import SINC, RoomSpec, respond
 from ross_sim.cache import cache_folder, cached
 
 RATE = 16000
@@ -66,7 +66,7 @@ def test_speed_of_sound_sets_the_arrival():
 def test_energy_decays_by_thirty_db_in_about_half_of_t60(size):
     centre = tuple(side / 2 for side in size)
     source = (centre[0] + 1.5, *centre[1:])
-    response = impulse_responses(size, 0.4, RATE, centre, 0.05, [source], [0.0])[0, 0, 0].astype(float)
+    response = respond(RoomSpec(size, 0.4, RATE, centre, 0.05, (source,)), [0.0])[0, 0, 0].astype(float)
     decay = 10 * np.log10(np.cumsum(response[::-1] ** 2)[::-1] / np.sum(response**2))
     begin, end = np.argmax(decay < -5), np.argmax(decay < -35)
     assert 2 * (end - begin) / RATE == pytest.approx(0.4, rel=0.3)

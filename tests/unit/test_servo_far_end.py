@@ -11,7 +11,7 @@ from ross_protocols.can import CanFrame
 from ross_protocols.dronecan.messages import ArrayCommand, Command, CommandKind, NodeStatus, Status
 from ross_protocols.dronecan.node_messages import Decoder, Encoder
 from ross_protocols.dronecan.services import MAGIC, NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
-from ross_sim.devices.can_bus import ROOM, Bus, lasts
+from ross_sim.devices.bus_nodes import ROOM, Bus, lasts
 from ross_sim.devices.dronecan_far_end import far_end
 from ross_sim.devices.far_end import SLIP, Fault
 from ross_sim.devices.servo_shaft import STEP, Drive, Shaft

@@ -10,11 +10,10 @@ from rich.console import Console
 
 from ross_payload.errors import ConfigError, OutputError
 from ross_sim.study import study_store, task_engine
-from ross_sim.study.progress_view import Lines
 from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, columns, decode, encode
 from ross_sim.study.study_case import Failure
 from ross_sim.study.study_design import Task
-from ross_sim.study.study_run import measure
+from ross_sim.study.study_run import Lines, measure
 from ross_sim.study.study_store import Store, as_csv
 
 WANTED = {"study": {"seed": 1, "settings": ["S1", "S2"]}, "code": "abc"}

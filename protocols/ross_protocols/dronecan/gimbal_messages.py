@@ -10,7 +10,7 @@ import math
 import struct
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import ClassVar, Self
+from typing import Self
 
 COARSE = 2**-10  # worst error of a yaw [rad]: two components near 0.7, each wrong by half of 2^-11
 
@@ -32,9 +32,7 @@ class AngularCommand:
     '010200000000a8b9a839'
     """
 
-    NUMBER: ClassVar[int] = 1040
-    SEED: ClassVar[int] = 0xCD1F
-    PRIORITY: ClassVar[int] = 8
+    NUMBER, SEED, PRIORITY = 1040, 0xCD1F, 8
 
     gimbal_id: int
     yaw: float  # counter-clockwise [rad]; from the nose in BODY_FRAME
@@ -55,9 +53,7 @@ class AngularCommand:
 class GimbalStatus:
     """uavcan.equipment.camera_gimbal.Status; its covariance is neither sent nor read."""
 
-    NUMBER: ClassVar[int] = 1044
-    SEED: ClassVar[int] = 0xEFD0
-    PRIORITY: ClassVar[int] = 16
+    NUMBER, SEED, PRIORITY = 1044, 0xEFD0, 16
 
     gimbal_id: int
     yaw: float  # of the camera's axis, counter-clockwise from the nose [rad]; not-a-number: no attitude

@@ -12,7 +12,7 @@ import math
 import struct
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import ClassVar, Self
+from typing import Self
 
 from ross_protocols.can import CanFrame
 from ross_protocols.dronecan.gimbal_messages import AngularCommand, GimbalStatus
@@ -78,9 +78,7 @@ class ArrayCommand:
     '030000b8'
     """
 
-    NUMBER: ClassVar[int] = 1010
-    SEED: ClassVar[int] = 0x5E37
-    PRIORITY: ClassVar[int] = 8
+    NUMBER, SEED, PRIORITY = 1010, 0x5E37, 8
 
     commands: tuple[Command, ...]
 
@@ -100,9 +98,7 @@ class ArrayCommand:
 class Status:
     """uavcan.equipment.actuator.Status; not-a-number is unknown."""
 
-    NUMBER: ClassVar[int] = 1011
-    SEED: ClassVar[int] = 0x9A63
-    PRIORITY: ClassVar[int] = 16
+    NUMBER, SEED, PRIORITY = 1011, 0x9A63, 16
 
     actuator_id: int
     position: float = NAN  # [rad]
@@ -129,9 +125,7 @@ class NodeStatus:
     '70110100900000'
     """
 
-    NUMBER: ClassVar[int] = 341
-    SEED: ClassVar[int] = 0xBE5F
-    PRIORITY: ClassVar[int] = 20
+    NUMBER, SEED, PRIORITY = 341, 0xBE5F, 20
 
     uptime: int  # [s]
     health: Health = Health.OK
@@ -153,9 +147,7 @@ class NodeStatus:
 class LogMessage:
     """uavcan.protocol.debug.LogMessage."""
 
-    NUMBER: ClassVar[int] = 16383
-    SEED: ClassVar[int] = 0x4570
-    PRIORITY: ClassVar[int] = 31
+    NUMBER, SEED, PRIORITY = 16383, 0x4570, 31
 
     level: int  # 0 debug, 1 information, 2 warning, 3 error
     source: str  # at most 31 bytes
@@ -184,9 +176,7 @@ class Allocation:
     'fb616263646566'
     """
 
-    NUMBER: ClassVar[int] = 1
-    SEED: ClassVar[int] = 0xF258
-    PRIORITY: ClassVar[int] = 30
+    NUMBER, SEED, PRIORITY = 1, 0xF258, 30
 
     node_id: int  # wanted or given; 0: any, or not given yet
     unique_id: bytes  # as much of it as is told

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import ClassVar, Self
+from typing import Self
 
 from ross_protocols.dronecan.messages import DroneCanError
 from ross_protocols.mavlink.params import shortest
@@ -99,8 +99,7 @@ class GetSetRequest:
     '2c0b01'
     """
 
-    NUMBER: ClassVar[int] = 11
-    SEED: ClassVar[int] = 0xFB10
+    NUMBER, SEED = 11, 0xFB10
 
     name: str = ""
     index: int = 0
@@ -124,8 +123,7 @@ class GetSetRequest:
 class GetSetResponse:
     """uavcan.protocol.param.GetSet, the answer; without a name there is no such parameter."""
 
-    NUMBER: ClassVar[int] = 11
-    SEED: ClassVar[int] = 0xFB10
+    NUMBER, SEED = 11, 0xFB10
 
     name: str = ""
     value: ParameterValue = None
@@ -150,8 +148,7 @@ class GetSetResponse:
 class OpcodeRequest:
     """uavcan.protocol.param.ExecuteOpcode, the question."""
 
-    NUMBER: ClassVar[int] = 10
-    SEED: ClassVar[int] = 0xD7D4
+    NUMBER, SEED = 10, 0xD7D4
 
     opcode: int
     argument: int = 0
@@ -171,8 +168,7 @@ class OpcodeRequest:
 class OpcodeResponse:
     """uavcan.protocol.param.ExecuteOpcode, the answer."""
 
-    NUMBER: ClassVar[int] = 10
-    SEED: ClassVar[int] = 0xD7D4
+    NUMBER, SEED = 10, 0xD7D4
 
     ok: bool
     argument: int = 0

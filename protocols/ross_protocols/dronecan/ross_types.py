@@ -60,9 +60,7 @@ def _flags(mask: int, names: Iterable[str]) -> dict[str, bool]:
 class RossStatus:
     """ross.Status: the mission at a glance."""
 
-    NUMBER: ClassVar[int] = 20854
-    SEED: ClassVar[int] = 0x6EB8
-    PRIORITY: ClassVar[int] = 20
+    NUMBER, SEED, PRIORITY = 20854, 0x6EB8, 20
     FLAGS: ClassVar[tuple[str, ...]] = (
         "earth", "actuator", "settled", "homed", "fault", "open_loop", "target_found", "certain",
     )  # fmt: skip
@@ -157,9 +155,7 @@ class RossSource:
 class RossSources:
     """ross.Sources: all sources of an estimate."""
 
-    NUMBER: ClassVar[int] = 20855
-    SEED: ClassVar[int] = 0x0917
-    PRIORITY: ClassVar[int] = 24
+    NUMBER, SEED, PRIORITY = 20855, 0x0917, 24
 
     estimate: int  # number of the estimate, modulo 256
     sources: tuple[RossSource, ...] = ()

@@ -31,16 +31,14 @@ class _EmptyRequest:
 class NodeInfoRequest(_EmptyRequest):
     """uavcan.protocol.GetNodeInfo, the question."""
 
-    NUMBER: ClassVar[int] = 1
-    SEED: ClassVar[int] = 0xD9A7
+    NUMBER, SEED = 1, 0xD9A7
 
 
 @dataclass(frozen=True, slots=True)
 class NodeInfo:
     """uavcan.protocol.GetNodeInfo, the answer."""
 
-    NUMBER: ClassVar[int] = 1
-    SEED: ClassVar[int] = 0xD9A7
+    NUMBER, SEED = 1, 0xD9A7
     _FIXED: ClassVar[struct.Struct] = struct.Struct("<7sBBBIQBB16sB")
 
     status: NodeStatus
@@ -82,8 +80,7 @@ class RestartRequest:
     '1e1b55ceac'
     """
 
-    NUMBER: ClassVar[int] = 5
-    SEED: ClassVar[int] = 0x1F7F
+    NUMBER, SEED = 5, 0x1F7F
 
     magic: int = MAGIC
 
@@ -103,8 +100,7 @@ class RestartRequest:
 class RestartResponse:
     """uavcan.protocol.RestartNode, the answer."""
 
-    NUMBER: ClassVar[int] = 5
-    SEED: ClassVar[int] = 0x1F7F
+    NUMBER, SEED = 5, 0x1F7F
 
     ok: bool
 
@@ -123,8 +119,7 @@ class RestartResponse:
 class TransportStatsRequest(_EmptyRequest):
     """uavcan.protocol.GetTransportStats, the question."""
 
-    NUMBER: ClassVar[int] = 4
-    SEED: ClassVar[int] = 0x4D73
+    NUMBER, SEED = 4, 0x4D73
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,8 +130,7 @@ class TransportStats:
     '010000000000020000000000030000000000040000000000050000000000000000000000'
     """
 
-    NUMBER: ClassVar[int] = 4
-    SEED: ClassVar[int] = 0x4D73
+    NUMBER, SEED = 4, 0x4D73
 
     sent: int = 0  # transfers
     received: int = 0

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 FLOAT32_MAX = (2 - 2**-23) * 2.0**127
-UINT8_MAX = 255
+INT8_MIN, INT8_MAX, UINT8_MAX, UINT16_MAX = -128, 127, 255, 65535
 
 
 class Pair(NamedTuple):
@@ -75,6 +75,19 @@ def text(size: int) -> Pair:
     return Pair(lambda value: value.encode("ascii", "replace")[:size], str)
 
 
+def limited(lower: int, upper: int, scale: float = 1.0) -> Pair:
+    """Write a number times ``scale`` as a whole one, at its limit when it is beyond.
+
+    >>> pair = limited(0, 254, scale=1e3)
+    >>> pair.there(0.1), pair.there(1.0), pair.back(100)
+    (100, 254, 0.1)
+    """
+    return Pair(
+        lambda number: round(min(max(scale * number, lower), upper)),
+        lambda wire: wire / scale,
+    )
+
+
 def member(kind: type) -> Pair:
     """Write an enumeration as its number; a number that it does not have stays a number."""
     numbers = {int(entry): entry for entry in kind}  # type: ignore[attr-defined]
@@ -122,7 +135,11 @@ FRAME = Pair(lambda earth: 1 if earth else 2, lambda wire: wire == 1)
 MEMBERS = Pair(bits, indices)
 MAYBE_NUMBER, MAYBE_DIRECTION, MAYBE_TURNED = (known(pair, math.nan) for pair in (NUMBER, DIRECTION, TURNED))
 ADDED_NUMBER = known(NUMBER, 0.0)  # of an extension: who does not know it yet sends nothing, which is 0
+ADDED_TURNED = known(TURNED, 0.0)
 MAYBE_INDEX = known(INTEGER, UINT8_MAX)
+MAYBE_FEW = known(Pair(lambda count: min(count, UINT8_MAX - 1), int), UINT8_MAX)
+MAYBE_DECIBEL = known(limited(INT8_MIN, INT8_MAX - 1), INT8_MAX)
+MAYBE_MILLI16 = known(limited(0, UINT16_MAX - 1, scale=1e3), UINT16_MAX)
 MAYBE_MEBI = known(Pair(lambda size: float32(size / 2**20), lambda wire: wire * 2**20), math.nan)
 NUMBERS = Pair(lambda numbers: [float32(number) for number in numbers], tuple)
 SHARES = Pair(lambda shares: [round(255 * share) for share in shares], lambda wire: tuple(x / 255 for x in wire))

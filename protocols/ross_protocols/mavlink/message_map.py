@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from ross_protocols.mavlink import field_converters as c
 from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.dialect import common, ross
+from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 
 
 class Field(NamedTuple):
@@ -112,7 +113,14 @@ STATUS = Layout(
     | _same(c.MAYBE_NUMBER, "score", "criterion")
     | {
         "mission_time": Field("mission_time", c.MILLI),
-        "flags": {"noise_measured": 1, "certain": 2, "target_found": 4, "time_unix": 8},
+        "flags": {
+            "noise_measured": 1,
+            "certain": 2,
+            "target_found": 4,
+            "time_unix": 8,
+            "streaming": 16,
+            "recording": 32,
+        },
         "actuator_flags": {"actuator_present": 1, "settled": 2, "homed": 4, "fault": 8, "open_loop": 16},
     },
 )
@@ -126,10 +134,12 @@ SOURCE = Layout(
     | _same(c.DIRECTION, "azimuth")
     | _same(c.MAYBE_NUMBER, "elevation", "score")
     | _same(c.NUMBER, "confidence", "weight")
+    | _same(c.ADDED_NUMBER, "age")
     | {
         "azimuth_mirror": Field("mirror", c.MAYBE_DIRECTION),
         "azimuth_sigma": Field("sigma", c.NUMBER),
-        "flags": {"resolved": 1, "target": 2, "final": 4},
+        "azimuth_rate": Field("rate", c.ADDED_TURNED),
+        "flags": {"resolved": 1, "target": 2, "final": 4, "tracked": 8},
     },
 )
 ALIGNMENT = Layout(
@@ -219,6 +229,27 @@ LINK = Layout(
     | _same(c.text(60), "url")
     | {"flags": {"up": 1, "autopilot": 2}},
 )
+STREAM = Layout(
+    StreamReport,
+    ross.MAVLink_ross_stream_message,
+    TIME
+    | EARTH
+    | _same(c.INTEGER, "number", "count", "rate", "port")
+    | _same(c.member(Selection), "selection")
+    | _same(c.member(Codec), "codec")
+    | _same(c.MAYBE_INDEX, "source", "group")
+    | _same(c.MAYBE_FEW, "listeners")
+    | _same(c.MAYBE_DIRECTION, "azimuth")
+    | _same(c.NUMBER, "gain")
+    | _same(c.MAYBE_DECIBEL, "level")
+    | _same(c.MAYBE_MILLI16, "delay")
+    | _same(c.WRAPPED32, "lost")
+    | _same(c.MAYBE_COUNT, "packets_lost")
+    | _same(c.text(10), "sink")
+    | _same(c.text(40), "address")
+    | _same(c.text(24), "detail")
+    | {"flags": {"on": 1, "fault": 2, "muted": 4, "records": 8, "separated": 16}},
+)
 NAMED = Layout(
     v.Named,
     common.MAVLink_named_value_float_message,
@@ -232,5 +263,5 @@ ARRAY = Layout(
 
 LAYOUTS = (
     HEARTBEAT, TEXT, INFORMATION, STATUS, SOURCE, ALIGNMENT, SEPARATION, AUDIO, RECORDING, DENSITY, ISOLATION, LINK,
-    NAMED, ARRAY,
+    STREAM, NAMED, ARRAY,
 )  # fmt: skip

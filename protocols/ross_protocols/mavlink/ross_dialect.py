@@ -425,8 +425,12 @@ ROSS_STATUS_FLAGS_TARGET_FOUND = 4
 enums["ROSS_STATUS_FLAGS"][4] = EnumEntry("ROSS_STATUS_FLAGS_TARGET_FOUND", """A voice sounds like the target.""")
 ROSS_STATUS_FLAGS_TIME_UNIX = 8
 enums["ROSS_STATUS_FLAGS"][8] = EnumEntry("ROSS_STATUS_FLAGS_TIME_UNIX", """The time_usec of every message is UNIX time. When not set, it is the time since boot.""")
-ROSS_STATUS_FLAGS_ENUM_END = 9
-enums["ROSS_STATUS_FLAGS"][9] = EnumEntry("ROSS_STATUS_FLAGS_ENUM_END", """""")
+ROSS_STATUS_FLAGS_STREAMING = 16
+enums["ROSS_STATUS_FLAGS"][16] = EnumEntry("ROSS_STATUS_FLAGS_STREAMING", """What the payload hears leaves it live: at least one ROSS_STREAM is on and has, or may have, a listener.""")
+ROSS_STATUS_FLAGS_RECORDING = 32
+enums["ROSS_STATUS_FLAGS"][32] = EnumEntry("ROSS_STATUS_FLAGS_RECORDING", """What the payload hears is kept on a disk, by the recorder or by a stream.""")
+ROSS_STATUS_FLAGS_ENUM_END = 33
+enums["ROSS_STATUS_FLAGS"][33] = EnumEntry("ROSS_STATUS_FLAGS_ENUM_END", """""")
 
 # ROSS_ACTUATOR_FLAGS
 enums["ROSS_ACTUATOR_FLAGS"] = Enum()
@@ -453,8 +457,10 @@ ROSS_SOURCE_FLAGS_TARGET = 2
 enums["ROSS_SOURCE_FLAGS"][2] = EnumEntry("ROSS_SOURCE_FLAGS_TARGET", """This source sounds like the target.""")
 ROSS_SOURCE_FLAGS_FINAL = 4
 enums["ROSS_SOURCE_FLAGS"][4] = EnumEntry("ROSS_SOURCE_FLAGS_FINAL", """The exploration is over: this estimate stays until the mission explores again.""")
-ROSS_SOURCE_FLAGS_ENUM_END = 5
-enums["ROSS_SOURCE_FLAGS"][5] = EnumEntry("ROSS_SOURCE_FLAGS_ENUM_END", """""")
+ROSS_SOURCE_FLAGS_TRACKED = 8
+enums["ROSS_SOURCE_FLAGS"][8] = EnumEntry("ROSS_SOURCE_FLAGS_TRACKED", """The azimuth is followed while the mission listens; azimuth_rate and age are valid.""")
+ROSS_SOURCE_FLAGS_ENUM_END = 9
+enums["ROSS_SOURCE_FLAGS"][9] = EnumEntry("ROSS_SOURCE_FLAGS_ENUM_END", """""")
 
 # ROSS_ALIGNMENT_RULE
 enums["ROSS_ALIGNMENT_RULE"] = Enum()
@@ -543,6 +549,54 @@ ROSS_RECORDING_STATE_BROKEN = 3
 enums["ROSS_RECORDING_STATE"][3] = EnumEntry("ROSS_RECORDING_STATE_BROKEN", """Stopped: the disk failed.""")
 ROSS_RECORDING_STATE_ENUM_END = 4
 enums["ROSS_RECORDING_STATE"][4] = EnumEntry("ROSS_RECORDING_STATE_ENUM_END", """""")
+
+# ROSS_SELECTION
+enums["ROSS_SELECTION"] = Enum()
+enums["ROSS_SELECTION"].bitmask = False
+ROSS_SELECTION_NONE = 0
+enums["ROSS_SELECTION"][0] = EnumEntry("ROSS_SELECTION_NONE", """Nothing: in a command, the stream is to end.""")
+ROSS_SELECTION_MIXTURE = 1
+enums["ROSS_SELECTION"][1] = EnumEntry("ROSS_SELECTION_MIXTURE", """Microphone 1, not separated.""")
+ROSS_SELECTION_TARGET = 2
+enums["ROSS_SELECTION"][2] = EnumEntry("ROSS_SELECTION_TARGET", """The voice that the mission listens to.""")
+ROSS_SELECTION_SOURCE = 3
+enums["ROSS_SELECTION"][3] = EnumEntry("ROSS_SELECTION_SOURCE", """A source of the latest estimate.""")
+ROSS_SELECTION_AZIMUTH = 4
+enums["ROSS_SELECTION"][4] = EnumEntry("ROSS_SELECTION_AZIMUTH", """The source at an azimuth.""")
+ROSS_SELECTION_ENUM_END = 5
+enums["ROSS_SELECTION"][5] = EnumEntry("ROSS_SELECTION_ENUM_END", """""")
+
+# ROSS_CODEC
+enums["ROSS_CODEC"] = Enum()
+enums["ROSS_CODEC"].bitmask = False
+ROSS_CODEC_OTHER = 0
+enums["ROSS_CODEC"][0] = EnumEntry("ROSS_CODEC_OTHER", """None of those below, or not known; in a command: that of the configuration.""")
+ROSS_CODEC_L16 = 1
+enums["ROSS_CODEC"][1] = EnumEntry("ROSS_CODEC_L16", """Linear PCM of 16 bits in network byte order (RFC 3551).""")
+ROSS_CODEC_OPUS = 2
+enums["ROSS_CODEC"][2] = EnumEntry("ROSS_CODEC_OPUS", """Opus (RFC 6716, RFC 7587).""")
+ROSS_CODEC_PCM = 3
+enums["ROSS_CODEC"][3] = EnumEntry("ROSS_CODEC_PCM", """Linear PCM without a container.""")
+ROSS_CODEC_FLAC = 4
+enums["ROSS_CODEC"][4] = EnumEntry("ROSS_CODEC_FLAC", """FLAC (RFC 9639).""")
+ROSS_CODEC_ENUM_END = 5
+enums["ROSS_CODEC"][5] = EnumEntry("ROSS_CODEC_ENUM_END", """""")
+
+# ROSS_STREAM_FLAGS
+enums["ROSS_STREAM_FLAGS"] = Enum()
+enums["ROSS_STREAM_FLAGS"].bitmask = True
+ROSS_STREAM_FLAGS_ON = 1
+enums["ROSS_STREAM_FLAGS"][1] = EnumEntry("ROSS_STREAM_FLAGS_ON", """Audio leaves the payload, or is written. When not set, nothing does.""")
+ROSS_STREAM_FLAGS_FAULT = 2
+enums["ROSS_STREAM_FLAGS"][2] = EnumEntry("ROSS_STREAM_FLAGS_FAULT", """Audio does not get out as it should; the reason is in detail.""")
+ROSS_STREAM_FLAGS_MUTED = 4
+enums["ROSS_STREAM_FLAGS"][4] = EnumEntry("ROSS_STREAM_FLAGS_MUTED", """It carries silence, by command.""")
+ROSS_STREAM_FLAGS_RECORDS = 8
+enums["ROSS_STREAM_FLAGS"][8] = EnumEntry("ROSS_STREAM_FLAGS_RECORDS", """What it carries stays on a disk.""")
+ROSS_STREAM_FLAGS_SEPARATED = 16
+enums["ROSS_STREAM_FLAGS"][16] = EnumEntry("ROSS_STREAM_FLAGS_SEPARATED", """It carries a separated voice at present. When not set: the mixture, or silence.""")
+ROSS_STREAM_FLAGS_ENUM_END = 17
+enums["ROSS_STREAM_FLAGS"][17] = EnumEntry("ROSS_STREAM_FLAGS_ENUM_END", """""")
 
 # ROSS_LINK_FLAGS
 enums["ROSS_LINK_FLAGS"] = Enum()
@@ -689,8 +743,39 @@ enums["MAV_CMD"][54010].param[4] = """Reserved (default:0)"""
 enums["MAV_CMD"][54010].param[5] = """Reserved (default:0)"""
 enums["MAV_CMD"][54010].param[6] = """Reserved (default:0)"""
 enums["MAV_CMD"][54010].param[7] = """Reserved (default:0)"""
-MAV_CMD_ENUM_END = 54011
-enums["MAV_CMD"][54011] = EnumEntry("MAV_CMD_ENUM_END", """""")
+MAV_CMD_ROSS_STREAM = 54011
+enums["MAV_CMD"][54011] = EnumEntry("MAV_CMD_ROSS_STREAM", """Start, change or end live listening: one voice, or the mixture, to one address. Several streams may be on. A stream goes to one IPv4 unicast address by RTP, or where the configuration says.""")
+enums["MAV_CMD"][54011].param[1] = """ROSS_STREAM.number. -1: the one that goes to this address and port, else a new one; with selection NONE: all of them."""
+enums["MAV_CMD"][54011].label[1] = """Stream"""
+enums["MAV_CMD"][54011].param[2] = """What it carries; NONE ends it. NaN: as it is, and of a new one the target."""
+enums["MAV_CMD"][54011].label[2] = """Selection"""
+enums["MAV_CMD"][54011].param[3] = """ROSS_SOURCE.source (selection SOURCE), or an azimuth in degrees (selection AZIMUTH)."""
+enums["MAV_CMD"][54011].label[3] = """Which"""
+enums["MAV_CMD"][54011].param[4] = """-100: muted; any other gain unmutes. NaN: as it is, and of a new one 0."""
+enums["MAV_CMD"][54011].label[4] = """Gain"""
+enums["MAV_CMD"][54011].param[5] = """The first half of the address: of a.b.c.d, 256 a + b. Both halves 0: where it goes already."""
+enums["MAV_CMD"][54011].label[5] = """Address 1"""
+enums["MAV_CMD"][54011].param[6] = """The second half of the address: 256 c + d."""
+enums["MAV_CMD"][54011].label[6] = """Address 2"""
+enums["MAV_CMD"][54011].param[7] = """UDP port + 65536 times ROSS_CODEC: OTHER, L16 or OPUS. The port is 0 when there is no address."""
+enums["MAV_CMD"][54011].label[7] = """Port and codec"""
+MAV_CMD_ROSS_ENROL = 54012
+enums["MAV_CMD"][54012] = EnumEntry("MAV_CMD_ROSS_ENROL", """Enrol the talker at a source or an azimuth as a voice that can be sought: turn, separate, learn the voice. The voice print is personal data: without the consent of the talker nothing is enrolled.""")
+enums["MAV_CMD"][54012].param[1] = """SOURCE or AZIMUTH."""
+enums["MAV_CMD"][54012].label[1] = """Mode"""
+enums["MAV_CMD"][54012].param[2] = """Index of the source, ROSS_SOURCE.source (mode SOURCE)."""
+enums["MAV_CMD"][54012].label[2] = """Source"""
+enums["MAV_CMD"][54012].param[3] = """Where the talker is (mode AZIMUTH)."""
+enums["MAV_CMD"][54012].label[3] = """Azimuth"""
+enums["MAV_CMD"][54012].param[4] = """How long to listen. 0: as long as the configuration says."""
+enums["MAV_CMD"][54012].label[4] = """Time"""
+enums["MAV_CMD"][54012].param[5] = """1: the talker has agreed. Anything else is denied."""
+enums["MAV_CMD"][54012].label[5] = """Consent"""
+enums["MAV_CMD"][54012].param[6] = """The voice print is stored as talker-N. 0: N is the lowest number that is free."""
+enums["MAV_CMD"][54012].label[6] = """Name"""
+enums["MAV_CMD"][54012].param[7] = """Reserved (default:0)"""
+MAV_CMD_ENUM_END = 54013
+enums["MAV_CMD"][54013] = EnumEntry("MAV_CMD_ENUM_END", """""")
 
 # message IDs
 MAVLINK_MSG_ID_BAD_DATA = -1
@@ -705,6 +790,7 @@ MAVLINK_MSG_ID_ROSS_RECORDING = 54006
 MAVLINK_MSG_ID_ROSS_DENSITY = 54007
 MAVLINK_MSG_ID_ROSS_ISOLATION = 54008
 MAVLINK_MSG_ID_ROSS_LINK = 54009
+MAVLINK_MSG_ID_ROSS_STREAM = 54010
 MAVLINK_MSG_ID_COMMAND_CANCEL = 80
 MAVLINK_MSG_ID_PROTOCOL_VERSION = 300
 MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC = 396
@@ -830,22 +916,22 @@ class MAVLink_ross_source_message(MAVLink_message):
 
     id = MAVLINK_MSG_ID_ROSS_SOURCE
     msgname = "ROSS_SOURCE"
-    fieldnames = ["time_usec", "azimuth", "azimuth_mirror", "azimuth_sigma", "elevation", "confidence", "weight", "score", "estimate", "source", "count", "frame", "flags"]
-    ordered_fieldnames = ["time_usec", "azimuth", "azimuth_mirror", "azimuth_sigma", "elevation", "confidence", "weight", "score", "estimate", "source", "count", "frame", "flags"]
-    fieldtypes = ["uint64_t", "float", "float", "float", "float", "float", "float", "float", "uint16_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t"]
+    fieldnames = ["time_usec", "azimuth", "azimuth_mirror", "azimuth_sigma", "elevation", "confidence", "weight", "score", "estimate", "source", "count", "frame", "flags", "azimuth_rate", "age"]
+    ordered_fieldnames = ["time_usec", "azimuth", "azimuth_mirror", "azimuth_sigma", "elevation", "confidence", "weight", "score", "estimate", "source", "count", "frame", "flags", "azimuth_rate", "age"]
+    fieldtypes = ["uint64_t", "float", "float", "float", "float", "float", "float", "float", "uint16_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "float", "float"]
     fielddisplays_by_name: Dict[str, str] = {"flags": "bitmask"}
     fieldenums_by_name: Dict[str, str] = {"frame": "ROSS_FRAME", "flags": "ROSS_SOURCE_FLAGS"}
-    fieldunits_by_name: Dict[str, str] = {"time_usec": "us", "azimuth": "rad", "azimuth_mirror": "rad", "azimuth_sigma": "rad", "elevation": "rad"}
-    native_format = bytearray(b"<QfffffffHBBBB")
-    orders = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]
-    lengths = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]
-    array_lengths = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]
+    fieldunits_by_name: Dict[str, str] = {"time_usec": "us", "azimuth": "rad", "azimuth_mirror": "rad", "azimuth_sigma": "rad", "elevation": "rad", "azimuth_rate": "rad/s", "age": "s"}
+    native_format = bytearray(b"<QfffffffHBBBBff")
+    orders = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14]
+    lengths = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]
+    array_lengths = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]
     crc_extra = 6
-    unpacker = struct.Struct("<QfffffffHBBBB")
+    unpacker = struct.Struct("<QfffffffHBBBBff")
     instance_field = "source"
     instance_offset = 38
 
-    def __init__(self, time_usec: int, azimuth: float, azimuth_mirror: float, azimuth_sigma: float, elevation: float, confidence: float, weight: float, score: float, estimate: int, source: int, count: int, frame: int, flags: int):
+    def __init__(self, time_usec: int, azimuth: float, azimuth_mirror: float, azimuth_sigma: float, elevation: float, confidence: float, weight: float, score: float, estimate: int, source: int, count: int, frame: int, flags: int, azimuth_rate: float = 0, age: float = 0):
         MAVLink_message.__init__(self, MAVLink_ross_source_message.id, MAVLink_ross_source_message.msgname)
         self._fieldnames = MAVLink_ross_source_message.fieldnames
         self._instance_field = MAVLink_ross_source_message.instance_field
@@ -863,9 +949,11 @@ class MAVLink_ross_source_message(MAVLink_message):
         self.count = count
         self.frame = frame
         self.flags = flags
+        self.azimuth_rate = azimuth_rate
+        self.age = age
 
     def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
-        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.azimuth, self.azimuth_mirror, self.azimuth_sigma, self.elevation, self.confidence, self.weight, self.score, self.estimate, self.source, self.count, self.frame, self.flags), force_mavlink1=force_mavlink1)
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.azimuth, self.azimuth_mirror, self.azimuth_sigma, self.elevation, self.confidence, self.weight, self.score, self.estimate, self.source, self.count, self.frame, self.flags, self.azimuth_rate, self.age), force_mavlink1=force_mavlink1)
 
 
 # Define name on the class for backwards compatibility (it is now msgname).
@@ -1213,6 +1301,70 @@ class MAVLink_ross_link_message(MAVLink_message):
 setattr(MAVLink_ross_link_message, "name", mavlink_msg_deprecated_name_property())
 
 
+class MAVLink_ross_stream_message(MAVLink_message):
+    """
+    State of one stream of live listening; one message per stream.
+    Sent every 2 s and when its state changes. A stream that has ended
+    is still sent, without the flag ON, until its number is given to
+    another.
+    """
+
+    id = MAVLINK_MSG_ID_ROSS_STREAM
+    msgname = "ROSS_STREAM"
+    fieldnames = ["time_usec", "azimuth", "gain", "rate", "lost", "packets_lost", "port", "delay", "number", "count", "selection", "source", "group", "listeners", "flags", "frame", "codec", "level", "sink", "address", "detail"]
+    ordered_fieldnames = ["time_usec", "azimuth", "gain", "rate", "lost", "packets_lost", "port", "delay", "number", "count", "selection", "source", "group", "listeners", "flags", "frame", "codec", "level", "sink", "address", "detail"]
+    fieldtypes = ["uint64_t", "float", "float", "uint32_t", "uint32_t", "uint32_t", "uint16_t", "uint16_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "uint8_t", "int8_t", "char", "char", "char"]
+    fielddisplays_by_name: Dict[str, str] = {"flags": "bitmask"}
+    fieldenums_by_name: Dict[str, str] = {"selection": "ROSS_SELECTION", "flags": "ROSS_STREAM_FLAGS", "frame": "ROSS_FRAME", "codec": "ROSS_CODEC"}
+    fieldunits_by_name: Dict[str, str] = {"time_usec": "us", "azimuth": "rad", "gain": "dB", "rate": "Hz", "delay": "ms", "level": "dB"}
+    native_format = bytearray(b"<QffIIIHHBBBBBBBBBbccc")
+    orders = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20]
+    lengths = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]
+    array_lengths = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 10, 40, 24]
+    crc_extra = 95
+    unpacker = struct.Struct("<QffIIIHHBBBBBBBBBb10s40s24s")
+    instance_field = "number"
+    instance_offset = 32
+
+    def __init__(self, time_usec: int, azimuth: float, gain: float, rate: int, lost: int, packets_lost: int, port: int, delay: int, number: int, count: int, selection: int, source: int, group: int, listeners: int, flags: int, frame: int, codec: int, level: int, sink: bytes, address: bytes, detail: bytes):
+        MAVLink_message.__init__(self, MAVLink_ross_stream_message.id, MAVLink_ross_stream_message.msgname)
+        self._fieldnames = MAVLink_ross_stream_message.fieldnames
+        self._instance_field = MAVLink_ross_stream_message.instance_field
+        self._instance_offset = MAVLink_ross_stream_message.instance_offset
+        self.time_usec = time_usec
+        self.azimuth = azimuth
+        self.gain = gain
+        self.rate = rate
+        self.lost = lost
+        self.packets_lost = packets_lost
+        self.port = port
+        self.delay = delay
+        self.number = number
+        self.count = count
+        self.selection = selection
+        self.source = source
+        self.group = group
+        self.listeners = listeners
+        self.flags = flags
+        self.frame = frame
+        self.codec = codec
+        self.level = level
+        self._sink_raw = sink
+        self.sink = sink.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+        self._address_raw = address
+        self.address = address.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+        self._detail_raw = detail
+        self.detail = detail.split(b"\x00", 1)[0].decode("ascii", errors="replace")
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.azimuth, self.gain, self.rate, self.lost, self.packets_lost, self.port, self.delay, self.number, self.count, self.selection, self.source, self.group, self.listeners, self.flags, self.frame, self.codec, self.level, self._sink_raw, self._address_raw, self._detail_raw), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_ross_stream_message, "name", mavlink_msg_deprecated_name_property())
+
+
 class MAVLink_command_cancel_message(MAVLink_message):
     """
     End a command that is in progress. The answer is a COMMAND_ACK of
@@ -1399,6 +1551,7 @@ mavlink_map: Dict[int, Type[MAVLink_message]] = {
     MAVLINK_MSG_ID_ROSS_DENSITY: MAVLink_ross_density_message,
     MAVLINK_MSG_ID_ROSS_ISOLATION: MAVLink_ross_isolation_message,
     MAVLINK_MSG_ID_ROSS_LINK: MAVLink_ross_link_message,
+    MAVLINK_MSG_ID_ROSS_STREAM: MAVLink_ross_stream_message,
     MAVLINK_MSG_ID_COMMAND_CANCEL: MAVLink_command_cancel_message,
     MAVLINK_MSG_ID_PROTOCOL_VERSION: MAVLink_protocol_version_message,
     MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC: MAVLink_component_information_basic_message,
@@ -1895,7 +2048,7 @@ class MAVLink(object):
         """
         self.send(self.ross_status_encode(time_usec, mission_time, state, outcome, frame, flags, actuator_flags, heading, heading_goal, joint, joint_rate, mount_yaw, score, criterion, rotation, rotation_max, k, target), force_mavlink1=force_mavlink1)
 
-    def ross_source_encode(self, time_usec: int, azimuth: float, azimuth_mirror: float, azimuth_sigma: float, elevation: float, confidence: float, weight: float, score: float, estimate: int, source: int, count: int, frame: int, flags: int) -> MAVLink_ross_source_message:
+    def ross_source_encode(self, time_usec: int, azimuth: float, azimuth_mirror: float, azimuth_sigma: float, elevation: float, confidence: float, weight: float, score: float, estimate: int, source: int, count: int, frame: int, flags: int, azimuth_rate: float = 0, age: float = 0) -> MAVLink_ross_source_message:
         """
         One source of an estimate; one message per source. Sent with every
         estimate, on change, and repeated every 5 s. The sources of
@@ -1915,11 +2068,13 @@ class MAVLink(object):
         count                     : Number of sources in the estimate (K). (type:uint8_t)
         frame                     : What the azimuths are relative to. (type:uint8_t, values:ROSS_FRAME)
         flags                     : What is known about the source. (type:uint8_t, values:ROSS_SOURCE_FLAGS)
+        azimuth_rate              : Rate of the azimuth, clockwise. 0: at rest, or not tracked. [rad/s] (type:float)
+        age                       : Time since the source was last heard, while the azimuth is tracked. 0: it talks, or is not tracked. [s] (type:float)
 
         """
-        return MAVLink_ross_source_message(time_usec, azimuth, azimuth_mirror, azimuth_sigma, elevation, confidence, weight, score, estimate, source, count, frame, flags)
+        return MAVLink_ross_source_message(time_usec, azimuth, azimuth_mirror, azimuth_sigma, elevation, confidence, weight, score, estimate, source, count, frame, flags, azimuth_rate, age)
 
-    def ross_source_send(self, time_usec: int, azimuth: float, azimuth_mirror: float, azimuth_sigma: float, elevation: float, confidence: float, weight: float, score: float, estimate: int, source: int, count: int, frame: int, flags: int, force_mavlink1: bool = False) -> None:
+    def ross_source_send(self, time_usec: int, azimuth: float, azimuth_mirror: float, azimuth_sigma: float, elevation: float, confidence: float, weight: float, score: float, estimate: int, source: int, count: int, frame: int, flags: int, azimuth_rate: float = 0, age: float = 0, force_mavlink1: bool = False) -> None:
         """
         One source of an estimate; one message per source. Sent with every
         estimate, on change, and repeated every 5 s. The sources of
@@ -1939,9 +2094,11 @@ class MAVLink(object):
         count                     : Number of sources in the estimate (K). (type:uint8_t)
         frame                     : What the azimuths are relative to. (type:uint8_t, values:ROSS_FRAME)
         flags                     : What is known about the source. (type:uint8_t, values:ROSS_SOURCE_FLAGS)
+        azimuth_rate              : Rate of the azimuth, clockwise. 0: at rest, or not tracked. [rad/s] (type:float)
+        age                       : Time since the source was last heard, while the azimuth is tracked. 0: it talks, or is not tracked. [s] (type:float)
 
         """
-        self.send(self.ross_source_encode(time_usec, azimuth, azimuth_mirror, azimuth_sigma, elevation, confidence, weight, score, estimate, source, count, frame, flags), force_mavlink1=force_mavlink1)
+        self.send(self.ross_source_encode(time_usec, azimuth, azimuth_mirror, azimuth_sigma, elevation, confidence, weight, score, estimate, source, count, frame, flags, azimuth_rate, age), force_mavlink1=force_mavlink1)
 
     def ross_alignment_encode(self, time_usec: int, aliased: int, heading: float, joint: float, isolation: float, plan: int, candidate: int, count: int, source: int, rule: int, state: int, frame: int, gain: float = 0) -> MAVLink_ross_alignment_message:
         """
@@ -2208,6 +2365,70 @@ class MAVLink(object):
 
         """
         self.send(self.ross_link_encode(time_usec, sent, dropped, received, lost, bad, refused, reconnects, link, count, flags, url), force_mavlink1=force_mavlink1)
+
+    def ross_stream_encode(self, time_usec: int, azimuth: float, gain: float, rate: int, lost: int, packets_lost: int, port: int, delay: int, number: int, count: int, selection: int, source: int, group: int, listeners: int, flags: int, frame: int, codec: int, level: int, sink: bytes, address: bytes, detail: bytes) -> MAVLink_ross_stream_message:
+        """
+        State of one stream of live listening; one message per stream. Sent
+        every 2 s and when its state changes. A stream that has ended
+        is still sent, without the flag ON, until its number is given
+        to another.
+
+        time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
+        azimuth                   : Where the voice comes from that it carries, or is to carry. NaN: not known. [rad] (type:float)
+        gain                      : Gain that was commanded. [dB] (type:float)
+        rate                      : Sampling rate of the audio that leaves. [Hz] (type:uint32_t)
+        lost                      : Samples that did not get out since it was started; wraps. (type:uint32_t)
+        packets_lost              : Packets that its listeners report as lost. UINT32_MAX: not known. (type:uint32_t)
+        port                      : Port at the address. 0: none. (type:uint16_t)
+        delay                     : From the microphone until it leaves the payload. UINT16_MAX: not known. [ms] (type:uint16_t)
+        number                    : Number of the stream, from 0. (type:uint8_t)
+        count                     : Every number is below this. (type:uint8_t)
+        selection                 : What it is to carry. (type:uint8_t, values:ROSS_SELECTION)
+        source                    : The source that it carries, or is to carry, an index of ROSS_SOURCE. UINT8_MAX: none, or not known. (type:uint8_t)
+        group                     : The separated group that it carries. UINT8_MAX: none. (type:uint8_t)
+        listeners                 : How many take it. UINT8_MAX: not known, as with RTP: any number may. (type:uint8_t)
+        flags                     : State of the stream. (type:uint8_t, values:ROSS_STREAM_FLAGS)
+        frame                     : What azimuth is relative to. (type:uint8_t, values:ROSS_FRAME)
+        codec                     : How the audio is coded. (type:uint8_t, values:ROSS_CODEC)
+        level                     : Level over the last second, re full scale. INT8_MAX: not known. [dB] (type:int8_t)
+        sink                      : Kind of the sink: rtp, tcp, file, device, or the name of a plug-in. (type:char)
+        address                   : Where it goes: an IP address, a host, a device or a file. (type:char)
+        detail                    : What else there is to say, in words. (type:char)
+
+        """
+        return MAVLink_ross_stream_message(time_usec, azimuth, gain, rate, lost, packets_lost, port, delay, number, count, selection, source, group, listeners, flags, frame, codec, level, sink, address, detail)
+
+    def ross_stream_send(self, time_usec: int, azimuth: float, gain: float, rate: int, lost: int, packets_lost: int, port: int, delay: int, number: int, count: int, selection: int, source: int, group: int, listeners: int, flags: int, frame: int, codec: int, level: int, sink: bytes, address: bytes, detail: bytes, force_mavlink1: bool = False) -> None:
+        """
+        State of one stream of live listening; one message per stream. Sent
+        every 2 s and when its state changes. A stream that has ended
+        is still sent, without the flag ON, until its number is given
+        to another.
+
+        time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
+        azimuth                   : Where the voice comes from that it carries, or is to carry. NaN: not known. [rad] (type:float)
+        gain                      : Gain that was commanded. [dB] (type:float)
+        rate                      : Sampling rate of the audio that leaves. [Hz] (type:uint32_t)
+        lost                      : Samples that did not get out since it was started; wraps. (type:uint32_t)
+        packets_lost              : Packets that its listeners report as lost. UINT32_MAX: not known. (type:uint32_t)
+        port                      : Port at the address. 0: none. (type:uint16_t)
+        delay                     : From the microphone until it leaves the payload. UINT16_MAX: not known. [ms] (type:uint16_t)
+        number                    : Number of the stream, from 0. (type:uint8_t)
+        count                     : Every number is below this. (type:uint8_t)
+        selection                 : What it is to carry. (type:uint8_t, values:ROSS_SELECTION)
+        source                    : The source that it carries, or is to carry, an index of ROSS_SOURCE. UINT8_MAX: none, or not known. (type:uint8_t)
+        group                     : The separated group that it carries. UINT8_MAX: none. (type:uint8_t)
+        listeners                 : How many take it. UINT8_MAX: not known, as with RTP: any number may. (type:uint8_t)
+        flags                     : State of the stream. (type:uint8_t, values:ROSS_STREAM_FLAGS)
+        frame                     : What azimuth is relative to. (type:uint8_t, values:ROSS_FRAME)
+        codec                     : How the audio is coded. (type:uint8_t, values:ROSS_CODEC)
+        level                     : Level over the last second, re full scale. INT8_MAX: not known. [dB] (type:int8_t)
+        sink                      : Kind of the sink: rtp, tcp, file, device, or the name of a plug-in. (type:char)
+        address                   : Where it goes: an IP address, a host, a device or a file. (type:char)
+        detail                    : What else there is to say, in words. (type:char)
+
+        """
+        self.send(self.ross_stream_encode(time_usec, azimuth, gain, rate, lost, packets_lost, port, delay, number, count, selection, source, group, listeners, flags, frame, codec, level, sink, address, detail), force_mavlink1=force_mavlink1)
 
     def command_cancel_encode(self, target_system: int, target_component: int, command: int) -> MAVLink_command_cancel_message:
         """

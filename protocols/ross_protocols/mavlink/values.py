@@ -9,7 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-DIALECT_VERSION = 3
+from ross_protocols.mavlink.stream_values import StreamReport
+
+DIALECT_VERSION = 4
 CURVE_POINTS = 80
 
 
@@ -130,6 +132,8 @@ class Status:
     certain: bool = False
     target_found: bool = False
     time_unix: bool = False  # time_usec is UNIX time, else since boot
+    streaming: bool = False  # what is heard leaves the payload live
+    recording: bool = False  # what is heard is kept on a disk
     actuator_present: bool = False
     settled: bool = False
     homed: bool = False
@@ -156,6 +160,9 @@ class Source:
     score: float | None = None
     target: bool = False
     final: bool = False
+    tracked: bool = False  # followed while the mission listens: rate and age mean something
+    rate: float | None = None  # of the azimuth [rad/s], None: at rest or not tracked
+    age: float | None = None  # since it was heard last [s], None: it talks or is not tracked
 
 
 @dataclass(frozen=True, slots=True)
@@ -292,5 +299,5 @@ class Array:
 
 Value = (
     Heartbeat | Text | Information | Status | Source | Alignment | Separation | Audio | Recording | Density | Isolation
-    | LinkReport | Named | Array
+    | LinkReport | StreamReport | Named | Array
 )  # fmt: skip

@@ -177,22 +177,18 @@ def _check(options: Options) -> Steps:
     lowest = yield SdoTransfer(cia402.LOWEST, needed=False)
     highest = yield SdoTransfer(cia402.HIGHEST, needed=False)
     if lowest is not None and highest is not None:
-        _check_travel(options, lowest, highest)
+        if lowest >= highest:
+            raise ActuatorFault(f"the drive's software limits are invalid: {lowest} to {highest} counts")
+        lower, upper = options.travel
+        if lower < lowest or upper > highest:
+            raise ActuatorFault(
+                f"the travel of {lower} to {upper} counts is beyond the drive's software limits, {lowest} to {highest}"
+            )
     rpm = yield SdoTransfer(cia402.MAX_MOTOR_SPEED, needed=False)
     needed = options.max_speed_deg_s * abs(options.gear_ratio) / 6
     if rpm is not None and rpm < needed * (1 - 1e-9):
         most = rpm * 6 / abs(options.gear_ratio)
         raise ActuatorFault(f"max_speed_deg_s = {options.max_speed_deg_s:g} is beyond the drive's own {most:g} deg/s")
-
-
-def _check_travel(options: Options, lowest: int, highest: int) -> None:
-    if lowest >= highest:
-        raise ActuatorFault(f"the drive's software limits are invalid: {lowest} to {highest} counts")
-    lower, upper = options.travel
-    if lower < lowest or upper > highest:
-        raise ActuatorFault(
-            f"the travel of {lower} to {upper} counts is beyond the drive's software limits, {lowest} to {highest}"
-        )
 
 
 def _map(parameter: int, identifier: int, items: Sequence[Item]) -> Steps:

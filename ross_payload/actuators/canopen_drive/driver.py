@@ -83,7 +83,14 @@ class CanopenDrive(Driver):
             self._homing = False
             self._controller.end(State.QUICK_STOP_ACTIVE if self._fault else State.SWITCH_ON_DISABLED)
         elif not self._homing:
-            self._home()
+            self._homing, self._known, self._next = True, self._options.absolute, None
+            self._fault, self._client.event, self._client.emergency = "", "", None
+            self._diagnostics = DriveDiagnostics()
+            self._positions.clear()
+            if self._controller.mode is Mode.HOMING:  # one that was broken off
+                self._controller.end(State.QUICK_STOP_ACTIVE)
+            if self._client.restarted or not self._client.running:
+                self._begin()
 
     def write(self, now: float) -> None:
         """Send our heartbeat and what the drive is to do."""
@@ -214,16 +221,6 @@ class CanopenDrive(Driver):
 
     def _go(self, move: Move) -> None:
         self._controller.go(self._options.counts(move.goal), self._options.span(math.degrees(move.rate)))
-
-    def _home(self) -> None:
-        self._homing, self._known, self._next = True, self._options.absolute, None
-        self._fault, self._client.event, self._client.emergency = "", "", None
-        self._diagnostics = DriveDiagnostics()
-        self._positions.clear()
-        if self._controller.mode is Mode.HOMING:  # one that was broken off
-            self._controller.end(State.QUICK_STOP_ACTIVE)
-        if self._client.restarted or not self._client.running:
-            self._begin()
 
     # ------------------------------------------------------------------------------------------ out
 

@@ -137,9 +137,7 @@ class ServoClient:
         self._info_query.on_frames(frames)
         if not math.isinf(self.heard_at):
             self._info_query.poll(self._node, now)
-        self._check_bus(Counter(frame.id & 0x7F for frame in frames), now)
-
-    def _check_bus(self, senders: Counter[int], now: float) -> None:
+        senders = Counter(frame.id & 0x7F for frame in frames)
         self._traffic.update(now, senders, self._decoder.broken[self._options.node_id])
         only_beats = math.isinf(self.report.time)
         late = now - max(self.heard_at, self._start) > (ALIVE_TIMEOUT_S if only_beats else LATE_REPORT_S)

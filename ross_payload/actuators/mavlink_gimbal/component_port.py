@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from typing import Any
 
 from ross_payload.actuators.wires import open_wire
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clock, Port
 from ross_payload.mavlink import Received, Router
+from ross_payload.transport.async_task import drained
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
 
@@ -51,12 +52,7 @@ class ComponentPort:
 
     def receive(self) -> list[Any]:
         """Return what has arrived."""
-        received = []
-        try:
-            while True:
-                received.append(self._received.get_nowait())
-        except Empty:
-            return received
+        return list(drained(self._received))
 
     def close(self) -> None:
         """Hear nothing more; the links stay."""

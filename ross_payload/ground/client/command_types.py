@@ -6,13 +6,11 @@ Degrees are those of the page and of the commands: clockwise, in the frame of th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from ross_protocols.mavlink.dialect import ross
 
-LONGEST_NOISE = 60.0  # [s]
 MOST_AZIMUTHS = 6  # of an `Inform`
 VOICE, SOURCE, AZIMUTH = ross.ROSS_LISTEN_MODE_VOICE, ross.ROSS_LISTEN_MODE_SOURCE, ross.ROSS_LISTEN_MODE_AZIMUTH
 
@@ -162,71 +160,3 @@ class Record(Order):
     def words(self) -> str:
         """Which of the two."""
         return "start recording" if self.on else "stop recording"
-
-
-PLAIN: dict[str, type[Order]] = {
-    "explore": Explore,
-    "stop": Stop,
-    "cancel": Cancel,
-    "park": Park,
-    "home": Home,
-    "rearm": Rearm,
-}
-
-
-def order_of(mapping: Mapping[str, Any]) -> Order:
-    """Return the order that a JSON object asks for.
-
-    >>> order_of({"kind": "turn", "heading": 40}), order_of({"kind": "listen"}).words
-    (Turn(heading=40.0), 'find the enrolled voice')
-
-    Raises
-    ------
-    ValueError
-        When it asks for none, or with a number that cannot be meant.
-    """
-    kind = mapping.get("kind")
-    if not isinstance(kind, str) or kind not in READERS:
-        raise ValueError(f"kind: expected one of {', '.join(READERS)}, got {_short(kind)}")
-    return READERS[kind](mapping)
-
-
-def _listen(mapping: Mapping[str, Any]) -> Order:
-    source, azimuth = mapping.get("source"), mapping.get("azimuth")
-    if source is not None and azimuth is not None:
-        raise ValueError("listen: expected a source or an azimuth, got both")
-    if source is not None:
-        index = _number(mapping, "source", 0, 255)
-        if index % 1:
-            raise ValueError(f"source: expected a whole number, got {index:g}")
-        return Listen(source=int(index))
-    return Listen() if azimuth is None else Listen(azimuth=_number(mapping, "azimuth", -360, 360))
-
-
-def _record(mapping: Mapping[str, Any]) -> Order:
-    on = mapping.get("on")
-    if not isinstance(on, bool):
-        raise ValueError(f"on: expected true or false, got {_short(on)}")
-    return Record(on)
-
-
-def _number(mapping: Mapping[str, Any], name: str, lower: float, upper: float) -> float:
-    value = mapping.get(name)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not lower <= value <= upper:
-        raise ValueError(f"{name}: expected {lower:g} to {upper:g}, got {_short(value)}")
-    return float(value)
-
-
-def _short(value: Any) -> str:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "nothing" if value is None else "NaN"
-    return repr(value)[:40]
-
-
-READERS: dict[str, Callable[[Mapping[str, Any]], Order]] = {
-    **{kind: lambda mapping, plain=plain: plain() for kind, plain in PLAIN.items()},  # type: ignore[misc]
-    "listen": _listen,
-    "turn": lambda mapping: Turn(_number(mapping, "heading", -360, 360)),
-    "record": _record,
-    "noise": lambda mapping: Noise(_number(mapping, "seconds", 0, LONGEST_NOISE)),
-}

@@ -10,7 +10,8 @@ from pathlib import Path
 from ross_payload.ground.client.payload import Payload
 from ross_payload.ground.client.streams import Wakeup
 from ross_payload.ground.errors import NoPayload
-from ross_payload.ground.station import Station, read_key
+from ross_payload.ground.links.signing import read_key
+from ross_payload.ground.station import Station
 from ross_protocols.mavlink.component_id import ComponentId
 
 OTHERS_S = 1.5  # after the first payload, in which every other one sends a heartbeat

@@ -10,7 +10,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ross_payload.ground.client.audio_streams import AudioStream
 from ross_payload.ground.model.payload_state import PayloadState, SourceTrack
+from ross_payload.ground.model.stream_rows import changed
 from ross_payload.ground.model.view import word
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.field_converters import compass
@@ -28,14 +30,18 @@ class SourceEstimate:
     confidence: float  # 0 to 1
     earth: bool  # azimuths count from north
     target: bool  # the enrolled voice
+    rate_deg_s: float | None = None  # of the azimuth, clockwise; None: it is not tracked
+    age_s: float | None = None  # since it was last heard, while it is tracked
 
     @classmethod
     def of(cls, source: Source) -> SourceEstimate:
         """Convert what telemetry says of a source."""
         mirror = None if source.mirror is None else compass(source.mirror)
+        tracked = source.tracked
         return cls(
             source.source, compass(source.azimuth), mirror, math.degrees(source.sigma), source.confidence,
             source.earth, source.target,
+            0.0 - math.degrees(source.rate or 0.0) if tracked else None, (source.age or 0.0) if tracked else None,
         )  # fmt: skip
 
 
@@ -92,6 +98,13 @@ class FaultCleared(Event):
 
 
 @dataclass(frozen=True, slots=True)
+class StreamChanged(Event):
+    """A stream of live listening starts, ends, carries something else, gains or loses a listener, fails or recovers."""
+
+    stream: AudioStream
+
+
+@dataclass(frozen=True, slots=True)
 class TextReceived(Event):
     """A text for humans, whole."""
 
@@ -136,6 +149,8 @@ def events_between(before: PayloadState, after: PayloadState) -> Iterator[Event]
     for source in after.sources if tracks else ():
         if source not in before.sources:
             yield from _source_events(source, tracks, before.trails, at)
+    for stream in changed(before.streams, after.streams) if after.streams is not before.streams else ():
+        yield StreamChanged(at, AudioStream.of(stream))
     known = {id(text) for text in before.texts}
     for text in after.texts:
         if id(text) not in known:

@@ -155,7 +155,12 @@ class ParamClient:
             self._ask()
         for name, setting in list(self._settings.items()):
             if setting.state == SENDING and now - setting.at >= ANSWER_TIMEOUT_S:
-                self._insist(name, setting)
+                if setting.sent < MOST_SENDS:
+                    self._send_value(name)
+                elif setting.kept:
+                    self._refuse(name, f"it stays at {setting.value:g}")
+                else:
+                    self._settings[name] = replace(setting, state=NO_ANSWER, reason=NOT_ANSWERED, at=self._now)
         if self._settings:  # the list first: it is what people wait for
             self._metadata.tick(now)
 
@@ -198,14 +203,6 @@ class ParamClient:
         if same_on_the_wire(value, before.wanted):
             return _Parameter(value, SET, at=self._now)
         return replace(before, value=value, kept=True)
-
-    def _insist(self, name: str, setting: _Parameter) -> None:
-        if setting.sent < MOST_SENDS:
-            self._send_value(name)
-        elif setting.kept:
-            self._refuse(name, f"it stays at {setting.value:g}")
-        else:
-            self._settings[name] = replace(setting, state=NO_ANSWER, reason=NOT_ANSWERED, at=self._now)
 
     def _send_value(self, name: str) -> None:
         setting = self._settings[name]

@@ -14,7 +14,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from types import TracebackType
 from typing import Self
 from weakref import WeakSet
 
@@ -45,7 +44,8 @@ from ross_payload.ground.client.events import (
 )
 from ross_payload.ground.client.param_client import ParamClient
 from ross_payload.ground.client.parameters import REASON_TIMEOUT_S, Parameters
-from ross_payload.ground.client.streams import EventStream, Found, Wakeup
+from ross_payload.ground.client.stream_requests import StreamRequests
+from ross_payload.ground.client.streams import EventStream, Found
 from ross_payload.ground.errors import (
     LinkLost,
     RefusedByPayload,
@@ -65,7 +65,7 @@ FAILURES = {REFUSED: RefusedByPayload, FAILED: TaskFailed, CANCELLED: TaskCancel
 DEFAULT_REASONS = {reason for _, reason in ENDS.values()}
 
 
-class Payload:
+class Payload(StreamRequests):
     """One payload that an open `Station` receives. An async context manager.
 
     Every request is a coroutine that ends when the payload says that it is done, and raises otherwise:
@@ -81,14 +81,14 @@ class Payload:
 
     def __init__(self, station: Station, component: ComponentId) -> None:
         self.id = component
-        us = station.system_id, station.component_id
+        us = ComponentId(station.system_id, station.component_id)
+        super().__init__(lambda message: station.send(message, component), component, us)
         self._station = station
         self._state = station.fleet.payloads[component]
         self._commands = CommandProtocol(station.send, *us)
         self._settings = ParamClient(station.send, component, *us)
         self._statuses: dict[int, CommandStatus] = {}
-        self._changed = Wakeup()
-        self._streams: WeakSet[EventStream] = WeakSet()
+        self._event_streams: WeakSet[EventStream] = WeakSet()
         self._silent = False
         self.parameters = Parameters(self._settings, self._changed)
 
@@ -99,9 +99,7 @@ class Payload:
         self._ticking = asyncio.create_task(self._tick())
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *error: object) -> None:
         """End every iteration over events, and every request that is not over; the payload goes on."""
         self._ticking.cancel()
         with suppress(asyncio.CancelledError):
@@ -215,7 +213,7 @@ class Payload:
         Every iteration gets every event. Of those that nobody asks for, the latest 10,000 are kept.
         """
         stream = EventStream(self._changed)
-        self._streams.add(stream)
+        self._event_streams.add(stream)
         return stream
 
     async def until(self, find: Callable[[], Found | None]) -> Found:
@@ -238,6 +236,7 @@ class Payload:
         self._commands.on_packet(packet, at)
         self._settings.on_state(self._state)
         self._settings.on_packet(packet, at)
+        self._on_file_packet(packet, at)
         if self._silent:
             self._silent = False
             self._publish(ContactRestored(at))
@@ -250,7 +249,7 @@ class Payload:
         while True:
             now = self._station.now()
             self._commands.tick(now)
-            if self.parameters.wanted:
+            if not self._read_files(now) and self.parameters.wanted:
                 self._settings.tick(now)
             if not self._silent and now - self._state.last > SILENT_S:
                 self._silent = True
@@ -258,8 +257,11 @@ class Payload:
             self._publish_progress()
             await asyncio.sleep(TICK_S)
 
+    def _reads_files(self) -> bool:
+        return self.parameters.wanted and not self._settings.described
+
     def _publish(self, event: Event) -> None:
-        for stream in self._streams:
+        for stream in self._event_streams:
             stream.on_event(event)
 
     def _publish_progress(self) -> None:

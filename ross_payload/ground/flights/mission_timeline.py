@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ross_payload.ground.model.payload_state import Moment
+from ross_payload.ground.model.stream_rows import lasting
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common, ross
+from ross_protocols.mavlink.stream_values import StreamReport
 from ross_protocols.mavlink.values import Alignment, Heartbeat, Information, Named, Separation, Source, Status
 
 EXPLORING = (ross.ROSS_STATE_EXPLORE_TURN, ross.ROSS_STATE_EXPLORE_LISTEN)
@@ -19,6 +21,7 @@ TIMELINE_MESSAGES = (
     ross.MAVLINK_MSG_ID_ROSS_SOURCE,
     ross.MAVLINK_MSG_ID_ROSS_ALIGNMENT,
     ross.MAVLINK_MSG_ID_ROSS_SEPARATION,
+    ross.MAVLINK_MSG_ID_ROSS_STREAM,
 )  # messages that a `MissionTimeline` reads
 
 
@@ -60,6 +63,15 @@ class TimedSeparation:
     groups: dict[int, Separation] = field(default_factory=dict)
 
 
+@dataclass(slots=True)
+class StreamSpan:
+    """A stream of live listening, as long as it went on without a change."""
+
+    at: float  # [s]
+    until: float  # [s]
+    stream: StreamReport  # as it was told last
+
+
 class MissionTimeline:
     """Listens to the values of one payload; what is repeated is told once."""
 
@@ -72,6 +84,8 @@ class MissionTimeline:
         self.tried: dict[tuple[int, int, int], TriedCandidate] = {}
         self.separated: dict[tuple[int, int], TimedSeparation] = {}
         self.sources: dict[int, Source] = {}  # of the latest estimate
+        self.streams: list[StreamSpan] = []
+        self._streams_on: dict[int, StreamSpan] = {}  # by number
         self.moments: list[Moment] = []
         self._mirrors: dict[str, float] = {}
 
@@ -81,7 +95,10 @@ class MissionTimeline:
             case Information():
                 self.information = value
             case Status():
-                self._status(value, at)
+                self.status = value
+                self._stay(value.state, at)
+                self._explored(value.state, value.k, at, value.rotation)
+                self.moments.append(Moment.of(value, at))
             case Source():
                 self._source(value)
             case Alignment():
@@ -90,16 +107,24 @@ class MissionTimeline:
             case Separation():
                 number = (value.time_usec, value.separation)
                 self.separated.setdefault(number, TimedSeparation(at)).groups[value.group] = value
+            case StreamReport():
+                self._stream(value, at)
             case Heartbeat() if self.status is None:
                 self._stay(value.state, at)
             case Named() if self.status is None:
                 self._mirror(value, at)
 
-    def _status(self, status: Status, at: float) -> None:
-        self.status = status
-        self._stay(status.state, at)
-        self._explored(status.state, status.k, at, status.rotation)
-        self.moments.append(Moment.of(status, at))
+    def _stream(self, stream: StreamReport, at: float) -> None:
+        before = self._streams_on.pop(stream.number, None)
+        if before is not None:
+            before.until = at
+        if not stream.on:
+            return
+        if before is None or lasting(before.stream) != lasting(stream):
+            before = StreamSpan(at, at, stream)
+            self.streams.append(before)
+        before.stream = stream
+        self._streams_on[stream.number] = before
 
     def _mirror(self, named: Named, at: float) -> None:
         """Take what a payload says to those who do not know its dialect."""

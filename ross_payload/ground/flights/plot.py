@@ -79,7 +79,10 @@ def _row(row: Any, content: FlightContent, who: ComponentId) -> None:
     _scene(row.add_subplot(grid[:, 0], projection="polar"), timeline)
     k, score, heading = (row.add_subplot(grid[place, 1]) for place in range(3))
     for axes in (k, score, heading):
-        _states(axes, timeline)
+        for stay in timeline.states:
+            colour = STATES.get(str(word("ROSS_STATE", stay.state)))
+            if colour is not None:
+                axes.axvspan(stay.at, stay.until, color=colour, lw=0)
         axes.set_xlim(0, max(content.flight.duration, 1e-3))
     _curve(k, timeline, "K", lambda moment: moment.k, drawstyle="steps-post")
     _curve(score, timeline, "score", lambda moment: moment.score)
@@ -116,13 +119,6 @@ def _wedge(axes: Any, source: Source, colour: str) -> None:
         axes.plot([-source.mirror] * 2, [0, 1.0], color=colour, ls="--", lw=1)
     name = f"{source.source}{' target' if source.target else ''}"
     axes.annotate(name, (-source.azimuth, 1.08), ha="center", va="center", fontweight="bold", color=colour)
-
-
-def _states(axes: Any, timeline: MissionTimeline) -> None:
-    for stay in timeline.states:
-        colour = STATES.get(str(word("ROSS_STATE", stay.state)))
-        if colour is not None:
-            axes.axvspan(stay.at, stay.until, color=colour, lw=0)
 
 
 def _legend(axes: Any, timeline: MissionTimeline) -> None:

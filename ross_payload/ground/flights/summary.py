@@ -17,6 +17,7 @@ from ross_payload.ground.flights.mission_timeline import (
     TIMELINE_MESSAGES,
     Exploration,
     MissionTimeline,
+    StreamSpan,
     TimedSeparation,
     TriedCandidate,
 )
@@ -25,6 +26,7 @@ from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.payload_state import StatusText
 from ross_payload.ground.model.state_reducer import is_sane
 from ross_payload.ground.model.status_text import PREFIX
+from ross_payload.ground.model.stream_rows import stream_row
 from ross_payload.ground.model.view import candidate_row, group_row, source_row, word
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
@@ -52,16 +54,13 @@ class FlightContent:
         inner = unwrapped(packet)
         value = None if inner is None else inner.value
         if isinstance(value, Text) or timeline.who not in self._fleet.payloads:
-            self._text(timeline.who, packet, at)
+            before = self._fleet.payloads.get(timeline.who)
+            self._fleet.on_packet(packet, at)
+            after = self._fleet.payloads.get(timeline.who)
+            if after is not None:
+                self.texts[timeline.who].extend(after.texts_since(before))
         if value is not None and is_sane(value):
             timeline.on_value(value, at)
-
-    def _text(self, who: ComponentId, packet: Packet, at: float) -> None:
-        before = self._fleet.payloads.get(who)
-        self._fleet.on_packet(packet, at)
-        after = self._fleet.payloads.get(who)
-        if after is not None:
-            self.texts[who].extend(after.texts_since(before))
 
 
 def chosen(flight: Flight, payload: ComponentId | None) -> tuple[ComponentId, ...]:
@@ -129,6 +128,7 @@ def _payload(content: FlightContent, who: ComponentId, counted: FrameStats) -> d
         "sources": [_source(each) for _, each in sorted(timeline.sources.items())],
         "alignments": [_tried(each) for each in timeline.tried.values()],
         "separations": [_separated(each) for each in timeline.separated.values()],
+        "streams": [_stream(each) for each in timeline.streams],
         "events": [
             {"at": text.at, "severity": text.severity, "text": text.text.removeprefix(PREFIX)}
             for text in content.texts[who]
@@ -176,6 +176,11 @@ def _separated(separated: TimedSeparation) -> dict[str, Any]:
         **_part(rows[0], "phase method heading"),
         "groups": [_part(row, "group members score criterion si_sdri accepted target") for row in rows],
     }
+
+
+def _stream(span: StreamSpan) -> dict[str, Any]:
+    shown = "number whom place sink codec words lost packets_lost records"
+    return {"at": span.at, "duration": span.until - span.at, **_part(stream_row(span.stream), shown)}
 
 
 def _asked(asked: LoggedCommand) -> dict[str, Any]:

@@ -82,6 +82,11 @@ def _parts(payload: Row) -> Iterator[tuple[str, tuple[str, ...], list[list[Any]]
          _number(group["score"]), _number(group["criterion"]), "target" if group["target"] else ""]
         for each in payload["separations"] for group in each["groups"]
     ]  # fmt: skip
+    yield "Streams", ("at", "for", "stream", "carries", "to", "by", "is"), [
+        [span(each["at"]), span(each["duration"]), each["number"], each["whom"], each["place"],
+         ", ".join(filter(None, (each["sink"], each["codec"]))), each["words"]]
+        for each in payload["streams"]
+    ]  # fmt: skip
     yield "Events", ("at", "what"), [[span(each["at"]), each["text"]] for each in payload["events"]]
     yield "Orders", ("at", "from", "order", "answers"), [_order(each) for each in payload["commands"]]
     yield "Silence", ("at", "for"), [[span(each["at"]), span(each["duration"])] for each in payload["gaps"]]

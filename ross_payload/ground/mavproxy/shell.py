@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NoReturn
+
+from rich.text import Text
 
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_status import CommandStatus
-from ross_payload.ground.client.command_types import order_of
+from ross_payload.ground.client.order_json import order_of
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.terminal import blocks
@@ -15,6 +17,7 @@ from ross_payload.ground.terminal.blocks import clean
 from ross_payload.ground.terminal.controller import Selection
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.stream_command import place_of
 
 HELP = """\
 ross status                           what the payload does, and its health
@@ -27,13 +30,22 @@ ross cancel                           end the current task
 ross park|home|rearm                  go to the parking position; find the zero; accept moves again after a stop
 ross record on|off                    record a session on the payload's disk
 ross noise [SECONDS]                  measure the noise while no one talks
+ross streams                          live listening: what goes where
+ross stream WHOM ADDRESS:PORT         listen, live: opus, or /L16 behind the port, by RTP
+ross stream NUMBER WHOM|GAIN|mute     change a stream: whom, or its gain in dB
+ross stream off [NUMBER]              end a stream, or all of them
+ross enrol WHOM consent [N] [SECONDS] enrol a talker who has agreed, as talker-N
 ross payload [ID]                     list payloads, or choose one, such as 2-191
 ross help                             show this text
+WHOM: target, mixture, source N, azimuth DEG
 DEG: compass degrees, clockwise, from north or from the nose, as in ross status"""
 COMPLETIONS = [
     "<status|sources|explore|stop|cancel|park|home|rearm|noise|turn|payload|help>",
     "listen <voice|azimuth>",
     "record <on|off>",
+    "streams",
+    "stream <target|mixture|source|azimuth|off>",
+    "enrol <source|azimuth>",
 ]
 REASON_WITHIN_S = 0.4  # in which the reason of a refusal comes behind it
 
@@ -87,7 +99,7 @@ class Shell:
                 self._write(HELP)
             elif what == "payload":
                 self._choose(rest)
-            elif what in ("status", "sources"):
+            elif what in ("status", "sources", "streams"):
                 self._show(what)
             else:
                 order = order_of(order_of_words(what, rest))
@@ -106,7 +118,10 @@ class Shell:
     def _show(self, what: str) -> None:
         view = blocks.safe_view(self._known())
         if what == "status":
-            lines = blocks.head(view, self._selection.now) + blocks.strip(view) + blocks.health(view)
+            lines = blocks.head(view, self._selection.now) + blocks.strip(view)
+            lines += blocks.health(view) + blocks.streams(view)
+        elif what == "streams":
+            lines = blocks.streams(view) or [Text("no streams")]
         else:
             lines = blocks.sources(view, chosen=None) + blocks.plan(view)
         for line in lines:
@@ -156,9 +171,60 @@ def order_of_words(what: str, rest: list[str]) -> dict[str, Any]:
             order = {"azimuth": _number(azimuth)}
         case ("listen", [source]):
             order = {"source": _number(source)}
+        case ("stream", _):
+            return stream_of_words(rest) or _refuse(what, rest)
+        case ("enrol", _):
+            order = _enrolment(rest)
     if order is None:
-        raise ValueError(f"expected {_usage(what)}, got '{' '.join([what, *rest])}'")
-    return {"kind": what, **order}
+        _refuse(what, rest)
+    return {"kind": what, **(order or {})}
+
+
+def _refuse(what: str, rest: list[str]) -> NoReturn:
+    raise ValueError(f"expected {_usage(what)}, got '{' '.join([what, *rest])}'")
+
+
+def stream_of_words(rest: list[str]) -> dict[str, Any] | None:
+    """Return the order behind the word ``stream``; None: it is none.
+
+    >>> stream_of_words(["source", "2", "127.0.0.1:5004/L16"])
+    {'kind': 'stream', 'what': 'source', 'source': 2.0, 'address': '127.0.0.1', 'port': 5004, 'codec': 'L16'}
+    """
+    match rest:
+        case ["off", *number] if len(number) < 2:
+            return {"kind": "stop_stream", **({"stream": _number(number[0])} if number else {})}
+        case [*whom, place] if ":" in place and (selection := _selection(whom)):
+            address, port, codec = place_of(place)
+            return {"kind": "stream", **selection, "address": address, "port": port, "codec": codec}
+        case [number, *change] if number.isdecimal() and (changed := _change(change)):
+            return {"kind": "stream", "stream": _number(number), **changed}
+    return None
+
+
+def _change(words: list[str]) -> dict[str, Any] | None:
+    match words:
+        case ["mute"]:
+            return {"muted": True}
+        case [gain] if gain.lstrip("+-").replace(".", "", 1).isdecimal():
+            return {"gain": _number(gain), "muted": False}
+    return _selection(words)
+
+
+def _selection(whom: list[str]) -> dict[str, Any] | None:
+    match whom:
+        case ["target" | "mixture" as what]:
+            return {"what": what}
+        case ["source" | "azimuth" as what, which]:
+            return {"what": what, what: _number(which)}
+    return None
+
+
+def _enrolment(rest: list[str]) -> dict[str, Any] | None:
+    match rest:
+        case ["source" | "azimuth" as what, which, "consent", *more] if len(more) < 3:
+            numbers = zip(("voice", "seconds"), map(_number, more), strict=False)
+            return {what: _number(which), "consent": True, **dict(numbers)}
+    return None
 
 
 def _usage(what: str) -> str:

@@ -70,7 +70,9 @@ class Fleet:
         """Take a packet that came ``at`` a time [s] on a ``way``, a link and a peer; None: not told, as in a log."""
         self._senders.meet(packet, way)
         if packet.component_id == AUTOPILOT:
-            self._vehicle(packet, at)
+            place = position_of(packet.message)
+            if place is not None:
+                self.vehicles[packet.system_id] = Vehicle(packet.system_id, at, place)
             return
         who = packet.sender
         inner = unwrap(packet.message) if packet.name == "TUNNEL" else None
@@ -172,11 +174,6 @@ class Fleet:
     @staticmethod
     def _doubled(known: PayloadState) -> PayloadState:
         return replace(known if known.twin else flawed(known, twins(known.who)), twin=True)
-
-    def _vehicle(self, packet: Packet, at: float) -> None:
-        place = position_of(packet.message)
-        if place is not None:
-            self.vehicles[packet.system_id] = Vehicle(packet.system_id, at, place)
 
 
 def _is_ours(content: Packet) -> bool:

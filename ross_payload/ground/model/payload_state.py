@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.computer import Computer
+from ross_protocols.mavlink.stream_values import StreamReport
 from ross_protocols.mavlink.values import (
     Alignment,
     Audio,
@@ -110,6 +111,7 @@ class PayloadState:
     audio: Audio | None = None
     recording: Recording | None = None
     links: tuple[LinkReport, ...] = ()  # by index
+    streams: tuple[StreamReport, ...] = ()  # of live listening, by number; also those that have ended
     computer: Computer | None = None
     texts: tuple[StatusText, ...] = ()  # oldest first
     history: tuple[Moment, ...] = ()  # oldest first

@@ -14,6 +14,7 @@ from ross_payload.ground.model.payload_state import Moment, PayloadState, Source
 from ross_protocols.mavlink.computer import Computer
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.field_converters import wrap
+from ross_protocols.mavlink.stream_values import StreamReport
 from ross_protocols.mavlink.values import (
     Alignment,
     Array,
@@ -36,6 +37,7 @@ MOST_TEXTS = 200
 MOST_MOMENTS = 600
 MOST_ROTATIONS = 64
 MOST_LINKS = 16
+MOST_STREAMS = 255
 MOMENT_SPACING_S = 1.0  # [s] between two moments when nothing changes
 JUST_BEGUN_S = 5.0  # [s] of mission time within which a payload that was not seen to rest has just begun
 LATE_US = 10_000_000  # [us] before the newest of its kind, at most: a frame that was on its way for long
@@ -71,6 +73,7 @@ LISTS: dict[type, IndexedList] = {
     Density: IndexedList("densities", "exploration", "rotation", "", MOST_ROTATIONS),
     Isolation: IndexedList("isolations", "plan", "source", "", MOST_SOURCES),
     LinkReport: IndexedList("links", "count", "link", "count", MOST_LINKS),
+    StreamReport: IndexedList("streams", "count", "number", "count", MOST_STREAMS),
 }
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from ross_payload.ground.model.health import condition
 from ross_payload.ground.model.payload_state import PayloadState, elapsed
+from ross_payload.ground.model.stream_rows import stream_row
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.field_converters import compass
 from ross_protocols.mavlink.values import Alignment, CandidateState, Information, Separation, Source, Status
@@ -46,6 +47,11 @@ def view(known: PayloadState, settings: Mapping[str, float] | None = None) -> di
     return {name: draw(known, settings or {}) for name, draw in SECTIONS.items()}
 
 
+def picked(value: Any, *names: str) -> dict[str, Any]:
+    """Return attributes of a value that are shown as they are."""
+    return {name: getattr(value, name) for name in names}
+
+
 def standing(known: PayloadState, settings: Mapping[str, float]) -> Section:
     """Who it is, what it does, and since when it was not heard of."""
     status, beat, mirror = known.status, known.heartbeat, dict(known.mirrors)
@@ -67,6 +73,8 @@ def standing(known: PayloadState, settings: Mapping[str, float]) -> Section:
         "version": known.information.software_version if known.information else None,
         "dialect": known.information.dialect_version if known.information else None,
         "actuator": known.information.actuator if known.information else None,
+        "streaming": status.streaming if status else None,
+        "recording": status.recording if status else None,
         "flaws": list(known.flaws),
     }
 
@@ -76,8 +84,7 @@ def pointing(known: PayloadState, settings: Mapping[str, float]) -> Section:
     status, mirror = known.status, dict(known.mirrors)
     if status is None:
         return {"earth": False, "heading": mirror.get("ross_head"), "goal": None, "limits": None, "present": False}
-    return {
-        "earth": status.earth,
+    return picked(status, "earth", "settled", "homed", "fault", "open_loop") | {
         "heading": _compass(status.heading),
         "goal": _compass(status.heading_goal),
         "joint": _degrees(status.joint),
@@ -85,10 +92,6 @@ def pointing(known: PayloadState, settings: Mapping[str, float]) -> Section:
         "mount_yaw": _compass(status.mount_yaw),
         "limits": _limits(known.information, status),
         "present": status.actuator_present,
-        "settled": status.settled,
-        "homed": status.homed,
-        "fault": status.fault,
-        "open_loop": status.open_loop,
     }
 
 
@@ -99,22 +102,15 @@ def mission(known: PayloadState, settings: Mapping[str, float]) -> Section:
         k = mirror.get("ross_k")
         return {"k": None if k is None else int(k), "score": mirror.get("ross_score"), "target": None}
     mine = [group for group in known.separations if group.target]
-    return {
+    shown = "rotation", "rotation_max", "k", "target", "target_found", "score", "criterion", "certain", "noise_measured"
+    current = _current(known)
+    return picked(status, *shown) | {
         "time": status.mission_time,
         "elapsed": elapsed(known),
         "expected": expected(settings),
-        "rotation": status.rotation,
-        "rotation_max": status.rotation_max,
-        "k": status.k,
-        "target": status.target,
-        "target_found": status.target_found,
-        "score": status.score,
-        "criterion": status.criterion,
         "si_sdr": mine[0].si_sdr if mine else None,
         "si_sdri": mine[0].si_sdri if mine else None,
-        "gain": _gain(known),
-        "certain": status.certain,
-        "noise_measured": status.noise_measured,
+        "gain": None if current is None else current.gain,
     }
 
 
@@ -137,26 +133,22 @@ def sources(known: PayloadState, settings: Mapping[str, float]) -> Section:
 
 def source_row(source: Source) -> dict[str, Any]:
     """Return one source of an estimate."""
-    return {
-        "source": source.source,
+    return picked(source, "source", "confidence", "weight", "score", "resolved", "target", "final", "earth") | {
         "azimuth": compass(source.azimuth),
         "mirror": _compass(source.mirror),
         "sigma": math.degrees(source.sigma),
         "elevation": None if source.elevation is None else math.degrees(source.elevation),
-        "confidence": source.confidence,
-        "weight": source.weight,
-        "score": source.score,
-        "resolved": source.resolved,
-        "target": source.target,
-        "final": source.final,
-        "earth": source.earth,
+        "tracked": source.tracked,
+        "rate": _degrees(source.rate or 0.0) if source.tracked else None,
+        "age": source.age or 0.0 if source.tracked else None,
     }
 
 
 def _mirrored(known: PayloadState) -> Section:
     """Sources of which nothing is known but where they are."""
-    nothing = dict.fromkeys(("mirror", "sigma", "elevation", "confidence", "weight", "score"))
-    flags = {"resolved": True, "target": False, "final": False, "earth": False, "announced": len(known.azimuths)}
+    nothing = dict.fromkeys(("mirror", "sigma", "elevation", "confidence", "weight", "score", "rate", "age"))
+    flags: dict[str, Any] = {"resolved": True, "target": False, "final": False, "earth": False, "tracked": False}
+    flags["announced"] = len(known.azimuths)
     return [
         {"source": index, "azimuth": azimuth % 360.0, **nothing, **flags, "trail": []}
         for index, azimuth in enumerate(known.azimuths)
@@ -174,13 +166,10 @@ def plan(known: PayloadState, settings: Mapping[str, float]) -> Section:
 
 def candidate_row(candidate: Alignment) -> dict[str, Any]:
     """Return one alignment candidate of a plan."""
-    return {
-        "candidate": candidate.candidate,
-        "source": candidate.source,
+    return picked(candidate, "candidate", "source", "gain") | {
         "heading": compass(candidate.heading),
         "joint": _degrees(candidate.joint),
         "isolation_us": candidate.isolation * 1e6,
-        "gain": candidate.gain,
         "aliased": list(candidate.aliased),
         "rule": word("ROSS_ALIGNMENT_RULE", candidate.rule),
         "rule_meaning": meaning("ROSS_ALIGNMENT_RULE", candidate.rule),
@@ -223,40 +212,30 @@ def groups(known: PayloadState, settings: Mapping[str, float]) -> Section:
 
 def group_row(group: Separation) -> dict[str, Any]:
     """Return one group of a separation."""
-    return {
-        "group": group.group,
+    return picked(group, "group", "method", "score", "criterion", "si_sdr", "si_sdri", "accepted", "target") | {
         "phase": word("ROSS_SEPARATION_PHASE", group.phase),
         "members": list(group.members),
-        "method": group.method,
         "heading": _compass(group.heading),
-        "score": group.score,
-        "criterion": group.criterion,
-        "si_sdr": group.si_sdr,
-        "si_sdri": group.si_sdri,
-        "accepted": group.accepted,
-        "target": group.target,
     }
+
+
+def streams(known: PayloadState, settings: Mapping[str, float]) -> Section:
+    """Live listening, one entry per stream, also those that have ended."""
+    return [stream_row(each) for each in known.streams]
 
 
 def history(known: PayloadState, settings: Mapping[str, float]) -> Section:
     """K, score and state over time, oldest first."""
     return [
-        {
-            "at": each.at,
-            "time": each.mission_time,
-            "state": word("ROSS_STATE", each.state),
-            "k": each.k,
-            "score": each.score,
-            "criterion": each.criterion,
-            "heading": _compass(each.heading),
-        }
+        picked(each, "at", "k", "score", "criterion")
+        | {"time": each.mission_time, "state": word("ROSS_STATE", each.state), "heading": _compass(each.heading)}
         for each in known.history
     ]
 
 
 def events(known: PayloadState, settings: Mapping[str, float]) -> Section:
     """Texts, oldest first; severity as in MAV_SEVERITY."""
-    return [{"at": each.at, "severity": each.severity, "text": each.text} for each in known.texts[-MOST_TEXTS:]]
+    return [picked(each, "at", "severity", "text") for each in known.texts[-MOST_TEXTS:]]
 
 
 SECTIONS: dict[str, Callable[[PayloadState, Mapping[str, float]], Section]] = {
@@ -268,6 +247,7 @@ SECTIONS: dict[str, Callable[[PayloadState, Mapping[str, float]], Section]] = {
     "densities": densities,
     "isolation": isolation,
     "groups": groups,
+    "streams": streams,
     "history": history,
     "events": events,
     "health": lambda known, settings: condition(known),
@@ -277,11 +257,6 @@ SECTIONS: dict[str, Callable[[PayloadState, Mapping[str, float]], Section]] = {
 def _current(known: PayloadState) -> Alignment | None:
     wanted = (CandidateState.TURNING, CandidateState.ACCEPTED)
     return next((each for state in wanted for each in known.alignments if each.state == state), None)
-
-
-def _gain(known: PayloadState) -> float | None:
-    current = _current(known)
-    return None if current is None else current.gain
 
 
 def _limits(information: Information | None, status: Status) -> list[float] | None:

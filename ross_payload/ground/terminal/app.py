@@ -16,8 +16,9 @@ from rich.live import Live
 
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.errors import GroundError
+from ross_payload.ground.links.signing import read_key
 from ross_payload.ground.model.payload_state import PayloadState
-from ross_payload.ground.station import Station, read_key
+from ross_payload.ground.station import Station
 from ross_payload.ground.terminal.change_log import LineWriter
 from ross_payload.ground.terminal.controller import Controller
 from ross_payload.ground.terminal.keyboard import Keyboard
@@ -42,6 +43,7 @@ class Options:
     wait: float  # [s]
     mavlink_key: Path | None
     system_id: int
+    hear_at: tuple[str, int, str] | None = None  # address, port and codec of the streams that keys order
 
 
 def run(options: Options) -> None:
@@ -62,7 +64,7 @@ async def _run(options: Options, console: Console) -> None:
         asyncio.get_running_loop().add_signal_handler(number, ended.set)
     async with Station(options.urls, system_id=options.system_id, key=key) as station:
         orders = CommandProtocol(station.send, station.system_id, station.component_id)
-        controller = Controller(station.fleet, orders, options.who)
+        controller = Controller(station.fleet, orders, options.who, options.hear_at)
         if options.once:
             await look(station, controller, console, ended, wait=options.wait, as_json=options.json)
         elif options.json or not console.is_terminal or console.is_dumb_terminal or not sys.stdin.isatty():
@@ -118,6 +120,7 @@ def screen_state(station: Station, controller: Controller) -> ScreenState:
         others=controller.others,
         chosen=controller.chosen,
         note=controller.note,
+        hearing=controller.hear_at is not None or any(each["on"] for each in (view or {}).get("streams", ())),
     )
 
 

@@ -45,6 +45,10 @@ def head(view: View, now: float) -> list[Text]:
     state = (standing["state"] or "state unknown").replace("_", " ").upper() + ended
     line = Text(f"RoSS {standing['who']}  ", "bold")
     line.append(state, "bold red" if standing["state"] == "fault" else "bold yellow")
+    if standing["streaming"]:
+        line.append("  LISTENED TO", "bold magenta")
+    if standing["recording"]:
+        line.append("  RECORDING", "bold magenta")
     line.append("  ").append_text(last_heard(standing["last"], now))
     line.append(f"  {standing['state_meaning']}", "dim")
     return [line]
@@ -118,6 +122,29 @@ def groups(view: View) -> list[Text]:
         line.append("  target" if each["target"] else "  accepted" if each["accepted"] else "", "green")
         rows.append(line)
     return rows
+
+
+def streams(view: View) -> list[Text]:
+    """One line per stream of live listening."""
+    rows = []
+    for each in view["streams"]:
+        mark, style = MARKS[each["level"]]
+        way = ", ".join(filter(None, (each["sink"], each["codec"], f"{each['rate']} Hz")))
+        line = Text(mark, style).append(f"stream {each['number']:<5} ", "")
+        line.append(f"{each['whom']} to {each['place']} ({way}): {each['words']}{_audible(each)}", style)
+        rows.append(line if each["on"] or each["fault"] else Text(line.plain, "dim"))
+    return rows
+
+
+def _audible(stream: View) -> str:
+    """Level, delay and losses of a stream that is on."""
+    if not stream["on"]:
+        return ""
+    parts = [number(stream["level_db"], ".0f", " dB") if stream["level_db"] is not None else ""]
+    parts.append(f"{1e3 * stream['delay']:.0f} ms" if stream["delay"] is not None else "")
+    parts.append(f"{stream['lost']} samples lost" if stream["lost"] else "")
+    parts.append(f"{stream['packets_lost']} packets lost" if stream["packets_lost"] else "")
+    return "".join(f", {part}" for part in parts if part)
 
 
 def health(view: View) -> list[Text]:

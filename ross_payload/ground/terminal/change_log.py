@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable
 from datetime import datetime
 from typing import Any
 
@@ -17,6 +18,7 @@ from ross_protocols.angle_text import frame, rounded
 from ross_protocols.mavlink.component_id import ComponentId
 
 UNFINISHED = object()  # an estimate of which not all messages have come
+UNSTEADY = ("level_db", "delay", "lost", "packets_lost", "azimuth", "group")  # of a stream: numbers that never rest
 MOVED_DEG = 5.0  # from which a source has moved
 View = dict[str, Any]
 
@@ -88,6 +90,8 @@ def _steady(name: str, section: Any) -> Any:
         return {key: value for key, value in section.items() if key != "last"}
     if name == "sources":
         return [{key: value for key, value in each.items() if key != "trail"} for each in section]
+    if name == "streams":
+        return [{key: value for key, value in each.items() if key not in UNSTEADY} for each in section]
     if name == "health":
         return {
             key: [_level(each) for each in part] if isinstance(part, list) else _level(part)
@@ -100,18 +104,10 @@ def _level(part: dict[str, Any]) -> dict[str, Any]:
     return {key: part[key] for key in ("level", "words", "url") if key in part}
 
 
-def _standing_key(view: View) -> Any:
-    return view["standing"]["state"], view["standing"]["outcome"]
-
-
 def _standing(view: View) -> list[str]:
     standing = view["standing"]
     outcome = f", {standing['outcome'].replace('_', ' ')}" if standing["outcome"] else ""
     return [f"state {(standing['state'] or 'unknown').replace('_', ' ')}{outcome}: {standing['state_meaning']}"]
-
-
-def _oddity_key(view: View) -> Any:
-    return view["standing"]["boots"], tuple(view["standing"]["flaws"])
 
 
 def _oddity(view: View) -> list[str]:
@@ -133,11 +129,6 @@ def _goal(view: View) -> list[str]:
     if pointing["goal"] is None:
         return [f"axis at {pointing['heading']:.1f} deg"]
     return [f"axis at {pointing['heading']:.1f} deg, turning to {pointing['goal']:.1f} deg"]
-
-
-def _mission_key(view: View) -> Any:
-    mission = view["mission"]
-    return mission["k"], mission["target"], mission.get("certain")
 
 
 def _mission(view: View) -> list[str]:
@@ -168,20 +159,11 @@ def _sources(view: View) -> list[str]:
     return [f"sources {', '.join(told)}, {frame(view['sources'][0]['earth'])}"] if told else []
 
 
-def _plan_key(view: View) -> Any:
-    plan = view["plan"]
-    return plan["current"], tuple((each["heading"], each["state"]) for each in plan["candidates"])
-
-
 def _plan(view: View) -> list[str]:
     told = [
         f"{each['heading']:.0f} deg ({each['state']}) isolates {each['source']}" for each in view["plan"]["candidates"]
     ]
     return [f"alignment candidates {', '.join(told)}"] if told else []
-
-
-def _groups_key(view: View) -> Any:
-    return tuple((each["phase"], tuple(each["members"]), each["score"]) for each in view["groups"])
 
 
 def _groups(view: View) -> list[str]:
@@ -192,8 +174,12 @@ def _groups(view: View) -> list[str]:
     return [f"separated ({view['groups'][0]['phase']}) {', '.join(told)}"] if told else []
 
 
-def _health_key(view: View) -> Any:
-    return tuple((name, each["level"]) for name, each in _parts(view))
+def _streams(view: View) -> list[str]:
+    return [_stream_words(each) for each in view["streams"]]
+
+
+def _stream_words(stream: dict[str, Any]) -> str:
+    return f"stream {stream['number']}: {stream['whom']} to {stream['place']}, {stream['words']}"
 
 
 def _health(view: View) -> list[str]:
@@ -210,15 +196,20 @@ def _parts(view: View) -> list[tuple[str, dict[str, Any]]]:
     ]
 
 
-SECTIONS = {
-    "standing": (_standing_key, _standing),
-    "oddity": (_oddity_key, _oddity),
+def _picked(rows: list[dict[str, Any]], *names: str) -> list[list[Any]]:
+    return [[row[name] for name in names] for row in rows]
+
+
+SECTIONS: dict[str, tuple[Callable[[View], Any], Callable[[View], list[str]]]] = {  # when to say something, and what
+    "standing": (lambda view: (view["standing"]["state"], view["standing"]["outcome"]), _standing),
+    "oddity": (lambda view: (view["standing"]["boots"], view["standing"]["flaws"]), _oddity),
     "goal": (_goal_key, _goal),
-    "mission": (_mission_key, _mission),
+    "mission": (lambda view: [view["mission"].get(each) for each in ("k", "target", "certain")], _mission),
     "sources": (_sources_key, _sources),
-    "plan": (_plan_key, _plan),
-    "groups": (_groups_key, _groups),
-    "health": (_health_key, _health),
+    "plan": (lambda view: (view["plan"]["current"], _picked(view["plan"]["candidates"], "heading", "state")), _plan),
+    "groups": (lambda view: _picked(view["groups"], "phase", "members", "score"), _groups),
+    "streams": (_streams, _streams),
+    "health": (lambda view: [(name, each["level"]) for name, each in _parts(view)], _health),
 }
 
 

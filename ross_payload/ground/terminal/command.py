@@ -31,6 +31,11 @@ EPILOG = "Exit codes: 0 ended by the user, or --once printed the state; 2 bad in
     show_default=True,
     help="MAVLink system id of this program; must be unique.",
 )
+@click.option(
+    "--hear-at",
+    metavar="ADDRESS:PORT[/CODEC]",
+    help="Where the keys h and m have the payload stream to, by RTP as opus (default) or L16.",
+)
 def command(
     *,
     urls: tuple[str, ...],
@@ -40,6 +45,7 @@ def command(
     wait: float,
     mavlink_key: Path | None,
     system_id: int,
+    hear_at: str | None,
 ) -> None:
     """Watch payloads on each URL (default: udpin:127.0.0.1:14550), until Ctrl-C.
 
@@ -47,9 +53,14 @@ def command(
     """
     from ross_payload.ground.terminal.app import Options, run
     from ross_protocols.mavlink.component_id import ComponentId
+    from ross_protocols.mavlink.stream_command import place_of
 
+    try:
+        place = None if hear_at is None else place_of(hear_at)
+    except ValueError as error:
+        raise click.UsageError(f"--hear-at: {error}") from error
     try:
         who = None if payload is None else ComponentId.parse(payload)
     except ValueError as error:
         raise click.UsageError(f"--payload: {error}") from error
-    run(Options(urls or (DEFAULT_URL,), who, as_json, once, wait, mavlink_key, system_id))
+    run(Options(urls or (DEFAULT_URL,), who, as_json, once, wait, mavlink_key, system_id, place))

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_types import Cancel, Explore, Listen, Order, Rearm, Stop
+from ross_payload.ground.client.stream_orders import StopStream, Stream
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.model.view import word
@@ -15,7 +16,8 @@ from ross_protocols.mavlink.component_id import ComponentId
 
 NOTE_S = 3.0  # for which a note stands
 STOPS = ("s", "S", "\x13")  # Shift, caps lock and Ctrl take nothing from a stop
-PLAIN: dict[str, Callable[[], Order]] = {"e": Explore, "v": Listen, "c": Cancel, "r": Rearm}
+HEARING = ("h", "m")  # start live listening, or change what is heard
+PLAIN: dict[str, Callable[[], Order]] = {"e": Explore, "v": Listen, "c": Cancel, "r": Rearm, "x": StopStream}
 PLAIN |= dict.fromkeys(STOPS, Stop)
 
 
@@ -52,10 +54,17 @@ class Selection:
 
 
 class Controller(Selection):
-    """Obeys the keys of a terminal."""
+    """Obeys the keys of a terminal; ``hear_at`` is what streams are sent to, address, port and codec."""
 
-    def __init__(self, fleet: Fleet, orders: CommandProtocol, wanted: ComponentId | None = None) -> None:
+    def __init__(
+        self,
+        fleet: Fleet,
+        orders: CommandProtocol,
+        wanted: ComponentId | None = None,
+        hear_at: tuple[str, int, str] | None = None,
+    ) -> None:
         super().__init__(fleet, orders, wanted)
+        self.hear_at = hear_at
         self._source: int | None = None
         self._note, self._noted = "", 0.0
         self.going = True
@@ -85,7 +94,7 @@ class Controller(Selection):
             self._next(-1 if key in ("left", "up") else 1)
         elif key.isdigit() and key != "0":
             self._choose(int(key))
-        elif key in PLAIN or key == "l":
+        elif key in PLAIN or key in HEARING or key == "l":
             self._order(key)
 
     def _order(self, key: str) -> None:
@@ -93,8 +102,20 @@ class Controller(Selection):
             self._notify("no payload to command: no telemetry")
         elif key == "l" and self.chosen is None:
             self._notify("select a source with the arrow keys first; v finds the enrolled voice")
+        elif key in HEARING:
+            self._hear(key)
         elif self.wanted is not None:
             self.orders.order(self.wanted, Listen(source=self.chosen) if key == "l" else PLAIN[key]())
+
+    def _hear(self, key: str) -> None:
+        """Have the mixture, the chosen source or the target sent to where the user listens."""
+        if self.hear_at is None or self.wanted is None:
+            self._notify("start with --hear-at ADDRESS:PORT to say where you listen")
+            return
+        address, port, codec = self.hear_at
+        what = "mixture" if key == "m" else "target" if self.chosen is None else "source"
+        order = Stream(what=what, source=self.chosen or 0, address=address, port=port, codec=codec)
+        self.orders.order(self.wanted, order)
 
     def _next(self, step: int) -> None:
         known = self.payload

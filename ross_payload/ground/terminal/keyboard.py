@@ -6,7 +6,6 @@ import asyncio
 import os
 import termios
 from collections.abc import Callable, Iterator
-from types import TracebackType
 from typing import Any, Self
 
 from ross_payload.transport.byte_stream import hung_up
@@ -61,9 +60,7 @@ class Keyboard:
         asyncio.get_running_loop().add_reader(self._file, self._read)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Leave the terminal as it was."""
         asyncio.get_running_loop().remove_reader(self._file)
         try:

@@ -16,6 +16,7 @@ SIDE_BY_SIDE = 60  # columns, from which the polar view stands beside the tables
 MIN_PLOT_ROWS = 9  # rows, below which it is left out
 TALL = 40  # rows, from which there is a legend and more room for what was said
 KEYS = "s STOP  e explore  l listen  v voice  c cancel  r rearm  <-> source  q quit"
+HEARING_KEYS = "s STOP e explore l listen v voice h hear m mixture x end c cancel r rearm q quit"
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +31,7 @@ class ScreenState:
     others: Sequence[tuple[str, bool, str]] = ()  # every payload: its name, whether it is this one, its state
     chosen: int | None = None  # source
     note: str = ""  # to the user
+    hearing: bool = False  # the keys for live listening are of use
 
 
 def compose(shown: ScreenState, width: int, height: int, *, braille: bool = True, keys: bool = True) -> list[Text]:
@@ -73,7 +75,8 @@ def _foot(shown: ScreenState, height: int, *, keys: bool) -> list[Text]:
     if tall and shown.view is not None:
         rows.insert(0, Text(LEGEND, "dim"))
     if keys:
-        rows.append(Text(shown.note, "bold yellow") if shown.note else Text(KEYS, "reverse"))
+        help_line = HEARING_KEYS if shown.hearing else KEYS
+        rows.append(Text(shown.note, "bold yellow") if shown.note else Text(help_line, "reverse"))
     return rows
 
 
@@ -102,6 +105,7 @@ def _tables(shown: ScreenState, view: dict[str, Any], width: int, room: int, *, 
     """Return as many blocks as there is room for, the important ones first; a long one leaves room for others."""
     wanted = (
         (blocks.sources(view, chosen=shown.chosen), room // 2),
+        (blocks.streams(view), room // 4),
         (blocks.health(view), room // 2),
         (blocks.plan(view), room // 3),
         (blocks.links(shown.links), 4),

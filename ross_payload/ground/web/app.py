@@ -13,7 +13,8 @@ from pathlib import Path
 import click
 
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.station import Station, read_key
+from ross_payload.ground.links.signing import read_key
+from ross_payload.ground.station import Station
 from ross_payload.ground.web.connections import raise_descriptor_limit
 from ross_payload.ground.web.faults import FaultLog
 from ross_payload.ground.web.flight_library import FlightLibrary

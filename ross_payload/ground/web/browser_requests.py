@@ -7,7 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from ross_payload.ground.client.command_protocol import CommandProtocol
-from ross_payload.ground.client.command_types import Cancel, Stop, order_of
+from ross_payload.ground.client.command_types import Cancel, Stop
+from ross_payload.ground.client.order_json import order_of
 from ross_payload.ground.web.browser_session import BrowserSession
 from ross_payload.ground.web.positions import number, typed_position
 from ross_protocols.mavlink.component_id import ComponentId
@@ -118,14 +119,6 @@ def _hold(session: BrowserSession) -> None:
         raise ValueError(f"{control.name} has control: take control first")
 
 
-def _watch(session: BrowserSession, message: Message) -> None:
-    session.watch(_who(message))
-
-
-def _unwatch(session: BrowserSession, message: Message) -> None:
-    session.watch(None)
-
-
 def _control(session: BrowserSession, message: Message) -> None:
     if message.get("take") is True:
         session.state.control.acquire(session.id, session.name)
@@ -160,8 +153,8 @@ REQUESTS: dict[str, Callable[[BrowserSession, Message], None]] = {
     "order": _order,
     "set": _set,
     "refresh": _refresh,
-    "watch": _watch,
-    "unwatch": _unwatch,
+    "watch": lambda session, message: session.watch(_who(message)),
+    "unwatch": lambda session, message: session.watch(None),
     "control": _control,
     "place": _place,
     "flight": _flight,

@@ -65,7 +65,10 @@ class FaultLog(logging.Handler):
         error = words.get("exception")
         written = self._reporter(f"{words['message']}: {error!r}" if error is not None else str(words["message"]))
         if written and words.get("ours") and isinstance(error, Exception):
-            self._trace(error)
+            text = "".join(traceback.format_exception(error))
+            if text not in self._shown and len(self._shown) < MOST_TRACEBACKS:
+                self._shown.add(text)
+                print(text, end="", file=sys.stderr, flush=True)  # noqa: T201
 
     def emit(self, record: logging.LogRecord) -> None:
         """Take what the web server logs."""
@@ -77,9 +80,3 @@ class FaultLog(logging.Handler):
         logger = logging.Logger("ross ground", logging.ERROR)
         logger.addHandler(self)
         return logger
-
-    def _trace(self, error: Exception) -> None:
-        text = "".join(traceback.format_exception(error))
-        if text not in self._shown and len(self._shown) < MOST_TRACEBACKS:
-            self._shown.add(text)
-            print(text, end="", file=sys.stderr, flush=True)  # noqa: T201

@@ -11,7 +11,6 @@ from collections.abc import AsyncIterator, Iterator
 from dataclasses import dataclass
 from itertools import chain, count
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from ross_payload.ground.errors import GroundError
@@ -56,9 +55,7 @@ class FlightLibrary:
         """Return itself."""
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Delete what browsers uploaded."""
         if self._uploaded is not None:
             self._uploaded.cleanup()

@@ -11,7 +11,7 @@ from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.health import condition, worst
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.model.triangulation import Bearing, bearings_of, cross
-from ross_payload.ground.model.view import SECTIONS
+from ross_payload.ground.model.view import SECTIONS, picked
 from ross_payload.ground.web.positions import FRESH_S, TYPED, PayloadPosition, Positions
 from ross_protocols.mavlink.field_converters import compass
 
@@ -29,7 +29,7 @@ def overview(fleet: Fleet, links: Sequence[LinkState], positions: Positions, now
         "now": now,
         "payloads": [_row(each, places.get(each.who)) for each in fleet.payloads.values()],
         "hidden": {"count": hidden, "ids": [str(who) for who in steadiest]},
-        "links": [_link(each) for each in links],
+        "links": [picked(each, "url", "up", "bytes_s", "frames_s", "loss", "error", "last") for each in links],
         "fixes": [fix.json() for fix in cross(bearings)],
         "bearings": [_ray(each) for each in bearings],
         "places": {str(who): place.json() for who, place in places.items()},
@@ -52,18 +52,6 @@ def _row(known: PayloadState, place: PayloadPosition | None) -> dict[str, Any]:
         "position": None if place is None else place.position(),
         "actuator": who["actuator"],
         "twin": known.twin,
-    }
-
-
-def _link(link: LinkState) -> dict[str, Any]:
-    return {
-        "url": link.url,
-        "up": link.up,
-        "bytes_s": link.bytes_s,
-        "frames_s": link.frames_s,
-        "loss": link.loss,
-        "error": link.error,
-        "last": link.last,
     }
 
 

@@ -21,22 +21,24 @@ CHUNK = 1 << 20  # [bytes] that are read at once
 PRIVATE = {"Cache-Control": "no-store"}
 
 
-async def listed(store: RecordingStore | None) -> web.Response:
+async def listed(store: RecordingStore | None, request: web.Request) -> web.Response:
     """Answer which recordings there are."""
     told = {"folder": None, "known": []} if store is None else await asyncio.to_thread(described, store)
     return web.json_response(told, headers=PRIVATE)
 
 
-async def one_file(store: RecordingStore | None, name: str, file: str) -> web.StreamResponse:
+async def one_file(store: RecordingStore | None, request: web.Request) -> web.StreamResponse:
     """Answer with one file of a recording."""
+    name, file = request.match_info["name"], request.match_info["file"]
     path = (await _files(store, name)).get(file)
     if path is None:
         raise web.HTTPNotFound(text=f"recording {name}: no such file\n")
     return web.FileResponse(path, headers={**PRIVATE, **_attached(f"{name}-{file}")})
 
 
-async def archive(store: RecordingStore | None, name: str, request: web.Request) -> web.StreamResponse:
+async def archive(store: RecordingStore | None, request: web.Request) -> web.StreamResponse:
     """Answer with a whole recording as a ZIP archive, made while it is sent."""
+    name = request.match_info["name"]
     files = await _files(store, name)
     headers = {**PRIVATE, **_attached(f"{name}.zip"), "Content-Type": "application/zip"}
     response = web.StreamResponse(headers=headers)
@@ -48,8 +50,9 @@ async def archive(store: RecordingStore | None, name: str, request: web.Request)
     return response
 
 
-async def deleted(store: RecordingStore | None, name: str) -> web.Response:
+async def deleted(store: RecordingStore | None, request: web.Request) -> web.Response:
     """Delete a recording, and say that it is gone or why not."""
+    name = request.match_info["name"]
     try:
         if store is None:
             raise LookupError(name)

@@ -7,13 +7,13 @@ import hashlib
 import re
 from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass
+from functools import partial
 from importlib import resources
 from pathlib import PurePosixPath
 
 from aiohttp import ClientPayloadError, web
 from aiohttp.http_exceptions import HttpProcessingError
 
-from ross_payload.ground.recordings import RecordingStore
 from ross_payload.ground.web import recordings
 from ross_payload.ground.web.connections import Connections
 from ross_payload.ground.web.faults import report
@@ -71,43 +71,22 @@ def application(
     """Return the site of some browsers, behind a gate."""
     app = web.Application(middlewares=[guard(gate, connections, loopback=loopback)], client_max_size=MAX_FORM_BYTES)
 
-    async def upload(request: web.Request) -> web.Response:
-        return await _upload(browsers, request)
-
-    async def tile(request: web.Request) -> web.Response:
-        return await _tile(browsers, request)
-
     async def ends(_: web.Application) -> None:
         await browsers.close()
 
     app.router.add_get("/", _page)
     app.router.add_get("/assets/{path:.+}", _asset)
     app.router.add_get("/live", browsers.serve)
-    app.router.add_post("/flights", upload)
-    app.router.add_get(r"/tiles/{zoom:\d{1,2}}/{column:\d{1,10}}/{row:\d{1,10}}", tile)
-    _add_recordings(app, browsers.state.recordings)
+    app.router.add_post("/flights", partial(_upload, browsers))
+    app.router.add_get(r"/tiles/{zoom:\d{1,2}}/{column:\d{1,10}}/{row:\d{1,10}}", partial(_tile, browsers))
+    store = browsers.state.recordings
+    app.router.add_get("/recordings", partial(recordings.listed, store))
+    app.router.add_get("/recordings/{name}.zip", partial(recordings.archive, store))
+    app.router.add_get("/recordings/{name}/{file}", partial(recordings.one_file, store))
+    app.router.add_delete("/recordings/{name}", partial(recordings.deleted, store))
     app.on_response_prepare.append(_protect)
     app.on_shutdown.append(ends)
     return app
-
-
-def _add_recordings(app: web.Application, store: RecordingStore | None) -> None:
-    async def every(_: web.Request) -> web.StreamResponse:
-        return await recordings.listed(store)
-
-    async def archive(request: web.Request) -> web.StreamResponse:
-        return await recordings.archive(store, request.match_info["name"], request)
-
-    async def file(request: web.Request) -> web.StreamResponse:
-        return await recordings.one_file(store, request.match_info["name"], request.match_info["file"])
-
-    async def delete(request: web.Request) -> web.StreamResponse:
-        return await recordings.deleted(store, request.match_info["name"])
-
-    app.router.add_get("/recordings", every)
-    app.router.add_get("/recordings/{name}.zip", archive)
-    app.router.add_get("/recordings/{name}/{file}", file)
-    app.router.add_delete("/recordings/{name}", delete)
 
 
 def tolerant(handle: Handle) -> Handle:

@@ -25,9 +25,10 @@ DRAWN_FROM: dict[str, tuple[str, ...]] = {
     "densities": ("densities",),
     "isolation": ("isolations",),
     "groups": ("separations",),
+    "streams": ("streams",),
     "history": ("history",),
     "events": ("texts",),
-    "health": ("who", "twin", "counts", "status", "status_at", "audio", "recording", "links", "computer"),
+    "health": ("who", "twin", "counts", "status", "status_at", "audio", "recording", "links", "computer", "streams"),
 }  # fmt: skip
 """Attributes of `PayloadState` that each section of `view` reads; the settings change all."""
 

@@ -6,17 +6,18 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-import pyroomacoustics as pra
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Samples
 
 Real = NDArray[np.floating[Any]]
 
+PYROOMACOUSTICS = version("pyroomacoustics")  # needed here; imported when a room is computed, which takes a second
 CLEARANCE = 0.2  # [m], nearest a source may come to the centre of the array
 WALL = 0.01  # [m], nearest anything may come to a wall
 SPEED_OF_SOUND = 343.0  # [m/s]
@@ -48,67 +49,24 @@ class RoomSpec:
         _walls(self)
 
 
-def impulse_responses(  # noqa: PLR0917
-    size: ArrayLike,
-    t60: float,
-    rate: int,
-    array_centre: ArrayLike,
-    spacing: float,
-    sources: ArrayLike,
-    headings: ArrayLike,
-    speed_of_sound: float = SPEED_OF_SOUND,
-) -> Samples:
+def respond(spec: RoomSpec, headings: Sequence[float]) -> Samples:
     """Impulse responses from every source to both microphones at every heading, (n_headings, 2, n_sources, n_taps).
 
-    The axis from microphone 1 to microphone 2 points along the heading h: with u = (cos h, sin h), microphone 1 is at
-    centre - d/2 u and microphone 2 at centre + d/2 u. The walls' absorption comes from the nominal T60 by Sabine's
-    formula (in its two-dimensional form for a plane); all images that arrive within T60 count and nothing later.
-    With T60 = 0 only the direct path does. Every response starts 40 samples late: half a fractional delay filter.
+    The axis from microphone 1 to microphone 2 points along the heading h [rad]: with u = (cos h, sin h), microphone 1
+    is at centre - d/2 u and microphone 2 at centre + d/2 u. The absorption of the walls comes from the nominal T60 by
+    Sabine's formula (in its two-dimensional form for a plane); all images that arrive within T60 count and nothing
+    later. With T60 = 0 only the direct path does. Every response starts 40 samples late: half a fractional delay
+    filter.
 
-    Parameters
-    ----------
-    size
-        Two or three sides [m].
-    t60
-        Nominal reverberation time [s].
-    rate
-        [Hz].
-    array_centre
-        [m], (2,) or (3,).
-    spacing
-        d [m].
-    sources
-        [m], (n_sources, 2) or (n_sources, 3).
-    headings
-        [rad], (n_headings,).
-    speed_of_sound
-        v_p [m/s].
-
-    Raises
-    ------
-    ConfigError
-        When something lies outside the room or on top of the array, or a number is impossible.
-
-    Examples
-    --------
     A source 2 m ahead on the axis is 0.343 m nearer to microphone 2, which is 16 samples at 16 kHz:
 
-    >>> response = impulse_responses((10, 10), 0.0, 16000, (5, 5), 0.343, [(7, 5)], [0.0])
+    >>> response = respond(RoomSpec((10, 10), 0.0, 16000, (5, 5), 0.343, ((7, 5),)), [0.0])
     >>> response.shape[:3]
     (1, 2, 1)
     >>> first, second = np.abs(response[0, :, 0]).argmax(axis=-1)
     >>> int(first - second)
     16
     """
-    places = np.asarray(sources, dtype=float).reshape(-1, np.size(size))
-    spec = RoomSpec(
-        _numbers(size), float(t60), rate, _numbers(array_centre), spacing, tuple(map(_numbers, places)), speed_of_sound
-    )
-    return respond(spec, np.atleast_1d(np.asarray(headings, dtype=float)).tolist())
-
-
-def respond(spec: RoomSpec, headings: Sequence[float]) -> Samples:
-    """Impulse responses of a room at headings [rad], (n_headings, 2, n_sources, n_taps)."""
     n_sources = len(spec.sources)
     if not n_sources or not len(headings):
         return np.zeros((len(headings), 2, n_sources, n_taps(spec)), dtype=np.float32)
@@ -146,6 +104,8 @@ def microphones(spec: RoomSpec, headings: Sequence[float]) -> Real:
 
 
 def _shoebox(spec: RoomSpec) -> Any:
+    import pyroomacoustics as pra  # noqa: PLC0415
+
     absorption, order = _walls(spec)
     room = pra.ShoeBox(list(spec.size), fs=spec.rate, materials=pra.Material(absorption), max_order=order)
     room.set_sound_speed(spec.speed_of_sound)
@@ -156,6 +116,8 @@ def _walls(spec: RoomSpec) -> tuple[float, int]:
     """Absorption of the walls, and the order of reflections up to which images count."""
     if spec.t60 <= 0:
         return 1.0, 0
+    import pyroomacoustics as pra  # noqa: PLC0415
+
     try:
         absorption, order = pra.inverse_sabine(spec.t60, list(spec.size), c=spec.speed_of_sound)
     except ValueError as error:
@@ -169,6 +131,8 @@ def _walls(spec: RoomSpec) -> tuple[float, int]:
 @contextmanager
 def _single_thread(high_pass: bool) -> Iterator[None]:
     """One thread, so that sums are formed in one order; the library's constants are put back."""
+    import pyroomacoustics as pra  # noqa: PLC0415
+
     wanted = {"num_threads": 1, "rir_hpf_enable": high_pass, "frac_delay_length": SINC}
     before = {name: pra.constants.get(name) for name in wanted}
     try:
@@ -210,10 +174,6 @@ def _check_inside(spec: RoomSpec, who: str, place: tuple[float, ...], reach: Rea
     margin = reach + WALL
     if not bool(np.all((np.asarray(place) >= margin) & (np.asarray(place) <= np.asarray(spec.size) - margin))):
         raise ConfigError(f"{who}: expected a place inside the room of {_text(spec.size)} m, got {_text(place)} m")
-
-
-def _numbers(values: ArrayLike) -> tuple[float, ...]:
-    return tuple(float(value) for value in np.asarray(values, dtype=float).ravel())
 
 
 def _text(values: Sequence[float]) -> str:

@@ -109,7 +109,11 @@ class Autopilot:
         for name, plug in self._plugs.items():
             for data in plug.port.receive():
                 for packet in plug.decoder.feed(data):
-                    self._on_packet(name, packet, now)
+                    way = self._router.way(name, packet)
+                    for other in way.links:
+                        self._plugs[other].port.send(packet.frame)
+                    if way.ours:
+                        self._obey(self._plugs[name], packet, now)
         if any(begin <= now < end for begin, end in self._silent):
             return
         for plug in self._plugs.values():
@@ -119,13 +123,6 @@ class Autopilot:
             if message.get_msgId() in OF_MANAGER:
                 for name in self._router.toward(message):
                     self._send(self._plugs[name], message)
-
-    def _on_packet(self, name: str, packet: Packet, now: float) -> None:
-        way = self._router.way(name, packet)
-        for other in way.links:
-            self._plugs[other].port.send(packet.frame)
-        if way.ours:
-            self._obey(self._plugs[name], packet, now)
 
     def _obey(self, plug: _Plug, packet: Packet, now: float) -> None:
         message, said = packet.message, vehicle.read(packet.message)

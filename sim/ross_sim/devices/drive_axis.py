@@ -120,19 +120,16 @@ class Axis:
         if self.state in (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE, State.FAULT_REACTION):
             lag = demand - self.position
             self._axle.follow(lag, speed, (speed - self._speed) / STEP)
-            self._watch(abs(lag))
+            window, timeout = self._objects[cia402.FOLLOWING_WINDOW], self._objects[cia402.FOLLOWING_TIME] * 1e-3
+            self._behind = self._behind + STEP if window != NEVER and abs(lag) > window else 0.0
+            if self._behind > timeout and self.state is State.OPERATION_ENABLED:
+                self.fail(FOLLOWING_ERROR)
             self._proceed(now)
         else:
             self._axle.live()
         self._speed = speed
         self._objects[cia402.POSITION] = self.position
         self._objects[cia402.VELOCITY] = round(self._axle.counts_rate)
-
-    def _watch(self, lag: float) -> None:
-        window, timeout = self._objects[cia402.FOLLOWING_WINDOW], self._objects[cia402.FOLLOWING_TIME] * 1e-3
-        self._behind = self._behind + STEP if window != NEVER and lag > window else 0.0
-        if self._behind > timeout and self.state is State.OPERATION_ENABLED:
-            self.fail(FOLLOWING_ERROR)
 
     def _proceed(self, now: float) -> None:
         over = now >= self._motion.end
@@ -164,15 +161,12 @@ class Axis:
                 self._disable(State.READY_TO_SWITCH_ON)
         elif word & 0x08:
             if state is State.SWITCHED_ON:
-                self._enable()
+                self.state = State.OPERATION_ENABLED
+                self._acknowledged = self._reached = self._limited = False
+                self._behind = 0.0
+                self._motion = self._rest()
         elif state in (State.READY_TO_SWITCH_ON, State.OPERATION_ENABLED):
             self._disable(State.SWITCHED_ON)
-
-    def _enable(self) -> None:
-        self.state = State.OPERATION_ENABLED
-        self._acknowledged = self._reached = self._limited = False
-        self._behind = 0.0
-        self._motion = self._rest()
 
     def _disable(self, state: State) -> None:
         self.state, self._next, self._search, self._behind = state, None, None, 0.0

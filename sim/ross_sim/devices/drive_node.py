@@ -89,7 +89,11 @@ class DriveNode:
             self._now += STEP
             self.axis.step(self._now)
         self._now = until
-        self._miss_master(until)
+        if not self.objects[cia402.CONSUMER_HEARTBEAT] & 0xFFFF:
+            self._master_until = None
+        if self._master_until is not None and until > self._master_until:
+            self._master_until = None
+            self.axis.lose_master()
         while self.axis.emergencies:
             self._say_emergency(self.axis.emergencies.pop(0))
         self.objects[cia402.STATUSWORD] = self.axis.status
@@ -112,13 +116,6 @@ class DriveNode:
         whom = self.objects[cia402.CONSUMER_HEARTBEAT]
         if whom >> 16 == node and whom & 0xFFFF and state_of(data) is not None:
             self._master_until = self._now + (whom & 0xFFFF) * 1e-3
-
-    def _miss_master(self, now: float) -> None:
-        if not self.objects[cia402.CONSUMER_HEARTBEAT] & 0xFFFF:
-            self._master_until = None
-        if self._master_until is not None and now > self._master_until:
-            self._master_until = None
-            self.axis.lose_master()
 
     def _beat(self, now: float) -> None:
         period = self.objects[cia402.PRODUCER_HEARTBEAT] * 1e-3

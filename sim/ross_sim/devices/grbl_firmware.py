@@ -229,11 +229,8 @@ class Firmware:
             self.state = State.SLEEP
             self._send("[MSG:Sleeping]")
         else:
-            self._set(command)
-
-    def _set(self, command: str) -> None:
-        self.settings.assign(command)
-        self.motion.axes = tuple(self.settings.axes)
+            self.settings.assign(command)
+            self.motion.axes = tuple(self.settings.axes)
 
     def _jog(self, command: str) -> None:
         if self.state not in (State.IDLE, State.JOG):

@@ -70,7 +70,9 @@ class OptoInputs:
         direction = self._levels[PulseLine.DIRECTION]
         pulses, levels = self._changes(edges, PulseLine.STEP)
         rises = pulses[levels]
-        self._check_widths(pulses, levels)
+        widths = np.diff(np.concatenate([[self._step], pulses]))
+        self._check("STEP high", widths[~levels], self._wanted.high, pulses[~levels])
+        self._check("STEP low", widths[levels], self._wanted.low, pulses[levels])
         before = np.concatenate([[self._turn], turns])[np.searchsorted(turns, rises, side="right")]
         self._check("DIRECTION set-up", rises - before, self._wanted.setup, rises)
         stepped = np.concatenate([[self._rise], rises])[np.searchsorted(rises, turns, side="left")]
@@ -98,11 +100,6 @@ class OptoInputs:
         before = np.concatenate([[self._levels[line]], mine["level"][:-1]]) if len(mine) else mine["level"]
         mine = mine[mine["level"] != before]
         return mine["time"], mine["level"]
-
-    def _check_widths(self, pulses: Real, levels: NDArray[np.bool_]) -> None:
-        widths = np.diff(np.concatenate([[self._step], pulses]))
-        self._check("STEP high", widths[~levels], self._wanted.high, pulses[~levels])
-        self._check("STEP low", widths[levels], self._wanted.low, pulses[levels])
 
     def _check(self, rule: str, found: Real, wanted: float, times: NDArray[Any]) -> None:
         for index in np.flatnonzero(found < wanted - ROUNDING):

@@ -70,7 +70,9 @@ class Tb6600FarEnd:
             self._live(now)
         self._now = now
         if Fault.SILENT not in self._suffers:
-            self._report(now)
+            self.port.play(now)
+            if self._home is not None:
+                self.port.report(self._home.look(self.angle(), now))
 
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
@@ -139,11 +141,6 @@ class Tb6600FarEnd:
             self._play(before, time)
             self._switch(bool(switch["level"]), time)
         self._play(due, now)
-
-    def _report(self, now: float) -> None:
-        self.port.play(now)
-        if self._home is not None:
-            self.port.report(self._home.look(self.angle(), now))
 
     def _play(self, edges: Edges, until: float) -> None:
         """Count steps and let the rotor follow; no ENABLE edge within."""

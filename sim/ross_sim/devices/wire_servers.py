@@ -14,7 +14,7 @@ import threading
 from abc import ABC, abstractmethod
 from contextlib import suppress
 from dataclasses import asdict, replace
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from typing import Any, Protocol, Self
 
 from ross_payload import plugins
@@ -23,6 +23,7 @@ from ross_payload.actuators.wires import Codec, TcpWire, connect, greeting
 from ross_payload.actuators.wires.codecs import CanCodec, RawCodec
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import Clock, Port
+from ross_payload.transport.async_task import drained
 from ross_sim.devices.ideal import Goal, Halt, Report
 
 TICK = 0.002  # [s] between two looks at the wire
@@ -96,7 +97,7 @@ class PulseSide:
     def due(self, now: float) -> list[Any]:
         """Return reports of the segments that have ended, and what the module has noticed."""
         self._player.play(now)
-        return self._player.receive() + drained(self._noticed)
+        return [*self._player.receive(), *drained(self._noticed)]
 
     def exchange(self, begin: float) -> None:
         """Give the module all that has arrived; what it says of segments played comes too late for a payload."""
@@ -130,7 +131,7 @@ class FrameSide:
 
     def due(self, now: float) -> list[Any]:
         """Return what the device has said."""
-        return drained(self._outbox)
+        return list(drained(self._outbox))
 
     def exchange(self, begin: float) -> None:
         """Give the device what has arrived by then, and take what it says."""
@@ -237,14 +238,11 @@ class WireServer(Served):
         self.used = True
         while not self._stopping.is_set():
             select.select([wire], [], [], TICK)
-            self._pass_on(wire)
-
-    def _pass_on(self, wire: TcpWire) -> None:
-        now = self._clock.now()
-        for frame in wire.receive():
-            self._side.arrived(frame, now)
-        for frame in self._side.due(now):
-            wire.send(frame)
+            now = self._clock.now()
+            for frame in wire.receive():
+                self._side.arrived(frame, now)
+            for frame in self._side.due(now):
+                wire.send(frame)
 
 
 def listen(host: str, port: int) -> socket.socket:
@@ -259,16 +257,6 @@ def listen(host: str, port: int) -> socket.socket:
         return socket.create_server((host, port))
     except OSError as error:
         raise LinkError(f"tcp:{host}:{port}: cannot listen: {error.strerror or error}") from error
-
-
-def drained(queue: SimpleQueue[Any]) -> list[Any]:
-    """Return all that waits in a queue."""
-    frames = []
-    try:
-        while True:
-            frames.append(queue.get_nowait())
-    except Empty:
-        return frames
 
 
 def _frame(line: bytes) -> Any:

@@ -14,7 +14,6 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import AlignmentPlanned, Checked, Separated, SourcesEstimated
 from ross_payload.ground.flights.plot_style import COLOURS, STYLE, compass_rose
-from ross_payload.interfaces import Real
 from ross_protocols.angle_text import frame
 from ross_sim.sitl.report import EventLog, Truth, orientations
 
@@ -134,14 +133,10 @@ def _spectrograms(axes: list[Any], story: EventLog, truth: Truth, rate: int) -> 
     before = truth.mixture[separated.start : separated.start + n]
     top = None
     for which, signal in zip(axes, (before, separated.voices[separated.target]), strict=True):
-        level = _level(signal, rate)
+        stft = Stft(rate, 512, 128)
+        level = np.asarray(20 * np.log10(np.abs(stft.analyse(signal)) + 1e-9))
         top = level.max() if top is None else top
         which.imshow(
             level, origin="lower", aspect="auto", cmap="magma", vmin=top - RANGE, vmax=top,
             extent=(separated.start / rate, (separated.start + n) / rate, 0, rate / 2000), interpolation="nearest",
         )  # fmt: skip
-
-
-def _level(signal: Real, rate: int) -> Real:
-    stft = Stft(rate, 512, 128)
-    return np.asarray(20 * np.log10(np.abs(stft.analyse(signal)) + 1e-9))

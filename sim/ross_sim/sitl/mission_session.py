@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,30 +18,30 @@ from ross_payload.audio.audio_files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
 from ross_payload.config import Guard as Rules
-from ross_payload.errors import ConfigError, OutputError, refused_as
-from ross_payload.events import Event, Separated, SourcesEstimated, TurnStarted
-from ross_payload.health import RecordingState
-from ross_payload.interfaces import ActuatorState, Attitude, Clock, Input, Mount, Result, Services
+from ross_payload.errors import OutputError
+from ross_payload.events import Separated
+from ross_payload.interfaces import ActuatorState, Attitude, Input, Mount, Result, Services
+from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
 from ross_payload.mission.mission_sequence import mission
 from ross_payload.mount import fixed_mount, mount_of
 from ross_payload.notify import on_signal
 from ross_payload.orders import Stop
 from ross_payload.service.assemble import informed_of, settings_of, tools_of
+from ross_payload.service.live_listening import listening_of
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.sessions import event_json
 from ross_payload.sessions.manifest import Beginning
-from ross_payload.sessions.recorder import DRAIN, Recorder
-from ross_payload.sessions.session_store import SessionStore
+from ross_payload.sessions.recorder import Recorder
 from ross_payload.telemetry.component import Telemetry
 from ross_payload.timebase import Timebase
 from ross_sim.autopilot import simulated_autopilot as simulated
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, far_end_of, wire
 from ross_sim.scenario import Cast, Scenario, Vehicle
-from ross_sim.sitl.mission_figure import draw
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.page_observer import PageObserver
+from ross_sim.sitl.recording import Collector, recorded
 from ross_sim.sitl.report import EventLog, Truth, report
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import TalkerSelection
@@ -59,25 +59,6 @@ class Finished:
     report: dict[str, Any]
     timing: dict[str, float]
     complaints: tuple[str, ...]  # of the simulated hardware
-
-
-@dataclass(slots=True)
-class Collector:
-    """Follows a mission: keeps its events, writes the mixture and the event log as they happen."""
-
-    mixture: WavWriter | None
-    story: EventLog = field(default_factory=EventLog)
-
-    def on_input(self, hop: Input) -> None:
-        """Write one hop of the mixture."""
-        if self.mixture is not None:
-            self.mixture.write(hop.block.samples)
-
-    def on_event(self, event: Event, hop: Input) -> None:
-        """Keep the event, and the frame of its angles."""
-        self.story.events.append(event)
-        if isinstance(event, (SourcesEstimated, TurnStarted)):
-            self.story.earth = hop.pointing.earth
 
 
 class Pace(MissionView):
@@ -103,7 +84,13 @@ def perform(
     tape: Path | None = None,
     page: PageObserver | None = None,
 ) -> Finished:
-    """Run one mission in lock-step, write its results, record it in the folder ``tape``, and let ``page`` look on."""
+    """Run one mission in lock-step, write its results, record it in the folder ``tape``, and let ``page`` look on.
+
+    Raises
+    ------
+    OutputError
+        When results, the recording or a stream could not be written.
+    """
     wall = SystemClock()
     started = wall.now()
     config = scenario.payload
@@ -119,17 +106,20 @@ def perform(
         stack.enter_context(world.source)
         mount, _ = aboard(scenario, clock, links)
         clock.every(POLL, links.poll)
-        recorder = stack.enter_context(taped(tape, _beginning(scenario, company, actuator), clock, links))
+        recorder = stack.enter_context(recorded(tape, _beginning(scenario, company, actuator), clock, links))
         runner = _runner(scenario, company, world, actuator, mount, recorder=recorder)
         aside: Looking = nullcontext([]) if page is None else page.aboard(config, clock, actuator, runner.order)
         looking = stack.enter_context(aside)  # before the telemetry, which then waits for nobody at its end
         tlog = out.staging / "mission.tlog" if out is not None else None
         telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
         runner.observers = [collector, telemetry, *looking, view, *([Pace(speed)] if speed else [])]
-        runner.observers += [] if recorder is None else [recorder]
+        listening = stack.enter_context(listening_of(config, clock, runner, recorder))
+        runner.observers += [listening] if recorder is None else [recorder, listening]
         ready = wall.now()
         with on_signal(lambda _: runner.order(Stop())):
             result = runner.run()
+        listening.close()
+        _expect_whole(listening)
         done = wall.now()
     truth = _truth(world, cast, company.target, room_yaw(scenario))
     values = report(collector.story, truth, result, _configuration(scenario, config))
@@ -142,6 +132,13 @@ def perform(
         timing["results_s"] = wall.now() - done
         out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
     return Finished(result, values, timing, tuple(far_end.complaints()))
+
+
+def _expect_whole(listening: Listening) -> None:
+    """Raise OutputError when a stream did not get into its file."""
+    for stream in listening.streams():
+        if stream.keeps and stream.fault:
+            raise OutputError(f"stream {stream.number} is not whole: {stream.fault}")
 
 
 def expected(scenario: Scenario) -> float:
@@ -237,7 +234,7 @@ def _truth(world: World, cast: Cast, target: str, yaw: float) -> Truth:
 
 
 def _configuration(scenario: Scenario, config: Config) -> dict[str, Any]:
-    values: dict[str, Any] = scenario.model_dump(mode="json", exclude={"payload": {"links"}})
+    values: dict[str, Any] = scenario.model_dump(mode="json", exclude={"payload": {"links", "listening"}})
     return values | {"seed": config.seed}
 
 
@@ -252,46 +249,7 @@ def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, 
             name = "target.wav" if index == separated.target else f"group-{index}.wav"
             write_wav(out.staging / name, voice, rate)
     unit = config.array.spacing_m / config.array.speed_of_sound_m_s
+    from ross_sim.sitl.mission_figure import draw  # noqa: PLC0415  matplotlib, where a picture is wanted
+
     with out.writing("mission.png") as path:
         draw(path, story, truth, rate=rate, unit=unit, title=scenario.title)
-
-
-@contextmanager
-def taped(folder: Path | None, begin: Beginning, clock: Clock, links: Router) -> Iterator[Recorder | None]:
-    """Give a recorder that makes one session in ``folder``, from the first Input to the end; None for no folder.
-
-    Raises
-    ------
-    ConfigError
-        When the folder cannot be made.
-    OutputError
-        At the end, when the disk did not take everything.
-    """
-    if folder is None:
-        yield None
-        return
-    with refused_as(ConfigError, f"--record {folder}: cannot be made"):
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    config = begin.config
-    limits = config.recording.model_copy(update={"always": True})
-    first = iter([begin])
-    with Recorder(SessionStore(folder), limits, lambda: next(first, None)) as recorder:
-        component = links.component(config.telemetry.component_id)
-        component.tap(lambda frame: recorder.on_frame(round(clock.now() * 1e6), frame))
-        with drained(clock)(recorder):
-            yield recorder
-    status = recorder.status()
-    if status.state in (RecordingState.FULL, RecordingState.BROKEN):
-        raise OutputError(f"--record {folder}: the recording is not whole: {status.reason}")
-
-
-def drained(clock: Clock) -> Callable[[Recorder], AbstractContextManager[None]]:
-    """Return what has a recorder write in simulated time."""
-
-    @contextmanager
-    def draining(recorder: Recorder) -> Iterator[None]:
-        cancel = clock.every(DRAIN, recorder.drain)
-        yield
-        cancel()
-
-    return draining

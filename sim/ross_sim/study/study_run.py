@@ -1,4 +1,7 @@
-"""One run of a study: what is missing is measured, and tables, figures and files are made of everything."""
+"""One run of a study: what is missing is measured, and tables, figures and files are made of everything.
+
+How far it is shows a bar with the time left on a terminal, plain lines elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -10,19 +13,83 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from ross_payload.clock import SystemClock
 from ross_payload.errors import OutputError, refused_as
 from ross_payload.plugins import install_line
 from ross_sim.study import task_engine
 from ross_sim.study.figures import draw
-from ross_sim.study.progress_view import in_words, view_of
 from ross_sim.study.result_rows import Exploration, Result, Separation, Timing
 from ross_sim.study.study_case import Failure, attempt
 from ross_sim.study.study_design import Study, Task, chosen, mixed, tasks
 from ross_sim.study.study_store import Store, as_csv, has_parquet, manifest, write_parquet
 from ross_sim.study.tables import Table, tables
 from ross_sim.study.talker_placement import Source, check_voices, heard_as, voices_of
+
+EVERY = 60.0  # between plain lines [s]
+
+
+class Bar:
+    """A bar that is redrawn in place."""
+
+    def __init__(self, console: Console, total: int, before: int) -> None:
+        parts = (BarColumn(), MofNCompleteColumn(), TextColumn("tasks"), TimeElapsedColumn(), TextColumn("left"))
+        left = TimeRemainingColumn()
+        self._progress = Progress(*parts, left, TextColumn("{task.description}"), console=console)
+        self._task = self._progress.add_task("", total=total - before)
+        self._progress.start()
+
+    def done(self, name: str) -> None:
+        """Move on."""
+        self._progress.update(self._task, advance=1, description=name)
+
+    def close(self) -> None:
+        """Leave the last bar on the screen."""
+        self._progress.stop()
+
+
+class Lines:
+    """A line now and then."""
+
+    def __init__(self, console: Console, total: int, before: int, now: Callable[[], float]) -> None:
+        self._console, self._total, self._done, self._before, self._now = console, total, before, before, now
+        self._began = self._printed_at = now()
+        if before:
+            self._print(f"{before} of {total} tasks were done before")
+
+    def done(self, name: str) -> None:
+        """Say something when nothing has been said for a while, and at the end."""
+        self._done += 1
+        spent = self._now() - self._began
+        if self._now() - self._printed_at >= EVERY or self._done == self._total:
+            self._printed_at = self._now()
+            left = spent / (self._done - self._before) * (self._total - self._done)
+            self._print(f"{self._done} of {self._total} tasks, {in_words(spent)}, {in_words(left)} left")
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+    def _print(self, text: str) -> None:
+        self._console.print(text, highlight=False, soft_wrap=True)
+
+
+def in_words(seconds: float) -> str:
+    """A duration for people.
+
+    >>> in_words(75.4), in_words(7320.0)
+    ('1 min 15 s', '2 h 02 min')
+    """
+    minutes, rest = divmod(round(seconds), 60)
+    if minutes >= 60:
+        return f"{minutes // 60} h {minutes % 60:02d} min"
+    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
+
+
+def view_of(total: int, before: int, now: Callable[[], float]) -> Bar | Lines:
+    """Choose a view for where the output goes."""
+    console = Console()
+    return Bar(console, total, before) if console.is_terminal else Lines(console, total, before, now)
 
 
 def conduct(
@@ -97,13 +164,9 @@ def write(store: Store, study: Study) -> list[Table]:
                 with store.writing(f"{name}.parquet") as path:
                     write_parquet(path, rows, kind)
     store.write("tables.md", "\n".join(table.markdown() for table in made).encode())
-    _draw(store, separations, explorations)
-    return made
-
-
-def _draw(store: Store, separations: Sequence[Separation], explorations: Sequence[Exploration]) -> None:
     with refused_as(OutputError, f"{store.folder}: figures cannot be written"):
         draw(store.folder, separations, explorations)
+    return made
 
 
 def _farewell(console: Console, out: Path, n: int, seconds: float, failures: Sequence[Failure]) -> None:

@@ -14,6 +14,7 @@ from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.codec import Encoder, message_of
 from ross_protocols.mavlink.dialect import MESSAGES, common
 from ross_protocols.mavlink.message_map import LAYOUTS
+from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 
 FULL = [
     v.Heartbeat(v.Health.ACTIVE, 2),
@@ -27,6 +28,27 @@ FULL = [
     v.Density(1, 1, 0, 0.1, True, -1e-4, 1e-4, (0.5,) * v.CURVE_POINTS),
     v.Isolation(1, 1, 0, True, 0.0, 3.0, 1e-4, (0.5,) * v.CURVE_POINTS),
     v.LinkReport(1, 0, 1, "udp", True, False),
+    StreamReport(
+        1,
+        0,
+        1,
+        "rtp",
+        Selection.SOURCE,
+        True,
+        48000,
+        on=True,
+        source=0,
+        azimuth=0.5,
+        group=0,
+        codec=Codec.OPUS,
+        address="127.0.0.1",
+        port=5004,
+        listeners=1,
+        gain=-3.0,
+        level=-20.0,
+        delay=0.1,
+        packets_lost=2,
+    ),
     v.Named(0.0, "ross_k", 1.0),
     v.Array(1, "ross_az", 1, (1.0, 20.0)),
     v.Text(v.Severity.INFO, "well"),

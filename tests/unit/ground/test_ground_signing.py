@@ -13,7 +13,8 @@ from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.station import SigningTime, Station, read_key
+from ross_payload.ground.links.signing import SigningTime, read_key
+from ross_payload.ground.station import Station
 from ross_payload.mavlink import Received, Router
 from ross_payload.transport.open_port import open_port
 from ross_protocols.mavlink.codec import Encoder

@@ -15,8 +15,8 @@ from ross_payload.ground.client.command_types import (
     Record,
     Stop,
     Turn,
-    order_of,
 )
+from ross_payload.ground.client.order_json import order_of
 
 
 @pytest.mark.parametrize(

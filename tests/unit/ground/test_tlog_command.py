@@ -4,6 +4,7 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import replace
 from functools import partial
 
 import pytest
@@ -16,6 +17,7 @@ from ross_protocols.mavlink.codec import Encoder, chunks
 from ross_protocols.mavlink.commands import Result, acknowledgement
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 from ross_protocols.mavlink.values import (
     Alignment,
     CandidateState,
@@ -200,6 +202,21 @@ def test_answers_to_orders_that_were_not_heard_are_told_too(told):
     )["payloads"]
     (order,) = payload["commands"]
     assert (order["at"], order["command"], order["answers"][0]["result"]) == (None, "turn", "accepted")
+
+
+def test_streams_are_told_as_long_as_they_carried_the_same_to_the_same(told):
+    encoder = Encoder(1, 191)
+    stream = StreamReport(
+        1, 0, 1, "rtp", Selection.TARGET, True, 48000, on=True, codec=Codec.OPUS, address="10.0.0.2", port=5004
+    )
+    steps = [(0, stream), (2, replace(stream, level=-20.0, lost=5)), (4, replace(stream, selection=Selection.MIXTURE)),
+             (6, replace(stream, on=False)), (8, replace(stream, on=False))]  # fmt: skip
+    frames = [(0.0, encoder.encode(Status(1, 0.0, 0, True)))]
+    (payload,) = told(*frames, *((at, encoder.encode(each)) for at, each in steps))["payloads"]
+    first, second = payload["streams"]
+    assert (first["at"], first["duration"], first["whom"], first["lost"]) == (0, 4, "target", 5)
+    assert (second["at"], second["duration"], second["whom"]) == (4, 2, "mixture")
+    assert (second["place"], second["sink"], second["codec"]) == ("10.0.0.2:5004", "rtp", "opus")
 
 
 def test_long_texts_are_put_together(told):
