@@ -5,8 +5,8 @@ import pytest
 from aiortc.rtp import RtpPacket
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lossy_network import Network, compared, heard, voiced
 
+from lossy_network import Network, compared, heard, voiced
 from ross_payload.audio.sinks.rtp_sender import RtpSender
 from ross_payload.interfaces import VoiceBlock
 from ross_payload.transport.rtp.receiver import RtpReceiver

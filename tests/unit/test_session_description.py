@@ -1,3 +1,5 @@
+from contextlib import suppress
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -43,10 +45,8 @@ def test_what_cannot_be_played_is_refused_in_one_line(text, wanted):
     st.text(max_size=200).map(lambda text: "v=0\n" + text) | st.lists(st.sampled_from(GOOD.splitlines())).map("\n".join)
 )
 def test_any_text_is_read_or_refused(text):
-    try:
+    with suppress(ConfigError):
         assert parsed(text, "it").port > 0
-    except ConfigError:
-        pass
 
 
 @given(st.text(max_size=60) | st.text(max_size=40).map("rtp://".__add__) | st.text(max_size=40).map("tcp://".__add__))
@@ -63,7 +63,7 @@ def test_any_url_is_read_or_refused(url):
         ("239.1.2.3", "which is multicast"),
         ("ff02::1", "which is multicast"),
         ("255.255.255.255", "which is broadcast"),
-        ("0.0.0.0", "which is no address in particular"),
+        ("0.0.0.0", "which is no address in particular"),  # noqa: S104 - is refused
         ("::", "which is no address in particular"),
         ("ground.local", "expected one like 192.168.1.20 or fd00::20, got 'ground.local'"),
         ("", "got ''"),
