@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
@@ -82,6 +82,10 @@ class Listening:
     def streams(self) -> tuple[StreamStatus, ...]:
         """How every stream is, by number; from any thread."""
         return self._stage.streams
+
+    def descriptions(self) -> Mapping[int, str]:
+        """Return the session description (SDP) of every stream that has one, by number; from any thread."""
+        return self._stage.descriptions
 
     def order(self, order: StreamOrder) -> str:
         """Start, change or stop a stream with the next hop; return '' or why not; from any thread, never waits."""

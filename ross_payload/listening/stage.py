@@ -70,6 +70,7 @@ class ListeningStage:
         self._streams: dict[int, Stream] = {}
         self._leaving: list[SinkRunner] = []
         self._statuses: tuple[StreamStatus, ...] = ()
+        self._descriptions: dict[int, str] = {}
         self._told = 0.0  # when the streams were told last, in audio [s]
         self._begin(0)
 
@@ -87,6 +88,11 @@ class ListeningStage:
     def streams(self) -> tuple[StreamStatus, ...]:
         """How every stream is, by number; from any thread."""
         return self._statuses
+
+    @property
+    def descriptions(self) -> Mapping[int, str]:
+        """The session description (SDP) of every stream that has one, by number; from any thread."""
+        return self._descriptions
 
     def want(self, wanted: Mapping[int, StreamSettings], why: str = "ordered") -> None:
         """Have these streams, by number, and no others."""
@@ -212,6 +218,8 @@ class ListeningStage:
             return resting(settings, self._rate) if stream is None else stream.status()
 
         self._statuses = tuple(told(self._wanted[number]) for number in sorted(self._wanted))
+        infos = {number: stream.runner.info for number, stream in self._streams.items()}
+        self._descriptions = {number: info.sdp for number, info in infos.items() if info.sdp}
 
 
 def configured(config: Config) -> Iterator[StreamSettings]:

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 
 from ross_payload.audio.live_source import Watched
 from ross_payload.audio.shared_source import SharedSource
+from ross_payload.audio.sinks.sdp_server import SdpServer
 from ross_payload.config import Config
+from ross_payload.errors import AudioError
 from ross_payload.interfaces import AudioSource, Clock
 from ross_payload.listening.observers import Listening, LiveListening, LockstepListening, RecordingVoices
 from ross_payload.service.runner import Runner
 from ross_payload.sessions.recorder import RecordedVoice, Recorder
+
+log = logging.getLogger(__name__)
 
 
 def source_of(config: Config, source: AudioSource, watched: Watched | None, *, live: bool) -> AudioSource:
@@ -50,3 +55,16 @@ def heard(listening: Listening, source: AudioSource) -> Iterator[None]:
             yield
         finally:
             source.listeners.remove(listening.hear)
+
+
+@contextmanager
+def described(listening: Listening, config: Config) -> Iterator[None]:
+    """Serve the session descriptions of the streams where the configuration says so; without them all else goes on."""
+    asked = config.listening
+    with ExitStack() as stack:
+        if asked.sdp_port:
+            try:
+                stack.enter_context(SdpServer(listening.descriptions, asked.sdp_port, asked.sdp_address))
+            except AudioError as error:
+                log.warning("%s; they are offered over MAVLink FTP only", error)
+        yield

@@ -33,7 +33,7 @@ from ross_payload.mission.tasks import Memory
 from ross_payload.orders import Explore, Order, Seek, Set, Task
 from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.dronecan_node import Aboard, node_on_bus
-from ross_payload.service.live_listening import heard, listening_of, source_of
+from ross_payload.service.live_listening import described, heard, listening_of, source_of
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.service.voice_keeper import VoiceKeeper
@@ -106,6 +106,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         component = parts.links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.on_frame(parts.timebase.usec(), frame))
         stack.enter_context(heard(listening, source))
+        stack.enter_context(described(listening, config))
         runner.observers = [ears, telemetry, recorder, listening, keeper, *observers]
         stack.callback(clock.every(LOOK, partial(keeper.poll, partial(telemetry.send_text, Severity.ERROR))))
         if parts.latch is not None:
@@ -206,6 +207,7 @@ def _telemetry(
         health=ears.health,
         computer=parts.computer,
         listening=listening,
+        descriptions=listening.descriptions,
         timebase=parts.timebase,
         recordings=Recordings(parts.shelf.folder, asked.ftp_bytes_s) if asked.offer_ftp else None,
         latch=parts.latch,
