@@ -24,7 +24,7 @@ class VoicePrintModel:
     voice: Adapted
     seconds: float  # voiced speech that it was enrolled from [s]
     background: Background = field(repr=False)
-    criterion: float = 0.0  # accept above this score [nat]
+    criterion: float = 0.0  # evidence [nat] at which this print is undecided
     consent: str = ""  # how the talker agreed, in words; empty: the file does not say
 
     def score(self, voice: Real, rate: int) -> Score:
@@ -40,8 +40,8 @@ class VoicePrintModel:
         features = analyse(voice, rate)
         if features.seconds < SCORE_SECONDS:
             return Score(0.0, accepted=False)
-        value = self.background.compare(self.voice, features)
-        return Score(value, accepted=value > self.criterion)
+        value = self.background.compare(self.voice, features) - self.criterion
+        return Score(value, accepted=value > 0.0)
 
 
 def enrol(voice: Real, rate: int, background: Background | None = None, *, separated: bool = False) -> VoicePrintModel:
