@@ -43,7 +43,7 @@ class Stream(Table):
 class Listening(Table):
     """[listening]: voices that leave the payload while they are heard; nothing does without a stream or an order."""
 
-    separator: str = "gaussian"  # one that separates frame by frame
+    separator: str = "auto"  # one that separates frame by frame: `auto`, `refined`, `gaussian`, `duet`
     otherwise: Literal["mixture", "silence"] = (
         "mixture"  # what a stream of a voice carries while no voice can be separated: exploring, turning, nobody known
     )
