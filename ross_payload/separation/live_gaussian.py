@@ -25,6 +25,7 @@ FADE = 0.25  # from old covariances to new ones [s]
 LEVEL = 4.0  # time constant of the mean power of the mixture [s]
 ROOM = 0.012  # energy that no direction explains, before it is measured
 PRIOR_COUNT = 3.0  # bins that geometry counts for when covariances are learnt
+GROWN = 1.5  # by which a stretch must have grown before covariances are learnt from it anew
 PRIOR_FRAMES = 16.0  # that what was known about the room counts for
 GUESS = 1e-3  # noise relative to the mean power, before it is measured
 WHITE = np.array([1, 1, 0, 0], np.float32)[:, None]
@@ -39,6 +40,7 @@ class Learnt:
     covariances: Real  # coordinates, trace 2, (n_groups, 4, n_freqs)
     noise_psd: Real  # (n_freqs,)
     astray: float  # energy that no direction explains: how poor the room is
+    frames: int  # of the stretch from which they were learnt anew
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,11 +115,12 @@ class LiveGaussian:
         if before is not None:
             part = (frames * part + PRIOR_FRAMES * before.astray) / (frames + PRIOR_FRAMES)
         begin, anchor = geometric_start(scene, waves, part)
-        known = None
-        if before is not None and same_sources(before, members, tau, scene):
+        known, anew = None, frames
+        if before is not None and frames < GROWN * before.frames and same_sources(before, members, tau, scene):
+            anew = before.frames
             known = np.moveaxis(followed(before.covariances, tau - before.tau, scene.frequencies), -1, 0)
         covariances, _ = cacgmm.learn(observed, begin, noise, anchor, before=known, prior_count=PRIOR_COUNT)
-        return Learnt(members, tau, _by_frequency(covariances), noise * power, part)
+        return Learnt(members, tau, _by_frequency(covariances), noise * power, part, anew)
 
     def renewed(self, state: State, learnt: Learnt) -> State:
         """Return the state that fades to what was learnt; from another heading it takes how poor the room is alone."""
