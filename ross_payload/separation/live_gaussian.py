@@ -17,7 +17,7 @@ from ross_payload.interfaces import Complex, Groups, Real, Scene
 from ross_payload.separation import cacgmm, live_psds
 from ross_payload.separation.directness import astray, geometric_start
 
-UPDATES = 8  # of the PSDs of every frame that is under way, whenever another one is heard
+UPDATES = 6  # of the PSDs of every frame that is under way, whenever another one is heard
 UNSMOOTHED = 1  # of them before the smoothing begins, for the newest frame
 TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
 FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
@@ -25,7 +25,6 @@ FADE = 0.25  # from old covariances to new ones [s]
 LEVEL = 4.0  # time constant of the mean power of the mixture [s]
 ROOM = 0.012  # energy that no direction explains, before it is measured
 PRIOR_COUNT = 3.0  # bins that geometry counts for when covariances are learnt
-GROWN = 1.5  # by which a stretch must have grown before covariances are learnt from it anew
 PRIOR_FRAMES = 16.0  # that what was known about the room counts for
 GUESS = 1e-3  # noise relative to the mean power, before it is measured
 WHITE = np.array([1, 1, 0, 0], np.float32)[:, None]
@@ -40,7 +39,6 @@ class Learnt:
     covariances: Real  # coordinates, trace 2, (n_groups, 4, n_freqs)
     noise_psd: Real  # (n_freqs,)
     astray: float  # energy that no direction explains: how poor the room is
-    frames: int  # of the stretch from which they were learnt anew
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,12 +113,11 @@ class LiveGaussian:
         if before is not None:
             part = (frames * part + PRIOR_FRAMES * before.astray) / (frames + PRIOR_FRAMES)
         begin, anchor = geometric_start(scene, waves, part)
-        known, anew = None, frames
-        if before is not None and frames < GROWN * before.frames and same_sources(before, members, tau, scene):
-            anew = before.frames
+        known = None
+        if before is not None and same_sources(before, members, tau, scene):
             known = np.moveaxis(followed(before.covariances, tau - before.tau, scene.frequencies), -1, 0)
         covariances, _ = cacgmm.learn(observed, begin, noise, anchor, before=known, prior_count=PRIOR_COUNT)
-        return Learnt(members, tau, _by_frequency(covariances), noise * power, part, anew)
+        return Learnt(members, tau, _by_frequency(covariances), noise * power, part)
 
     def renewed(self, state: State, learnt: Learnt) -> State:
         """Return the state that fades to what was learnt; from another heading it takes how poor the room is alone."""

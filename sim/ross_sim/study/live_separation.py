@@ -1,7 +1,7 @@
 """Live separation against the same separator on the whole recording: `python -m ross_sim.study.live_separation ROWS`.
 
-Every mixture is separated as a whole and frame by frame, at several algorithmic latencies, with covariances learnt from
-the latest 4 s and renewed every 0.25 s. Rows are appended to a CSV file, and what it holds already is not measured again;
+Every mixture is separated as a whole and frame by frame, at several algorithmic latencies, with covariances learnt
+from the latest 4 s and renewed every 0.25 s. Rows are appended to a CSV file, and what it holds is not measured again;
 `--page` writes the tables made from it into a page of the documentation.
 """
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from statistics import mean, median
+from typing import Any
 
 from ross_payload.errors import ConfigError
 
@@ -62,21 +63,18 @@ def read_rows(path: Path) -> list[Row]:
     ConfigError
         When it is something else.
     """
-    kinds: dict[str, Callable[[str], object]] = {"setting": str, "separator": str}
-    whole = {"k", "layout", "target", "rate", "seed", "wanted_ms"}
     try:
         with path.open(newline="") as file:
-            return [
-                Row(
-                    **{
-                        name: kinds.get(name, int if name in whole else float)(text) if text else None
-                        for name, text in line.items()
-                    }
-                )  # type: ignore[arg-type]
-                for line in csv.DictReader(file)
-            ]
+            return [_row(line) for line in csv.DictReader(file)]
     except (OSError, ValueError, TypeError) as error:
         raise ConfigError(f"{path}: expected rows of the study of live separation: {error}") from error
+
+
+def _row(line: dict[str, str]) -> Row:
+    texts, whole = {"setting", "separator"}, {"k", "layout", "target", "rate", "seed", "wanted_ms"}
+    kinds: dict[str, Callable[[str], Any]] = dict.fromkeys(texts, str) | dict.fromkeys(whole, int)
+    values: dict[str, Any] = {name: kinds.get(name, float)(text) if text else None for name, text in line.items()}
+    return Row(**values)
 
 
 def _lost(rows: Iterable[Row], base: str, live: str) -> float | None:
