@@ -54,7 +54,7 @@ def test_a_transform_is_as_late_as_it_may_be_and_not_later(rate: int, latency: f
     transform, lookahead = transform_for(rate, latency)
     spent = (transform.latency + lookahead * transform.stft.hop) / rate
     assert min(latency, 0.14) - 2 / rate <= spent <= latency
-    assert transform.stft.frame / rate == pytest.approx(0.128, rel=0.05)
+    assert transform.stft.frame / rate == pytest.approx(0.128 if latency > 0.064 else 0.096, rel=0.05)
 
 
 def test_no_transform_is_quicker_than_two_hops() -> None:
