@@ -24,7 +24,7 @@ def _levels_db(signals: Complex) -> np.ndarray:
 def _jumps_db(renewed: Complex, steady: Complex) -> np.ndarray:
     """By how much the level jumps at every renewal, and would not without, (n_groups, n_renewals)."""
     change = _levels_db(renewed) - _levels_db(steady)
-    when = np.arange(2 * EVERY, change.shape[1] - AROUND, EVERY)
+    when = np.arange(4 * EVERY, change.shape[1] - AROUND, EVERY)
     after = np.stack([change[:, t + 1 : t + 1 + AROUND].mean(axis=1) for t in when], axis=1)
     return np.abs(after - np.stack([change[:, t - 1 - AROUND : t - 1].mean(axis=1) for t in when], axis=1))
 
@@ -49,7 +49,7 @@ def _different(live: LiveSeparator, heard: Complex) -> tuple[Learnt, Learnt]:
 
 
 def test_renewing_covariances_does_not_pump() -> None:
-    live, (_, heard) = separator.live(), mixture(steady=True)
+    live, (_, heard) = separator.live(), mixture(frames=2 * FRAMES, steady=True)
     one, other = _different(live, heard)
     jumps = _jumps_db(_between(live, heard, one, other), _between(live, heard, one, one))
     assert jumps.max() < PUMPING_DB
@@ -57,7 +57,7 @@ def test_renewing_covariances_does_not_pump() -> None:
 
 def test_pumping_would_be_heard(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(live_gaussian, "FADE", 0.0)
-    live, (_, heard) = separator.live(), mixture(steady=True)
+    live, (_, heard) = separator.live(), mixture(frames=2 * FRAMES, steady=True)
     one, other = _different(live, heard)
     jumps = _jumps_db(_between(live, heard, one, other), _between(live, heard, one, one))
     assert jumps.max() > PUMPING_DB
