@@ -10,7 +10,6 @@ from pydantic import Field, field_validator, model_validator
 
 from ross_payload.config.table import Table
 from ross_payload.streams import MAX_STREAMS, Selection, What
-from ross_payload.transport.link_url import LOOPBACK
 
 MOST_SOURCES = 16  # that a stream can be asked for
 WHAT = "mixture, target, source N (0 to 15) or azimuth DEGREES"
@@ -56,7 +55,7 @@ class Listening(Table):
     window_s: Annotated[float, Field(ge=1, le=30)] = 4.0  # of audio from which the covariances are learnt
     learn_s: Annotated[float, Field(ge=0.05, le=10)] = 0.25  # between two times that they are learnt anew
     sdp_port: Annotated[int, Field(ge=0, le=65535)] = 0  # serves session descriptions over HTTP; 0: does not
-    sdp_address: Annotated[str, Field(min_length=1)] = LOOPBACK  # of this computer, on which it does
+    sdp_address: Annotated[str, Field(min_length=1)] = "127.0.0.1"  # of this computer, on which it does
     streams: Annotated[tuple[Stream, ...], Field(max_length=MAX_STREAMS)] = ()
 
     @model_validator(mode="after")
