@@ -56,10 +56,11 @@ def listening_into(path: Path, listening: Listening) -> Listening:
     Raises
     ------
     ConfigError
-        When its name is not that of a track, or the earlier file cannot be removed.
+        When its name is not that of a track, or the folder cannot be made or the earlier file removed.
     """
     checked_options("file", {"path": str(path)}, "--listen")
-    with refused_as(ConfigError, f"--listen {path}: cannot be replaced"):
+    with refused_as(ConfigError, f"--listen {path}: cannot be written"):
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.unlink(missing_ok=True)
     stream = Stream(sink="file", options={"path": str(path.absolute())})
     changed: Listening = _with(listening, streams=(*listening.streams, stream))
