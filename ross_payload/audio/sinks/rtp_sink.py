@@ -45,6 +45,7 @@ class RtpOptions(Table):
     port: Annotated[int, Field(ge=1, le=65535)] = 5004
     codec: Literal["opus", "L16"] = "opus"
     bit_rate_kbps: Annotated[int, Field(ge=12, le=256)] = 48  # of Opus
+    rate_hz: Annotated[int, Field(ge=8000, le=48000)] | None = None  # of L16; absent: that of the audio
 
     @field_validator("address")
     @classmethod
@@ -192,8 +193,9 @@ class RtpSink:
         log.info("%s: ends", self._where)
 
     def _new_sender(self) -> RtpSender:
-        rate = self._services.rate
-        return RtpSender(rate, Media.of(self._options.codec, rate), 1000 * self._options.bit_rate_kbps)
+        rate, options = self._services.rate, self._options
+        wanted = options.rate_hz if options.codec == L16 and options.rate_hz else rate
+        return RtpSender(rate, Media.of(options.codec, wanted), 1000 * options.bit_rate_kbps)
 
     def _session(self, origin: str) -> str:
         options, services = self._options, self._services
