@@ -13,7 +13,7 @@ import numpy as np
 
 KEPT = 400  # arrivals that are looked at: 8 s of packets of 20 ms
 FEWEST = 10  # before anything is concluded
-TOO_LATE = 0.01  # share of packets that may come too late, adaptive
+TOO_LATE = 0.005  # share of packets that may come too late, adaptive
 SAFETY = 0.005  # [s] by which the others come earlier than needed
 FIRST = 0.06  # delay before anything is known, adaptive [s]
 MOST = 0.5  # [s]
