@@ -21,7 +21,7 @@ _SELECTION = re.compile(
 class Stream(Table):
     """[[listening.streams]]: one voice, or the mixture, to one sink, live."""
 
-    sink: Annotated[str, Field(min_length=1)]  # file, device, tcp, or one of a plug-in
+    sink: Annotated[str, Field(min_length=1)]  # file, device, tcp, rtp, or one of a plug-in
     what: str = "target"  # mixture, target, `source N` (of the latest estimate, from 0) or `azimuth DEGREES`
     gain_db: Annotated[float, Field(ge=-60, le=60)] = 0.0  # added to what is heard; a limiter holds it below full scale
     muted: bool = False  # silence until an order says otherwise
@@ -43,7 +43,7 @@ class Stream(Table):
 class Listening(Table):
     """[listening]: voices that leave the payload while they are heard; nothing does without a stream or an order."""
 
-    separator: str = "gaussian"  # one that separates frame by frame
+    separator: str = "auto"  # one that separates frame by frame: `auto`, `refined`, `gaussian`, `duet`
     otherwise: Literal["mixture", "silence"] = (
         "mixture"  # what a stream of a voice carries while no voice can be separated: exploring, turning, nobody known
     )

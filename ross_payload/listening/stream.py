@@ -120,7 +120,7 @@ class Stream:
         limited = self._limiter.limited(samples)
         self._meter.add(limited)
         if now is not None:
-            self._delay = now - time - len(samples) / self._rate
+            self._delay = now - time
         self.runner.write(VoiceBlock(limited, index, time))
 
     def end(self, why: str) -> None:

@@ -20,7 +20,15 @@ PRIOR_COUNT = 0.3  # bins added to every group's share of a block
 EVERY = 2  # frames: neighbours overlap
 
 
-def learn(observed: Real, start: Real, noise_psd: Real, anchor: float, before: Real | None = None) -> tuple[Real, Real]:
+def learn(
+    observed: Real,
+    start: Real,
+    noise_psd: Real,
+    anchor: float,
+    *,
+    before: Real | None = None,
+    prior_count: float = 0.0,
+) -> tuple[Real, Real]:
     """Covariances of the groups, trace 2, (n_freqs, n_groups, 4), and their shares, (n_freqs, n_groups, n_frames).
 
     The share of a group is how probable it is in a frame, whatever bin of a block it is looked for in.
@@ -41,6 +49,8 @@ def learn(observed: Real, start: Real, noise_psd: Real, anchor: float, before: R
     before
         What was learnt from a recording much like this one, (n_freqs, n_groups, 4): few iterations from there are
         enough. None: from the start on.
+    prior_count
+        Bins that the start counts for beside those that a group is heard in: a short recording changes little.
     """
     heard = observed[:, :, ::EVERY]
     power = heard[:, 0] + heard[:, 1]
@@ -54,8 +64,13 @@ def learn(observed: Real, start: Real, noise_psd: Real, anchor: float, before: R
     for reach in REACH if before is None else AGAIN:
         sums = np.empty_like(shares)
         for index, block in enumerate(blocks):
-            moments, sums[index] = _step(unit[block], flipped[block], weight[block], learnt[block], shares[index])
-            learnt[block] = (1 - anchor) * moments + anchor * start[block]
+            moments, counts = _step(unit[block], flipped[block], weight[block], learnt[block], shares[index])
+            sums[index] = counts.sum(axis=0)
+            drawn = anchor
+            if prior_count:
+                heard_in = counts.sum(axis=2, keepdims=True)
+                drawn = 1 - (1 - anchor) * heard_in / (heard_in + prior_count)
+            learnt[block] = (1 - drawn) * moments + drawn * start[block]
         shares = (_tied(sums, reach) + PRIOR_COUNT) / (_tied(weights, reach) + PRIOR_COUNT * start.shape[1])
     per_bin = np.repeat(np.arange(len(blocks)), BLOCK)[: len(start)]
     per_frame = np.repeat(np.arange(shares.shape[2]), EVERY)[: observed.shape[2]]
@@ -63,7 +78,7 @@ def learn(observed: Real, start: Real, noise_psd: Real, anchor: float, before: R
 
 
 def _step(unit: Real, flipped: Real, weight: Real, matrices: Real, shares: Real) -> tuple[Real, Real]:
-    """One E and M step of a block of bins: covariances (n, n_groups, 4), responsibilities (n_groups, n_frames)."""
+    """One E and M step of a block of bins: covariances (n, n_groups, 4), responsibilities (n, n_groups, n_frames)."""
     cross = np.maximum(matrices @ flipped, 1e-5)
     inverse = determinant(matrices)[..., None] / cross
     given = shares * inverse / cross
@@ -71,7 +86,7 @@ def _step(unit: Real, flipped: Real, weight: Real, matrices: Real, shares: Real)
     moments = (given * inverse) @ np.swapaxes(unit, 1, 2)
     trace = moments[..., :1] + moments[..., 1:2]
     moments = np.where(trace > 1e-9, 2 * moments / np.maximum(trace, 1e-9), matrices)
-    return moments, given.sum(axis=0)
+    return moments, given
 
 
 def _tied(sums: Real, reach: int | None) -> Real:

@@ -32,6 +32,7 @@ WHERE = [
     (r"pip install \.$", ELSEWHERE, "tests/dist/test_own_actuator.py"),
     (r"(~/ross/bin/)?pip install |python3 -m venv ~/ross", ELSEWHERE, "tests/dist/test_wheel.py"),
     (r"ross (evaluate|sitl) .*delay-and-sum", ELSEWHERE, "tests/dist/test_own_separator.py"),
+    (r"ross config check loud.toml", ELSEWHERE, "tests/dist/test_own_sink.py"),
     (r"pytest -m hardware", NOT_RUN, "turns real hardware"),
     (r"pytest tests/contract|ross actuators probe bench|ross sitl --actuator my_turntable", ELSEWHERE,
      "tests/dist/test_own_actuator.py"),
@@ -204,6 +205,7 @@ READERS = {  # of files that are no payload's configuration, by page and by word
     ("run-a-study", ""): as_study,
     ("add-your-own-actuator", "# pyproject.toml"): as_package,
     ("add-your-own-separator", "# pyproject.toml"): as_package,
+    ("add-your-own-sink", "# pyproject.toml"): as_package,
     ("parameters", "[parameters]"): as_parameters,
 }
 

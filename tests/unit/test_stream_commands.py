@@ -244,7 +244,7 @@ def somebody(monkeypatch):
 
 
 def test_a_talker_is_enrolled_by_command(payload, somebody, monkeypatch):
-    monkeypatch.setattr(enrol_talker, "enrol", lambda voice, rate: SimpleNamespace(seconds=4.2))
+    monkeypatch.setattr(enrol_talker, "enrol", lambda voice, rate, **how: SimpleNamespace(seconds=4.2))
     assert payload.command(ENROL, 2, 0, 30, 0.5, 1, 3, seconds=8.0) == [IN_PROGRESS, ACCEPTED]
 
 

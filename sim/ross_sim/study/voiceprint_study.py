@@ -100,7 +100,7 @@ def pointed_print(
     size = min(len(talker.enrolment), round(max(DURATIONS) * RATE))
     clips = [talker.enrolment[:size], *(excerpt(voice.speech, size, rng) for voice in chosen)]
     azimuths = layouts(TALKERS, 1, rng)[1]
-    return enrol(separated_voice(clips, azimuths, 0, SETTINGS[room], rng), RATE, background)
+    return enrol(separated_voice(clips, azimuths, 0, SETTINGS[room], rng), RATE, background, separated=True)
 
 
 def summary(found: Sequence[Trial]) -> list[str]:
