@@ -30,7 +30,7 @@ from ross_payload.plugin_checks import load_separator
 from ross_payload.pointing import Pointing
 from ross_payload.streams import StreamOrder, StreamStatus
 
-BEHIND = 50  # hops that wait: then the computer is too slow, and what waits is left out
+BEHIND_S = 2.0  # of audio that waits: then the computer is too slow, and what waits is left out
 LAST_CALL_S = 5.0  # that the thread may take at the end
 
 log = logging.getLogger(__name__)
@@ -161,6 +161,7 @@ class LiveListening(Listening):
         super().__init__(config, clock, folder, recording)
         self._locate = locate
         self._queue: SimpleQueue[AudioBlock | tuple[Event, bool] | None] = SimpleQueue()
+        self._most = round(1000 * BEHIND_S / config.audio.hop_ms)  # hops
         self._skipped = 0  # hops, since the last one that was heard
         self._thread = threading.Thread(target=self._work, name="listening", daemon=True)
 
@@ -197,7 +198,7 @@ class LiveListening(Listening):
             return
         self._obey()
         waiting = self._queue.qsize()
-        if waiting > BEHIND or (self._skipped and waiting > 1):
+        if waiting > self._most or (self._skipped and waiting > 1):
             self._skipped += 1
             return
         if self._skipped:

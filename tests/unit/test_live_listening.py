@@ -98,16 +98,17 @@ def test_a_computer_that_is_too_slow_leaves_out_sound_and_not_places(tmp_path, c
         feed(listening, blocks(0.0, 1.0))
         wait_for(lambda: length(tmp_path) > 0.9 * RATE)
         go_on.clear()
-        for block in blocks(1.0, 3.0):
+        for block in blocks(1.0, 3.5):
             listening.hear(block)
         go_on.set()
         wait_for(listening._queue.empty)
-        feed(listening, blocks(3.0, 4.0))
+        feed(listening, blocks(3.5, 4.0))
         wait_for(lambda: length(tmp_path) > 3.9 * RATE)
     found = heard(tmp_path)
     assert len(found) == 4 * RATE
     assert np.array_equal(found[: RATE * 9 // 10], MIXTURE[0, : RATE * 9 // 10])
-    assert np.array_equal(found[-RATE // 2 :], MIXTURE[0, -RATE // 2 :])
+    last = RATE * 3 // 10
+    assert np.array_equal(found[-last:], MIXTURE[0, -last:])
     assert "too slow for live listening" in caplog.text
 
 
