@@ -16,7 +16,7 @@ import socket
 import threading
 import time
 from collections import deque
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator
 
@@ -33,9 +33,8 @@ IDLE_S = 0.25  # between two looks, with nothing to do
 REFUSED_S = 3.0  # after the system said that nobody listens there, it still holds
 LISTENS_S = 5.0  # after a listener's report, it still listens
 LEAVE_S = 1.0  # for what waits, in the end
-CODECS = {name.lower(): name for name in (L16, OPUS)}
-
 log = logging.getLogger(__name__)
+CODECS = {name.lower(): name for name in (L16, OPUS)}
 
 
 class RtpOptions(Table):
@@ -105,6 +104,7 @@ class RtpSink:
         self._leaving = threading.Event()
         self._refused_at = self._failed_at = -1e9
         self._failure = ""
+        self._broken = ""  # why the thread has ended
         self._sdp = ""
         self.lost = 0
 
@@ -112,6 +112,8 @@ class RtpSink:
     def fault(self) -> str:
         """What is wrong: the latest thing, until it has been well for a while."""
         now = self._clock.now()
+        if self._broken:
+            return f"{self._where}: {self._broken}"
         if now < self._failed_at + REFUSED_S:
             return f"{self._where}: {self._failure}"
         return f"{self._where}: nobody listens there" if now < self._refused_at + REFUSED_S else ""
@@ -133,7 +135,15 @@ class RtpSink:
         )
 
     def write(self, block: VoiceBlock) -> None:
-        """Have samples sent."""
+        """Have samples sent.
+
+        Raises
+        ------
+        AudioError
+            When they cannot be encoded any more.
+        """
+        if self._broken:
+            raise AudioError(f"{self._where}: {self._broken}")
         with self._guard:
             if not self._services.live:  # as many samples as in live time would be lost in simulated time
                 self._guard.wait_for(lambda: self._has_room(block), LEAVE_S)
@@ -170,9 +180,9 @@ class RtpSink:
         self._blocks.clear()
         self._waiting = 0
         self._leaving.clear()
+        self._broken = ""
         self._thread = threading.Thread(target=self._run, args=(sock, self._wake), name="rtp", daemon=True)
         self._thread.start()
-        log.info("%s: %s at %d Hz begins", self._where, self._sender.media.codec, self._sender.media.rate)
         return self
 
     def __exit__(self, *exception: object) -> None:
@@ -190,7 +200,6 @@ class RtpSink:
         with contextlib.suppress(OSError):
             sock.send(self._sender.goodbye())
         sock.close()
-        log.info("%s: ends", self._where)
 
     def _new_sender(self) -> RtpSender:
         rate, options = self._services.rate, self._options
@@ -205,12 +214,21 @@ class RtpSink:
     # ------------------------------------------------------------------------------------------- the thread
 
     def _run(self, sock: socket.socket, wake: int) -> None:
+        try:
+            self._work(sock, wake)
+        except Exception as error:  # whatever an encoder may raise: `write` says it, and the sink is opened again
+            log.exception("%s has failed", self._where)
+            self._broken = str(error) or type(error).__name__
+
+    def _work(self, sock: socket.socket, wake: int) -> None:
+        events = select.poll()
+        events.register(wake, select.POLLIN)
+        events.register(sock, select.POLLIN)
         while not (self._leaving.is_set() and not self._blocks):
-            watched: list[Any] = [sock, wake]
-            ready, _, _ = select.select(watched, [], [], IDLE_S)
+            ready = {descriptor for descriptor, _ in events.poll(1000 * IDLE_S)}
             if wake in ready:
                 os.eventfd_read(wake)
-            if sock in ready:
+            if sock.fileno() in ready:
                 self._answer(sock)
             while self._blocks:
                 with self._guard:
