@@ -118,11 +118,11 @@ class SourcesEstimated(Event):
 
 @dataclass(frozen=True, slots=True)
 class SourcesTracked(Event):
-    """Where the sources of the latest estimate are by now, followed while the mission listens; indices stay."""
+    """Where the sources of the latest estimate are now, heard while listening; in its order, and as many."""
 
     estimate: Estimate
     rates: tuple[float, ...]  # of every azimuth [rad/s]
-    ages: tuple[float, ...] = ()  # since every source was heard last [s]; empty: not told
+    ages: tuple[float, ...]  # since each was heard last [s]
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,8 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
 
-FRAME = 0.128  # [s], about
+HOP = 0.016  # [s], about
+LONG, SHORT = 8, 6  # frames, in hops
 LEAST, MOST = 4, 1  # hops that frames overlap by before one is spent on looking ahead, and the most that are
 
 
@@ -90,8 +91,8 @@ class StreamingStft:
 def transform_for(rate: int, latency: float) -> tuple[StreamingStft, int]:
     """Return the transform for listening with an algorithmic latency, and the frames to look ahead.
 
-    Frames of 128 ms, in which the reverberation of a room fits, an eighth of that apart; the latency is that of the
-    synthesis window and of the frames after it, never more than asked for.
+    Frames of 128 ms, in which the reverberation of a room fits, or of 96 ms when the latency is short, 16 ms apart. The
+    latency is that of the synthesis window and of the frames after it, never more than asked for.
 
     Parameters
     ----------
@@ -111,13 +112,13 @@ def transform_for(rate: int, latency: float) -> tuple[StreamingStft, int]:
     >>> transform.stft.frame, transform.stft.hop, transform.latency, lookahead
     (2048, 256, 1344, 1)
     """
-    hop = int(scipy.fft.next_fast_len(round(FRAME * rate / 8), real=True))
-    samples = int(latency * rate)
+    hop, samples = int(scipy.fft.next_fast_len(round(HOP * rate), real=True)), int(latency * rate)
     if samples < 2 * hop:
         raise ConfigError(f"latency: expected at least {2 * hop / rate * 1000:.0f} ms, got {latency * 1000:g} ms")
     lookahead = min(max((samples - LEAST * hop) // hop, 0), MOST)
-    delay = min(samples - lookahead * hop, 8 * hop) // 2 * 2
-    return StreamingStft(Stft(rate, 8 * hop, hop), delay), lookahead
+    frame = (LONG if samples >= LEAST * hop else SHORT) * hop
+    delay = min(samples - lookahead * hop, frame) // 2 * 2
+    return StreamingStft(Stft(rate, frame, hop), delay), lookahead
 
 
 class StreamingAnalysis:

@@ -5,6 +5,7 @@ All of it follows from the mission's events and from where the array points.
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,9 @@ from ross_payload.mission_state import MissionState, reduce
 from ross_payload.streams import Selection, What
 
 NEAR = np.deg2rad(20.0)  # an azimuth that is asked for and a source within this are one
-STEADY = np.deg2rad(3.0)  # the array may turn by so much, following its heading, before separation begins anew
+AWAY = np.deg2rad(6.0)  # the array may turn by so much, following its heading, before separation begins anew
+STEADY = np.deg2rad(2.0)  # a heading that has changed by less in the last frames is held, though the joint may turn
+STEADY_FRAMES = 20  # about a third of a second
 QUIET = frozenset({State.LEAD_IN, State.NOISE})  # nobody is taken to talk
 EXPLORING = QUIET | {State.EXPLORE_TURN, State.EXPLORE_LISTEN}
 LISTENING = frozenset({State.CHECK, State.RUN})
@@ -48,6 +51,7 @@ class SceneTracker:
         self._earth = False  # the frame of its azimuths
         self._stretch = 0
         self._heading: float | None = None  # at the beginning of this stretch [rad]
+        self._recent: deque[float] = deque(maxlen=STEADY_FRAMES)  # headings [rad]
         self._why = ""
 
     @property
@@ -76,9 +80,11 @@ class SceneTracker:
     def placement(self, heading: float, *, earth: bool, settled: bool) -> Placement | None:
         """Return where the sources are for an array that points to ``heading`` [rad]; None: nothing can be separated.
 
-        A stretch begins at rest, and lasts as long as the array follows the heading that it began with.
+        A stretch begins at rest, or when the joint holds a heading on a base that yaws, and lasts as long as the array
+        follows the heading that it began with.
         """
         estimate, self._why = self._estimate, ""
+        self._recent.append(heading)
         if self._mission.state in EXPLORING:
             self._why = "exploring"
         elif estimate is None or not estimate.k:
@@ -88,8 +94,8 @@ class SceneTracker:
         if self._why or estimate is None:
             self._heading = None
             return None
-        if self._heading is None or abs(wrap(heading - self._heading)) > STEADY:
-            if not settled:
+        if self._heading is None or abs(wrap(heading - self._heading)) > AWAY:
+            if not (settled or self._held()):
                 self._heading, self._why = None, "turning"
                 return None
             self._heading, self._stretch = heading, self._stretch + 1
@@ -97,6 +103,11 @@ class SceneTracker:
         heights = np.array([source.elevation or 0.0 for source in estimate.sources])
         tau = tdoa(azimuths, heading, self._array.spacing_m, self._array.speed_of_sound_m_s, heights)
         return Placement(tau, self._stretch)
+
+    def _held(self) -> bool:
+        """Whether the heading has hardly changed lately."""
+        turned = [abs(wrap(heading - self._recent[-1])) for heading in self._recent]
+        return len(turned) == STEADY_FRAMES and max(turned) < STEADY
 
     def source_of(self, selection: Selection) -> tuple[int | None, str]:
         """Return which source of the estimate is meant, or None and why there is none."""

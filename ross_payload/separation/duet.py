@@ -130,7 +130,8 @@ class LiveDuet:
 
     def learn(self, window: Complex, scene: Scene, before: Real | None = None) -> Real:
         """Guess the noise PSD from the latest frames (2, n_freqs, n_frames), (n_freqs,)."""
-        return guessed_psd(window).astype(np.float32)
+        known = scene.noise_psd
+        return (guessed_psd(window) if known is None else np.asarray(known)).astype(np.float32)
 
     def renewed(self, state: State, learnt: Real) -> State:
         """Return the state whose noise PSD moves towards what was learnt."""

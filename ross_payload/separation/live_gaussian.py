@@ -17,13 +17,14 @@ from ross_payload.interfaces import Complex, Groups, Real, Scene
 from ross_payload.separation import cacgmm, live_psds
 from ross_payload.separation.directness import astray, geometric_start
 
-UPDATES = 8  # of the PSDs of every frame that is under way, whenever another one is heard
+UPDATES = 6  # of the PSDs of every frame that is under way, whenever another one is heard
 UNSMOOTHED = 1  # of them before the smoothing begins, for the newest frame
 TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
 FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
 FADE = 0.25  # from old covariances to new ones [s]
+HASTE = 0.25  # or, when little was heard yet, this part of it
 LEVEL = 4.0  # time constant of the mean power of the mixture [s]
-ROOM = 0.012  # energy that no direction explains, before it is measured
+ROOM = 0.010  # energy that no direction explains, before it is measured
 PRIOR_COUNT = 3.0  # bins that geometry counts for when covariances are learnt
 PRIOR_FRAMES = 16.0  # that what was known about the room counts for
 GUESS = 1e-3  # noise relative to the mean power, before it is measured
@@ -170,7 +171,7 @@ def _fitted(state: State, noise: Real, floor: np.float32) -> Real:
         found = live_psds.updated(psds, cross, gram)
         around = live_psds.averaged(np.concatenate([last, psds[:, :-1], psds[-1:, :-1]]))
         smooth = (around[:-2] + around[1:-1] + around[2:]) * np.float32(1 / 3)
-        drawn = np.sqrt(found) * smooth ** np.float32(0.5 - TIED) * state.expected
+        drawn = np.sqrt(found) * np.exp(np.float32(0.5 - TIED) * np.log(smooth)) * state.expected
         if update < UNSMOOTHED:
             drawn[-1] = found[-1]
         np.maximum(drawn, floor, out=psds[:, :-1])
@@ -215,7 +216,7 @@ def _fading(state: State, scene: Scene) -> State:
     else:
         waves = direct(scene.frequencies, state.tau).astype(np.float32)
         goal = _by_frequency(geometric_start(scene, waves, learnt.astray)[0])
-    fading = max(round(FADE / _period(scene)), 1) if state.age else 1
+    fading = max(round(min(FADE / _period(scene), HASTE * state.age)), 1)
     return replace(state, goal=goal, fading=fading, noise_psd=learnt.noise_psd, renewal=None)
 
 

@@ -3,20 +3,28 @@
 Every group is described by the same few numbers per bin; the same network sees each group beside the mean of the
 others, so that any number of groups works and their order does not matter. Its output is a factor for every PSD; the
 multichannel Wiener filter of the local Gaussian model does the rest.
+
+Frame by frame the network follows the frames of the live local Gaussian model. It was trained for frames that overlap
+by three quarters: when they overlap more it sees one in so many, and what it says is interpolated. It knows the past,
+and of the future what the look-ahead lets it know.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ross_payload.dsp.metrics import qualities
 from ross_payload.interfaces import Complex, Groups, LiveSeparator, Quality, Real, Scene
-from ross_payload.separation.live_refined import LiveRefined
+from ross_payload.separation.live_gaussian import Learnt, LiveGaussian, State, separated, thinned
 from ross_payload.separation.local_gaussian_model import fitted, from_directions, wiener
-from ross_payload.separation.network import Network, shipped_network
+from ross_payload.separation.network import Network, Past, shipped_network
 from ross_payload.separation.refiner_features import HIGHEST, LEAST, STEADY, features, trained_for
 
 BONUS = 0.75  # SI-SDR above that of the local Gaussian model [dB]
+TRUST = np.float32(0.5)  # in the network, which was trained with what follows in view: part of its corrections taken
+KEPT = 3  # frames that the network has seen whose corrections are interpolated
 
 
 class Refined:
@@ -47,6 +55,103 @@ class Refined:
         masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
         psds[:, -1] = np.maximum(psds[:, -1], STEADY * (1 + psds[:, :-1].sum(axis=1)))
         return wiener(unit, psds, covariances), masks, quality
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RefinedState:
+    """What is known after a frame; low are the bins below `HIGHEST`."""
+
+    model: State
+    observed: Real  # coordinates of x x^H of the latest frames, (n, 4, n_low)
+    psds: Real  # theirs, (n, n_groups, n_low)
+    corrections: Real  # of the logarithms of PSDs, of the frames that the network saw last, (KEPT, n_groups, n_low)
+    past: Past
+
+
+class LiveRefined:
+    """The live separator.
+
+    Parameters
+    ----------
+    network
+        The weights.
+    lookahead
+        Frames that must be heard after a frame before it is separated.
+    """
+
+    name = "refined"
+
+    def __init__(self, network: Network, lookahead: int = 1) -> None:
+        self.lookahead = lookahead
+        self._model, self._network = LiveGaussian(lookahead), network
+
+    def start(self, scene: Scene) -> RefinedState:
+        """Return the state in which nothing was heard yet.
+
+        Raises
+        ------
+        ConfigError
+            When the TDOAs are not known.
+        """
+        model, n_low = self._model.start(scene), _low(scene)
+        n, n_groups = thinned(scene) + 1, len(model.members)
+        observed, psds = np.zeros((n, 4, n_low), np.float32), np.zeros((n, n_groups, n_low), np.float32)
+        return RefinedState(model, observed, psds, np.zeros((KEPT, n_groups, n_low), np.float32), ())
+
+    def step(self, state: RefinedState, frame: Complex, scene: Scene) -> tuple[RefinedState, Groups]:
+        """Hear one frame (2, n_freqs); return the groups of ``lookahead`` frames ago, (n_groups, n_freqs, 1)."""
+        model, low = self._model.heard(state.model, frame, scene), slice(_low(scene))
+        noise = self._model.noise_of(model, scene)
+        psds = np.concatenate([model.psds[1], noise[None]])
+        if trained_for(scene.frequencies[low]) and model.level > 0:
+            state = self._followed(state, model, noise, scene)
+            level = np.float32(model.level)
+            psds[:-1, low] = np.maximum(psds[:-1, low], LEAST * level) * np.exp(TRUST * self._correction(state, scene))
+            psds[-1] = np.maximum(psds[-1], STEADY * (level + psds[:-1].sum(axis=0)))
+        return replace(state, model=model), separated(model, psds, self.name)
+
+    def learn(self, window: Complex, scene: Scene, before: Learnt | None = None) -> Learnt:
+        """Learn covariances as `LiveGaussian.learn` does."""
+        return self._model.learn(window, scene, before)
+
+    def renewed(self, state: RefinedState, learnt: Learnt) -> RefinedState:
+        """Return the state that fades to what was learnt, as `LiveGaussian.renewed` does."""
+        return replace(state, model=self._model.renewed(state.model, learnt))
+
+    def _followed(self, state: RefinedState, model: State, noise: Real, scene: Scene) -> RefinedState:
+        """Keep what the network is shown, and show it when it is time."""
+        low = slice(_low(scene))
+        observed = np.concatenate([state.observed[1:], model.observed[-1:, :, low]])
+        psds = np.concatenate([state.psds[1:], model.psds[-1:, :, low]])
+        fresh = min(len(psds), self.lookahead + 1)
+        psds[-fresh:] = model.psds[-fresh:, :, low]
+        state = replace(state, model=model, observed=observed, psds=psds)
+        if model.age % thinned(scene):
+            return state
+        level = np.float32(model.level)
+        both = np.concatenate([psds[[0, -1]], np.broadcast_to(noise[low], (2, 1, noise[low].size))], axis=1)
+        matrices = np.ascontiguousarray(np.moveaxis(model.covariances[..., low], -1, 0))
+        shown = features(
+            np.ascontiguousarray(observed[[0, -1]].transpose(2, 1, 0)) / level,
+            matrices,
+            np.ascontiguousarray(both.transpose(2, 1, 0)) / level,
+        )
+        found, past = self._network.advance(shown, scene.frequencies[low], state.past)
+        latest = np.moveaxis(found, -1, 0)
+        return replace(state, corrections=np.concatenate([state.corrections[1:-1], latest]), past=past)
+
+    def _correction(self, state: RefinedState, scene: Scene) -> Real:
+        """Of the frame that is separated, between those of the frames that the network saw, (n_groups, n_low)."""
+        every = thinned(scene)
+        place = KEPT - 1 + (state.model.age % every - self.lookahead) / every
+        place = min(max(place, 0.0), KEPT - 1.0)
+        first = min(int(place), KEPT - 2)
+        part = np.float32(place - first)
+        return np.asarray((1 - part) * state.corrections[first] + part * state.corrections[first + 1])
+
+
+def _low(scene: Scene) -> int:
+    return int((scene.frequencies < HIGHEST).sum())
 
 
 separator = Refined()

@@ -116,7 +116,9 @@ def test_where_no_voice_can_be_separated_there_is_the_mixture_or_silence(otherwi
     bench = Bench({0: source(0), 1: MIXTURE}, otherwise=otherwise)
     bench.know()
     bench.say(StateChanged(0.0, state))
-    bench.hear(0.5, settled=settled)
+    for _ in range(50):
+        bench.heading += 0.0 if settled else 0.05
+        bench.hear(0.01, settled=settled)
     assert bench.factor(0) == factor
     assert bench.factor(1) == 1
     status = bench.status(0)
@@ -137,16 +139,27 @@ def test_a_separator_begins_anew_at_another_heading_and_not_while_it_follows_one
     bench = Bench({0: source(0)})
     bench.know()
     bench.hear(0.5)
-    bench.heading = np.deg2rad(2.0)
+    bench.heading = np.deg2rad(4.0)
     bench.hear(0.5, settled=False)  # the array follows its heading
     assert len(bench.separator.starts) == 1
-    bench.heading = np.deg2rad(30.0)
-    bench.hear(0.5, settled=False)
-    assert bench.factor(0) == 1
+    for degrees in range(5, 31):
+        bench.heading = np.deg2rad(degrees)
+        bench.hear(0.02, settled=False)
+    bench.hear(0.1, settled=False)
+    assert bench.factor(0, last=0.05) == 1
     bench.hear(0.5)
     assert (bench.factor(0), len(bench.separator.starts)) == (2, 2)
     expected = 0.05 / 343.0 * np.cos(np.deg2rad(np.array(AZIMUTHS) - 30.0))
     assert bench.separator.starts[1].tau == pytest.approx(expected)
+
+
+def test_a_joint_that_holds_a_heading_on_a_base_that_yaws_is_at_rest_enough():
+    bench = Bench({0: source(0)})
+    bench.know()
+    for hop in range(200):
+        bench.heading = np.deg2rad(10.0 + 1.5 * np.sin(hop / 15))
+        bench.hear(0.01, settled=False)
+    assert (bench.factor(0), len(bench.separator.starts)) == (2, 1)
 
 
 def test_who_moves_is_followed_without_beginning_anew():

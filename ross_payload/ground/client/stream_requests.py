@@ -22,7 +22,7 @@ from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.stream_values import description_file
 
-STREAM_TIMEOUT_S = 4.0  # for a stream to be announced
+STREAM_TIMEOUT_S = 6.0  # for a stream to be announced: a link may lose it, and it is repeated every 5 s
 
 
 class StreamRequests(ABC):

@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 
 import pytest
+from click.testing import CliRunner
 
 from client_bench import Served
 from emulated_scene import full
@@ -18,8 +19,10 @@ from ross_payload.ground.client.stream_orders import Enrol, StopStream, Stream
 from ross_payload.ground.mavproxy.shell import Shell
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.view import view
+from ross_payload.ground.terminal import blocks
 from ross_payload.ground.terminal.blocks import safe_view
 from ross_payload.ground.terminal.change_log import ChangeLog
+from ross_payload.ground.terminal.command import command as monitor
 from ross_payload.ground.terminal.controller import Controller
 from ross_payload.ground.terminal.screen import ScreenState, compose
 from ross_protocols.mavlink import stream_command
@@ -133,6 +136,18 @@ def test_a_tracked_source_has_rate_and_age_in_the_view():
 # ------------------------------------------------------------------------------------------- terminal
 
 
+@pytest.mark.parametrize(
+    ("rate", "age", "end"),
+    [(-5.0, None, "+5 deg/s"), (5.0, 2.4, "-5 deg/s  silent 2 s"), (None, 12.0, "silent 12 s"), (0.1, 0.5, "-")],
+)
+def test_the_monitor_shows_how_a_tracked_source_moves(rate, age, end):
+    ground = Ground()
+    ground.say(v.Source(1, 1, 0, 1, 0.5, 0.02, 0.9, 0.5, True, True, tracked=True, age=age,
+                        rate=None if rate is None else math.radians(rate)))  # fmt: skip
+    _, row = blocks.sources(safe_view(ground.known), chosen=None)
+    assert row.plain.endswith(end)
+
+
 def screen(*said, size=(100, 40)):
     ground = Ground()
     ground.say(*full(30.0, 3, 1), *said)
@@ -212,6 +227,12 @@ def test_without_an_address_the_user_is_told_what_to_do():
 def test_a_place_that_cannot_be_meant_is_refused(place):
     with pytest.raises(ValueError, match="expected"):
         stream_command.place_of(place)
+
+
+def test_the_command_refuses_such_a_place_in_one_line():
+    done = CliRunner().invoke(monitor, ["--hear-at", "239.0.0.1:5004"])
+    assert done.exit_code == 2
+    assert done.output.splitlines()[-1] == ("Error: --hear-at: address: expected that of one computer, got 239.0.0.1")
 
 
 # ------------------------------------------------------------------------------------------- words and JSON
