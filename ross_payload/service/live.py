@@ -143,6 +143,7 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
             latch=latch,
             state=state,
             computer=ComputerReader(shelf),
+            live=True,
             restart=again.ask,
             stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",
         )

@@ -1,7 +1,8 @@
 """The payload that lives: everything that hears, turns, speaks and writes, from start to shutdown.
 
-`ross run` gives it real parts, `ross sitl --serve` simulated ones. Live there are three threads: the audio callback,
-the pump (drivers, links, telemetry), and the mission, on which `run` is called. In simulated time there is one.
+`ross run` gives it real parts, `ross sitl --serve` simulated ones. Live there are several threads: the audio callback,
+what reads the audio, live listening, the pump (drivers, links, telemetry), and the mission, on which `run` is called.
+In simulated time there is one.
 """
 
 from __future__ import annotations
@@ -18,9 +19,11 @@ from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.audio.audio_health import HealthMonitor
 from ross_payload.audio.live_source import Watched
+from ross_payload.audio.shared_source import SharedSource
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.interfaces import AudioSource, Clock, Mount, Port, Services, VoicePrint
+from ross_payload.listening.observers import Listening
 from ross_payload.logs import Changes
 from ross_payload.mavlink import Router
 from ross_payload.mavlink.gimbal import Gimbal
@@ -30,6 +33,7 @@ from ross_payload.mission.tasks import Memory
 from ross_payload.orders import Explore, Order, Seek, Set, Task
 from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.dronecan_node import Aboard, node_on_bus
+from ross_payload.service.live_listening import described, heard, listening_of, source_of
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.service.voice_keeper import VoiceKeeper
@@ -65,6 +69,7 @@ class Parts:
     voiceprint: VoicePrint | None = None
     voices: VoiceStore | None = None  # where voices go that are enrolled on the way; None: they are not kept
     stamp: Callable[[], str] = lambda: ""  # of a new recording
+    live: bool = False  # time is real: the audio is read, and listened to, on threads of their own
     latch: StopLatch | None = None  # what remembers an order to stop over a restart
     state: Path | None = None  # folder of what outlives a restart
     rng: np.random.Generator = field(default_factory=np.random.default_rng)
@@ -86,18 +91,23 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
     with ExitStack() as stack:
         aboard = stack.enter_context(node_on_bus(config, clock, parts.open_port, parts.state, parts.rng))
         actuator = stack.enter_context(open_actuator(config, Services(clock, parts.open_port)))
-        stack.enter_context(parts.source)
-        recorder, runner = _mission(parts, actuator, stopped=stopped)
-        ears = HealthMonitor(config, parts.watched)
+        source = stack.enter_context(source_of(config, parts.source, parts.watched, live=parts.live))
+        recorder, runner = _mission(parts, source, actuator, stopped=stopped)
+        ears = HealthMonitor(config, source if isinstance(source, SharedSource) else parts.watched)
         keeper = stack.enter_context(VoiceKeeper(parts.voices))
+        listening = listening_of(config, clock, runner, recorder, live=parts.live)
         telemetry = stack.enter_context(
-            _telemetry(parts, actuator, lambda order: runner.order(keeper.named(order)), recorder, ears)
+            _telemetry(
+                parts, actuator, lambda order: runner.order(keeper.named(order)), recorder, ears, listening=listening
+            )
         )
         stack.enter_context(recorder)
         stack.enter_context(parts.drained(recorder))
         component = parts.links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.on_frame(parts.timebase.usec(), frame))
-        runner.observers = [ears, telemetry, recorder, keeper, *observers]
+        stack.enter_context(heard(listening, source))
+        stack.enter_context(described(listening, config))
+        runner.observers = [ears, telemetry, recorder, listening, keeper, *observers]
         stack.callback(clock.every(LOOK, partial(keeper.poll, partial(telemetry.send_text, Severity.ERROR))))
         if parts.latch is not None:
             runner.observers.append(parts.latch)
@@ -113,7 +123,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         yield runner
 
 
-def _mission(parts: Parts, actuator: Guard, *, stopped: bool) -> tuple[Recorder, Runner]:
+def _mission(parts: Parts, source: AudioSource, actuator: Guard, *, stopped: bool) -> tuple[Recorder, Runner]:
     """Make what records the session and what runs it; the one writes down what the other begins with."""
     config, clock = parts.parameters.config, parts.clock
     recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
@@ -122,7 +132,7 @@ def _mission(parts: Parts, actuator: Guard, *, stopped: bool) -> tuple[Recorder,
     session = LiveSession(config, maker(actuator, voiceprint), memory, recorder.noting)
     first = FIRST[config.service.autostart]
     mission = session.mission(first() if first is not None else None)
-    return recorder, Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
+    return recorder, Runner(mission, source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
 
 
 def _wait_for_report(actuator: Guard, clock: Clock) -> None:
@@ -176,7 +186,13 @@ def _speakers(
 
 
 def _telemetry(
-    parts: Parts, actuator: Guard, give: Callable[[Order], None], recorder: Recorder, ears: HealthMonitor
+    parts: Parts,
+    actuator: Guard,
+    give: Callable[[Order], None],
+    recorder: Recorder,
+    ears: HealthMonitor,
+    *,
+    listening: Listening,
 ) -> Telemetry:
     asked = parts.parameters.config.recording
     return Telemetry(
@@ -190,6 +206,8 @@ def _telemetry(
         recorder=recorder,
         health=ears.health,
         computer=parts.computer,
+        listening=listening,
+        descriptions=listening.descriptions,
         timebase=parts.timebase,
         recordings=Recordings(parts.shelf.folder, asked.ftp_bytes_s) if asked.offer_ftp else None,
         latch=parts.latch,

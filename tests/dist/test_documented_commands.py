@@ -32,6 +32,7 @@ WHERE = [
     (r"pip install \.$", ELSEWHERE, "tests/dist/test_own_actuator.py"),
     (r"(~/ross/bin/)?pip install |python3 -m venv ~/ross", ELSEWHERE, "tests/dist/test_wheel.py"),
     (r"ross (evaluate|sitl) .*delay-and-sum", ELSEWHERE, "tests/dist/test_own_separator.py"),
+    (r"ross config check loud.toml", ELSEWHERE, "tests/dist/test_own_sink.py"),
     (r"pytest -m hardware", NOT_RUN, "turns real hardware"),
     (r"pytest tests/contract|ross actuators probe bench|ross sitl --actuator my_turntable", ELSEWHERE,
      "tests/dist/test_own_actuator.py"),
@@ -45,6 +46,9 @@ WHERE = [
     (r"ross ground --map", ELSEWHERE, "tests/browser/test_map.py"),
     (r"(mkdir|cp) .*dronecan_vendor_specific_types", ELSEWHERE, "tests/interop/test_dronecan_vendor_types.py"),
     (r"pulseaudio|PULSE_SERVER|ross world demo --pipe", ELSEWHERE, "tests/interop/test_live_portaudio.py"),
+    (r"ross listen", ELSEWHERE, "tests/unit/test_rtp_sink.py"),
+    (r"ffplay |gst-launch-1.0 ", ELSEWHERE, "tests/interop/test_rtp_players.py"),
+    (r"vlc ", NOT_RUN, "needs a screen"),
     (r"ross hub|ross device", ELSEWHERE, "tests/realtime/test_device.py"),
     (r"ross devices --tap|ross (actuators probe|doctor) ross.toml", NOT_RUN, "needs the reader's microphones or motor"),
     (r"ross (actuators|devices)$", RUN, 0),
@@ -201,6 +205,7 @@ READERS = {  # of files that are no payload's configuration, by page and by word
     ("run-a-study", ""): as_study,
     ("add-your-own-actuator", "# pyproject.toml"): as_package,
     ("add-your-own-separator", "# pyproject.toml"): as_package,
+    ("add-your-own-sink", "# pyproject.toml"): as_package,
     ("parameters", "[parameters]"): as_parameters,
 }
 

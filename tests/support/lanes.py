@@ -40,7 +40,8 @@ FOLDERS = {
     "browser": "browser",
 }
 REACHES_OUT = {"aiohttp", "asyncio", "multiprocessing", "pty", "socket", "subprocess", "threading"} | {
-    "fleet_bench", "ground_page", "processes", "served_ground", "station_bench", "waiting",  # tests/support
+    "fleet_bench", "ground_page", "processes", "served_ground", "station_bench", "voice_sender",
+    "waiting",  # tests/support
 }  # fmt: skip
 ALONE = ("realtime", "browser")
 ALWAYS = "not hardware and not soak"
