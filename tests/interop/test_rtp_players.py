@@ -15,7 +15,7 @@ from ross_payload.audio.sinks import info_of
 from voice_sender import CLOCK, RATE, ear, opened, talking
 from waiting import wait_for
 
-VOICE = voiced(20.0, RATE) + 0.01 * np.random.default_rng(1).standard_normal(20 * RATE).astype(np.float32)
+VOICE = voiced(30.0, RATE) + 0.01 * np.random.default_rng(1).standard_normal(30 * RATE).astype(np.float32)
 SECONDS = 6.0  # that are played
 RAW = f"audio/x-raw,format=F32LE,rate={RATE},channels=1"
 CAPS = "application/x-rtp,media=audio,clock-rate={},encoding-name={},payload={}"
@@ -65,7 +65,7 @@ class Player:
 
 @pytest.mark.parametrize("codec", ["opus", "L16"])
 @pytest.mark.parametrize("player", [ffmpeg, gstreamer], ids=lambda player: player.__name__)
-def test_a_player_of_others_plays_it_at_once(tmp_path, record_property, player, codec):
+def test_a_player_of_others_plays_it_at_once(tmp_path, player, codec):
     command = player("voice.sdp", 0, codec)[0]
     if shutil.which(command) is None:
         pytest.skip(f"{command} is missing; see tests/support/debian_packages.sh")
@@ -82,7 +82,7 @@ def test_a_player_of_others_plays_it_at_once(tmp_path, record_property, player, 
             samples, times, counts = playing.end()
     last = len(samples) - RATE  # a second of what was played, somewhere in the voice
     sought = samples[last:].astype(float)
-    spoken = np.tile(VOICE, 2).astype(float)
+    spoken = VOICE.astype(float)
     energy = scipy.signal.correlate(spoken**2, np.ones(RATE), "valid", "fft")
     place = int(np.argmax(scipy.signal.correlate(spoken, sought, "valid", "fft") / np.sqrt(np.maximum(energy, 1e-3))))
     original = spoken[place : place + RATE]
@@ -91,8 +91,7 @@ def test_a_player_of_others_plays_it_at_once(tmp_path, record_property, player, 
     assert quality > {"opus": 10, "L16": 60}[codec]
     heard_at = began + (place - last + counts) / RATE  # of the last sample of each part
     delay = float(np.median((times - heard_at)[counts > RATE]))
-    record_property("quality_db", round(quality, 1))
-    record_property("delay_ms", round(1000 * delay))
+    print(f"{command} {codec}: {quality:.1f} dB, {1000 * delay:.0f} ms after the microphone")  # noqa: T201 - the figure
     assert -0.03 < delay < 0.4
 
 
