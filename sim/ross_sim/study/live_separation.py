@@ -105,9 +105,9 @@ class Listener:
 def score(voices: Real, members: Sequence[tuple[int, ...]], recording: Mixture, first: int, last: int) -> float | None:
     """SI-SDR [dB] of the group that holds the target, between two samples; None when it is silent there."""
     reference = recording.reference
-    level = (reference[first:last] ** 2).mean() / (reference**2).mean()
+    least = 10 ** (SILENT_DB / 10) * (reference**2).mean()
     owner = next((g for g, group in enumerate(members) if recording.target in group), None)
-    if owner is None or level < 10 ** (SILENT_DB / 10) or not np.ptp(voices[owner, first:last]) > 0:
+    if owner is None or not np.ptp(reference) or (reference[first:last] ** 2).mean() < least:
         return None
     last = min(last, voices.shape[1])
     return si_sdr(voices[owner, first:last], reference[first:last])
