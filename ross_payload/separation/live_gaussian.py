@@ -26,7 +26,7 @@ HASTE = 0.25  # or, when little was heard yet, this part of it
 LEVEL = 4.0  # time constant of the mean power of the mixture [s]
 ROOM = 0.010  # energy that no direction explains, before it is measured
 PRIOR_COUNT = 3.0  # bins that geometry counts for when covariances are learnt
-PRIOR_FRAMES = 16.0  # that what was known about the room counts for
+PRIOR_FRAMES = 64.0  # that what was known about the room counts for, or nothing
 GUESS = 1e-3  # noise relative to the mean power, before it is measured
 WHITE = np.array([1, 1, 0, 0], np.float32)[:, None]
 
@@ -111,8 +111,8 @@ class LiveGaussian:
         noise = np.maximum(noise, FLOOR).astype(np.float32)
         observed = outer(unit).astype(np.float32)
         part, frames = astray(observed, scene.frequencies, waves, noise), observed.shape[2]
-        if before is not None:
-            part = (frames * part + PRIOR_FRAMES * before.astray) / (frames + PRIOR_FRAMES)
+        usual = ROOM if before is None else before.astray
+        part = (frames * part + PRIOR_FRAMES * usual) / (frames + PRIOR_FRAMES)
         begin, anchor = geometric_start(scene, waves, part)
         known = None
         if before is not None and same_sources(before, members, tau, scene):
