@@ -117,6 +117,15 @@ class SourcesEstimated(Event):
 
 
 @dataclass(frozen=True, slots=True)
+class SourcesTracked(Event):
+    """Where the sources of the latest estimate are now, heard while listening; in its order, and as many."""
+
+    estimate: Estimate
+    rates: tuple[float, ...]  # of every azimuth [rad/s]
+    ages: tuple[float, ...]  # since each was heard last [s]
+
+
+@dataclass(frozen=True, slots=True)
 class AlignmentCandidate:
     """A heading that isolates one source."""
 

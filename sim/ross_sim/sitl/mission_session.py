@@ -39,6 +39,7 @@ from ross_sim.autopilot import simulated_autopilot as simulated
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, far_end_of, wire
 from ross_sim.scenario import Cast, Scenario, Vehicle
+from ross_sim.sitl.ground_truth import write_azimuths
 from ross_sim.sitl.mission_figure import draw
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.page_observer import PageObserver
@@ -131,7 +132,7 @@ def perform(
         with on_signal(lambda _: runner.order(Stop())):
             result = runner.run()
         done = wall.now()
-    truth = _truth(world, cast, company.target, room_yaw(scenario))
+    truth = _truth(scenario, world, cast, company.target)
     values = report(collector.story, truth, result, _configuration(scenario, config))
     if far_end.complaints():
         values["complaints"] = far_end.complaints()
@@ -225,7 +226,8 @@ def _wav(stack: ExitStack, out: ResultsFolder | None, config: Config) -> WavWrit
     return stack.enter_context(WavWriter(out.staging / "mixture.wav", config.audio.rate_hz, channels=2))
 
 
-def _truth(world: World, cast: Cast, target: str, yaw: float) -> Truth:
+def _truth(scenario: Scenario, world: World, cast: Cast, target: str) -> Truth:
+    yaw, walks = room_yaw(scenario), scenario.walks()
     return Truth(
         names=tuple(voice.name for voice in cast.talkers),
         azimuths=np.array([wrap(azimuth + yaw) for azimuth in world.azimuths]),
@@ -233,6 +235,8 @@ def _truth(world: World, cast: Cast, target: str, yaw: float) -> Truth:
         images=world.images(),
         mixture=world.mixture()[0],
         target=target,
+        walks=walks if any(walk.moves for walk in walks) else (),
+        yaw=yaw,
     )
 
 
@@ -246,6 +250,7 @@ def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, 
     rate = config.audio.rate_hz
     out.write_json("report.json", values)
     out.write_text("events.jsonl", "".join(map(event_json.line, story.events)))
+    write_azimuths(out, scenario, truth.mixture.size)
     separated: Separated | None = story.last(Separated)
     if separated is not None:
         for index, voice in enumerate(separated.voices):
