@@ -18,6 +18,7 @@ from ross_payload.events import (
     ScoreDropped,
     Separated,
     SourcesEstimated,
+    SourcesTracked,
     State,
     StateChanged,
     TurnStarted,
@@ -87,6 +88,8 @@ def reduce(mission: MissionState, event: Event) -> MissionState:
             mission = _orientation(mission, event)
         case SourcesEstimated():
             mission = _estimate(mission, event)
+        case SourcesTracked():
+            mission = replace(mission, estimate=event.estimate)
         case AlignmentPlanned():
             first = event.candidates[0] if event.candidates else None
             mission = replace(mission, plans=mission.plans + 1, planned=event.candidates, alignment=first)

@@ -41,8 +41,8 @@ def tone(seconds=3):
 
 def moving(staged, speech):
     walk = staged.walks()[0]
-    taps = n_taps(staged.spec_of(walk))
-    return MovingTalker(Timeline.of(speech, RATE), 1.0, walk, lambda node: staged.spec_of(walk, node), taps, RATE)
+    said, taps = Timeline.of(speech, RATE), n_taps(staged.spec_of(walk))
+    return MovingTalker(said, 1.0, walk, lambda node: staged.spec_of(walk, node), n_taps=taps, rate=RATE)
 
 
 def hear(talker, seconds, heading=0.3):

@@ -1,4 +1,4 @@
-"""What is heard of a talker who walks: responses of neighbours on a grid along the path, mixed by where the talker is."""
+"""What is heard of a talker who walks: the responses of neighbouring places on the path, mixed."""
 
 from __future__ import annotations
 
@@ -71,9 +71,9 @@ class MovingTalker:
         gain: float,
         path: Path,
         spec_of: NodeSpec,
+        *,
         n_taps: int,
         rate: int,
-        *,
         cache: Folder | None = None,
     ) -> None:
         self._path, self._rate = path, rate

@@ -70,8 +70,8 @@ def _some_walking(
             loudness[i],
             walks[i],
             partial(scenario.spec_of, walks[i]),
-            n_taps(scenario.spec_of(walks[i])),
-            rate,
+            n_taps=n_taps(scenario.spec_of(walks[i])),
+            rate=rate,
             cache=cache,
         )
         for i in walking
