@@ -96,7 +96,7 @@ class Planner(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Tools:
-    """What the mission hears and decides with; ``plan`` says where to turn."""
+    """What the mission hears and decides with; ``plan`` says where to turn, ``tracker`` follows who moves."""
 
     explorer: Explorer
     explorer_stft: Stft
@@ -104,6 +104,7 @@ class Tools:
     stft: Stft
     voiceprint: VoicePrint | None  # of the target, None: nobody is sought
     plan: Planner = plan
+    tracker: type[SourceTracker] = SourceTracker
 
 
 class Ended(Exception):
@@ -185,7 +186,7 @@ class Context:
             return
         psd = self.noise_psd.get(stft.frame)
         spacing, speed = settings.spacing, settings.speed_of_sound
-        self.tracker = SourceTracker(estimate, source, stft, spacing, speed, self.lead_in, psd, settings.seed)
+        self.tracker = self.tools.tracker(estimate, source, stft, spacing, speed, self.lead_in, psd, settings.seed)
 
     def publish(self, event: Event) -> None:
         """Send an event with the next Output."""

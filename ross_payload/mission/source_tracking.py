@@ -20,6 +20,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate, SourcesTracked
 from ross_payload.interfaces import Complex, Input, Real, Samples
 from ross_payload.localization import tracking
+from ross_payload.localization.phase_statistics import statistics
 from ross_payload.localization.tracking import Tracks
 from ross_payload.pointing import Pointing
 
@@ -108,6 +109,7 @@ class SourceTracker:
         if not self._due(last + block.shape[1]):
             return None
         self._update(last + block.shape[1])
+        self.corrected(time)
         self.places.append((time, self.azimuths))
         if time - self._said < SAY - UPDATE / 2:
             return None
@@ -132,7 +134,7 @@ class SourceTracker:
         span = self.stft.frame / 2
         swept = np.interp(middles + span, ends, headings) - np.interp(middles - span, ends, headings)
         still = np.abs(swept) * self.stft.rate / self.stft.frame <= TURNING
-        statistics = tracking.statistics(
+        heard_in_frames = statistics(
             spectrogram,
             self.stft.frequencies,
             at,
@@ -141,8 +143,7 @@ class SourceTracker:
             skip=before,
             still=still,
         )
-        self.tracks = tracking.step(self.tracks, statistics)
-        self._judge()
+        self.tracks = tracking.step(self.tracks, heard_in_frames)
         self._frames = ready
         keep = ready * self.stft.hop - round(LEVEL * self.stft.rate)
         if keep > self._first:
@@ -159,8 +160,8 @@ class SourceTracker:
             _frames(self._samples, self.stft, (self._samples.shape[1] - self.stft.frame) // self.stft.hop + 1)
         )
 
-    def _judge(self) -> None:
-        """Decide who has moved: for sure and for a while, with somebody as a witness who has not."""
+    def corrected(self, time: float) -> None:
+        """Decide at a mission time [s] who has moved: for sure, for a while, and beside somebody who has not."""
         told = np.array([source.azimuth for source in self.anchor.sources])
         away = self.tracks.away(told, MOVED)
         heard = self.tracks.ages <= FRESH

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from ross_payload.health import RecordingState
 from ross_payload.interfaces import ActuatorState, Attitude, Clock, Input, Mount, Result, Services
 from ross_payload.mavlink import Router
 from ross_payload.mission.mission_sequence import mission
+from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mount import fixed_mount, mount_of
 from ross_payload.notify import on_signal
 from ross_payload.orders import Stop
@@ -42,6 +43,7 @@ from ross_sim.scenario import Cast, Scenario, Vehicle
 from ross_sim.sitl.ground_truth import write_azimuths
 from ross_sim.sitl.mission_figure import draw
 from ross_sim.sitl.mission_view import MissionView
+from ross_sim.sitl.moving_report import moving_report
 from ross_sim.sitl.page_observer import PageObserver
 from ross_sim.sitl.report import EventLog, Truth, report
 from ross_sim.sitl.results_folder import ResultsFolder
@@ -103,6 +105,7 @@ def perform(
     *,
     tape: Path | None = None,
     page: PageObserver | None = None,
+    tracker: type[SourceTracker] = SourceTracker,
 ) -> Finished:
     """Run one mission in lock-step, write its results, record it in the folder ``tape``, and let ``page`` look on."""
     wall = SystemClock()
@@ -121,7 +124,7 @@ def perform(
         mount, _ = aboard(scenario, clock, links)
         clock.every(POLL, links.poll)
         recorder = stack.enter_context(taped(tape, _beginning(scenario, company, actuator), clock, links))
-        runner = _runner(scenario, company, world, actuator, mount, recorder=recorder)
+        runner = _runner(scenario, company, world, actuator, mount, recorder=recorder, tracker=tracker)
         aside: Looking = nullcontext([]) if page is None else page.aboard(config, clock, actuator, runner.order)
         looking = stack.enter_context(aside)  # before the telemetry, which then waits for nobody at its end
         tlog = out.staging / "mission.tlog" if out is not None else None
@@ -134,6 +137,7 @@ def perform(
         done = wall.now()
     truth = _truth(scenario, world, cast, company.target)
     values = report(collector.story, truth, result, _configuration(scenario, config))
+    values |= moving_report(collector.story, truth)
     if far_end.complaints():
         values["complaints"] = far_end.complaints()
     timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": clock.now()}
@@ -209,10 +213,12 @@ def _runner(
     mount: Mount,
     *,
     recorder: Recorder | None,
+    tracker: type[SourceTracker],
 ) -> Runner:
     config, travel = scenario.payload, actuator.capabilities
     voiceprint = company.voiceprint if recorder is None else recorder.noting(company.voiceprint)
     settings, tools = settings_of(config, travel.lower, travel.upper), tools_of(config, voiceprint)
+    tools = replace(tools, tracker=tracker)
     informed = informed_of(config, Attitude(room_yaw(scenario)))
     brain = mission(settings, tools, informed, config.informed.target if config.informed else None)
     runner = Runner(brain, world.source, actuator, mount, config=config, clock=world.clock)

@@ -26,7 +26,6 @@ from ross_payload.events import (
     Slipped,
     SourceEstimate,
     SourcesEstimated,
-    SourcesTracked,
 )
 from ross_payload.interfaces import Real, Result, Samples
 from ross_sim.talkers.path import Path
@@ -119,7 +118,6 @@ def report(story: EventLog, truth: Truth, result: Result, configuration: dict[st
     """Everything worth keeping, as plain values: no paths, no timings, the same on every rerun."""
     estimated: SourcesEstimated | None = story.last(SourcesEstimated)
     sources, time = (estimated.estimate.sources, estimated.time) if estimated else ((), 0.0)
-    tracks = {"tracks": tracked(story, sources, truth, time)} if truth.walks else {}
     return {
         "outcome": result.outcome.name.lower(),
         "reason": result.reason,
@@ -137,7 +135,6 @@ def report(story: EventLog, truth: Truth, result: Result, configuration: dict[st
         "alignment": _alignment(story),
         "checks": [_check(event) for event in story.all(Checked)],
         "groups": _groups(story, sources, truth, time),
-        **tracks,
         "versions": {name: version(name) for name in PACKAGES} | {"python": platform.python_version()},
         "configuration": configuration,
     }
@@ -238,32 +235,6 @@ def _groups(story: EventLog, sources: Sequence[SourceEstimate], truth: Truth, ti
             zip(separated.groups, qualities(separated, sources, truth, time), strict=True)
         )
     ]
-
-
-def tracked(story: EventLog, sources: Sequence[SourceEstimate], truth: Truth, estimated: float) -> list[dict[str, Any]]:
-    """Every tracked azimuth beside the true one of the talker whom its source was found for."""
-    pairs = match(sources, truth.azimuths_at(estimated))
-    rows = []
-    for event in story.all(SourcesTracked):
-        if event.time < estimated:
-            continue
-        azimuths = truth.azimuths_at(event.time)
-        for index, source in enumerate(event.estimate.sources):
-            true = float(azimuths[pairs[index]]) if index in pairs else None
-            rows.append(
-                {
-                    "time_s": _round(event.time, 3),
-                    "source": index,
-                    "name": truth.names[pairs[index]] if index in pairs else None,
-                    "azimuth_true_deg": None if true is None else _degrees(true),
-                    "azimuth_deg": _degrees(source.azimuth),
-                    "azimuth_error_deg": None if true is None else _degrees(wrap(source.azimuth - true)),
-                    "sigma_deg": _degrees(source.sigma),
-                    "rate_deg_s": _degrees(event.rates[index]),
-                    "age_s": _round(event.ages[index], 3),
-                }
-            )
-    return rows
 
 
 def orientations(story: EventLog) -> list[OrientationHeard]:
