@@ -95,7 +95,7 @@ def told(beliefs: Beliefs, heading: float, headings: Real) -> Real:
     value = TELLS * doubt @ _apart(own - other)
     value += SEES * unclear @ (1 - np.exp(-10 * np.sin(seen.azimuths[:, None] - axis) ** 2))
     for one, two in combinations(range(len(places)), 2):
-        value += SEES * max(unclear[one], unclear[two]) * _apart(own[one] - own[two])
+        value += 2 * SEES * max(unclear[one], unclear[two]) * _apart(own[one] - own[two])
     return np.asarray(value)
 
 

@@ -25,7 +25,7 @@ class Motion:
     turns: float = 0.15  # who walks turns back [1/s]
     changes: float = 0.15  # who walks takes any other rate [1/s]
     mirrored: float = 0.01  # who walks did so on the other side of the axis [1/s]
-    another: float = 0.3  # of two with one delay it was the other one who set out [1/s]
+    another: float = 1.0  # of two with one delay it was the other one who set out [1/s]
     one: float = 0.15  # what counts as one delay there [d / v_p]
     anywhere: float = 0.0005  # whoever it is may be anywhere [1/s]: so that what was lost can be found
     slowest: float = np.radians(1.5)  # rate [rad/s]

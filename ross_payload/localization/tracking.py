@@ -86,9 +86,16 @@ class Tracks:
         near = self.particles.weights[:, None] * (np.abs(difference(self.particles.azimuths, self.azimuths)) <= PEAK)
         return np.asarray((near * self.particles.rates).sum(axis=0) / (near.sum(axis=0) + TINY))
 
-    def away(self, azimuths: Real, by: float) -> Real:
-        """Probability that every source is more than ``by`` [rad] away from an azimuth of its own [rad], (k,)."""
-        return np.asarray(self.particles.weights @ (np.abs(difference(self.particles.azimuths, azimuths)) > by))
+    def gone(self, azimuths: Real, by: float, heard: float) -> NDArray[np.bool_]:
+        """Which particle has which source away from an azimuth of its own [rad], (n_particles, k).
+
+        By more than ``by`` [rad], and so that its delay at this heading differs by more than ``heard`` [d / v_p].
+        """
+        places = self.particles.azimuths
+        delays = np.cos(places - self.heading) - np.cos(azimuths - self.heading)
+        return np.asarray(
+            (np.abs(difference(places, azimuths)) > by) & (np.abs(self.elevations * delays) > heard), dtype=np.bool_
+        )
 
 
 def begin(estimate: Estimate, spacing: float, speed_of_sound: float, seed: int = 0) -> Tracks:

@@ -31,7 +31,10 @@ LEVEL = 3.0  # heard for the noise level where nobody measured it [s]
 TURNING = np.radians(15.0)  # frames heard while the array turns faster tell of its motor [rad/s]
 MOVED = np.radians(5.0)  # away from the place of the exploration [rad]
 SURE = 0.9  # probability of that, from which on the source has moved
-UNSURE = 0.5  # and up to which it has not
+STIRRED = 0.7  # probability that anybody has moved from which on a turn may tell who
+UNSURE = 0.6  # and up to which it has not
+HEARD = 0.08  # change of its delay that cannot come from echoes [d / v_p]
+VISIBLE = 0.35  # sine of the angle to the axis from which on a source that stays tells that the array has not slipped
 LASTING = 4  # corrections in a row that must say so
 FRESH = 2.0  # a source that was heard within this can witness [s]
 LOST = np.radians(30.0)  # standard deviation of a track that is lost [rad]
@@ -57,9 +60,11 @@ class SourceTracker:
     seed: int = 0
     tracks: Tracks = field(init=False)
     moved: list[bool] = field(init=False)  # whose track acts
+    stirred: bool = False  # somebody has moved, whoever it is
     turned: float = -np.inf  # end of the latest turn [s]
     places: list[tuple[float, Real]] = field(default_factory=list)  # time [s] and azimuths that act [rad]
     _streak: list[int] = field(init=False)
+    _stir: int = 0
     _samples: Samples = field(init=False)  # not forgotten yet, (2, n)
     _ends: list[tuple[int, float]] = field(default_factory=list)  # sample, and heading there [rad]
     _first: int = 0  # index of the first sample that is kept, since tracking began
@@ -163,12 +168,16 @@ class SourceTracker:
     def corrected(self, time: float) -> None:
         """Decide at a mission time [s] who has moved: for sure, for a while, and beside somebody who has not."""
         told = np.array([source.azimuth for source in self.anchor.sources])
-        away = self.tracks.away(told, MOVED)
-        heard = self.tracks.ages <= FRESH
-        witness = self.anchor.k == 1 or bool(np.any(heard & (away <= UNSURE)))
+        gone = self.tracks.gone(told, MOVED, HEARD)
+        weights = self.tracks.particles.weights
+        each, anybody = weights @ gone, float(weights @ gone.any(axis=1))
+        visible = np.abs(np.sin(told - self.tracks.heading)) >= VISIBLE
+        witness = self.anchor.k == 1 or bool(np.any(visible & (self.tracks.ages <= FRESH) & (each <= UNSURE)))
+        self._stir = self._stir + 1 if anybody >= STIRRED else 0
+        self.stirred = self.stirred or (witness and self._stir >= LASTING)
         for k in range(self.anchor.k):
-            certain = away[k] >= SURE and self.tracks.ages[k] <= UPDATE
-            self._streak[k] = 0 if away[k] <= UNSURE else self._streak[k] + int(certain)
+            certain = each[k] >= SURE and self.tracks.ages[k] <= UPDATE
+            self._streak[k] = 0 if each[k] <= UNSURE else self._streak[k] + int(certain)
             self.moved[k] = self.moved[k] or (witness and self._streak[k] >= LASTING)
 
     def heading_for(self, time: float, here: Pointing, lower: float, upper: float, *, settled: bool) -> float | None:
@@ -179,7 +188,7 @@ class SourceTracker:
         """
         if not settled:
             self.turned = time
-        if not self.acts or time - self.turned < DWELL:
+        if not (self.acts or self.stirred) or time - self.turned < DWELL:
             return None
         ahead = tracking.predict(self.tracks, AHEAD)
         offsets = np.arange(-round(SHORT / FINE), round(SHORT / FINE) + 1) * FINE
