@@ -22,7 +22,7 @@ class Hearing:
     high: float = 8000.0  # [Hz]
     noise: float = 0.25  # standard deviation of a phase at any frequency [rad]
     spread: tuple[float, float] = (0.03, 0.06)  # of a delay, in the open and in reverberation [d / v_p]
-    directness: tuple[float, float] = (1.0, 0.98)  # reflections draw delays to 0 by this factor
+    directness: tuple[float, float] = (1.0, 0.96)  # reflections draw delays to 0 by this factor
     share: float = 3.0  # counts by which shares are drawn to those of before
     recent: float = 2.0  # in which shares are forgotten [s]
     talks: float = 1.0  # counts of a source in the frames of one step, from which on it is heard

@@ -61,7 +61,9 @@ class Tracks:
     def places(self) -> Real:
         """Probability of every azimuth of the grid, smoothed, (k, n_azimuths)."""
         cells = np.round(self.particles.azimuths / STEP).astype(int) % N_AZIMUTHS
-        counts = np.stack([np.bincount(cell, self.particles.weights, N_AZIMUTHS) for cell in cells.T])
+        counts = np.zeros((cells.shape[1], N_AZIMUTHS))
+        for source, cell in enumerate(cells.T):
+            counts[source] = np.bincount(cell, self.particles.weights, N_AZIMUTHS)
         smooth = np.exp(-0.5 * (np.arange(N_AZIMUTHS // 2 + 1) * SMOOTH) ** 2)
         return np.maximum(np.fft.irfft(np.fft.rfft(counts, axis=1) * smooth, N_AZIMUTHS, axis=1), 0.0)
 
@@ -159,7 +161,7 @@ def _correct(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> Tracks
         ages=np.where(talks, 0.0, tracks.ages),
         heading=float(heard.headings[-1]),
     )
-    return _resampled(after)
+    return _resampled(after, talks)
 
 
 def _tempered(log_weights: Real) -> Real:
@@ -173,7 +175,8 @@ def _tempered(log_weights: Real) -> Real:
     return np.asarray(weights)
 
 
-def _resampled(tracks: Tracks) -> Tracks:
+def _resampled(tracks: Tracks, talks: NDArray[np.bool_]) -> Tracks:
+    """Draw particles by their weights; what is possible of a source that says nothing is not thinned out."""
     particles = tracks.particles
     n = len(particles.weights)
     if 1 / (particles.weights**2).sum() > n / 2:

@@ -33,10 +33,10 @@ MOVED = np.radians(5.0)  # away from the place of the exploration [rad]
 SURE = 0.9  # probability of that, from which on the source has moved
 STIRRED = 0.7  # probability that anybody has moved from which on a turn may tell who
 UNSURE = 0.6  # and up to which it has not
-HEARD = 0.08  # change of its delay that cannot come from echoes [d / v_p]
-VISIBLE = 0.35  # sine of the angle to the axis from which on a source that stays tells that the array has not slipped
+HEARD = (0.08, 0.12)  # change of its delay that cannot come from echoes, in the open and in rooms [d / v_p]
+TELLING = 1.3  # times that, the delay of who stays would have changed if the array had slipped
 LASTING = 4  # corrections in a row that must say so
-FRESH = 2.0  # a source that was heard within this can witness [s]
+FRESH = 1.0  # a source that was heard within this can witness [s]
 LOST = np.radians(30.0)  # standard deviation of a track that is lost [rad]
 SHORT = np.radians(30.0)  # turns are no longer than this [rad]
 FINE = np.radians(2.5)  # between headings that are tried [rad]
@@ -168,17 +168,27 @@ class SourceTracker:
     def corrected(self, time: float) -> None:
         """Decide at a mission time [s] who has moved: for sure, for a while, and beside somebody who has not."""
         told = np.array([source.azimuth for source in self.anchor.sources])
-        gone = self.tracks.gone(told, MOVED, HEARD)
+        gone = self.tracks.gone(told, MOVED, HEARD[self.tracks.wet])
         weights = self.tracks.particles.weights
         each, anybody = weights @ gone, float(weights @ gone.any(axis=1))
-        visible = np.abs(np.sin(told - self.tracks.heading)) >= VISIBLE
-        witness = self.anchor.k == 1 or bool(np.any(visible & (self.tracks.ages <= FRESH) & (each <= UNSURE)))
+        witness = self._witness(told, each)
         self._stir = self._stir + 1 if anybody >= STIRRED else 0
         self.stirred = self.stirred or (witness and self._stir >= LASTING)
         for k in range(self.anchor.k):
             certain = each[k] >= SURE and self.tracks.ages[k] <= UPDATE
             self._streak[k] = 0 if each[k] <= UNSURE else self._streak[k] + int(certain)
             self.moved[k] = self.moved[k] or (witness and self._streak[k] >= LASTING)
+
+    def _witness(self, told: Real, gone: Real) -> bool:
+        """Whether somebody stays whose delay would have changed, too, if the array had slipped; nobody else: yes."""
+        if self.anchor.k == 1:
+            return True
+        shift = float(difference(self.tracks.azimuths, told)[gone.argmax()])
+        axis = told - self.tracks.heading
+        slipped = np.abs(self.tracks.elevations * (np.cos(axis + shift) - np.cos(axis)))
+        return bool(
+            np.any((slipped > TELLING * HEARD[self.tracks.wet]) & (self.tracks.ages <= FRESH) & (gone <= UNSURE))
+        )
 
     def heading_for(self, time: float, here: Pointing, lower: float, upper: float, *, settled: bool) -> float | None:
         """Return the heading [rad] to turn to now, None to stay.
