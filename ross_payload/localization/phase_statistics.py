@@ -25,7 +25,7 @@ class Hearing:
     directness: tuple[float, float] = (1.0, 0.96)  # reflections draw delays to 0 by this factor
     share: float = 3.0  # counts by which shares are drawn to those of before
     recent: float = 2.0  # in which shares are forgotten [s]
-    talks: float = 1.0  # counts of a source in the frames of one step, from which on it is heard
+    talks: float = 3.0  # log-likelihood by which a source must explain the frames of one step to be heard [nat]
     count: float = 0.3  # effective counts per unit of weight: neighbouring bins are not independent
     most: int = 300  # bins of one step that are looked at; they count for the others
 

@@ -151,7 +151,8 @@ def _correct(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> Tracks
         log_weights += np.log(mixed + shares[-1] / (2 * np.pi)) @ counts[bins]
     weights = _tempered(log_weights)
     total = shares @ marginal + TINY
-    talks = (shares[:-1, None] * marginal[:-1] / total) @ counts >= hearing.talks
+    own = shares[:-1, None] * marginal[:-1] / total
+    talks = -np.log1p(-np.minimum(own, 1 - TINY)) @ counts >= hearing.talks
     keep = np.exp(-heard.seconds / hearing.recent)
     mixed_shares = keep * tracks.shares + (1 - keep) * shares + 0.01 / len(shares)
     after = replace(

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from ross_payload.alignment.realignment import Beliefs, worth
 from ross_payload.angles import difference, wrap
@@ -35,7 +36,8 @@ STIRRED = 0.7  # probability that anybody has moved from which on a turn may tel
 UNSURE = 0.6  # and up to which it has not
 HEARD = (0.08, 0.12)  # change of its delay that cannot come from echoes, in the open and in rooms [d / v_p]
 TELLING = 1.3  # times that, the delay of who stays would have changed if the array had slipped
-LASTING = 4  # corrections in a row that must say so
+LASTING = 6  # corrections in a row that must say so
+ALIKE = np.radians(5.0)  # between the shifts of sources that a slip has moved [rad]
 FRESH = 1.0  # a source that was heard within this can witness [s]
 LOST = np.radians(30.0)  # standard deviation of a track that is lost [rad]
 SHORT = np.radians(30.0)  # turns are no longer than this [rad]
@@ -172,6 +174,8 @@ class SourceTracker:
         weights = self.tracks.particles.weights
         each, anybody = weights @ gone, float(weights @ gone.any(axis=1))
         witness = self._witness(told, each)
+        if not witness and self._alike(told, each >= SURE):
+            self.moved, self.stirred = [False] * self.anchor.k, False
         self._stir = self._stir + 1 if anybody >= STIRRED else 0
         self.stirred = self.stirred or (witness and self._stir >= LASTING)
         for k in range(self.anchor.k):
@@ -189,6 +193,11 @@ class SourceTracker:
         return bool(
             np.any((slipped > TELLING * HEARD[self.tracks.wet]) & (self.tracks.ages <= FRESH) & (gone <= UNSURE))
         )
+
+    def _alike(self, told: Real, gone: NDArray[np.bool_]) -> bool:
+        """Whether two sources at least are gone, all by the same angle."""
+        shifts = difference(self.tracks.azimuths, told)[gone]
+        return len(shifts) > 1 and bool(np.ptp(shifts) <= ALIKE)
 
     def heading_for(self, time: float, here: Pointing, lower: float, upper: float, *, settled: bool) -> float | None:
         """Return the heading [rad] to turn to now, None to stay.
