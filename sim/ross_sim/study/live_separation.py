@@ -64,7 +64,7 @@ class Listener:
 
     def __init__(self, name: str, rate: int, latency: float) -> None:
         self._transform, lookahead = transform_for(rate, latency)
-        self.separator: LiveSeparator = load_separator(name).live(lookahead)  # type: ignore[attr-defined]
+        self.separator: LiveSeparator = load_separator(name).live(lookahead)
         self.latency = (self._transform.latency + lookahead * self._transform.stft.hop) / rate
 
     def scene(self, recording: Mixture) -> Scene:
