@@ -18,7 +18,6 @@ AGAIN = (1,)  # and then for both
 STRONG = 16.0  # bins this many times above the noise count in full
 WEAK = 0.3  # bins below this part of that do not count
 PRIOR_COUNT = 0.3  # bins added to every group's share of a block
-SINGULAR = 1e-9  # least determinant
 EVERY = 2  # frames: neighbours overlap
 
 
@@ -82,15 +81,10 @@ def learn(
     return learnt, shares[per_bin][..., per_frame]
 
 
-def _determinants(matrices: Real) -> Real:
-    """Determinants (n, n_groups, 1), never 0: at 0 Hz every field is the same on both microphones."""
-    return np.maximum(determinant(matrices), SINGULAR)[..., None]
-
-
 def _settled(flipped: Real, weight: Real, matrices: Real, weights: Real) -> Real:
     """Shares of known covariances, (n_blocks, n_groups, n_frames)."""
     cross = np.maximum(matrices @ flipped, 1e-5)
-    likely = _determinants(matrices) / cross**2
+    likely = determinant(matrices)[..., None] / cross**2
     shares = np.full((len(weights), *likely.shape[1:]), 1 / likely.shape[1], likely.dtype)
     for reach in SETTLE:
         sums = np.empty_like(shares)
@@ -111,7 +105,7 @@ def _normed(sums: Real, weights: Real, reach: int | None) -> Real:
 def _posteriors(flipped: Real, weight: Real, matrices: Real, shares: Real) -> tuple[Real, Real]:
     """E step of a block of bins: responsibilities and 1 / (z^H R_k^-1 z), both (n, n_groups, n_frames)."""
     cross = np.maximum(matrices @ flipped, 1e-5)
-    inverse = _determinants(matrices) / cross
+    inverse = determinant(matrices)[..., None] / cross
     given = shares * inverse / cross
     given *= (weight / given.sum(axis=1))[:, None]
     return given, inverse

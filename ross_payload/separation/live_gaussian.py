@@ -27,6 +27,7 @@ LEVEL = 4.0  # time constant of the mean power of the mixture [s]
 ROOM = 0.010  # energy that no direction explains, before it is measured
 PRIOR_COUNT = 3.0  # bins that geometry counts for when covariances are learnt
 PRIOR_FRAMES = 64.0  # that what was known about the room counts for, or nothing
+COHERENT = 1 - 1e-4  # no field is more coherent than this
 GUESS = 1e-3  # noise relative to the mean power, before it is measured
 WHITE = np.array([1, 1, 0, 0], np.float32)[:, None]
 
@@ -84,8 +85,7 @@ class LiveGaussian:
             When the TDOAs are not known.
         """
         members, tau = directions_of(scene, f"the {self.name} model")
-        waves = direct(scene.frequencies, tau).astype(np.float32)
-        sources = _by_frequency(geometric_start(scene, waves, ROOM)[0])
+        sources = _by_frequency(_expected(scene, tau, ROOM)[0])
         noise = np.broadcast_to(WHITE, (1, 4, scene.frequencies.size))
         n, n_freqs, both = self.lookahead + 1, scene.frequencies.size, np.concatenate([sources, noise])
         frames, observed = np.zeros((n, 2, n_freqs), np.complex64), np.zeros((n, 4, n_freqs), np.float32)
@@ -113,7 +113,7 @@ class LiveGaussian:
         part, frames = astray(observed, scene.frequencies, waves, noise), observed.shape[2]
         usual = ROOM if before is None else before.astray
         part = (frames * part + PRIOR_FRAMES * usual) / (frames + PRIOR_FRAMES)
-        begin, anchor = geometric_start(scene, waves, part)
+        begin, anchor = _expected(scene, tau, part)
         known = None
         if before is not None and same_sources(before, members, tau, scene):
             known = np.moveaxis(followed(before.covariances, tau - before.tau, scene.frequencies), -1, 0)
@@ -214,10 +214,16 @@ def _fading(state: State, scene: Scene) -> State:
     if same_sources(learnt, state.members, state.tau, scene):
         goal = followed(learnt.covariances, state.tau - learnt.tau, scene.frequencies)
     else:
-        waves = direct(scene.frequencies, state.tau).astype(np.float32)
-        goal = _by_frequency(geometric_start(scene, waves, learnt.astray)[0])
+        goal = _by_frequency(_expected(scene, state.tau, learnt.astray)[0])
     fading = max(round(min(FADE / _period(scene), HASTE * state.age)), 1)
     return replace(state, goal=goal, fading=fading, noise_psd=learnt.noise_psd, renewal=None)
+
+
+def _expected(scene: Scene, tau: Real, part: float) -> tuple[Real, float]:
+    """`geometric_start` of TDOAs (n_groups,) [s], regular at 0 Hz too, where both microphones hear the same."""
+    begin, anchor = geometric_start(scene, direct(scene.frequencies, tau).astype(np.float32), part)
+    begin[..., 2:] *= np.float32(COHERENT)
+    return begin, anchor
 
 
 def same_sources(learnt: Learnt, members: tuple[tuple[int, ...], ...], tau: Real, scene: Scene) -> bool:

@@ -142,15 +142,24 @@ def test_a_separator_begins_anew_at_another_heading_and_not_while_it_follows_one
     bench.heading = np.deg2rad(4.0)
     bench.hear(0.5, settled=False)  # the array follows its heading
     assert len(bench.separator.starts) == 1
-    for degrees in range(5, 31):
+    for degrees in range(5, 31):  # 50 deg/s
         bench.heading = np.deg2rad(degrees)
         bench.hear(0.02, settled=False)
-    bench.hear(0.1, settled=False)
-    assert bench.factor(0, last=0.05) == 1
+    assert (bench.factor(0, last=0.05), len(bench.separator.starts)) == (2, 1)
     bench.hear(0.5)
     assert (bench.factor(0), len(bench.separator.starts)) == (2, 2)
     expected = 0.05 / 343.0 * np.cos(np.deg2rad(np.array(AZIMUTHS) - 30.0))
     assert bench.separator.starts[1].tau == pytest.approx(expected)
+
+
+def test_a_fast_turn_is_not_followed():
+    bench = Bench({0: source(0)})
+    bench.know()
+    bench.hear(0.5)
+    for degrees in range(0, 90, 2):  # 200 deg/s
+        bench.heading = np.deg2rad(degrees)
+        bench.hear(0.01, settled=False)
+    assert (bench.factor(0, last=0.05), bench.status(0).detail) == (1, "turning")
 
 
 def test_a_joint_that_holds_a_heading_on_a_base_that_yaws_is_at_rest_enough():

@@ -107,8 +107,25 @@ def tables(rows: Sequence[Row]) -> str:
             *_table(rows, by_room, _begun),
             "\nProcessor time per second of audio on one core, every frame with its transforms + learning:\n",
             *_table(rows, by_case, _cost),
+            f"\nMixtures: {_mixtures(rows)}.",
         ]
     )
+
+
+def _mixtures(rows: Sequence[Row]) -> str:
+    """How many there are of every room, number of talkers and rate.
+
+    >>> _mixtures([Row("S1", 3, 0, target, 16000, 0) for target in (0, 1)])
+    '2 at 16 kHz (S1: K = 3, 3)'
+    """
+    parts = []
+    for rate in sorted({row.rate for row in rows}):
+        found: dict[str, list[int]] = {}
+        for mixture in sorted({row.mixture for row in rows if row.rate == rate}):
+            found.setdefault(mixture[0], []).append(mixture[1])
+        each = "; ".join(f"{setting}: K = {', '.join(map(str, counts))}" for setting, counts in found.items())
+        parts.append(f"{sum(map(len, found.values()))} at {rate // 1000} kHz ({each})")
+    return ", ".join(parts)
 
 
 def _is_room(setting: str, k: int, row: Row) -> bool:
