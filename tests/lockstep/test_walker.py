@@ -73,7 +73,7 @@ def test_the_mission_listens_to_the_end_without_a_new_exploration(flown):
 def test_the_walker_is_told_where_it_is(flown):
     tracks = [row for row in flown[0][0].report["tracks"] if row["source"] == 2 and row["time_s"] > SETS_OUT + 4]
     errors = [row["azimuth_error_deg"] for row in tracks]
-    assert len(errors) > 10
+    assert len(errors) >= 8
     assert np.sqrt(np.mean(np.square(errors))) < 8.0
     assert max(row["rate_deg_s"] for row in tracks) == pytest.approx(SPEED, abs=5.0)
 
