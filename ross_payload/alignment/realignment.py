@@ -80,8 +80,8 @@ def told(beliefs: Beliefs, heading: float, headings: Real) -> Real:
     """What headings [rad] are worth because they tell where unclear sources are [dB], (n_headings,).
 
     Three things make a heading tell more: the two sides of a source have other delays; a source that is unclear is not
-    near the axis, where its delay hardly changes with its azimuth; two sources of which one is unclear have other
-    delays.
+    near the axis, where its delay hardly changes with its azimuth; no two sources have one delay, since whichever of
+    them moves then would seem to be either.
     """
     seen, axis = sides(beliefs, heading), np.asarray(headings)
     azimuths, places, elevations = beliefs.azimuths, beliefs.places, beliefs.elevations
@@ -95,7 +95,7 @@ def told(beliefs: Beliefs, heading: float, headings: Real) -> Real:
     value = TELLS * doubt @ _apart(own - other)
     value += SEES * unclear @ (1 - np.exp(-10 * np.sin(seen.azimuths[:, None] - axis) ** 2))
     for one, two in combinations(range(len(places)), 2):
-        value += 2 * SEES * max(unclear[one], unclear[two]) * _apart(own[one] - own[two])
+        value += 1.5 * SEES * _apart(own[one] - own[two])
     return np.asarray(value)
 
 

@@ -177,7 +177,7 @@ class SourceTracker:
         if not witness and self._alike(told, each >= SURE):
             self.moved, self.stirred = [False] * self.anchor.k, False
         self._stir = self._stir + 1 if anybody >= STIRRED else 0
-        self.stirred = self.stirred or (witness and self._stir >= LASTING)
+        self.stirred = self.stirred or (witness and self._stir >= LASTING // 2)
         for k in range(self.anchor.k):
             certain = each[k] >= SURE and self.tracks.ages[k] <= UPDATE
             self._streak[k] = 0 if each[k] <= UNSURE else self._streak[k] + int(certain)

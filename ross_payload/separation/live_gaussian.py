@@ -109,6 +109,8 @@ class LiveGaussian:
         unit = (window / np.sqrt(power) if power > 0 else window).astype(np.complex64)
         noise = guessed_psd(unit) if scene.noise_psd is None else np.asarray(scene.noise_psd) / max(power, 1e-30)
         noise = np.maximum(noise, FLOOR).astype(np.float32)
+        if not members:
+            return Learnt(members, tau, np.zeros((0, 4, noise.size), np.float32), noise * power, ROOM)
         observed = outer(unit).astype(np.float32)
         part, frames = astray(observed, scene.frequencies, waves, noise), observed.shape[2]
         usual = ROOM if before is None else before.astray
@@ -134,6 +136,8 @@ class LiveGaussian:
 
     def heard(self, state: State, frame: Complex, scene: Scene) -> State:
         """Take in a frame (2, n_freqs), and update the PSDs of those that are under way."""
+        if not state.members:
+            return state
         state = _moved(state, scene)
         observed = live_psds.outer(frame.astype(np.complex64))
         power = 0.5 * (observed[0] + observed[1])
@@ -155,6 +159,8 @@ class LiveGaussian:
 
 def separated(state: State, psds: Real, name: str) -> Groups:
     """The groups of the oldest frame under way; PSDs with the noise last, (n_groups + 1, n_freqs)."""
+    if not state.members:
+        return Groups(np.zeros((0, psds.shape[-1], 1), np.complex64), (), name)
     signals = live_psds.wiener(state.frames[0], psds, state.covariances)[..., None]
     masks = (psds[:-1] / psds.sum(axis=0))[..., None]
     return Groups(signals, state.members, name, masks=masks)

@@ -45,6 +45,7 @@ class Row:
 def appended(path: Path, rows: Iterable[Row]) -> None:
     """Append all rows of a mixture at once, with a heading to a new file."""
     made, names = list(rows), [field.name for field in fields(Row)]
+    path.parent.mkdir(parents=True, exist_ok=True)
     new = not path.exists()
     with path.open("a", newline="") as file:
         writer = csv.DictWriter(file, names, lineterminator="\n")
