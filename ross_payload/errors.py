@@ -5,6 +5,7 @@
     RossError
     ├── ConfigError          a file, an option or an argument is wrong: exit code 2
     │   └── PluginError      a plug-in is unknown, broken, or lacks an extra
+    │       └── NotLive      a separator cannot separate frame by frame
     ├── AudioError           no audio, or audio that cannot be used: exit code 2
     │   └── AudioEnded       a recording has been played to its end: no fault
     ├── ActuatorError        the thing that turns: exit code 1
@@ -64,6 +65,10 @@ class ConfigError(RossError):
 
 class PluginError(ConfigError):
     """A plug-in is unknown, broken, or lacks an extra."""
+
+
+class NotLive(PluginError):
+    """A separator cannot separate frame by frame."""
 
 
 class AudioError(RossError):

@@ -402,7 +402,11 @@ class Groups:
 
 
 class Separator(Protocol):
-    """Splits a mixture into groups of sources that share a TDOA."""
+    """Splits a mixture into groups of sources that share a TDOA.
+
+    One that can also do so frame by frame has a method ``live(lookahead)`` that returns its `LiveSeparator`, which
+    waits for ``lookahead`` more frames before it separates one.
+    """
 
     name: str
 
@@ -430,8 +434,11 @@ class LiveSeparator(Protocol):
         not in the number of sources.
         """
 
-    def learn(self, window: Complex, scene: Scene) -> Any:
-        """Return what the latest frames (2, n_freqs, n_frames), heard at one heading, tell about the sources."""
+    def learn(self, window: Complex, scene: Scene, before: Any = None) -> Any:
+        """Return what the latest frames (2, n_freqs, n_frames), heard at one heading, tell about the sources.
+
+        ``before`` is what was learnt from the frames shortly before, at the same heading; None: nothing.
+        """
 
     def renewed(self, state: Any, learnt: Any) -> Any:
         """Return the state that goes on with what was learnt, without a jump in level and with the groups in order."""

@@ -12,9 +12,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ross_payload import plugins
-from ross_payload.errors import PluginError, RossError
+from ross_payload.errors import NotLive, PluginError, RossError
 from ross_payload.events import Estimate, SourceEstimate
-from ross_payload.interfaces import Complex, Explorer, Groups, Observation, Real, Scene, Separator
+from ross_payload.interfaces import Complex, Explorer, Groups, LiveSeparator, Observation, Real, Scene, Separator
 
 MOST_SOURCES = 16  # of an estimate; planning costs more with each
 MOST_TEXT = 120  # characters of what a plug-in has raised
@@ -80,6 +80,66 @@ class CheckedSeparator:
         if fault:
             raise PluginError(f"{self._who}: batch: {fault}")
         return groups
+
+    def live(self, lookahead: int = 1) -> LiveSeparator:
+        """Return the same separator frame by frame, checked as this one is.
+
+        Raises
+        ------
+        NotLive
+            When the plug-in has no method ``live``.
+        PluginError
+            When what that returns is no live separator.
+        """
+        make = getattr(self._separator, "live", None)
+        if make is None:
+            raise NotLive(f"{self._who}: it separates whole recordings only, and cannot be listened to live")
+        plugin = _called(self._who, "live", lambda: make(lookahead))
+        learnt = ("window", "scene", "before")
+        methods = {"start": ("scene",), "step": ("state", "frame", "scene"), "learn": learnt}
+        _expect_methods(self._who, plugin, {**methods, "renewed": ("state", "learnt")})
+        if getattr(plugin, "lookahead", None) != lookahead:
+            told = getattr(plugin, "lookahead", None)
+            raise PluginError(f"{self._who}: live: expected a lookahead of {lookahead}, got {told!r}")
+        return CheckedLiveSeparator(self._who, plugin)
+
+
+class CheckedLiveSeparator:
+    """A live separator whose every result is checked; parameters as of `CheckedSeparator`."""
+
+    def __init__(self, who: str, separator: LiveSeparator) -> None:
+        self.name = separator.name
+        self.lookahead = separator.lookahead
+        self._who = who
+        self._separator = separator
+
+    def start(self, scene: Scene) -> Any:
+        """Return the state in which nothing was heard yet; raises as `step`."""
+        return _called(self._who, "start", lambda: self._separator.start(scene))
+
+    def step(self, state: Any, frame: Complex, scene: Scene) -> tuple[Any, Groups]:
+        """Hear one frame (2, n_freqs).
+
+        Raises
+        ------
+        PluginError
+            When the plug-in raises, or what it returns does not fit.
+        """
+        returned = _called(self._who, "step", lambda: self._separator.step(state, frame, scene))
+        if not isinstance(returned, tuple) or len(returned) != len(("state", "groups")):
+            raise PluginError(f"{self._who}: step: expected a state and groups, got {type(returned).__name__}")
+        fault = _fault_of_groups(returned[1], (*frame.shape[1:], 1), scene)
+        if fault:
+            raise PluginError(f"{self._who}: step: {fault}")
+        return returned
+
+    def learn(self, window: Complex, scene: Scene, before: Any = None) -> Any:
+        """Return what the latest frames (2, n_freqs, n_frames) tell about the sources; raises as `step`."""
+        return _called(self._who, "learn", lambda: self._separator.learn(window, scene, before))
+
+    def renewed(self, state: Any, learnt: Any) -> Any:
+        """Return the state that goes on with what was learnt; raises as `step`."""
+        return _called(self._who, "renewed", lambda: self._separator.renewed(state, learnt))
 
 
 class CheckedExplorer:

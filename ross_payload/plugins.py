@@ -66,6 +66,8 @@ EXTRA_OF = {  # by the module that an optional part imports
     "pyarrow": "study",
     "aiohttp": "ground",
     "foxglove": "mcap",
+    "aiortc": "stream",
+    "av": "stream",
 }
 
 

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import importlib
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from ross_payload.audio.channel_map import fitting
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.plugins import install_line
 
 MODULE = "sounddevice"
+Way = Literal["input", "output"]
+NAMES = {"input": ("audio.source", "microphones"), "output": ("device", "sound output")}  # in messages
 
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """One device that can record."""
+    """One device that can record, or play."""
 
     number: int  # PortAudio's, which changes when devices come and go
     name: str
@@ -46,44 +48,44 @@ def portaudio() -> Any:
         raise AudioError("sound cards need the library PortAudio: apt install libportaudio2") from error
 
 
-def devices(module: Any) -> list[Device]:
-    """Return every device that can record."""
+def devices(module: Any, way: Way = "input") -> list[Device]:
+    """Return every device that can record, or play."""
     hosts = [host["name"] for host in module.query_hostapis()]
     return [
         Device(
             number=number,
             name=found["name"],
             host_api=hosts[found["hostapi"]],
-            channels=found["max_input_channels"],
+            channels=found[f"max_{way}_channels"],
             default_rate=found["default_samplerate"],
             preset=fitting(found["name"]),
         )
         for number, found in enumerate(module.query_devices())
-        if found["max_input_channels"] > 0
+        if found.get(f"max_{way}_channels", 0) > 0
     ]
 
 
-def device_named(module: Any, name: str) -> Device:
-    """Find one device: ``default``, its whole name, or a part of it that no other has; the case does not matter.
+def device_named(module: Any, name: str, way: Way = "input") -> Device:
+    """Find one device that records or plays: ``default``, its whole name, or a part of it that no other has; the case does not matter.
 
     Raises
     ------
     AudioError
         When there is none, or more than one; lists them.
     """
-    there = devices(module)
+    there, key, what = devices(module, way), *NAMES[way]
     if name == "default":
-        number = module.default.device[0]
+        number = module.default.device[way == "output"]
         chosen = [device for device in there if device.number == number] or there[:1]
     else:
         wanted = name.lower()
         chosen = [device for device in there if device.name.lower() == wanted]
         chosen = chosen or [device for device in there if wanted in device.name.lower()]
     if not chosen:
-        raise AudioError(f"audio.source: no microphones named '{name}'; there are: {_listed(there)}")
+        raise AudioError(f"{key}: no {what} named '{name}'; there are: {_listed(there)}")
     if len(chosen) > 1:
         raise AudioError(
-            f"audio.source: '{name}' matches more than one device: {_listed(chosen)}; use a longer part of the name"
+            f"{key}: '{name}' matches more than one device: {_listed(chosen)}; use a longer part of the name"
         )
     return chosen[0]
 

@@ -10,13 +10,14 @@ from pydantic import Field, model_validator
 
 from ross_payload.config.communication_options import Dronecan, Gimbal, Link, Recording, Service, Telemetry
 from ross_payload.config.hardware_options import Actuator, Array, Audio, Guard, Mount
+from ross_payload.config.listening_options import Listening, Stream
 from ross_payload.config.mission_options import APART_DEG, Exploit, Explore, Informed
 from ross_payload.config.table import Degrees, Model, Positive, Table, read_toml, validated
 
 __all__ = [
     "APART_DEG", "Actuator", "Array", "Audio", "Config", "Degrees", "Dronecan", "Exploit", "Explore",
     "Gimbal", "Guard",
-    "Informed", "Link", "Model", "Mount", "Positive", "Recording", "Service", "Table", "Telemetry", "as_in_paper",
+    "Informed", "Link", "Listening", "Model", "Mount", "Positive", "Recording", "Service", "Stream", "Table", "Telemetry", "as_in_paper",
     "load", "read_toml", "validated",
 ]  # fmt: skip
 
@@ -38,6 +39,7 @@ class Config(Table):
     dronecan: Dronecan = Dronecan()
     service: Service = Service()
     recording: Recording = Recording()
+    listening: Listening = Listening()
     seed: Annotated[int, Field(ge=0)] = 0
 
     @model_validator(mode="after")

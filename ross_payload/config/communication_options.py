@@ -58,6 +58,8 @@ class Recording(Table):
 
     folder: str = ""  # empty: recordings below the state folder
     always: bool = False  # record from start to end without a command
+    target: bool = False  # also the separated voice of the target, target.flac
+    sources: bool = False  # also the separated voice of every source, source-0.flac and so on
     max_gb: Annotated[float, Field(gt=0, le=10_000)] = 4.0  # of all sessions together; the oldest go first
     max_days: Annotated[float, Field(gt=0, le=3650)] = 30.0  # older sessions are deleted
     min_free_gb: Annotated[float, Field(ge=0, le=10_000)] = 0.5  # left on the disk, else recording stops

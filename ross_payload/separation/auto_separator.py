@@ -10,7 +10,7 @@ from ross_payload.dsp.covariance import direct, outer
 from ross_payload.dsp.steering import ALIAS, groups_of
 from ross_payload.interfaces import Complex, Groups, Scene, Separator
 from ross_payload.separation import auxiva, duet, natural_gradient_iva, refined
-from ross_payload.separation.local_gaussian_model import directness_of
+from ross_payload.separation.directness import directness_of
 
 INFORMED, UNMIXING, ANY = refined.separator, auxiva.separator, duet.separator  # the best of those that know, and do not
 CLEAN_DB = 36.0  # from here on two groups in the open are unmixed rather than filtered

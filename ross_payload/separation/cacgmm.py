@@ -13,13 +13,14 @@ from ross_payload.interfaces import Real
 
 BLOCK = 32  # bins whose shares are tied together
 REACH = (None,) * 6 + (4,) * 6 + (2,) * 6 + (1,) * 10  # per iteration: blocks on either side tied too; None: all
+AGAIN = (None, 4, 1, 1)  # the same where most is known
 STRONG = 16.0  # bins this many times above the noise count in full
 WEAK = 0.3  # bins below this part of that do not count
 PRIOR_COUNT = 0.3  # bins added to every group's share of a block
 EVERY = 2  # frames: neighbours overlap
 
 
-def learn(observed: Real, start: Real, noise_psd: Real, anchor: float) -> tuple[Real, Real]:
+def learn(observed: Real, start: Real, noise_psd: Real, anchor: float, before: Real | None = None) -> tuple[Real, Real]:
     """Covariances of the groups, trace 2, (n_freqs, n_groups, 4), and their shares, (n_freqs, n_groups, n_frames).
 
     The share of a group is how probable it is in a frame, whatever bin of a block it is looked for in.
@@ -37,6 +38,9 @@ def learn(observed: Real, start: Real, noise_psd: Real, anchor: float) -> tuple[
         (n_freqs,).
     anchor
         Weight of the start in every iteration, in [0, 1].
+    before
+        What was learnt from a recording much like this one, (n_freqs, n_groups, 4): few iterations from there are
+        enough. None: from the start on.
     """
     heard = observed[:, :, ::EVERY]
     power = heard[:, 0] + heard[:, 1]
@@ -46,8 +50,8 @@ def learn(observed: Real, start: Real, noise_psd: Real, anchor: float) -> tuple[
     blocks = [slice(low, low + BLOCK) for low in range(0, len(start), BLOCK)]
     weights = np.stack([weight[block].sum(axis=0) for block in blocks])[:, None]
     shares = np.full((len(blocks), start.shape[1], weight.shape[1]), 1 / start.shape[1], observed.dtype)
-    flipped, learnt = adjugate(unit, axis=1), start.copy()
-    for reach in REACH:
+    flipped, learnt = adjugate(unit, axis=1), (start if before is None else before).copy()
+    for reach in REACH if before is None else AGAIN:
         sums = np.empty_like(shares)
         for index, block in enumerate(blocks):
             moments, sums[index] = _step(unit[block], flipped[block], weight[block], learnt[block], shares[index])

@@ -12,14 +12,16 @@ from functools import partial
 
 import numpy as np
 
-from ross_payload.dsp.covariance import ROOT2, adjugate, diffuse, direct, outer
+from ross_payload.dsp.covariance import ROOT2, adjugate, direct, outer
 from ross_payload.dsp.metrics import qualities
 from ross_payload.dsp.noise import guessed_psd
 from ross_payload.dsp.smoothing import average, averaged_rows
 from ross_payload.dsp.steering import directions_of
 from ross_payload.dsp.stft import Stft, band
-from ross_payload.interfaces import Complex, Groups, Quality, Real, Scene
+from ross_payload.interfaces import Complex, Groups, LiveSeparator, Quality, Real, Scene
 from ross_payload.separation.cacgmm import learn
+from ross_payload.separation.directness import ASTRAY, VOICE, astray, geometric_start
+from ross_payload.separation.live_gaussian import LiveGaussian
 
 UPDATES = 20
 UNSMOOTHED = 2  # updates before the smoothing begins
@@ -27,11 +29,6 @@ AT_ONCE = 10000  # time-frequency bins worked on together: they stay in the cach
 FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
 ACTIVE = 1.15  # bins with less than this many times the noise hold nobody
 TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
-ASTRAY = (0.008, 0.013, 0.025, 0.045)  # energy that no direction explains: in the open .. where little is direct
-DIFFUSE = (0.03, 0.4, 0.4, 0.6)  # part of every covariance to begin with
-ANCHOR = (0.5, 0.3, 0.3, 0.15)  # of the learning
-CLEAR, LOUD = 30.0, 4.0  # it is measured in bins this many times above the noise, and above the mean of the frequency
-VOICE = (500.0, 4000.0)  # and between these frequencies [Hz]
 LONG = 0.128  # frames that a reverberant recording is cut into [s]
 
 
@@ -90,33 +87,6 @@ def _updated(psds: Real, cross: Real, gram: Real) -> Real:
     np.maximum(ratio, 0, out=ratio)
     ratio *= psds[:, :-1]
     return ratio
-
-
-def astray(observed: Real, frequencies: Real, waves: Real, noise_psd: Real) -> float:
-    """Energy that no direction explains: hardly any in the open, the more the poorer the room.
-
-    The median over strong bins of the part of their energy that is orthogonal to the steering vector that fits best;
-    0 when no bin is strong.
-
-    Parameters
-    ----------
-    observed
-        Coordinates of x x^H, (n_freqs, 4, n_frames).
-    waves
-        Coordinates of a a^H of every group, (n_freqs, n_groups, 4).
-    """
-    power = observed[:, 0] + observed[:, 1]
-    least = np.maximum(2 * CLEAR * noise_psd, LOUD * power.mean(axis=1))
-    strong = (power > least[:, None]) & band(frequencies, *VOICE)[:, None]
-    if not strong.any():
-        return 0.0
-    orthogonal = (waves @ adjugate(observed, axis=1)).min(axis=1)[strong] / (2 * power[strong])
-    return float(np.median(orthogonal))
-
-
-def directness_of(observed: Real, frequencies: Real, waves: Real, noise_psd: Real) -> float:
-    """How much every strong bin looks like a plane wave: 1 in the open, 0 in reverberation; arguments of `astray`."""
-    return float(np.interp(astray(observed, frequencies, waves, noise_psd), ASTRAY[:2], (1, 0)))
 
 
 def wiener(spectrogram: Complex, psds: Real, covariances: Real) -> Complex:
@@ -221,6 +191,10 @@ class Gaussian:
 
     name = "gaussian"
 
+    def live(self, lookahead: int = 1) -> LiveSeparator:
+        """Return the same model frame by frame."""
+        return LiveGaussian(lookahead)
+
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
         """Separate as `from_directions` says."""
         return from_directions(_separated, spectrogram, scene, self.name)
@@ -247,10 +221,9 @@ def fitted(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Real, Real, Re
     observed = outer(unit).astype(np.float32)
     waves = direct(scene.frequencies, np.asarray(scene.tau)).astype(np.float32)
     part = astray(observed, scene.frequencies, waves, noise_psd)
-    share, anchor = (float(np.interp(part, ASTRAY, values)) for values in (DIFFUSE, ANCHOR))
-    field = diffuse(scene.frequencies, scene.spacing, scene.speed_of_sound).astype(np.float32)[:, None]
-    covariances, shares = learn(observed, (1 - share) * waves + share * field, noise_psd, anchor)
-    white = np.broadcast_to(np.array([1, 1, 0, 0], np.float32), field.shape)
+    start, anchor = geometric_start(scene, waves, part)
+    covariances, shares = learn(observed, start, noise_psd, anchor)
+    white = np.broadcast_to(np.array([1, 1, 0, 0], np.float32), (len(start), 1, 4))
     covariances = np.concatenate([covariances, white], axis=1)
     return observed, covariances, source_psds(observed, covariances, noise_psd, shares)
 

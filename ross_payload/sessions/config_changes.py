@@ -12,7 +12,7 @@ from ross_payload.errors import ConfigError
 
 FIXED = (("audio", "rate_hz"), ("audio", "hop_ms"))  # the Inputs are cut so
 RECORDED = (  # what was heard and where the array stood come from the record
-    ("actuator",), ("links",), ("telemetry",), ("service",), ("recording",), ("array", "offset_deg"),
+    ("actuator",), ("links",), ("telemetry",), ("service",), ("recording",), ("listening",), ("array", "offset_deg"),
     ("mount", "source"), ("mount", "yaw_deg"), ("mount", "fresh_s"), ("guard", "max_speed_deg_s"),
     ("guard", "max_acceleration_deg_s2"), ("guard", "max_move_s"), ("guard", "watchdog_s"), ("guard", "on_fault"),
     ("audio", "source"), ("audio", "preset"), ("audio", "channels"), ("audio", "device_channels"),

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ross_payload.audio.channel_map import ChannelMap
+from ross_payload.audio.wav_files import WavReader
 from ross_payload.bounded_files import MB, open_regular, parsed_json, read_bounded
 from ross_payload.config import Audio, Config, validated
 from ross_payload.errors import ConfigError, refused_as
@@ -16,7 +17,6 @@ from ross_payload.interfaces import Input, Score
 from ross_payload.sessions import input_log, manifest
 from ross_payload.sessions.manifest import Manifest
 from ross_payload.sessions.npz_memory import unpacked
-from ross_payload.sessions.wav_files import WavReader
 
 T = TypeVar("T")
 LONGEST = 16 * MB  # line [bytes]: an event carries a density for every direction, never the samples

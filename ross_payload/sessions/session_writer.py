@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.atomic_files import append, create
+from ross_payload.audio.wav_files import MOST, WIDTH, WavFile, exact
 from ross_payload.events import Event
 from ross_payload.interfaces import Input, Samples, Score
 from ross_payload.sessions import event_json, input_log, manifest
 from ross_payload.sessions.manifest import Beginning
-from ross_payload.sessions.wav_files import MOST, WIDTH, WavFile, exact
 from ross_payload.transport.tlog import TlogRecorder
 
 FLUSH = 0.5  # [s] of audio that wait at most

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from ross_payload import orders
+from ross_payload.audio.wav_files import WavFile
 from ross_payload.sessions.catalog import Catalog
 from ross_payload.sessions.session_reader import RecordedSession
 from ross_payload.sessions.session_store import SessionStore
-from ross_payload.sessions.wav_files import WavFile
 from stored_session import RATE, sound
 
 pytestmark = pytest.mark.lockstep

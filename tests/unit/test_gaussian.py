@@ -8,9 +8,8 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Groups, Scene
 from ross_payload.separation.cacgmm import learn
+from ross_payload.separation.directness import astray, directness_of
 from ross_payload.separation.local_gaussian_model import (
-    astray,
-    directness_of,
     in_long_frames,
     separator,
     source_psds,

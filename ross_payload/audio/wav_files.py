@@ -35,10 +35,11 @@ def exact(samples: Samples) -> bool:
 
 
 class WavFile:
-    """Appends to a PCM_24 WAV file of two channels; its bytes are with the operating system when `write` returns."""
+    """Appends to a PCM_24 WAV file; its bytes are with the operating system when `write` returns."""
 
-    def __init__(self, path: Path, rate: int) -> None:
+    def __init__(self, path: Path, rate: int, channels: int = 2) -> None:
         self._rate = rate
+        self._channels = channels
         self.bytes = 0  # of samples
         self._file = create(path)
         try:
@@ -48,7 +49,7 @@ class WavFile:
             raise
 
     def write(self, samples: Samples) -> None:
-        """Append samples (2, n), then correct the header."""
+        """Append samples (n_channels, n), then correct the header."""
         packed = counts(samples).reshape(-1, 1).view(np.uint8)[:, :WIDTH].tobytes()
         append(self._file, packed)
         self.bytes += len(packed)
@@ -61,8 +62,8 @@ class WavFile:
         self._file.close()
 
     def _header(self) -> bytes:
-        frame = 2 * WIDTH
-        form = (16, 1, 2, self._rate, self._rate * frame, frame, 8 * WIDTH)
+        frame = self._channels * WIDTH
+        form = (16, 1, self._channels, self._rate, self._rate * frame, frame, 8 * WIDTH)
         return HEADER.pack(b"RIFF", 36 + self.bytes, b"WAVE", b"fmt ", *form, b"data", self.bytes)
 
 

@@ -1,0 +1,1 @@
+"""``ross listen``: play or write what a payload streams, whichever way it comes."""

@@ -1,0 +1,51 @@
+"""``ross listen``: hear what a payload streams."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+LONGEST_DELAY_MS = 1000.0
+
+
+@click.command("listen", short_help="Play or write what a payload streams.")
+@click.argument("url", metavar="URL")
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write a .wav or .flac file instead of playing."
+)
+@click.option("--device", default="default", show_default=True, help="Sound output, a part of its name.")
+@click.option(
+    "--delay",
+    "delay_ms",
+    type=click.FloatRange(0, LONGEST_DELAY_MS),
+    default=0.0,
+    help="Time in milliseconds that packets wait for later ones; 0, the default: as short as the network allows.",
+)
+@click.option("--duration", type=click.FloatRange(0, min_open=True), metavar="S", help="Stop after so many seconds.")
+def command(url: str, out: Path | None, device: str, delay_ms: float, duration: float | None) -> None:
+    """Play what a payload streams to this computer, and tell once a second how loud, how late and how much was lost.
+
+    URL is rtp://ADDRESS:PORT (an address of this computer; 0.0.0.0 for any; with ?codec=L16&rate=16000 unless it is
+    Opus), a session description (a file or an http address that ends in .sdp), or tcp://HOST:PORT.
+    """
+    import time
+
+    from ross_payload.audio.listener.feed import Feed, source_of
+    from ross_payload.audio.listener.pcm_feed import PcmFeed
+    from ross_payload.audio.listener.playback import Meter, checked_file, listen, to_device, to_file
+    from ross_payload.clock import SystemClock
+    from ross_payload.transport.rtp.session_description import Session
+
+    path = checked_file(out) if out is not None else None
+    clock, meter, source = SystemClock(), Meter(), source_of(url)
+    feed: Feed
+    if isinstance(source, Session):
+        from ross_payload.audio.listener.rtp_feed import RtpFeed
+
+        feed = RtpFeed(source, clock, delay_ms / 1000)
+    else:
+        feed = PcmFeed(source)
+    with feed:
+        place = to_file(feed, path, meter, clock) if path is not None else to_device(feed, device, meter)
+        listen(feed, place, meter=meter, clock=clock, wall=time.time, tell=click.echo, duration=duration)

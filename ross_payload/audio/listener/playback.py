@@ -1,0 +1,175 @@
+"""Where what is listened to goes: a sound output that asks for samples, or a file that takes them as time passes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import soundfile
+
+from ross_payload.atomic_files import create
+from ross_payload.audio.listener.feed import Feed
+from ross_payload.audio.sound_devices import device_named, portaudio
+from ross_payload.errors import AudioError, ConfigError, OutputError, refused_as
+from ross_payload.interfaces import Clock, Samples
+
+SUFFIXES = (".wav", ".flac")
+LATENCY_S = 0.04  # asked of a sound output
+TICK_S = 0.02  # between two looks at the time
+LINE_S = 1.0  # between two lines
+FLOOR_DB = -120.0
+Pump = Callable[[], None]  # does what is due
+
+
+class Meter:
+    """Tells how loud what was heard is.
+
+    >>> meter = Meter()
+    >>> meter.note(np.full(100, 0.1, np.float32)), round(meter.level(), 3)
+    (None, -20.0)
+    """
+
+    def __init__(self) -> None:
+        self._power = self._count = 0.0
+
+    def note(self, samples: Samples) -> None:
+        """Take samples (n,)."""
+        self._power += float(np.dot(samples, samples))
+        self._count += len(samples)
+
+    def level(self) -> float:
+        """Return the rms since the latest call [dB re full scale]."""
+        power, self._power = self._power / max(self._count, 1), 0.0
+        self._count = 0.0
+        return 10 * math.log10(power) if power > 10 ** (FLOOR_DB / 10) else FLOOR_DB
+
+
+def checked_file(path: Path) -> Path:
+    """Return the path of a file to be written.
+
+    Raises
+    ------
+    ConfigError
+        When it has another suffix, is there already, or its folder is not.
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        raise ConfigError(f"--out: expected a file that ends in {' or '.join(SUFFIXES)}, got {path}")
+    if path.exists():
+        raise ConfigError(f"--out: {path} is there already")
+    if not path.parent.is_dir():
+        raise ConfigError(f"--out: there is no folder {path.parent}")
+    return path
+
+
+@contextmanager
+def to_file(feed: Feed, path: Path, meter: Meter, clock: Clock) -> Iterator[Pump]:
+    """Write what comes to a file for its owner alone; one in which there would be nothing is removed.
+
+    Raises
+    ------
+    ConfigError
+        When the file cannot be made.
+    OutputError
+        When the disk is full or gone.
+    """
+    with refused_as(ConfigError, f"--out: {path} cannot be written"):
+        raw = create(path)
+    form = path.suffix[1:].upper()
+    began, written = clock.now(), 0
+    try:
+        with raw, soundfile.SoundFile(raw, "w", feed.rate, 1, "PCM_24", format=form) as file:
+
+            def pump() -> None:
+                nonlocal written
+                samples = feed.read(int((clock.now() - began) * feed.rate) - written)
+                written += len(samples)
+                meter.note(samples)
+                file.write(samples)
+
+            yield pump
+    except (soundfile.LibsndfileError, OSError) as error:
+        raise OutputError(f"{path}: cannot be written: {error}") from error
+    finally:
+        if not feed.progress(0.0).heard:
+            path.unlink(missing_ok=True)
+
+
+@contextmanager
+def to_device(feed: Feed, name: str, meter: Meter) -> Iterator[Pump]:
+    """Play what comes.
+
+    Raises
+    ------
+    AudioError
+        When the sound output is not there, busy, or has not the rate, or is gone.
+    """
+    module = portaudio()
+    device = device_named(module, name, "output")
+
+    def play(out: Any, count: int, _times: Any, _flags: Any) -> None:
+        samples = feed.read(count)
+        meter.note(samples)
+        out[:] = samples[:, None]
+
+    try:
+        stream = module.OutputStream(
+            device=device.number,
+            samplerate=feed.rate,
+            channels=min(device.channels, 2),
+            dtype="float32",
+            latency=LATENCY_S,
+            callback=play,
+        )
+    except module.PortAudioError as error:
+        why = str(error).partition("\n")[0]
+        raise AudioError(f"the sound output '{name}' cannot be opened: {why}") from error
+
+    def pump() -> None:
+        if not stream.active:
+            raise AudioError(f"the sound output '{name}' was disconnected")
+
+    with stream:
+        yield pump
+
+
+def listen(
+    feed: Feed,
+    place: AbstractContextManager[Pump],
+    *,
+    meter: Meter,
+    clock: Clock,
+    wall: Callable[[], float],
+    tell: Callable[[str], None],
+    duration: float | None,
+) -> None:
+    """Play until the feed ends or ``duration`` [s] is over, and tell once a second how it goes.
+
+    Raises
+    ------
+    AudioError
+        When nothing came at all.
+    """
+    began = told = clock.now()
+    with place as pump:
+        while not feed.progress(wall()).ended and (duration is None or clock.now() < began + duration):
+            clock.sleep(TICK_S)
+            pump()
+            if clock.now() >= told + LINE_S:
+                told += LINE_S
+                tell(_line(feed, meter, told - began, wall()))
+        progress = feed.progress(wall())
+    if not progress.heard:
+        raise AudioError(f"nothing came to {feed.where} in {clock.now() - began:.0f} s")
+    if progress.ended:
+        tell(progress.words)
+
+
+def _line(feed: Feed, meter: Meter, time: float, wall: float) -> str:
+    progress, level = feed.progress(wall), meter.level()
+    if not progress.heard:
+        return f"{time:6.0f} s  waits on {feed.where}"
+    return f"{time:6.0f} s  {level:6.1f} dB  {progress.words}" + ("" if progress.playing else "; nothing comes")

@@ -1,0 +1,230 @@
+"""The sink ``device``: headphones on a bench, or a virtual microphone through PulseAudio or PipeWire.
+
+The card plays at the pace of its own crystal: the ring between it and the voice is kept near its usual filling by one
+sample more or less in a block, interpolated. A device that is gone is opened again as soon as it is back.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import Field
+
+from ross_payload.audio.reconnecting_feed import LEAVE, Worker, in_thread
+from ross_payload.audio.sinks import SinkInfo, SinkServices
+from ross_payload.audio.sound_devices import device_named, portaudio
+from ross_payload.config.table import Table
+from ross_payload.errors import AudioError, RossError
+from ross_payload.interfaces import Clock, Real, Samples, VoiceBlock
+
+RETRY_S = 1.0  # between two attempts to open a device that is gone
+RING_S = 1.0  # of audio that can wait
+NEAR = 0.5  # share of the wanted filling by which the ring may differ before it is corrected
+
+log = logging.getLogger(__name__)
+
+
+class DeviceOptions(Table):
+    """[listening.streams.options] of ``device``."""
+
+    device: Annotated[str, Field(min_length=1)] = "default"  # a part of its name, see `ross devices`
+    latency_ms: Annotated[float, Field(gt=0, le=1000)] = 60.0  # that waits for the card, and is asked of it
+
+
+class PlaybackRing:
+    """Samples between the thread that writes and the callback that plays: one writer, one reader, no lock.
+
+    It plays when it has been filled to ``wanted`` samples, and again after it has run dry.
+    """
+
+    def __init__(self, capacity: int, wanted: int) -> None:
+        self._samples = np.zeros(capacity, np.float32)
+        self._wanted = wanted
+        self._written = self._played = 0
+        self._flowing = False
+        self.underrun = 0  # samples of silence played because there was nothing
+
+    @property
+    def waiting(self) -> int:
+        """Samples that wait."""
+        return self._written - self._played
+
+    def write(self, samples: Samples) -> int:
+        """Keep what there is room for; return how many samples there was none for."""
+        fitted = samples[: len(self._samples) - self.waiting]
+        places = (self._written + np.arange(len(fitted))) % len(self._samples)
+        self._samples[places] = fitted
+        self._written += len(fitted)
+        return len(samples) - len(fitted)
+
+    def play(self, out: Real) -> None:
+        """Fill frames (n, n_channels) with the next samples, and with silence where there are none."""
+        if not self._flowing and self.waiting < self._wanted:
+            out[:] = 0
+            return
+        count = min(len(out), self.waiting)
+        places = (self._played + np.arange(count)) % len(self._samples)
+        out[:count] = self._samples[places, None]
+        out[count:] = 0
+        self._played += count
+        self._flowing = count == len(out)
+        self.underrun += len(out) - count
+
+    def fitted(self, samples: Samples) -> Samples:
+        """Return a block with one sample more or less when the ring fills or empties: two clocks are never equal."""
+        off = self.waiting - self._wanted
+        if not self._flowing or abs(off) <= NEAR * self._wanted or len(samples) < 2:
+            return samples
+        places = np.linspace(0, len(samples) - 1, len(samples) - int(np.sign(off)))
+        return np.interp(places, np.arange(len(samples)), samples).astype(np.float32)
+
+
+class DeviceSink:
+    """An AudioSink that plays.
+
+    Parameters
+    ----------
+    options
+        Which device.
+    services
+        Rate and Clock.
+    module
+        The binding to PortAudio; None: sounddevice, imported when it is needed.
+    start
+        Runs the attempts to open the device again: opening can take seconds.
+    """
+
+    def __init__(
+        self,
+        options: DeviceOptions,
+        services: SinkServices,
+        module: Any = None,
+        start: Callable[[Callable[[], None]], Worker] = in_thread,
+    ) -> None:
+        self._options = options
+        self._rate = services.rate
+        self._clock: Clock = services.clock
+        self._module = module
+        self._start = start
+        self._ring = self._new_ring()
+        self._stream: Any = None
+        self._name = options.device
+        self._due = 0.0
+        self._busy = threading.Event()
+        self._worker: Worker | None = None
+        self._lost = 0
+        self.fault = ""
+
+    @property
+    def lost(self) -> int:
+        """Samples that found no room, and moments of silence because the next ones came too late."""
+        return self._lost + self._ring.underrun
+
+    @property
+    def info(self) -> SinkInfo:
+        """Which device it is."""
+        return SinkInfo(self._name, codec="pcm", listeners=int(self._alive()))
+
+    def write(self, block: VoiceBlock) -> None:
+        """Have samples played."""
+        if self._alive():
+            self._lost += self._ring.write(self._ring.fitted(block.samples))
+            return
+        self._lost += len(block.samples)
+        self._revive()
+
+    def __enter__(self) -> Self:
+        """Open the device.
+
+        Raises
+        ------
+        AudioError
+            When it is not there, busy, or has not the rate.
+        ConfigError
+            When the binding to PortAudio is not installed.
+        """
+        self._open()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Stop playing."""
+        if self._worker is not None:
+            self._worker.join(LEAVE)
+        self._close()
+
+    def _alive(self) -> bool:
+        return self._stream is not None and not self._busy.is_set() and bool(self._stream.active)
+
+    def _open(self) -> None:
+        module = self._module = self._module or portaudio()
+        self._ring = self._new_ring()
+        try:
+            device = device_named(module, self._options.device, "output")
+            self._stream = module.OutputStream(
+                device=device.number,
+                samplerate=self._rate,
+                channels=min(device.channels, 2),
+                dtype="float32",
+                latency=self._options.latency_ms / 1000,
+                callback=self._callback(self._ring),
+            )
+            self._stream.start()
+        except module.PortAudioError as error:
+            self._close()
+            why = str(error).partition("\n")[0]
+            raise AudioError(f"the sound output '{self._options.device}' cannot be opened: {why}") from error
+        self._name, self.fault = device.name, ""
+
+    def _new_ring(self) -> PlaybackRing:
+        return PlaybackRing(round(RING_S * self._rate), round(self._options.latency_ms / 1000 * self._rate))
+
+    @staticmethod
+    def _callback(ring: PlaybackRing) -> Callable[[Real, int, Any, Any], None]:
+        def play(out: Real, _count: int, _times: Any, _flags: Any) -> None:
+            ring.play(out)
+
+        return play
+
+    def _revive(self) -> None:
+        """Open a device again that is gone, beside who writes, and not too often."""
+        if self._busy.is_set() or self._clock.now() < self._due:
+            return
+        if not self.fault:
+            self.fault = f"the sound output '{self._name}' was disconnected"
+            log.warning("%s", self.fault)
+        self._lost, self._ring = self.lost, self._new_ring()
+        self._busy.set()
+        self._worker = self._start(self._attempt)
+
+    def _attempt(self) -> None:
+        try:
+            self._close()
+            self._open()
+            log.info("the sound output '%s' is back", self._name)
+        except RossError as error:
+            self.fault = str(error)
+        finally:
+            self._due = self._clock.now() + RETRY_S
+            self._busy.clear()
+
+    def _close(self) -> None:
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            stream.close(ignore_errors=True)
+
+
+class DevicePlugin:
+    """Sound cards."""
+
+    Config = DeviceOptions
+
+    def open(self, config: DeviceOptions, services: SinkServices) -> DeviceSink:
+        """Make the sink."""
+        return DeviceSink(config, services)
+
+
+sink = DevicePlugin()

@@ -1,0 +1,259 @@
+"""The sink ``rtp``: a voice as L16 or Opus to one address, over RTP; see `rtp_sender` and the session description.
+
+A thread of its own encodes and sends as blocks come: their order is the pace, and pauses between packets would only be
+delay. One socket serves all: reports go over it both ways (RFC 5761), and since it is connected the system says when
+nobody listens there.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ipaddress
+import logging
+import os
+import select
+import socket
+import threading
+import time
+from collections import deque
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, field_validator
+
+from ross_payload.audio.sinks import SinkInfo, SinkServices
+from ross_payload.audio.sinks.rtp_sender import RtpSender
+from ross_payload.config.table import Table
+from ross_payload.errors import AudioError, shown
+from ross_payload.interfaces import VoiceBlock
+from ross_payload.transport.ports import MAX_READ_BYTES, reason
+from ross_payload.transport.rtp.session_description import L16, OPUS, Media, Session, described
+
+KEPT_S = 1.0  # of samples that wait for the thread; beyond that they are lost
+IDLE_S = 0.25  # between two looks, with nothing to do
+REFUSED_S = 3.0  # after the system said that nobody listens there, it still holds
+LISTENS_S = 5.0  # after a listener's report, it still listens
+LEAVE_S = 1.0  # for what waits, in the end
+CODECS = {name.lower(): name for name in (L16, OPUS)}
+
+log = logging.getLogger(__name__)
+
+
+class RtpOptions(Table):
+    """[listening.streams.options] of ``rtp``."""
+
+    address: str  # of one computer, as a number: 192.168.1.20, fd00::20
+    port: Annotated[int, Field(ge=1, le=65535)] = 5004
+    codec: Literal["opus", "L16"] = "opus"
+    bit_rate_kbps: Annotated[int, Field(ge=12, le=256)] = 48  # of Opus
+
+    @field_validator("address")
+    @classmethod
+    def _one_computer(cls, text: str) -> str:
+        return unicast(text)
+
+    @field_validator("codec", mode="before")
+    @classmethod
+    def _any_case(cls, name: object) -> object:
+        return CODECS.get(name.lower(), name) if isinstance(name, str) else name
+
+
+def unicast(text: str) -> str:
+    """Return an address in its usual form.
+
+    >>> unicast("FD00::0007")
+    'fd00::7'
+
+    Raises
+    ------
+    ValueError
+        When it is not the address of one computer; says what was expected.
+    """
+    try:
+        address = ipaddress.ip_address(text)
+    except ValueError:
+        raise ValueError(f"address: expected one like 192.168.1.20 or fd00::20, got {shown(text)}") from None
+    limited = address == ipaddress.ip_address("255.255.255.255")
+    if address.is_multicast or address.is_unspecified or limited:
+        kind = "multicast" if address.is_multicast else "broadcast" if limited else "no address in particular"
+        raise ValueError(f"address: expected that of one computer, got {text}, which is {kind}")
+    return str(address)
+
+
+class RtpSink:
+    """An AudioSink that sends to one address.
+
+    Parameters
+    ----------
+    options
+        Where to, and how.
+    services
+        Clock, rate, and what it is about.
+    """
+
+    def __init__(self, options: RtpOptions, services: SinkServices) -> None:
+        self._options, self._services = options, services
+        self._clock = services.clock
+        self._sender = self._new_sender()
+        self._where = f"rtp to {options.address} port {options.port}"
+        self._socket: socket.socket | None = None
+        self._wake = -1  # descriptor of an event
+        self._thread: threading.Thread | None = None
+        self._blocks: deque[VoiceBlock] = deque()
+        self._waiting = 0  # samples of them
+        self._guard = threading.Condition()  # of the two above: there is room again
+        self._leaving = threading.Event()
+        self._refused_at = self._failed_at = -1e9
+        self._failure = ""
+        self._sdp = ""
+        self.lost = 0
+
+    @property
+    def fault(self) -> str:
+        """What is wrong: the latest thing, until it has been well for a while."""
+        now = self._clock.now()
+        if now < self._failed_at + REFUSED_S:
+            return f"{self._where}: {self._failure}"
+        return f"{self._where}: nobody listens there" if now < self._refused_at + REFUSED_S else ""
+
+    @property
+    def info(self) -> SinkInfo:
+        """Where it goes, and who takes it: who reports, or may take it without a word since nobody refuses it."""
+        sender, now = self._sender, self._clock.now()
+        refused = now < self._refused_at + REFUSED_S
+        reported = sender.heard_back is not None and now < sender.heard_back + LISTENS_S
+        return SinkInfo(
+            self._options.address,
+            self._options.port,
+            sender.media.codec,
+            sender.media.rate,
+            listeners=int(self._thread is not None and (reported or not refused)),
+            packets_lost=sender.packets_lost,
+            sdp=self._sdp,
+        )
+
+    def write(self, block: VoiceBlock) -> None:
+        """Have samples sent."""
+        with self._guard:
+            if not self._services.live:  # as many samples as in live time would be lost in simulated time
+                self._guard.wait_for(lambda: self._has_room(block), LEAVE_S)
+            if self._thread is None or not self._has_room(block):
+                self.lost += len(block.samples)
+                return
+            self._blocks.append(block)
+            self._waiting += len(block.samples)
+            os.eventfd_write(self._wake, 1)
+
+    def _has_room(self, block: VoiceBlock) -> bool:
+        return self._waiting + len(block.samples) <= KEPT_S * self._services.rate
+
+    def __enter__(self) -> Self:
+        """Open the socket, and begin.
+
+        Raises
+        ------
+        AudioError
+            When the address is out of reach, or the network's broadcast.
+        """
+        address, port = self._options.address, self._options.port
+        family = socket.AF_INET6 if ":" in address else socket.AF_INET
+        sock = socket.socket(family, socket.SOCK_DGRAM)
+        try:
+            sock.setblocking(False)
+            sock.connect((address, port))  # the broadcast of a network is refused: it was not asked for
+        except OSError as error:
+            sock.close()
+            raise AudioError(f"{self._where}: {reason(error)}") from error
+        self._sender = self._new_sender()
+        self._sdp = self._session(sock.getsockname()[0])
+        self._socket, self._wake = sock, os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._blocks.clear()
+        self._waiting = 0
+        self._leaving.clear()
+        self._thread = threading.Thread(target=self._run, args=(sock, self._wake), name="rtp", daemon=True)
+        self._thread.start()
+        log.info("%s: %s at %d Hz begins", self._where, self._sender.media.codec, self._sender.media.rate)
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Send what waits, say goodbye and close."""
+        thread, sock = self._thread, self._socket
+        if thread is None or sock is None:
+            return
+        self._leaving.set()
+        os.eventfd_write(self._wake, 1)
+        thread.join(LEAVE_S)
+        with self._guard:
+            self.lost += self._waiting
+            self._thread = self._socket = None
+            os.close(self._wake)
+        with contextlib.suppress(OSError):
+            sock.send(self._sender.goodbye())
+        sock.close()
+        log.info("%s: ends", self._where)
+
+    def _new_sender(self) -> RtpSender:
+        rate = self._services.rate
+        return RtpSender(rate, Media.of(self._options.codec, rate), 1000 * self._options.bit_rate_kbps)
+
+    def _session(self, origin: str) -> str:
+        options, services = self._options, self._services
+        media = self._sender.media
+        return described(Session(media, options.address, options.port, services.title, origin, services.number + 1))
+
+    # ------------------------------------------------------------------------------------------- the thread
+
+    def _run(self, sock: socket.socket, wake: int) -> None:
+        while not (self._leaving.is_set() and not self._blocks):
+            watched: list[Any] = [sock, wake]
+            ready, _, _ = select.select(watched, [], [], IDLE_S)
+            if wake in ready:
+                os.eventfd_read(wake)
+            if sock in ready:
+                self._answer(sock)
+            while self._blocks:
+                with self._guard:
+                    block = self._blocks.popleft()
+                    self._waiting -= len(block.samples)
+                    self._guard.notify()
+                for packet in self._sender.packets(block):
+                    self.lost += 0 if self._send(sock, packet) else self._sender.media.packet
+            report = self._sender.report(self._clock.now(), time.time())
+            if report is not None:
+                self._send(sock, report)
+
+    def _answer(self, sock: socket.socket) -> None:
+        """Take what the listener says; send what it asks for once more."""
+        with contextlib.suppress(BlockingIOError):
+            try:
+                said = sock.recv(MAX_READ_BYTES)
+            except ConnectionRefusedError:
+                self._refused_at = self._clock.now()
+                return
+            for packet in self._sender.on_report(said, self._clock.now()):
+                self._send(sock, packet)
+
+    def _send(self, sock: socket.socket, packet: bytes) -> bool:
+        for _ in range(2):
+            try:
+                sock.send(packet)
+            except ConnectionRefusedError:  # the news is of an earlier packet; this one was not sent
+                self._refused_at = self._clock.now()
+                continue
+            except OSError as error:
+                self._failed_at, self._failure = self._clock.now(), reason(error)
+                return False
+            return True
+        return False
+
+
+class RtpPlugin:
+    """RTP to one address."""
+
+    Config = RtpOptions
+
+    def open(self, config: RtpOptions, services: SinkServices) -> RtpSink:
+        """Make the sink."""
+        return RtpSink(config, services)
+
+
+sink = RtpPlugin()

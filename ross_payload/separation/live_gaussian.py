@@ -1,0 +1,210 @@
+"""The local Gaussian model frame by frame: covariances that fade from one to the next, PSDs with a short look-ahead.
+
+The covariances come from geometry until something was learnt. What is learnt fades in over `FADE`; they follow their
+source when its TDOA changes. A group is the sources that share a TDOA at the start, and stays so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ross_payload.dsp.covariance import direct, outer
+from ross_payload.dsp.noise import guessed_psd
+from ross_payload.dsp.steering import directions_of
+from ross_payload.interfaces import Complex, Groups, Real, Scene
+from ross_payload.separation import cacgmm, live_psds
+from ross_payload.separation.directness import astray, geometric_start
+
+UPDATES = 8  # of the PSDs of every frame that is under way, whenever another one is heard
+UNSMOOTHED = 1  # of them before the smoothing begins, for the newest frame
+TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
+FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
+FADE = 0.25  # from old covariances to new ones [s]
+LEVEL = 4.0  # time constant of the mean power of the mixture [s]
+ROOM = 0.012  # energy that no direction explains, before it is measured
+GUESS = 1e-3  # noise relative to the mean power, before it is measured
+WHITE = np.array([1, 1, 0, 0], np.float32)[:, None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Learnt:
+    """What a stretch of sound tells about the sources."""
+
+    members: tuple[tuple[int, ...], ...]
+    tau: Real  # TDOAs of the groups then [s], (n_groups,)
+    covariances: Real  # coordinates, trace 2, (n_groups, 4, n_freqs)
+    noise_psd: Real  # (n_freqs,)
+    astray: float  # energy that no direction explains: how poor the room is
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """What is known after a frame. Under way are the newest ``lookahead`` + 1 frames; before them was silence."""
+
+    members: tuple[tuple[int, ...], ...]
+    tau: Real  # of the groups [s], (n_groups,)
+    covariances: Real  # in use, the noise last, (n_groups + 1, 4, n_freqs)
+    goal: Real  # to which they fade, (n_groups, 4, n_freqs)
+    fading: int  # frames until they are there
+    renewal: Learnt | None  # to which they fade from the next frame on
+    noise_psd: Real | None  # learnt, (n_freqs,)
+    level: float  # mean power of the mixture
+    age: int  # frames heard
+    frames: Complex  # under way, (n, 2, n_freqs)
+    observed: Real  # coordinates of their x x^H, (n, 4, n_freqs)
+    expected: Real  # what their shares let expect of the PSDs, (n, n_groups, n_freqs)
+    psds: Real  # theirs, and before them those of the last one that was separated, (n + 1, n_groups, n_freqs)
+
+
+class LiveGaussian:
+    """The live separator.
+
+    Parameters
+    ----------
+    lookahead
+        Frames that must be heard after a frame before it is separated.
+    """
+
+    name = "gaussian"
+
+    def __init__(self, lookahead: int = 1) -> None:
+        self.lookahead = lookahead
+
+    def start(self, scene: Scene) -> State:
+        """Return the state in which nothing was heard yet.
+
+        Raises
+        ------
+        ConfigError
+            When the TDOAs are not known.
+        """
+        members, tau = directions_of(scene, f"the {self.name} model")
+        waves = direct(scene.frequencies, tau).astype(np.float32)
+        sources = _by_frequency(geometric_start(scene, waves, ROOM)[0])
+        noise = np.broadcast_to(WHITE, (1, 4, scene.frequencies.size))
+        n, n_freqs, both = self.lookahead + 1, scene.frequencies.size, np.concatenate([sources, noise])
+        frames, observed = np.zeros((n, 2, n_freqs), np.complex64), np.zeros((n, 4, n_freqs), np.float32)
+        psds = np.full((n + 1, len(members), n_freqs), np.finfo(np.float32).tiny)
+        return State(
+            members, tau, both, sources, 0, None, None, 0.0, 0, frames, observed, psds[1:] ** np.float32(TIED), psds
+        )
+
+    def step(self, state: State, frame: Complex, scene: Scene) -> tuple[State, Groups]:
+        """Hear one frame (2, n_freqs); return the groups of ``lookahead`` frames ago, (n_groups, n_freqs, 1)."""
+        state = _moved(state, scene)
+        state = self._heard(state, np.asarray(frame, np.complex64), scene)
+        psds = np.concatenate([state.psds[1], self._noise(state, scene)[None]])
+        signals = live_psds.wiener(state.frames[0], psds, state.covariances)[..., None]
+        masks = (psds[:-1] / psds.sum(axis=0))[..., None]
+        return state, Groups(signals, state.members, self.name, masks=masks)
+
+    def learn(self, window: Complex, scene: Scene, before: Learnt | None = None) -> Learnt:
+        """Learn covariances from the latest frames (2, n_freqs, n_frames); ``before``: the result of the last time."""
+        members, tau = directions_of(scene, f"the {self.name} model")
+        waves = direct(scene.frequencies, tau).astype(np.float32)
+        power = float((np.abs(window) ** 2).mean()) if window.size else 0.0
+        unit = (window / np.sqrt(power) if power > 0 else window).astype(np.complex64)
+        noise = guessed_psd(unit) if scene.noise_psd is None else np.asarray(scene.noise_psd) / max(power, 1e-30)
+        noise = np.maximum(noise, FLOOR).astype(np.float32)
+        observed = outer(unit).astype(np.float32)
+        part = astray(observed, scene.frequencies, waves, noise)
+        begin, anchor = geometric_start(scene, waves, part)
+        known = None
+        if before is not None and before.members == members:
+            known = np.moveaxis(followed(before.covariances, tau - before.tau, scene.frequencies), -1, 0)
+        covariances, _ = cacgmm.learn(observed, begin, noise, anchor, known)
+        return Learnt(members, tau, _by_frequency(covariances), noise * power, part)
+
+    def renewed(self, state: State, learnt: Learnt) -> State:
+        """Return the state that fades to what was learnt; what was learnt of other groups is not taken over."""
+        if learnt.members != state.members:
+            return state
+        return replace(state, renewal=learnt)
+
+    def _noise(self, state: State, scene: Scene) -> Real:
+        known = scene.noise_psd if scene.noise_psd is not None else state.noise_psd
+        floor = FLOOR * state.level + np.finfo(np.float32).tiny
+        if known is None:
+            return np.full(scene.frequencies.size, GUESS * state.level + floor, np.float32)
+        return np.maximum(known, floor).astype(np.float32)
+
+    def _heard(self, state: State, frame: Complex, scene: Scene) -> State:
+        """Take in a frame, and update the PSDs of those that are under way."""
+        observed = live_psds.outer(frame)
+        power = 0.5 * (observed[0] + observed[1])
+        weight = max(_period(scene) / LEVEL, 1 / (state.age + 1))
+        level = state.level + weight * (float(power.mean()) - state.level)
+        state = replace(state, level=level, age=state.age + 1)
+        noise, floor = self._noise(state, scene), np.float32(FLOOR * level + np.finfo(np.float32).tiny)
+        begin = live_psds.shares_of(observed, state.covariances[:-1], noise) * power + floor
+        expected = live_psds.averaged(begin) ** np.float32(TIED)
+        state = replace(
+            state,
+            frames=np.concatenate([state.frames[1:], frame[None]]),
+            observed=np.concatenate([state.observed[1:], observed[None]]),
+            expected=np.concatenate([state.expected[1:], expected[None]]),
+            psds=np.concatenate([state.psds[1:], begin[None]]),
+        )
+        return replace(state, psds=_fitted(state, noise, floor))
+
+
+def _fitted(state: State, noise: Real, floor: np.float32) -> Real:
+    """The PSDs with those of the frames under way updated, (n + 1, n_groups, n_freqs)."""
+    flipped = live_psds.adjugate(state.covariances)
+    gram = np.einsum("kcf,jcf->kjf", state.covariances, flipped)
+    cross = np.einsum("tcf,kcf->tkf", state.observed, flipped)
+    last, every = state.psds[:1], np.broadcast_to(noise, (len(cross), 1, noise.size))
+    psds = np.concatenate([state.psds[1:], every], axis=1)
+    for update in range(UPDATES):
+        found = live_psds.updated(psds, cross, gram)
+        around = live_psds.averaged(np.concatenate([last, psds[:, :-1], psds[-1:, :-1]]))
+        smooth = (around[:-2] + around[1:-1] + around[2:]) * np.float32(1 / 3)
+        drawn = np.sqrt(found) * smooth ** np.float32(0.5 - TIED) * state.expected
+        if update < UNSMOOTHED:
+            drawn[-1] = found[-1]
+        np.maximum(drawn, floor, out=psds[:, :-1])
+    return np.concatenate([last, psds[:, :-1]])
+
+
+def followed(covariances: Real, change: Real, frequencies: Real) -> Real:
+    """Covariances (n_groups, 4, n_freqs) of sources whose TDOAs have changed by (n_groups,) [s].
+
+    R' = D R D^H with D = diag(1, exp(j 2 pi f change)): it stays a covariance, and its plane wave moves along.
+    """
+    if not np.any(change):
+        return covariances
+    turn = np.exp(-2j * np.pi * frequencies * np.asarray(change)[:, None])
+    cross = (covariances[:, 2] + 1j * covariances[:, 3]) * turn
+    return np.stack([covariances[:, 0], covariances[:, 1], cross.real, cross.imag], axis=1).astype(covariances.dtype)
+
+
+def _moved(state: State, scene: Scene) -> State:
+    """The state with covariances for this frame: they fade, and follow the TDOAs."""
+    delays = np.asarray(scene.tau, float)
+    tau = np.array([delays[list(group)].mean() for group in state.members])
+    change, sources, goal, fading = tau - state.tau, state.covariances[:-1], state.goal, state.fading
+    noise, renewal = state.noise_psd, state.renewal
+    if renewal is not None:
+        noise, fading = renewal.noise_psd, max(round(FADE / _period(scene)), 1)
+        goal = followed(renewal.covariances, state.tau - renewal.tau, scene.frequencies)
+    if not fading and not change.any():
+        return state
+    if fading:
+        sources = sources + (goal - sources) / np.float32(fading)
+        fading -= 1
+    both = np.concatenate([followed(sources, change, scene.frequencies), state.covariances[-1:]])
+    goal = followed(goal, change, scene.frequencies)
+    return replace(state, tau=tau, covariances=both, goal=goal, fading=fading, noise_psd=noise, renewal=None)
+
+
+def _period(scene: Scene) -> float:
+    """Time between frames [s]; when it is not known, frames overlap by three quarters."""
+    frame = 2 * (scene.frequencies.size - 1)
+    return float((scene.hop or frame / 4) / (2 * scene.frequencies[-1]))
+
+
+def _by_frequency(covariances: Real) -> Real:
+    """(n_freqs, n_groups, 4) with the frequencies last."""
+    return np.ascontiguousarray(np.moveaxis(covariances, 0, -1), np.float32)
