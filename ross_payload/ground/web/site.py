@@ -18,6 +18,7 @@ from ross_payload.ground.web import recordings
 from ross_payload.ground.web.connections import Connections
 from ross_payload.ground.web.faults import report
 from ross_payload.ground.web.flight_library import UploadRefused
+from ross_payload.ground.web.listening_sockets import ListeningSockets
 from ross_payload.ground.web.login import guard
 from ross_payload.ground.web.security import HEADERS, Gate, shown
 from ross_payload.ground.web.websocket_sessions import WebSocketSessions
@@ -66,17 +67,19 @@ def asset(path: str) -> Asset | None:
 
 
 def application(
-    browsers: WebSocketSessions, gate: Gate, connections: Connections, *, loopback: bool
+    browsers: WebSocketSessions, listening: ListeningSockets, gate: Gate, connections: Connections, *, loopback: bool
 ) -> web.Application:
     """Return the site of some browsers, behind a gate."""
     app = web.Application(middlewares=[guard(gate, connections, loopback=loopback)], client_max_size=MAX_FORM_BYTES)
 
     async def ends(_: web.Application) -> None:
+        await listening.close()
         await browsers.close()
 
     app.router.add_get("/", _page)
     app.router.add_get("/assets/{path:.+}", _asset)
     app.router.add_get("/live", browsers.serve)
+    app.router.add_get("/listen", listening.serve)
     app.router.add_post("/flights", partial(_upload, browsers))
     app.router.add_get(r"/tiles/{zoom:\d{1,2}}/{column:\d{1,10}}/{row:\d{1,10}}", partial(_tile, browsers))
     store = browsers.state.recordings
