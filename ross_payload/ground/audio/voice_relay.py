@@ -178,11 +178,12 @@ class VoiceRelay:
     @property
     def _words(self) -> str:
         which = {"source": " {source}", "azimuth": " {azimuth:g} deg"}.get(self._choice["what"], "")
-        return self._choice["what"] + which.format(**self._choice)
+        return f"{self._choice['what']}{which.format(**self._choice)}"
 
     def _rate(self) -> int:
         known = self._known
-        return USUAL_RATE if known is None or known.audio is None else known.audio.rate
+        told = None if known is None or known.audio is None else known.audio.rate
+        return int(told or USUAL_RATE)
 
     def _end_unless_heard(self) -> None:
         if self._listeners or self._port is None:

@@ -1,6 +1,8 @@
 /** The page: one store, one state of the screen, at most one drawing per frame. */
 
 import { announce } from "./announce.js";
+import { Listening } from "./audio/listening.js";
+import { Spectrogram } from "./audio/spectrogram.js";
 import { pressed } from "./keyboard.js";
 import { html, render } from "./templates.js";
 import { blank, closed, connect, liveAddress, take, unwatched } from "./connection.js";
@@ -41,14 +43,18 @@ class Page {
       cursor: null,
       mapSize: [800, 600],
       compare: false,
+      enrolling: null, // source whose talker is to be enrolled
       lastEscape: -Infinity,
     };
+    this.listening = new Listening(() => this.draw());
+    this.spectrogram = new Spectrogram();
     this.shut = new Set(); // slots that were closed, until a flight is opened there
     this.due = false;
     this.live = null;
   }
 
   start() {
+    globalThis.rossListening = this.listening; // tests hear what is played
     applyTheme(this.ui.theme);
     this.live = connect(() => liveAddress(location, this.store.you), {
       message: (message) => {
@@ -100,8 +106,9 @@ class Page {
   }
 
   watch(id) {
+    this.listening.stop(); // what is heard is what is on the screen
     this.store = unwatched(this.store);
-    this.ui = { ...this.ui, selected: null, hovered: null, drag: null, cursor: null, drafts: {}, filter: "" };
+    this.ui = { ...this.ui, selected: null, hovered: null, drag: null, cursor: null, drafts: {}, filter: "", enrolling: null };
     this.send(id ? { type: "watch", id } : { type: "unwatch" });
   }
 
@@ -183,6 +190,7 @@ class Page {
     );
     document.title = `${titleOf(this.route)} · RoSS ground`;
     announce(this);
+    this.spectrogram.follow(document.querySelector(".spectrogram"), this.listening.playout?.spectrum ?? null);
     this.fitMap();
     this.measure();
   }

@@ -3,6 +3,7 @@
 import { glyph } from "../instruments/colours.js";
 import { html, nothing } from "../templates.js";
 import { DASH, degrees, known, number } from "../formatting.js";
+import { enrolButton } from "./enrolment.js";
 import { table } from "./tables.js";
 
 export function sources(page, told, mayOrder) {
@@ -11,13 +12,13 @@ export function sources(page, told, mayOrder) {
   return html`${table(
       "Table of sources",
       "sources stack",
-      ["Source", "Azimuth", "Confidence", "Score"],
-      list.map((each) => row(page, each)),
+      ["Source", "Azimuth", "Confidence", "Score", ...(mayOrder ? ["Voice"] : [])],
+      list.map((each) => row(page, each, mayOrder)),
     )}
     ${mayOrder ? listen(page, told) : nothing}`;
 }
 
-function row(page, source) {
+function row(page, source, mayOrder) {
   const selected = page.ui.selected === source.source;
   const choose = () => page.change({ selected: selected ? null : source.source });
   return html`<tr
@@ -34,6 +35,7 @@ function row(page, source) {
     <td data-name="Azimuth">${degrees(source.azimuth)} ± ${number(source.sigma, 1, "°")}${mirror(source)}</td>
     <td data-name="Confidence">${known(source.confidence) ? number(source.confidence * 100, 0, " %") : DASH}</td>
     <td data-name="Score">${number(source.score, 2)}</td>
+    ${mayOrder ? html`<td data-name="Voice">${enrolButton(page, source.source)}</td>` : nothing}
   </tr>`;
 }
 
