@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import get_args
 
 from ross_payload import config
+from ross_payload.audio.sinks import device_sink, file_sink, rtp_sink, tcp_sink
 from ross_payload.localization import markov_explorer
 
 
@@ -45,6 +46,25 @@ def options() -> list[str]:
     return [*lines, ""]
 
 
+def rows(model, about) -> list[str]:
+    """A table with one row for every field of a model."""
+    lines = ["| key | default | means |\n| --- | --- | --- |"]
+    for key, value in model.model_fields.items():
+        lines.append(f"| `{key}` | {default(value)} | {about.get((model.__name__, key), '')} |")
+    return [*lines, ""]
+
+
+def streams() -> list[str]:
+    """The tables below [listening]: one for each stream, and the options of every sink."""
+    stream = config.Stream
+    about = comments(Path(sys.modules[stream.__module__].__file__))
+    lines = ["## `[[listening.streams]]`\n", "One voice, or the mixture, to one sink, live.\n", *rows(stream, about)]
+    for module in (file_sink, device_sink, tcp_sink, rtp_sink):
+        name, model = module.__name__.rpartition(".")[2].removesuffix("_sink"), module.sink.Config
+        lines += [f"## `[listening.streams.options]` of `{name}`\n", *rows(model, comments(Path(module.__file__)))]
+    return lines
+
+
 def tables() -> str:
     """Every table of the configuration as Markdown."""
     parts, about = [], {}
@@ -58,12 +78,8 @@ def tables() -> str:
             continue
         about_model = (model.__doc__ or "").split(": ", 1)[-1]
         parts.append(f"## `{heading}`\n\n{about_model[0].upper() + about_model[1:]}\n")
-        parts.append("| key | default | means |\n| --- | --- | --- |")
-        for key, value in model.model_fields.items():
-            parts.append(f"| `{key}` | {default(value)} | {about.get((model.__name__, key), '')} |")
-        parts.append("")
-        if name == "explore":
-            parts += options()
+        parts += rows(model, about)
+        parts += {"explore": options, "listening": streams}.get(name, list)()
     return "\n".join(parts)
 
 

@@ -53,6 +53,9 @@ front; per `ROSS_SOURCE` a wedge of `azimuth` plus and minus `azimuth_sigma`, a 
 is a number; the lines to try next from `ROSS_ALIGNMENT`. Drop sources whose `estimate` is not the latest. What is
 repeated keeps the time at which it was found out.
 
+**Who listens** is told by `ROSS_STREAM`, one message per stream, and by two flags of `ROSS_STATUS`. What is heard
+leaves the payload by a command or by its configuration only: [listen live](../how-to/command-the-payload.md).
+
 **Numbers that are not known** are sent as the value in the column *invalid*. **Old and new** understand each other:
 fields are only ever added, as extensions at the end; a test holds the checksum (CRC_EXTRA) of every message to a table.
 """

@@ -118,11 +118,11 @@ class SourcesEstimated(Event):
 
 @dataclass(frozen=True, slots=True)
 class SourcesTracked(Event):
-    """Where the sources of the latest estimate are by now, followed while the mission listens; indices stay."""
+    """Where the sources of the latest estimate are now, heard while listening; in its order, and as many."""
 
     estimate: Estimate
     rates: tuple[float, ...]  # of every azimuth [rad/s]
-    ages: tuple[float, ...] = ()  # since every source was heard last [s]; empty: not told
+    ages: tuple[float, ...]  # since each was heard last [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,6 +211,17 @@ class Slipped(Event):
     """The array has turned without its actuator: steps were lost, or something has slipped on its shaft."""
 
     shift: float  # by which every azimuth appeared to turn: the reported heading minus the true one [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class Enrolled(Event):
+    """The talker at a source agreed to be enrolled, and is."""
+
+    name: str
+    source: int  # index into the estimate's sources
+    azimuth: float  # [rad]
+    seconds: float  # of voiced speech
+    voiceprint: Any  # an `interfaces.VoicePrint`: personal data, which is in no log
 
 
 @dataclass(frozen=True, slots=True)

@@ -441,7 +441,11 @@ class LiveSeparator(Protocol):
         """
 
     def renewed(self, state: Any, learnt: Any) -> Any:
-        """Return the state that goes on with what was learnt, without a jump in level and with the groups in order."""
+        """Return the state that goes on with what was learnt, without a jump in level and with the groups in order.
+
+        What was learnt at another heading may be given to the state of `start`: a separator takes from it what holds
+        there too.
+        """
 
 
 @dataclass(frozen=True, slots=True)

@@ -88,7 +88,7 @@ def reduce(mission: MissionState, event: Event) -> MissionState:
             mission = _orientation(mission, event)
         case SourcesEstimated():
             mission = _estimate(mission, event)
-        case SourcesTracked() if mission.estimate is not None:
+        case SourcesTracked():
             mission = replace(mission, estimate=event.estimate)
         case AlignmentPlanned():
             first = event.candidates[0] if event.candidates else None

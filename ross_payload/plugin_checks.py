@@ -22,7 +22,7 @@ MOST_TEXT = 120  # characters of what a plug-in has raised
 T = TypeVar("T")
 
 
-def load_separator(name: str) -> Separator:
+def load_separator(name: str) -> CheckedSeparator:
     """Load a separator by the name of its entry point.
 
     Raises

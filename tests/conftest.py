@@ -1,5 +1,6 @@
 """Shared by all tests: caches and personal data stay out of the user's own folders."""
 
+import gc
 import os
 from functools import cache
 from pathlib import Path
@@ -27,6 +28,18 @@ def pytest_configure(config):
         import rigs
 
         rigs.KINDS = (config.getoption("--actuator-kind"),)
+
+
+def pytest_collection():
+    """Collect without the garbage collector: thousands of tests and modules are made, and all of them stay."""
+    gc.disable()
+
+
+def pytest_collection_finish():
+    """From now on the garbage collector looks only at what the tests make."""
+    gc.collect()
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses

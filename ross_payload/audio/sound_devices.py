@@ -66,7 +66,9 @@ def devices(module: Any, way: Way = "input") -> list[Device]:
 
 
 def device_named(module: Any, name: str, way: Way = "input") -> Device:
-    """Find one device that records or plays: ``default``, its whole name, or a part of it that no other has; the case does not matter.
+    """Find one device that records or plays.
+
+    It goes by ``default``, its whole name, or a part of it that no other has; the case does not matter.
 
     Raises
     ------

@@ -17,8 +17,8 @@ from ross_payload.config.table import Degrees, Model, Positive, Table, read_toml
 __all__ = [
     "APART_DEG", "Actuator", "Array", "Audio", "Config", "Degrees", "Dronecan", "Exploit", "Explore",
     "Gimbal", "Guard",
-    "Informed", "Link", "Listening", "Model", "Mount", "Positive", "Recording", "Service", "Stream", "Table", "Telemetry", "as_in_paper",
-    "load", "read_toml", "validated",
+    "Informed", "Link", "Listening", "Model", "Mount", "Positive", "Recording", "Service", "Stream",
+    "Table", "Telemetry", "as_in_paper", "load", "read_toml", "validated",
 ]  # fmt: skip
 
 

@@ -17,6 +17,10 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
 
+HOP = 0.016  # [s], about
+LONG, SHORT = 8, 6  # frames, in hops
+LEAST, MOST = 4, 1  # hops that frames overlap by before one is spent on looking ahead, and the most that are
+
 
 @dataclass(frozen=True, slots=True)
 class StreamingStft:
@@ -82,6 +86,39 @@ class StreamingStft:
         -768
         """
         return (index + 1) * self.stft.hop - self.latency
+
+
+def transform_for(rate: int, latency: float) -> tuple[StreamingStft, int]:
+    """Return the transform for listening with an algorithmic latency, and the frames to look ahead.
+
+    Frames of 128 ms, in which the reverberation of a room fits, or of 96 ms when the latency is short, 16 ms apart. The
+    latency is that of the synthesis window and of the frames after it, never more than asked for.
+
+    Parameters
+    ----------
+    rate
+        [Hz].
+    latency
+        [s].
+
+    Raises
+    ------
+    ConfigError
+        When it is too short for two frames to overlap.
+
+    Examples
+    --------
+    >>> transform, lookahead = transform_for(16000, 0.1)
+    >>> transform.stft.frame, transform.stft.hop, transform.latency, lookahead
+    (2048, 256, 1344, 1)
+    """
+    hop, samples = int(scipy.fft.next_fast_len(round(HOP * rate), real=True)), int(latency * rate)
+    if samples < 2 * hop:
+        raise ConfigError(f"latency: expected at least {2 * hop / rate * 1000:.0f} ms, got {latency * 1000:g} ms")
+    lookahead = min(max((samples - LEAST * hop) // hop, 0), MOST)
+    frame = (LONG if samples >= LEAST * hop else SHORT) * hop
+    delay = min(samples - lookahead * hop, frame) // 2 * 2
+    return StreamingStft(Stft(rate, frame, hop), delay), lookahead
 
 
 class StreamingAnalysis:

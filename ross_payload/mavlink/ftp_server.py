@@ -90,6 +90,8 @@ class FtpServer:
         Are offered, too; None: they are not.
     rates
         Tells what every link may carry [bytes/s].
+    passing
+        Tells which files there are beside these at present, by name.
     """
 
     def __init__(
@@ -98,9 +100,11 @@ class FtpServer:
         files: Mapping[str, bytes],
         recordings: Recordings | None = None,
         rates: Callable[[], Mapping[str, float]] = dict,
+        passing: Callable[[], Mapping[str, bytes]] = dict,
     ) -> None:
         self._component = component
-        self._files = files
+        self._lasting = files
+        self._passing = passing
         self._recordings = recordings
         self._rates = rates
         self._clients: OrderedDict[ComponentId, _Client] = OrderedDict()
@@ -149,12 +153,17 @@ class FtpServer:
 
     # ------------------------------------------------------------------------------------- open, list, check
 
+    def _files(self) -> dict[str, bytes]:
+        """Return the files in memory of this moment."""
+        return {**self._lasting, **self._passing()}
+
     def _open(self, request: Packet, sender: ComponentId, client: _Client) -> Packet | None:
         name = _name(request)
-        if name in self._files:
-            self._keep(sender, client).content = _InMemory(self._files[name])
+        content = self._files().get(name)
+        if content is not None:
+            self._keep(sender, client).content = _InMemory(content)
             client.waiting, client.name = None, name
-            return _answered(request, struct.pack("<I", len(self._files[name])))
+            return _answered(request, struct.pack("<I", len(content)))
         recordings = self._recordings
         if recordings is None or not recordings.owns(name):
             return _refused(request, Error.FILE_NOT_FOUND)
@@ -163,7 +172,7 @@ class FtpServer:
     def _list(self, request: Packet, sender: ComponentId, client: _Client) -> Packet | None:
         name, recordings = _name(request).strip("/"), self._recordings
         if not name:
-            files = [f"F{each}\t{len(content)}".encode() for each, content in self._files.items()]
+            files = [f"F{each}\t{len(content)}".encode() for each, content in self._files().items()]
             return _listed(request, _entries([*files, b"D" + FOLDER.encode()], request.offset))
         if recordings is None or not recordings.owns(name):
             return _refused(request, Error.FILE_NOT_FOUND)
@@ -171,8 +180,9 @@ class FtpServer:
 
     def _check(self, request: Packet, sender: ComponentId, client: _Client) -> Packet | None:
         name, recordings = _name(request), self._recordings
-        if name in self._files:
-            return _answered(request, struct.pack("<I", checksum(self._files[name])))
+        content = self._files().get(name)
+        if content is not None:
+            return _answered(request, struct.pack("<I", checksum(content)))
         if recordings is None or not recordings.owns(name):
             return _refused(request, Error.FILE_NOT_FOUND)
         return self._begin(request, sender, client, lambda: struct.pack("<I", recordings.checksum(name)))

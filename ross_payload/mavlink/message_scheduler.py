@@ -36,7 +36,7 @@ AROUND = 17  # bytes of a TUNNEL beside the frame that it carries
 REPEAT = 5.0  # [s], of what was found out, for those who join late or lost it
 USUAL = {
     v.Heartbeat: 1.0, v.Information: REPEAT, v.Source: REPEAT, v.Alignment: REPEAT, v.Separation: REPEAT,
-    v.Audio: 1.0, v.Recording: REPEAT, v.LinkReport: REPEAT, StreamReport: 2.0, v.Density: 8.0, v.Isolation: 8.0,
+    v.Audio: 1.0, v.Recording: REPEAT, v.LinkReport: REPEAT, StreamReport: REPEAT, v.Density: 8.0, v.Isolation: 8.0,
     COMPUTER: REPEAT,
 }  # fmt: skip  # [s]
 BEAT = MESSAGE_IDS[v.Heartbeat]

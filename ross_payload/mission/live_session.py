@@ -14,6 +14,7 @@ from ross_payload.errors import ConfigError, PluginError
 from ross_payload.events import (
     Answer,
     Answered,
+    Enrolled,
     Event,
     Finished,
     OrientationHeard,
@@ -21,7 +22,7 @@ from ross_payload.events import (
     SourcesEstimated,
     State,
 )
-from ross_payload.interfaces import Input, Mission, Output, Result
+from ross_payload.interfaces import Input, Mission, Output, Result, VoicePrint
 from ross_payload.mission.context import NOTHING, Context, Ended, FrameChanged, Settings, Step, Tools, exchange
 from ross_payload.mission.tasks import Memory, TaskRefused, perform, refusal
 from ross_payload.mission_state import BUSY
@@ -54,14 +55,24 @@ class LiveSession:
         Makes settings and tools from a configuration.
     memory
         What an earlier session knew.
+    noting
+        Wraps the print of a voice that is enrolled on the way, so that what it is asked is recorded.
     """
 
-    def __init__(self, config: Config, make: Make, memory: Memory | None = None) -> None:
+    def __init__(
+        self,
+        config: Config,
+        make: Make,
+        memory: Memory | None = None,
+        noting: Callable[[VoicePrint], VoicePrint] = lambda voiceprint: voiceprint,
+    ) -> None:
         self.config = config
         self.busy = False  # a task is going on
         self._memory = memory or Memory(starting=True)
         self._stopped, self._starting = self._memory.stopped, self._memory.starting
         self._make = make
+        self._noting = noting
+        self._enrolled: Enrolled | None = None  # the latest voice: from then on the target
         self._fault = ""
         self._ill: float | None = None  # when a fault was last there that goes away with its cause [s]
         self._broken = False  # a fault has ended a task: it waits for Rearm, or for a task in spite of it
@@ -76,6 +87,11 @@ class LiveSession:
         samples = self._context.samples
         known = replace(self._memory, stopped=self._stopped, starting=self._starting, pending=self._pending)
         return replace(known, samples=samples)
+
+    @property
+    def target(self) -> str:
+        """The name of the voice that is sought, empty: nobody's."""
+        return self.config.service.target if self._enrolled is None else self._enrolled.name
 
     def mission(self, first: Task | None = None) -> Mission:
         """Obey orders until `Shutdown`; nothing turns before a task is ordered.
@@ -171,7 +187,7 @@ class LiveSession:
     def _task(self, task: Task) -> Step[Order | None]:
         """Perform one task; return the order that ends the session, if any."""
         try:
-            old, kit = self._context, self._make(self.config)
+            old, kit = self._context, self._kit()
         except PluginError as error:
             self._answer(task, Answer.REFUSED, str(error))
             return None
@@ -195,6 +211,12 @@ class LiveSession:
         finally:
             self.busy = False
         return None
+
+    def _kit(self) -> Kit:
+        kit = self._make(self.config)
+        if self._enrolled is None:
+            return kit
+        return replace(kit, tools=replace(kit.tools, voiceprint=self._noting(self._enrolled.voiceprint)))
 
     def _end(self, task: Task, ended: Ended) -> Step[Order | None]:
         """End a task that did not come to its own end; return the order that ends the session, too."""
@@ -237,6 +259,8 @@ class LiveSession:
 
     def _remember(self, events: Iterable[Event]) -> None:
         for event in events:
+            if isinstance(event, Enrolled):
+                self._enrolled = event
             if isinstance(event, SourcesEstimated) and event.final:
                 earth, explored = self._context.pointing.earth, not event.informed
                 self._memory = replace(self._memory, estimate=event.estimate, earth=earth, explored=explored)

@@ -11,6 +11,7 @@ from ross_payload.events import Estimate, Outcome, SourceEstimate, SourcesEstima
 from ross_payload.interfaces import Output, Result, Samples
 from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, Step, exchange, hop, listen, obey, turn
+from ross_payload.mission.enrol_talker import NotEnrolled, enrol_source
 from ross_payload.mission.exploit import deliver
 from ross_payload.mission.explore import lead_in
 from ross_payload.mission.heading_hold import attend, face
@@ -38,6 +39,7 @@ TOLD_SIGMA = math.radians(2.0)  # of an azimuth that somebody tells [rad]
 LEAST_NOISE = 0.5  # [s] that tell anything about a noise
 HOMING = 120.0  # [s] that finding the zero may take
 OUTSIDE = "this heading is outside the limits of the joint"
+NO_CONSENT = "nobody is enrolled who has not agreed to it"
 STILL_FAULTY = (Home,)  # may be ordered while there is a fault
 
 
@@ -62,13 +64,15 @@ class TaskRefused(Exception):
 def refusal(context: Context, memory: Memory, task: Task, *, stopped: bool, fault: str) -> str:
     """Return why a task cannot be begun; empty when it can."""
     known = _known(context, memory)
+    source = task.source if isinstance(task, ListenTo | Enrol) else None
     impossible = {
         "stopped: re-arm first": stopped,
         f"fault: {fault}": bool(fault) and not isinstance(task, STILL_FAULTY),
-        "this payload cannot enrol": isinstance(task, Enrol),
         "no target voice is enrolled": isinstance(task, (Seek, Informed)) and context.tools.voiceprint is None,
-        "no source is known: explore first": isinstance(task, ListenTo) and known is None,
-        "there is no such source": isinstance(task, ListenTo) and known is not None and not 0 <= task.source < known.k,
+        "no source is known: explore first": source is not None and known is None,
+        "there is no such source": source is not None and known is not None and not 0 <= source < known.k,
+        NO_CONSENT: isinstance(task, Enrol) and not task.consent,
+        "neither a source nor an azimuth is told": isinstance(task, Enrol) and task.source is task.azimuth,
         OUTSIDE: isinstance(task, TurnTo) and _joint_for(context, task.heading) is None,
     }
     reasons = (reason for reason, true in impossible.items() if true)
@@ -97,6 +101,8 @@ def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
             step = _seek(context, _informed_estimate(task.azimuths), task.first)
         case ListenTo() | ListenAt():
             step = _listen(context, *_whom(context, memory, task))
+        case Enrol():
+            step = _enrol(context, memory, task)
         case TurnTo():
             step = _point(context, task.heading)
         case Point():
@@ -177,6 +183,18 @@ def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
         deliver(context, estimate, source, context.samples - heard.samples.shape[1], heard)
         done += 1
     return Result(Outcome.COMPLETED, f"listened to source {source}")
+
+
+def _enrol(context: Context, memory: Memory, task: Enrol) -> Step[Result]:
+    """Enrol whom an order means, who agrees to it."""
+    told = ListenTo(task.source) if task.source is not None else ListenAt(task.azimuth or 0.0)
+    estimate, source = _whom(context, memory, told)
+    context.keep_frame()
+    yield from _quiet(context)
+    try:
+        return (yield from enrol_source(context, estimate, source, task))
+    except NotEnrolled as error:
+        raise TaskRefused(str(error)) from error
 
 
 def _point(context: Context, heading: float) -> Step[Result]:

@@ -8,11 +8,12 @@ import numpy as np
 
 from ross_payload.dsp.covariance import direct, outer
 from ross_payload.dsp.steering import ALIAS, groups_of
-from ross_payload.interfaces import Complex, Groups, Scene, Separator
-from ross_payload.separation import auxiva, duet, natural_gradient_iva, refined
+from ross_payload.interfaces import Complex, Groups, LiveSeparator, Scene, Separator
+from ross_payload.separation import auxiva, duet, local_gaussian_model, natural_gradient_iva, refined
 from ross_payload.separation.directness import directness_of
 
 INFORMED, UNMIXING, ANY = refined.separator, auxiva.separator, duet.separator  # the best of those that know, and do not
+AT_ONCE = local_gaussian_model.separator  # the best without a look-ahead
 CLEAN_DB = 36.0  # from here on two groups in the open are unmixed rather than filtered
 OPEN = 0.5  # directness
 WIDE = 0.5  # TDOAs of two groups this far apart [d / v_p]
@@ -69,6 +70,10 @@ class Auto:
         """Separate a recording (2, n_freqs, n_frames) by the method that suits it; `Groups.why` says why."""
         method, why = choose(spectrogram, scene)
         return replace(method.batch(spectrogram, scene), why=why)
+
+    def live(self, lookahead: int = 1) -> LiveSeparator:
+        """Return the best that separates frame by frame: `refined` where it may look ahead, else `gaussian`."""
+        return (INFORMED if lookahead else AT_ONCE).live(lookahead)
 
 
 class Algorithm2:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from ross_payload.dsp.noise import guessed_psd
 from ross_payload.dsp.smoothing import average
 from ross_payload.dsp.steering import ALIAS, directions_of, steering_vectors
 from ross_payload.dsp.stft import aliasing_limit, band
-from ross_payload.interfaces import Complex, Groups, Real, Scene
+from ross_payload.interfaces import Complex, Groups, LiveSeparator, Real, Scene
 
+SETTLING = 0.1  # of a guessed noise PSD, per frame
 GRID = 181  # delays tried by the blind search
 LOWEST = 100.0  # frequency used by the blind search [Hz]
 
@@ -66,12 +69,81 @@ class Duet:
             members, tau = directions_of(scene, self.name)
         if not len(tau):
             return Groups(np.zeros((0, *spectrogram.shape[1:]), spectrogram.dtype), members, self.name)
-        masks = masks_of(spectrogram, scene.frequencies, tau)
         noise = scene.noise_psd if scene.noise_psd is not None else guessed_psd(spectrogram)
-        shifts = steering_vectors(scene.frequencies, tau)[:, 1].T.conj().astype(spectrogram.dtype)
-        beams = 0.5 * (spectrogram[0] + shifts[:, :, None] * spectrogram[1])
-        gains = masks * _gains(beams * masks, 0.5 * noise)
+        beams, gains = masked_beams(spectrogram, scene.frequencies, tau, noise)
         return Groups(beams * gains, members, self.name, masks=gains)
+
+    def live(self, lookahead: int = 1) -> LiveSeparator:
+        """Return the same method frame by frame; the delays must be known."""
+        return LiveDuet(lookahead)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """What is known after a frame."""
+
+    members: tuple[tuple[int, ...], ...]
+    frames: Complex  # the frame that is separated, one before it and those after it, (n, 2, n_freqs)
+    noise_psd: Real  # in use, (n_freqs,)
+    goal: Real  # towards which it moves, (n_freqs,)
+
+
+class LiveDuet:
+    """The live separator: nothing is learnt but the noise, and only when it is not known.
+
+    Parameters
+    ----------
+    lookahead
+        Frames that must be heard after a frame before it is separated.
+    """
+
+    name = "duet"
+
+    def __init__(self, lookahead: int = 1) -> None:
+        self.lookahead = lookahead
+
+    def start(self, scene: Scene) -> State:
+        """Return the state in which nothing was heard yet.
+
+        Raises
+        ------
+        ConfigError
+            When the TDOAs are not known.
+        """
+        members, _ = directions_of(scene, self.name)
+        n_freqs = scene.frequencies.size
+        noise = np.zeros(n_freqs, np.float32)
+        return State(members, np.zeros((self.lookahead + 2, 2, n_freqs), np.complex64), noise, noise)
+
+    def step(self, state: State, frame: Complex, scene: Scene) -> tuple[State, Groups]:
+        """Hear one frame (2, n_freqs); return the groups of ``lookahead`` frames ago, (n_groups, n_freqs, 1)."""
+        frames = np.concatenate([state.frames[1:], frame[None]], dtype=np.complex64)
+        noise = state.noise_psd + (state.goal - state.noise_psd) * np.float32(SETTLING)
+        state = replace(state, frames=frames, noise_psd=noise)
+        delays = np.asarray(scene.tau, float)
+        tau = np.array([delays[list(group)].mean() for group in state.members])
+        near = np.ascontiguousarray(np.moveaxis(frames[:3], 0, -1))
+        known = noise if scene.noise_psd is None else np.asarray(scene.noise_psd)
+        beams, gains = masked_beams(near, scene.frequencies, tau, known)
+        masks = gains[..., 1:2]
+        return state, Groups(beams[..., 1:2] * masks, state.members, self.name, masks=masks)
+
+    def learn(self, window: Complex, scene: Scene, before: Real | None = None) -> Real:
+        """Guess the noise PSD from the latest frames (2, n_freqs, n_frames), (n_freqs,)."""
+        known = scene.noise_psd
+        return (guessed_psd(window) if known is None else np.asarray(known)).astype(np.float32)
+
+    def renewed(self, state: State, learnt: Real) -> State:
+        """Return the state whose noise PSD moves towards what was learnt."""
+        return replace(state, goal=learnt)
+
+
+def masked_beams(spectrogram: Complex, frequencies: Real, tau: Real, noise_psd: Real) -> tuple[Complex, Real]:
+    """The delayed sum of every group, and its mask times a Wiener gain, both (n_groups, n_freqs, n_frames)."""
+    masks = masks_of(spectrogram, frequencies, tau)
+    shifts = steering_vectors(frequencies, tau)[:, 1].T.conj().astype(spectrogram.dtype)
+    beams = 0.5 * (spectrogram[0] + shifts[:, :, None] * spectrogram[1])
+    return beams, np.asarray(masks * _gains(beams * masks, 0.5 * noise_psd), np.float32)
 
 
 def _gains(beams: Complex, noise_psd: Real) -> Real:

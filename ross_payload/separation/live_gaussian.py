@@ -12,18 +12,21 @@ import numpy as np
 
 from ross_payload.dsp.covariance import direct, outer
 from ross_payload.dsp.noise import guessed_psd
-from ross_payload.dsp.steering import directions_of
+from ross_payload.dsp.steering import ALIAS, directions_of
 from ross_payload.interfaces import Complex, Groups, Real, Scene
 from ross_payload.separation import cacgmm, live_psds
 from ross_payload.separation.directness import astray, geometric_start
 
-UPDATES = 8  # of the PSDs of every frame that is under way, whenever another one is heard
+UPDATES = 6  # of the PSDs of every frame that is under way, whenever another one is heard
 UNSMOOTHED = 1  # of them before the smoothing begins, for the newest frame
 TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
 FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
 FADE = 0.25  # from old covariances to new ones [s]
+HASTE = 0.25  # or, when little was heard yet, this part of it
 LEVEL = 4.0  # time constant of the mean power of the mixture [s]
-ROOM = 0.012  # energy that no direction explains, before it is measured
+ROOM = 0.010  # energy that no direction explains, before it is measured
+PRIOR_COUNT = 3.0  # bins that geometry counts for when covariances are learnt
+PRIOR_FRAMES = 16.0  # that what was known about the room counts for
 GUESS = 1e-3  # noise relative to the mean power, before it is measured
 WHITE = np.array([1, 1, 0, 0], np.float32)[:, None]
 
@@ -93,61 +96,68 @@ class LiveGaussian:
 
     def step(self, state: State, frame: Complex, scene: Scene) -> tuple[State, Groups]:
         """Hear one frame (2, n_freqs); return the groups of ``lookahead`` frames ago, (n_groups, n_freqs, 1)."""
-        state = _moved(state, scene)
-        state = self._heard(state, np.asarray(frame, np.complex64), scene)
-        psds = np.concatenate([state.psds[1], self._noise(state, scene)[None]])
-        signals = live_psds.wiener(state.frames[0], psds, state.covariances)[..., None]
-        masks = (psds[:-1] / psds.sum(axis=0))[..., None]
-        return state, Groups(signals, state.members, self.name, masks=masks)
+        state = self.heard(state, frame, scene)
+        psds = np.concatenate([state.psds[1], self.noise_of(state, scene)[None]])
+        return state, separated(state, psds, self.name)
 
     def learn(self, window: Complex, scene: Scene, before: Learnt | None = None) -> Learnt:
         """Learn covariances from the latest frames (2, n_freqs, n_frames); ``before``: the result of the last time."""
         members, tau = directions_of(scene, f"the {self.name} model")
         waves = direct(scene.frequencies, tau).astype(np.float32)
+        window = window[:, :, :: thinned(scene)]
         power = float((np.abs(window) ** 2).mean()) if window.size else 0.0
         unit = (window / np.sqrt(power) if power > 0 else window).astype(np.complex64)
         noise = guessed_psd(unit) if scene.noise_psd is None else np.asarray(scene.noise_psd) / max(power, 1e-30)
         noise = np.maximum(noise, FLOOR).astype(np.float32)
         observed = outer(unit).astype(np.float32)
-        part = astray(observed, scene.frequencies, waves, noise)
+        part, frames = astray(observed, scene.frequencies, waves, noise), observed.shape[2]
+        if before is not None:
+            part = (frames * part + PRIOR_FRAMES * before.astray) / (frames + PRIOR_FRAMES)
         begin, anchor = geometric_start(scene, waves, part)
         known = None
-        if before is not None and before.members == members:
+        if before is not None and same_sources(before, members, tau, scene):
             known = np.moveaxis(followed(before.covariances, tau - before.tau, scene.frequencies), -1, 0)
-        covariances, _ = cacgmm.learn(observed, begin, noise, anchor, known)
+        covariances, _ = cacgmm.learn(observed, begin, noise, anchor, before=known, prior_count=PRIOR_COUNT)
         return Learnt(members, tau, _by_frequency(covariances), noise * power, part)
 
     def renewed(self, state: State, learnt: Learnt) -> State:
-        """Return the state that fades to what was learnt; what was learnt of other groups is not taken over."""
-        if learnt.members != state.members:
-            return state
+        """Return the state that fades to what was learnt; from another heading it takes how poor the room is alone."""
         return replace(state, renewal=learnt)
 
-    def _noise(self, state: State, scene: Scene) -> Real:
+    def noise_of(self, state: State, scene: Scene) -> Real:
+        """Noise PSD as far as it is known, (n_freqs,)."""
         known = scene.noise_psd if scene.noise_psd is not None else state.noise_psd
         floor = FLOOR * state.level + np.finfo(np.float32).tiny
         if known is None:
             return np.full(scene.frequencies.size, GUESS * state.level + floor, np.float32)
         return np.maximum(known, floor).astype(np.float32)
 
-    def _heard(self, state: State, frame: Complex, scene: Scene) -> State:
-        """Take in a frame, and update the PSDs of those that are under way."""
-        observed = live_psds.outer(frame)
+    def heard(self, state: State, frame: Complex, scene: Scene) -> State:
+        """Take in a frame (2, n_freqs), and update the PSDs of those that are under way."""
+        state = _moved(state, scene)
+        observed = live_psds.outer(frame.astype(np.complex64))
         power = 0.5 * (observed[0] + observed[1])
         weight = max(_period(scene) / LEVEL, 1 / (state.age + 1))
         level = state.level + weight * (float(power.mean()) - state.level)
         state = replace(state, level=level, age=state.age + 1)
-        noise, floor = self._noise(state, scene), np.float32(FLOOR * level + np.finfo(np.float32).tiny)
+        noise, floor = self.noise_of(state, scene), np.float32(FLOOR * level + np.finfo(np.float32).tiny)
         begin = live_psds.shares_of(observed, state.covariances[:-1], noise) * power + floor
         expected = live_psds.averaged(begin) ** np.float32(TIED)
         state = replace(
             state,
-            frames=np.concatenate([state.frames[1:], frame[None]]),
+            frames=np.concatenate([state.frames[1:], frame[None]], dtype=np.complex64),
             observed=np.concatenate([state.observed[1:], observed[None]]),
             expected=np.concatenate([state.expected[1:], expected[None]]),
             psds=np.concatenate([state.psds[1:], begin[None]]),
         )
         return replace(state, psds=_fitted(state, noise, floor))
+
+
+def separated(state: State, psds: Real, name: str) -> Groups:
+    """The groups of the oldest frame under way; PSDs with the noise last, (n_groups + 1, n_freqs)."""
+    signals = live_psds.wiener(state.frames[0], psds, state.covariances)[..., None]
+    masks = (psds[:-1] / psds.sum(axis=0))[..., None]
+    return Groups(signals, state.members, name, masks=masks)
 
 
 def _fitted(state: State, noise: Real, floor: np.float32) -> Real:
@@ -161,7 +171,7 @@ def _fitted(state: State, noise: Real, floor: np.float32) -> Real:
         found = live_psds.updated(psds, cross, gram)
         around = live_psds.averaged(np.concatenate([last, psds[:, :-1], psds[-1:, :-1]]))
         smooth = (around[:-2] + around[1:-1] + around[2:]) * np.float32(1 / 3)
-        drawn = np.sqrt(found) * smooth ** np.float32(0.5 - TIED) * state.expected
+        drawn = np.sqrt(found) * np.exp(np.float32(0.5 - TIED) * np.log(smooth)) * state.expected
         if update < UNSMOOTHED:
             drawn[-1] = found[-1]
         np.maximum(drawn, floor, out=psds[:, :-1])
@@ -184,11 +194,8 @@ def _moved(state: State, scene: Scene) -> State:
     """The state with covariances for this frame: they fade, and follow the TDOAs."""
     delays = np.asarray(scene.tau, float)
     tau = np.array([delays[list(group)].mean() for group in state.members])
+    state = _fading(state, scene)
     change, sources, goal, fading = tau - state.tau, state.covariances[:-1], state.goal, state.fading
-    noise, renewal = state.noise_psd, state.renewal
-    if renewal is not None:
-        noise, fading = renewal.noise_psd, max(round(FADE / _period(scene)), 1)
-        goal = followed(renewal.covariances, state.tau - renewal.tau, scene.frequencies)
     if not fading and not change.any():
         return state
     if fading:
@@ -196,13 +203,39 @@ def _moved(state: State, scene: Scene) -> State:
         fading -= 1
     both = np.concatenate([followed(sources, change, scene.frequencies), state.covariances[-1:]])
     goal = followed(goal, change, scene.frequencies)
-    return replace(state, tau=tau, covariances=both, goal=goal, fading=fading, noise_psd=noise, renewal=None)
+    return replace(state, tau=tau, covariances=both, goal=goal, fading=fading)
+
+
+def _fading(state: State, scene: Scene) -> State:
+    """The state that has begun to fade to what was learnt; at once when nothing was heard yet."""
+    learnt = state.renewal
+    if learnt is None:
+        return state
+    if same_sources(learnt, state.members, state.tau, scene):
+        goal = followed(learnt.covariances, state.tau - learnt.tau, scene.frequencies)
+    else:
+        waves = direct(scene.frequencies, state.tau).astype(np.float32)
+        goal = _by_frequency(geometric_start(scene, waves, learnt.astray)[0])
+    fading = max(round(min(FADE / _period(scene), HASTE * state.age)), 1)
+    return replace(state, goal=goal, fading=fading, noise_psd=learnt.noise_psd, renewal=None)
+
+
+def same_sources(learnt: Learnt, members: tuple[tuple[int, ...], ...], tau: Real, scene: Scene) -> bool:
+    """Whether something was learnt where the groups are, and not at another heading."""
+    near = ALIAS * scene.spacing / scene.speed_of_sound
+    return learnt.members == members and bool((np.abs(learnt.tau - tau) < near).all())
 
 
 def _period(scene: Scene) -> float:
     """Time between frames [s]; when it is not known, frames overlap by three quarters."""
     frame = 2 * (scene.frequencies.size - 1)
     return float((scene.hop or frame / 4) / (2 * scene.frequencies[-1]))
+
+
+def thinned(scene: Scene) -> int:
+    """Frames from one that is learnt from to the next: they overlap by three quarters at most."""
+    frame = 2 * (scene.frequencies.size - 1)
+    return max(round(frame / 4 / (scene.hop or frame / 4)), 1)
 
 
 def _by_frequency(covariances: Real) -> Real:

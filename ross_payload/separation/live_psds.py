@@ -14,6 +14,7 @@ from ross_payload.interfaces import Complex, Real
 from ross_payload.separation.cacgmm import BLOCK, PRIOR_COUNT, STRONG, WEAK
 
 REACH = (None, 4, 2, 1, 1)  # per iteration within a frame: blocks on either side whose shares are tied; None: all
+SINGULAR = np.float32(1e-6)  # of the product of the powers: what rounding leaves of a determinant that is 0
 SIGNS = np.array([1, 1, -1, -1], np.float32)[:, None]
 
 
@@ -119,7 +120,7 @@ def wiener(frame: Complex, psds: Real, covariances: Real) -> Complex:
         The noise last, (n_groups + 1, n_freqs) and (n_groups + 1, 4, n_freqs).
     """
     total = (covariances * psds[:, None]).sum(axis=0)
-    inverse = adjugate(total) / determinant(total)
+    inverse = adjugate(total) / np.maximum(determinant(total), SINGULAR * total[0] * total[1])
     cross = (inverse[2] + 1j * inverse[3]) / np.float32(ROOT2)
     first, second = frame
     white = inverse[0] * first + cross * second, cross.conj() * first + inverse[1] * second

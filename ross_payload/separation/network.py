@@ -24,6 +24,9 @@ LIMIT = 8.0  # bound of what comes out
 STEPS = (1, 2, 4, 8, 1)  # between the taps of every block [patches]
 
 
+Past = tuple[tuple[Real, ...], ...]  # of every block, what its newest columns give to later ones
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
     """Weights of one residual block of C channels; the steps between taps are rows and columns of patches."""
@@ -58,16 +61,46 @@ class Network:
         frequencies
             [Hz], evenly spaced, (n_freqs,).
         """
-        n_groups, _, n_freqs, n_frames = shown.shape
+        n_freqs, n_frames = shown.shape[2:]
         patches = _patched(_filled(shown), places(_filled(frequencies[:, None])[:, 0]))
         hidden = np.maximum(_product(self.enter, patches) + self.enter_bias[..., None], 0)
         for block in self.blocks:
             hidden += _residual(block, hidden)
+        return self._leave(hidden, patches)[:, :n_freqs, :n_frames]
+
+    def advance(self, shown: Real, frequencies: Real, past: Past) -> tuple[Real, Past]:
+        """Log PSD corrections of the two newest frames, (n_groups, n_freqs, 2), and what the next call needs.
+
+        As `corrections`, with nothing known of what follows. Called for every frame: patches then overlap by one.
+
+        Parameters
+        ----------
+        shown
+            Features of both, (n_groups, n_features, n_freqs, 2).
+        past
+            What the last call returned; () at the beginning.
+        """
+        n_freqs = shown.shape[2]
+        patches = _patched(_filled(shown), places(_filled(frequencies[:, None])[:, 0]))
+        hidden = np.maximum(_product(self.enter, patches) + self.enter_bias[..., None], 0)
+        kept = []
+        for index, block in enumerate(self.blocks):
+            inner = _inner(block, hidden)
+            before, here, _ = np.split(_product(block.along_time, inner), 3, axis=1)
+            queue = past[index] if past else ()
+            hidden = hidden + here + block.bias_after[..., None]
+            if len(queue) == COLUMNS * block.step:
+                hidden += queue[0]
+            kept.append((*queue[1 - COLUMNS * block.step :], before))
+        return self._leave(hidden, patches)[:, :n_freqs], tuple(kept)
+
+    def _leave(self, hidden: Real, patches: Real) -> Real:
+        """The output of every bin, whole patches, (n_groups, n_freqs, n_frames)."""
         out = _product(self.leave, np.maximum(hidden, 0)) + _product(self.skip, patches) + self.leave_bias[..., None]
         out = LIMIT * np.tanh(out / LIMIT)
-        rows, columns = out.shape[2:]
+        n_groups, _, rows, columns = out.shape
         bins = out.reshape(n_groups, ROWS, COLUMNS, rows, columns).transpose(0, 3, 1, 4, 2)
-        return bins.reshape(n_groups, rows * ROWS, columns * COLUMNS)[:, :n_freqs, :n_frames]
+        return np.asarray(bins.reshape(n_groups, rows * ROWS, columns * COLUMNS))
 
 
 def places(frequencies: Real) -> Real:
@@ -98,15 +131,19 @@ def _product(weights: Real, values: Real) -> Real:
     return (weights @ values.reshape(n_groups, n_channels, -1)).reshape(n_groups, -1, rows, columns)
 
 
-def _residual(block: Block, hidden: Real) -> Real:
+def _inner(block: Block, hidden: Real) -> Real:
+    """What a block makes of every column alone."""
     inner = _taps(_product(block.along_frequency, hidden), block.step, axis=2)
     inner += _product(block.frame, hidden.mean(axis=2, keepdims=True))
     if len(hidden) > 1:
         rest = hidden.sum(axis=0) - hidden
         inner += _product(block.others / np.float32(len(hidden) - 1), rest)
     inner += block.bias[..., None]
-    np.maximum(inner, 0, out=inner)
-    return _taps(_product(block.along_time, inner), block.step, axis=3) + block.bias_after[..., None]
+    return np.maximum(inner, 0, out=inner)
+
+
+def _residual(block: Block, hidden: Real) -> Real:
+    return _taps(_product(block.along_time, _inner(block, hidden)), block.step, axis=3) + block.bias_after[..., None]
 
 
 def _taps(stacked: Real, step: int, axis: int) -> Real:

@@ -3,77 +3,28 @@
 Every group is described by the same few numbers per bin; the same network sees each group beside the mean of the
 others, so that any number of groups works and their order does not matter. Its output is a factor for every PSD; the
 multichannel Wiener filter of the local Gaussian model does the rest.
+
+Frame by frame the network follows the frames of the live local Gaussian model. It was trained for frames that overlap
+by three quarters: when they overlap more it sees one in so many, and what it says is interpolated. It knows the past,
+and of the future what the look-ahead lets it know.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
-from ross_payload.dsp.covariance import adjugate, determinant
 from ross_payload.dsp.metrics import qualities
-from ross_payload.interfaces import Complex, Groups, Quality, Real, Scene
+from ross_payload.interfaces import Complex, Groups, LiveSeparator, Quality, Real, Scene
+from ross_payload.separation.live_gaussian import Learnt, LiveGaussian, State, separated, thinned
 from ross_payload.separation.local_gaussian_model import fitted, from_directions, wiener
-from ross_payload.separation.network import Network, shipped_network
+from ross_payload.separation.network import Network, Past, shipped_network
+from ross_payload.separation.refiner_features import HIGHEST, LEAST, STEADY, features, trained_for
 
-HIGHEST = 6000.0  # bins above this keep the PSDs of the local Gaussian model [Hz]
-N_FEATURES = 8
-SCALE = 0.2  # of logarithms: the network sees numbers around 1
-LEAST = 1e-7  # of every PSD that is shown
-MISFIT = 1e-3  # of a direction that fits perfectly
-FAR = 8.0  # bound of logarithms of ratios
-WIDTHS = (6.0, 15.0)  # of bins that the network was trained for [Hz]
 BONUS = 0.75  # SI-SDR above that of the local Gaussian model [dB]
-STEADY = 1e-5  # noise in the Wiener filter, relative to everything: no covariance is singular
-
-
-def features(observed: Real, covariances: Real, psds: Real) -> Real:
-    """Describe every bin of every group, (n_groups, N_FEATURES, n_freqs, n_frames).
-
-    Scaled logarithms of: the PSDs of the group, of the others and of the noise; the power of the mixture; how badly
-    the direction x / |x| fits the covariance of the group; how much more likely it is than under the others'; the
-    power v_k^2 x^H S^-1 R_k S^-1 x of the Wiener output; the factor by which an update would change the PSD.
-
-    Parameters
-    ----------
-    observed, covariances, psds
-        As `ross_payload.separation.local_gaussian_model.fitted` returns them, the noise last.
-    """
-    own, sources = psds[:, :-1], covariances[:, :-1]
-    total = np.swapaxes(covariances, 1, 2) @ psds
-    inner = np.maximum(determinant(np.swapaxes(total, 1, 2)), np.finfo(psds.dtype).tiny)[:, None]
-    opposite = adjugate(total, axis=1)
-    mixed, cross = sources @ opposite, sources @ adjugate(observed, axis=1)
-    update = np.maximum((observed * opposite).sum(axis=1, keepdims=True) / inner - cross / mixed, 0)
-    power = 0.5 * (observed[:, :1] + observed[:, 1:2])
-    misfit = np.log(cross / (4 * power**2 + LEAST**2) * 2 * power + MISFIT)
-    likelihood = np.log(determinant(sources) + MISFIT)[..., None] - 2 * misfit
-    every = np.zeros_like(own)
-    shown = (
-        _log(own),
-        _log(own.sum(axis=1, keepdims=True) - own),
-        _log(psds[:, -1:]) + every,
-        _log(power) + every,
-        SCALE * misfit,
-        SCALE * _margin(likelihood),
-        _log(own**2 * update * mixed / inner),
-        SCALE * np.clip(np.log(update + np.exp(-FAR)), -FAR, FAR),
-    )
-    return np.ascontiguousarray(np.stack(shown).transpose(2, 0, 1, 3), np.float32)
-
-
-def _log(values: Real) -> Real:
-    return np.asarray(SCALE * np.log(np.maximum(values, LEAST)))
-
-
-def _margin(likelihood: Real) -> Real:
-    """Log-likelihood of every group less that of the best of the others, bounded, (n_freqs, n_groups, n_frames)."""
-    n_groups = likelihood.shape[1]
-    if n_groups == 1:
-        return np.full_like(likelihood, FAR)
-    ranked = np.sort(likelihood, axis=1)
-    best, second = ranked[:, -1:], ranked[:, -2:-1]
-    rival = np.where(likelihood == best, second, best)
-    return np.asarray(np.clip(likelihood - rival, -FAR, FAR))
+TRUST = np.float32(0.5)  # in the network, which was trained with what follows in view: part of its corrections taken
+KEPT = 3  # frames that the network has seen whose corrections are interpolated
 
 
 class Refined:
@@ -88,11 +39,15 @@ class Refined:
         """Separate as `ross_payload.separation.local_gaussian_model.from_directions` says."""
         return from_directions(self._separated, spectrogram, scene, self.name, always_below=HIGHEST)
 
+    def live(self, lookahead: int = 1) -> LiveSeparator:
+        """Return the same model frame by frame."""
+        return LiveRefined(self._network or shipped_network(), lookahead)
+
     def _separated(self, unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, Real, tuple[Quality, ...]]:
         observed, covariances, psds = fitted(unit, scene, noise_psd)
         quality = qualities(psds, covariances, BONUS)
         low = slice(0, int((scene.frequencies < HIGHEST).sum()))
-        if _trained_for(scene.frequencies[low]):
+        if trained_for(scene.frequencies[low]):
             network = self._network or shipped_network()
             shown = features(observed[low], covariances[low], psds[low])
             factors = np.exp(network.corrections(shown, scene.frequencies[low]))
@@ -102,9 +57,101 @@ class Refined:
         return wiener(unit, psds, covariances), masks, quality
 
 
-def _trained_for(frequencies: Real) -> bool:
-    """Whether bins are as wide as those that the network knows."""
-    return frequencies.size > 1 and WIDTHS[0] <= frequencies[1] - frequencies[0] <= WIDTHS[1]
+@dataclass(frozen=True, slots=True, eq=False)
+class RefinedState:
+    """What is known after a frame; low are the bins below `HIGHEST`."""
+
+    model: State
+    observed: Real  # coordinates of x x^H of the latest frames, (n, 4, n_low)
+    psds: Real  # theirs, (n, n_groups, n_low)
+    corrections: Real  # of the logarithms of PSDs, of the frames that the network saw last, (KEPT, n_groups, n_low)
+    past: Past
+
+
+class LiveRefined:
+    """The live separator.
+
+    Parameters
+    ----------
+    network
+        The weights.
+    lookahead
+        Frames that must be heard after a frame before it is separated.
+    """
+
+    name = "refined"
+
+    def __init__(self, network: Network, lookahead: int = 1) -> None:
+        self.lookahead = lookahead
+        self._model, self._network = LiveGaussian(lookahead), network
+
+    def start(self, scene: Scene) -> RefinedState:
+        """Return the state in which nothing was heard yet.
+
+        Raises
+        ------
+        ConfigError
+            When the TDOAs are not known.
+        """
+        model, n_low = self._model.start(scene), _low(scene)
+        n, n_groups = thinned(scene) + 1, len(model.members)
+        observed, psds = np.zeros((n, 4, n_low), np.float32), np.zeros((n, n_groups, n_low), np.float32)
+        return RefinedState(model, observed, psds, np.zeros((KEPT, n_groups, n_low), np.float32), ())
+
+    def step(self, state: RefinedState, frame: Complex, scene: Scene) -> tuple[RefinedState, Groups]:
+        """Hear one frame (2, n_freqs); return the groups of ``lookahead`` frames ago, (n_groups, n_freqs, 1)."""
+        model, low = self._model.heard(state.model, frame, scene), slice(_low(scene))
+        noise = self._model.noise_of(model, scene)
+        psds = np.concatenate([model.psds[1], noise[None]])
+        if trained_for(scene.frequencies[low]) and model.level > 0:
+            state = self._followed(state, model, noise, scene)
+            level = np.float32(model.level)
+            psds[:-1, low] = np.maximum(psds[:-1, low], LEAST * level) * np.exp(TRUST * self._correction(state, scene))
+            psds[-1] = np.maximum(psds[-1], STEADY * (level + psds[:-1].sum(axis=0)))
+        return replace(state, model=model), separated(model, psds, self.name)
+
+    def learn(self, window: Complex, scene: Scene, before: Learnt | None = None) -> Learnt:
+        """Learn covariances as `LiveGaussian.learn` does."""
+        return self._model.learn(window, scene, before)
+
+    def renewed(self, state: RefinedState, learnt: Learnt) -> RefinedState:
+        """Return the state that fades to what was learnt, as `LiveGaussian.renewed` does."""
+        return replace(state, model=self._model.renewed(state.model, learnt))
+
+    def _followed(self, state: RefinedState, model: State, noise: Real, scene: Scene) -> RefinedState:
+        """Keep what the network is shown, and show it when it is time."""
+        low = slice(_low(scene))
+        observed = np.concatenate([state.observed[1:], model.observed[-1:, :, low]])
+        psds = np.concatenate([state.psds[1:], model.psds[-1:, :, low]])
+        fresh = min(len(psds), self.lookahead + 1)
+        psds[-fresh:] = model.psds[-fresh:, :, low]
+        state = replace(state, model=model, observed=observed, psds=psds)
+        if model.age % thinned(scene):
+            return state
+        level = np.float32(model.level)
+        both = np.concatenate([psds[[0, -1]], np.broadcast_to(noise[low], (2, 1, noise[low].size))], axis=1)
+        matrices = np.ascontiguousarray(np.moveaxis(model.covariances[..., low], -1, 0))
+        shown = features(
+            np.ascontiguousarray(observed[[0, -1]].transpose(2, 1, 0)) / level,
+            matrices,
+            np.ascontiguousarray(both.transpose(2, 1, 0)) / level,
+        )
+        found, past = self._network.advance(shown, scene.frequencies[low], state.past)
+        latest = np.moveaxis(found, -1, 0)
+        return replace(state, corrections=np.concatenate([state.corrections[1:-1], latest]), past=past)
+
+    def _correction(self, state: RefinedState, scene: Scene) -> Real:
+        """Of the frame that is separated, between those of the frames that the network saw, (n_groups, n_low)."""
+        every = thinned(scene)
+        place = KEPT - 1 + (state.model.age % every - self.lookahead) / every
+        place = min(max(place, 0.0), KEPT - 1.0)
+        first = min(int(place), KEPT - 2)
+        part = np.float32(place - first)
+        return np.asarray((1 - part) * state.corrections[first] + part * state.corrections[first + 1])
+
+
+def _low(scene: Scene) -> int:
+    return int((scene.frequencies < HIGHEST).sum())
 
 
 separator = Refined()

@@ -20,6 +20,7 @@ from ross_payload.clock import SystemClock
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Services
+from ross_payload.listening.observers import check_listening
 from ross_payload.service.assemble import tools_of
 from ross_payload.service.dronecan_node import check_one_id
 from ross_payload.service.state_folder import check_state_folder
@@ -72,6 +73,7 @@ def check(config: Config) -> None:
         _at(key, partial(check_wire, port))
     open_actuator(config, Services(SystemClock(), _refused))  # it is not entered, so its wire stays closed
     tools_of(config, None)
+    check_listening(config)
 
 
 def _check_links(config: Config) -> None:

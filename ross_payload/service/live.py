@@ -139,9 +139,11 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
             shelf=SessionStore(shelf),
             drained=in_background,
             voiceprint=_enrolled(config),
+            voices=VoiceStore.default(),
             latch=latch,
             state=state,
             computer=ComputerReader(shelf),
+            live=True,
             restart=again.ask,
             stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",
         )

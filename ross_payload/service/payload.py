@@ -1,7 +1,8 @@
 """The payload that lives: everything that hears, turns, speaks and writes, from start to shutdown.
 
-`ross run` gives it real parts, `ross sitl --serve` simulated ones. Live there are three threads: the audio callback,
-the pump (drivers, links, telemetry), and the mission, on which `run` is called. In simulated time there is one.
+`ross run` gives it real parts, `ross sitl --serve` simulated ones. Live there are several threads: the audio callback,
+what reads the audio, live listening, the pump (drivers, links, telemetry), and the mission, on which `run` is called.
+In simulated time there is one.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,26 +19,32 @@ from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.audio.audio_health import HealthMonitor
 from ross_payload.audio.live_source import Watched
+from ross_payload.audio.shared_source import SharedSource
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.interfaces import AudioSource, Clock, Mount, Port, Services, VoicePrint
+from ross_payload.listening.observers import Listening
 from ross_payload.logs import Changes
 from ross_payload.mavlink import Router
 from ross_payload.mavlink.gimbal import Gimbal
 from ross_payload.mavlink.recording_files import Recordings
 from ross_payload.mission.live_session import Kit, LiveSession, Make
 from ross_payload.mission.tasks import Memory
-from ross_payload.orders import Explore, Seek, Set, Task
+from ross_payload.orders import Explore, Order, Seek, Set, Task
 from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.dronecan_node import Aboard, node_on_bus
+from ross_payload.service.live_listening import described, heard, listening_of, source_of
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
+from ross_payload.service.voice_keeper import VoiceKeeper
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.recorder import Recorder
 from ross_payload.sessions.session_store import SessionStore
 from ross_payload.telemetry.component import Telemetry
 from ross_payload.timebase import Timebase
+from ross_payload.voiceprint import VoiceStore
 from ross_protocols.mavlink.computer import Computer
+from ross_protocols.mavlink.values import Severity
 
 POLL = 0.010  # [s] of the pump
 FOUND = 5.0  # [s] that an actuator may take to report for the first time; later it is a fault
@@ -59,7 +67,9 @@ class Parts:
     drained: Callable[[Recorder], AbstractContextManager[None]]  # has what the recorder queues written
     watched: Watched | None = None  # the source, where it tells how it is
     voiceprint: VoicePrint | None = None
+    voices: VoiceStore | None = None  # where voices go that are enrolled on the way; None: they are not kept
     stamp: Callable[[], str] = lambda: ""  # of a new recording
+    live: bool = False  # time is real: the audio is read, and listened to, on threads of their own
     latch: StopLatch | None = None  # what remembers an order to stop over a restart
     state: Path | None = None  # folder of what outlives a restart
     rng: np.random.Generator = field(default_factory=np.random.default_rng)
@@ -81,15 +91,24 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
     with ExitStack() as stack:
         aboard = stack.enter_context(node_on_bus(config, clock, parts.open_port, parts.state, parts.rng))
         actuator = stack.enter_context(open_actuator(config, Services(clock, parts.open_port)))
-        stack.enter_context(parts.source)
-        recorder, runner = _mission(parts, actuator, stopped=stopped)
-        ears = HealthMonitor(config, parts.watched)
-        telemetry = stack.enter_context(_telemetry(parts, actuator, runner, recorder, ears))
+        source = stack.enter_context(source_of(config, parts.source, parts.watched, live=parts.live))
+        recorder, runner = _mission(parts, source, actuator, stopped=stopped)
+        ears = HealthMonitor(config, source if isinstance(source, SharedSource) else parts.watched)
+        keeper = stack.enter_context(VoiceKeeper(parts.voices))
+        listening = listening_of(config, clock, runner, recorder, live=parts.live)
+        telemetry = stack.enter_context(
+            _telemetry(
+                parts, actuator, lambda order: runner.order(keeper.named(order)), recorder, ears, listening=listening
+            )
+        )
         stack.enter_context(recorder)
         stack.enter_context(parts.drained(recorder))
         component = parts.links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.on_frame(parts.timebase.usec(), frame))
-        runner.observers = [ears, telemetry, recorder, *observers]
+        stack.enter_context(heard(listening, source))
+        stack.enter_context(described(listening, config))
+        runner.observers = [ears, telemetry, recorder, listening, keeper, *observers]
+        stack.callback(clock.every(LOOK, partial(keeper.poll, partial(telemetry.send_text, Severity.ERROR))))
         if parts.latch is not None:
             runner.observers.append(parts.latch)
         speakers = _speakers(parts, actuator, runner, recorder, telemetry=telemetry, aboard=aboard)
@@ -104,15 +123,16 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         yield runner
 
 
-def _mission(parts: Parts, actuator: Guard, *, stopped: bool) -> tuple[Recorder, Runner]:
+def _mission(parts: Parts, source: AudioSource, actuator: Guard, *, stopped: bool) -> tuple[Recorder, Runner]:
     """Make what records the session and what runs it; the one writes down what the other begins with."""
     config, clock = parts.parameters.config, parts.clock
     recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
     voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
-    session = LiveSession(config, maker(actuator, voiceprint), Memory(stopped=stopped, starting=True))
+    memory = Memory(stopped=stopped, starting=True)
+    session = LiveSession(config, maker(actuator, voiceprint), memory, recorder.noting)
     first = FIRST[config.service.autostart]
     mission = session.mission(first() if first is not None else None)
-    return recorder, Runner(mission, parts.source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
+    return recorder, Runner(mission, source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
 
 
 def _wait_for_report(actuator: Guard, clock: Clock) -> None:
@@ -137,8 +157,7 @@ def beginning(session: LiveSession, actuator: Guard, config: Config) -> Beginnin
     if session.busy:
         return None
     travel = actuator.capabilities
-    voice = config.service.target
-    return Beginning("session", session.config, travel.lower, travel.upper, voice, session.memory)
+    return Beginning("session", session.config, travel.lower, travel.upper, session.target, session.memory)
 
 
 def _speakers(
@@ -166,19 +185,29 @@ def _speakers(
         )
 
 
-def _telemetry(parts: Parts, actuator: Guard, runner: Runner, recorder: Recorder, ears: HealthMonitor) -> Telemetry:
+def _telemetry(
+    parts: Parts,
+    actuator: Guard,
+    give: Callable[[Order], None],
+    recorder: Recorder,
+    ears: HealthMonitor,
+    *,
+    listening: Listening,
+) -> Telemetry:
     asked = parts.parameters.config.recording
     return Telemetry(
         parts.parameters.config,
         parts.clock,
         parts.links,
         actuator=actuator,
-        give=runner.order,
+        give=give,
         parameters=parts.parameters,
-        changed=lambda name, value: runner.order(Set(name, value)),
+        changed=lambda name, value: give(Set(name, value)),
         recorder=recorder,
         health=ears.health,
         computer=parts.computer,
+        listening=listening,
+        descriptions=listening.descriptions,
         timebase=parts.timebase,
         recordings=Recordings(parts.shelf.folder, asked.ftp_bytes_s) if asked.offer_ftp else None,
         latch=parts.latch,

@@ -140,6 +140,15 @@ class Runner:
         self._actuator.poll(self._clock.now())
         self._history.note(self._actuator.state())
 
+    def located(self, begin: float, end: float) -> tuple[Pointing, bool]:
+        """Return where the array pointed at ``end`` [s] on the Clock, and whether it was at rest since ``begin``.
+
+        From any thread: it may be asked before the mission has heard what was heard then.
+        """
+        attitude, offset = self._mount.attitude(end), self._offset - self._slipped
+        joint = self._joint(end, self._actuator.state())
+        return Pointing(end, joint, attitude.yaw, offset, earth=attitude.known), self._history.settled(begin, end)
+
     def run(self) -> Result:
         """Run the mission to its end and the actuator to rest."""
         output = next(self._mission)

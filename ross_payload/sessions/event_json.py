@@ -10,6 +10,8 @@ import numpy as np
 from ross_payload.events import Event
 from ross_payload.json_values import named
 
+PRIVATE = ("voices", "voiceprint")
+
 
 def line(event: Event) -> str:
     r"""Write one event as a line of JSON.
@@ -21,10 +23,10 @@ def line(event: Event) -> str:
 
 
 def plain(event: Event) -> dict[str, Any]:
-    """One event as plain values; numbers are rounded to 9 digits, arrays to 6, audio is left out."""
+    """One event as plain values; numbers are rounded to 9 digits, arrays to 6, audio and voice prints are left out."""
     values: dict[str, Any] = {"event": type(event).__name__}
     for name in event.__dataclass_fields__:
-        if name != "voices":
+        if name not in PRIVATE:
             values[name] = _plain(getattr(event, name))
     return values
 

@@ -1,8 +1,8 @@
 """Records a mission while it runs: a queue between the mission and a disk that may be slow, full or gone.
 
-`on_input`, `on_event` and what `noting` hears belong to the mission's thread and only queue; `on_frame` belongs to the
-pump and only queues; `drain` does the writing, on a thread of its own (`in_background`) or, in simulated time, as a
-periodic call. `record` and `status` may be called from any thread.
+`on_input`, `on_event` and what `noting` hears belong to the mission's thread, `on_frame` to the pump, `on_voice` to
+live listening, and they only queue; `drain` does the writing, on a thread of its own (`in_background`) or, in simulated
+time, as a periodic call. `record` and `status` may be called from any thread.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from queue import SimpleQueue
 from typing import Self
 
@@ -20,7 +21,7 @@ from ross_payload import config
 from ross_payload.errors import RossError
 from ross_payload.events import Event
 from ross_payload.health import RecordingState, RecordingStatus
-from ross_payload.interfaces import Input, Real, Score, VoicePrint
+from ross_payload.interfaces import Input, Real, Score, VoiceBlock, VoicePrint
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.session_store import GB, SessionStore
 from ross_payload.sessions.session_writer import SessionWriter
@@ -88,6 +89,16 @@ class Recorder:
         """Tell how the recording is."""
         return self._status
 
+    def recording(self) -> bool:
+        """Tell whether Inputs are recorded at present; from any thread."""
+        recording = self._recording
+        return recording is not None and not recording.over
+
+    @property
+    def folder(self) -> Path:
+        """Where the sessions lie."""
+        return self._shelf.folder
+
     # ------------------------------------------------------------------------------- on the mission's thread
 
     def on_input(self, hop: Input) -> None:
@@ -124,6 +135,14 @@ class Recorder:
         if self._recording is not None:
             number = self._recording.inputs
             self._write(self._recording, lambda writer: writer.write_score(number, score))
+
+    # ------------------------------------------------------------------------------- on the thread that listens
+
+    def on_voice(self, name: str, block: VoiceBlock) -> None:
+        """Queue samples of a separated voice."""
+        recording = self._recording
+        if recording is not None:
+            self._write(recording, lambda writer: writer.write_voice(name, block))
 
     # ---------------------------------------------------------------------------------------- on the pump
 
@@ -216,6 +235,27 @@ class Recorder:
         if recording.writer is not None:
             _close(recording.writer, reason)
         self._status = replace(self._status, state=state, reason=reason)
+
+
+class RecordedVoice:
+    """An AudioSink that hands a voice to the recorder, which tells of itself what goes wrong."""
+
+    fault = ""
+    lost = 0
+
+    def __init__(self, recorder: Recorder, name: str) -> None:
+        self._recorder = recorder
+        self._name = name
+
+    def write(self, block: VoiceBlock) -> None:
+        """Have samples recorded."""
+        self._recorder.on_voice(self._name, block)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """The recorder goes on."""
 
 
 class RecordingVoicePrint:

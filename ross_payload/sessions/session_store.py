@@ -14,6 +14,7 @@ from pathlib import Path
 from ross_payload import config
 from ross_payload.atomic_files import PART
 from ross_payload.bounded_files import open_regular, set_aside
+from ross_payload.config.listening_options import MOST_SOURCES
 from ross_payload.errors import ConfigError, near, refused_as, shown
 from ross_payload.sessions import manifest
 from ross_payload.sessions.manifest import MANIFEST, is_session
@@ -22,6 +23,7 @@ NAME = re.compile(r"(\d{4,})(-\d{8}T\d{6}Z)?")
 FILES = (
     "audio.wav", "inputs.jsonl", "events.jsonl", "scores.jsonl", "telemetry.tlog", "memory.npz", "voice.npz",
     "config.json", "session.json",
+    "target.flac", *(f"source-{number}.flac" for number in range(MOST_SOURCES)),
 )  # fmt: skip
 LOCKED = "inputs.jsonl"  # its writer holds a lock on it, which the kernel takes back when the process dies
 GB = 1e9  # [bytes]

@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.atomic_files import append, create
+from ross_payload.audio.track_files import AlignedTrack
 from ross_payload.audio.wav_files import MOST, WIDTH, WavFile, exact
 from ross_payload.events import Event
-from ross_payload.interfaces import Input, Samples, Score
+from ross_payload.interfaces import Input, Samples, Score, VoiceBlock
 from ross_payload.sessions import event_json, input_log, manifest
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.transport.tlog import TlogRecorder
@@ -31,6 +32,8 @@ class SessionWriter:
         self._waiting: list[Input] = []
         self._pending = 0  # samples waiting
         self._samples = 0  # written
+        self._first: int | None = None  # index of the first sample
+        self._voices: dict[str, AlignedTrack] = {}
         with ExitStack() as stack:
             manifest.write(folder, begin, started)
             self._inputs = stack.enter_context(create(folder / "inputs.jsonl"))
@@ -55,6 +58,8 @@ class SessionWriter:
 
     def write_input(self, hop: Input) -> None:
         """Take one Input."""
+        if self._first is None:
+            self._first = hop.block.index
         self._waiting.append(hop)
         self._pending += hop.block.samples.shape[1]
         if self._pending >= FLUSH * self._rate:
@@ -63,6 +68,15 @@ class SessionWriter:
     def write_event(self, event: Event) -> None:
         """Write what the mission has said."""
         append(self._events, event_json.line(event).encode())
+
+    def write_voice(self, name: str, block: VoiceBlock) -> None:
+        """Write samples of a voice to NAME.flac, where each has the place that it has in audio.wav."""
+        if self._first is None:
+            return
+        if name not in self._voices:
+            track = self._voices[name] = AlignedTrack(self.folder / f"{name}.flac", self._rate)
+            self._open.callback(track.close)
+        self._voices[name].write(block.index - self._first, block.samples)
 
     def write_score(self, number: int, score: Score) -> None:
         """Write what the voice print has answered after ``number`` Inputs."""

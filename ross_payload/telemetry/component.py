@@ -7,20 +7,17 @@ the same calls happen on one thread.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Protocol, Self
 
-from ross_payload import __version__
 from ross_payload.clock import Every
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.events import Event
 from ross_payload.health import AudioHealth, RecordingStatus
-from ross_payload.interfaces import Actuator, Capabilities, Clock, Feedback, Input
-from ross_payload.localization.model_order import MAX_SOURCES
+from ross_payload.interfaces import Actuator, Clock, Feedback, Input
 from ross_payload.mavlink import Component, Received, Router
 from ross_payload.mavlink.component_info import files
 from ross_payload.mavlink.ftp_server import FtpServer
@@ -35,7 +32,7 @@ from ross_payload.streams import StreamOrder, StreamStatus
 from ross_payload.telemetry import event_messages
 from ross_payload.telemetry.health_report import HealthReport
 from ross_payload.telemetry.reporter import Reporter
-from ross_payload.telemetry.snapshot import Moment, Snapshot, standing
+from ross_payload.telemetry.snapshot import Moment, Snapshot, information, standing
 from ross_payload.telemetry.status_texts import OperatorTexts
 from ross_payload.telemetry.stream_report import StreamReporter
 from ross_payload.timebase import Timebase
@@ -43,6 +40,7 @@ from ross_payload.transport.async_task import drained
 from ross_payload.transport.tlog import TlogRecorder
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.computer import Computer
+from ross_protocols.mavlink.stream_values import description_file
 from ross_protocols.mavlink.values import DIALECT_VERSION, Information, Severity
 
 PERIOD = 0.020  # [s] between two polls
@@ -96,6 +94,9 @@ class Telemetry:
         Tell how the recording, the microphones and the computer are; None: nothing is said of them.
     listening
         Lets others listen, live; None: nobody can.
+    descriptions
+        Tells the session description (SDP, RFC 8866) of every stream that has one, by its number: they are offered
+        over MAVLink FTP as ``stream-<number>.sdp``.
     timebase
         Tells the time; None: time is since the boot.
     recordings
@@ -124,6 +125,7 @@ class Telemetry:
         health: Callable[[], AudioHealth] | None = None,
         computer: Callable[[], Computer] | None = None,
         listening: Listening | None = None,
+        descriptions: Callable[[], Mapping[int, str]] = dict,
         timebase: Timebase | None = None,
         recordings: Recordings | None = None,
         latch: StopMemory | None = None,
@@ -153,7 +155,7 @@ class Telemetry:
         stream = no_streams if listening is None else listening.order
         self._commands = None if give is None else self._server(component, give, recorder, stream, latch)
         self._settings = None if parameters is None else ParamServer(component, parameters, changed, self._send_text)
-        self._files = None if give is None else FtpServer(component, files(), recordings, links.rates)
+        self._files = None if give is None else self._file_server(component, recordings, descriptions)
         self._tlog = None if tlog is None else TlogRecorder(tlog)
         component.tap(self._record)
         component.subscribe(self._meet, MESSAGE_IDS[Information])
@@ -169,6 +171,14 @@ class Telemetry:
         record = no_recorder if recorder is None else recorder.record
         requests = MessageRequests(component, self._scheduler)
         return MissionCommands(component, give, record, self._send_text, requests, stream=stream, latch=latch)
+
+    def _file_server(
+        self, component: Component, recordings: Recordings | None, descriptions: Callable[[], Mapping[int, str]]
+    ) -> FtpServer:
+        def passing() -> dict[str, bytes]:
+            return {description_file(number): text.encode() for number, text in descriptions().items() if text}
+
+        return FtpServer(component, files(), recordings, self._links.rates, passing)
 
     # ------------------------------------------------------------------------------------- from any thread
 
@@ -270,25 +280,3 @@ class Telemetry:
     def _record(self, frame: bytes) -> None:
         if self._tlog is not None:
             self._tlog.write(self._timebase.usec(), frame)
-
-
-def information(config: Config, capabilities: Capabilities | None, time_usec: int) -> Information:
-    """Return who we are; the travel is the actuator's, or the guard's limits when no actuator is given."""
-    guard = config.guard
-    lower, upper, speed = (math.radians(x) for x in (guard.lower_deg, guard.upper_deg, guard.max_speed_deg_s))
-    if capabilities is not None:
-        lower, upper, speed = capabilities.lower, capabilities.upper, capabilities.max_speed
-    return Information(
-        time_usec=time_usec,
-        spacing=config.array.spacing_m,
-        speed_of_sound=config.array.speed_of_sound_m_s,
-        axis_offset=config.offset,
-        joint_lower=lower if math.isfinite(lower) else None,
-        joint_upper=upper if math.isfinite(upper) else None,
-        joint_speed=speed,
-        unit=config.explore.unit_s,
-        rate=config.audio.rate_hz,
-        k_max=MAX_SOURCES,
-        software_version=__version__,
-        actuator=config.actuator.kind,
-    )

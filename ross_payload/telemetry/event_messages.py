@@ -127,7 +127,6 @@ def sources(estimate: Estimate, number: int, stamp: Stamp, axis: float | None, f
 
 def tracked(known: list[Source], event: SourcesTracked, stamp: Stamp) -> list[Source]:
     """Return the sources of the latest estimate where they are by now; the rest of what is known of them stays."""
-    ages = event.ages or (0.0,) * event.estimate.k
     return [
         replace(
             source,
@@ -144,7 +143,7 @@ def tracked(known: list[Source], event: SourcesTracked, stamp: Stamp) -> list[So
             rate=rate,
             age=age,
         )
-        for source, now, rate, age in zip(known, event.estimate.sources, event.rates, ages, strict=False)
+        for source, now, rate, age in zip(known, event.estimate.sources, event.rates, event.ages, strict=False)
     ]
 
 

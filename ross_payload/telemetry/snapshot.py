@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
+from ross_payload import __version__
 from ross_payload.angles import wrap
 from ross_payload.config import Config
-from ross_payload.interfaces import ActuatorState, Input
+from ross_payload.interfaces import ActuatorState, Capabilities, Input
+from ross_payload.localization.model_order import MAX_SOURCES
+from ross_protocols.mavlink.values import Information
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,4 +86,26 @@ def standing(hop: Input | None, state: ActuatorState | None, moment: Moment) -> 
         settled=hop.settled,
         homed=state is None or state.homed,
         fault=hop.fault or fault,
+    )
+
+
+def information(config: Config, capabilities: Capabilities | None, time_usec: int) -> Information:
+    """Return who we are; the travel is the actuator's, or the guard's limits when no actuator is given."""
+    guard = config.guard
+    lower, upper, speed = (math.radians(x) for x in (guard.lower_deg, guard.upper_deg, guard.max_speed_deg_s))
+    if capabilities is not None:
+        lower, upper, speed = capabilities.lower, capabilities.upper, capabilities.max_speed
+    return Information(
+        time_usec=time_usec,
+        spacing=config.array.spacing_m,
+        speed_of_sound=config.array.speed_of_sound_m_s,
+        axis_offset=config.offset,
+        joint_lower=lower if math.isfinite(lower) else None,
+        joint_upper=upper if math.isfinite(upper) else None,
+        joint_speed=speed,
+        unit=config.explore.unit_s,
+        rate=config.audio.rate_hz,
+        k_max=MAX_SOURCES,
+        software_version=__version__,
+        actuator=config.actuator.kind,
     )

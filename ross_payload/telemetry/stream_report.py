@@ -13,6 +13,7 @@ from ross_protocols.mavlink.field_converters import compass
 from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 from ross_protocols.mavlink.values import Severity
 
+OVER_A_NETWORK = ("rtp", "tcp")  # sinks that have an address
 CODECS = {codec.name.lower(): codec for codec in Codec}
 
 
@@ -100,6 +101,8 @@ def line(before: StreamStatus | None, now: StreamStatus) -> Line | None:
     name = f"stream {now.number}"
     if now.fault and (before is None or before.fault != now.fault):
         return Severity.WARNING, f"{name} fault: {now.fault}"
+    if now.on and now.sink in OVER_A_NETWORK and not now.address:
+        return None  # its address comes when it is open
     if now.on and (before is None or not before.on or whom(before) != whom(now) or way(before) != way(now)):
         return Severity.NOTICE, f"{name} on: {whom(now)} to {way(now)}"
     if before is not None and before.on and not now.on:

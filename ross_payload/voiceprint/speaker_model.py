@@ -13,6 +13,7 @@ from ross_payload.voiceprint.features import analyse, checked
 
 ENROL_SECONDS = 1.5  # least voiced speech to enrol from [s]
 SCORE_SECONDS = 0.3  # with less voiced speech a recording tells nothing [s]
+SEPARATED_CRITERION = 4.0  # [nat]: what a separator leaves of one voice is like what it leaves of another
 CLIPPED_SHARE = 5e-4  # of the samples, from which a recording counts as clipped
 
 
@@ -23,7 +24,8 @@ class VoicePrintModel:
     voice: Adapted
     seconds: float  # voiced speech that it was enrolled from [s]
     background: Background = field(repr=False)
-    criterion: float = 0.0  # accept above this score [nat]
+    criterion: float = 0.0  # evidence [nat] at which this print is undecided
+    consent: str = ""  # how the talker agreed, in words; empty: the file does not say
 
     def score(self, voice: Real, rate: int) -> Score:
         """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice.
@@ -38,12 +40,14 @@ class VoicePrintModel:
         features = analyse(voice, rate)
         if features.seconds < SCORE_SECONDS:
             return Score(0.0, accepted=False)
-        value = self.background.compare(self.voice, features)
-        return Score(value, accepted=value > self.criterion)
+        value = self.background.compare(self.voice, features) - self.criterion
+        return Score(value, accepted=value > 0.0)
 
 
-def enrol(voice: Real, rate: int, background: Background | None = None) -> VoicePrintModel:
+def enrol(voice: Real, rate: int, background: Background | None = None, *, separated: bool = False) -> VoicePrintModel:
     """Enrol a talker from a recording (n_samples,) at ``rate`` [Hz]; 4 s of clean speech are enough.
+
+    A voice that was ``separated`` from others makes a print that is compared with separated voices alone.
 
     Raises
     ------
@@ -65,7 +69,8 @@ def enrol(voice: Real, rate: int, background: Background | None = None) -> Voice
             f"got {features.seconds:.1f} s in {len(samples) / rate:.1f} s"
         )
     model = background or shipped_background()
-    return VoicePrintModel(model.adapt(features), features.seconds, model)
+    criterion = SEPARATED_CRITERION if separated else 0.0
+    return VoicePrintModel(model.adapt(features), features.seconds, model, criterion)
 
 
 def clipped_share(samples: Real) -> float:

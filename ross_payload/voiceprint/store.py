@@ -44,6 +44,7 @@ def save(model: VoicePrintModel, path: Path) -> None:
         "background": model.background.fingerprint,
         "seconds": model.seconds,
         "criterion": model.criterion,
+        "consent": model.consent,
         "offsets": np.round(model.voice.offsets, 4).tolist(),
         "pitch_weights": np.round(model.voice.pitch_weights, 6).tolist(),
     }
@@ -166,4 +167,5 @@ def _decoded(content: Any, background: Background, path: Path) -> VoicePrintMode
         raise Damaged(f"{path}: damaged voice print: {offsets.size} + {pitch.size} numbers")
     if not all(np.isfinite(values).all() for values in (offsets, pitch, seconds, criterion)) or (pitch < 0).any():
         raise Damaged(f"{path}: damaged voice print: not finite, or negative weights")
-    return VoicePrintModel(Adapted(offsets, pitch), seconds, background, criterion)
+    consent = str(content.get("consent", ""))[:200]
+    return VoicePrintModel(Adapted(offsets, pitch), seconds, background, criterion, consent)

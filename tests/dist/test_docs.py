@@ -40,18 +40,29 @@ def test_every_row_of_the_tables_of_promises_names_its_test():
     assert [row.split("|")[1].strip() for row in bare] == ["`ideal`", "your own"]  # no motor; not ours
 
 
+THEMED = ("index", "explanation/decisions", "explanation/where-to-turn")
+
+
 @pytest.fixture(scope="module")
 def manual(tmp_path_factory):
-    """The folder of the built manual, and what the build said."""
+    """The folder of the built manual, and what the builds said.
+
+    Only some pages are built with the manual's theme: it takes as long as all the rest.
+    """
     folder = tmp_path_factory.mktemp("html")
-    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", ROOT / "docs", folder]
-    return folder, subprocess.run(command, capture_output=True, text=True, check=False)
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "-d", folder / "doctrees"]
+    paths = [ROOT / "docs", folder / "pages"]
+    builds = (["-D", "html_theme=basic", *paths], [*paths, *(ROOT / "docs" / f"{name}.md" for name in THEMED)])
+    return paths[1], [subprocess.run([*command, *each], capture_output=True, text=True, check=False) for each in builds]
 
 
 def test_the_manual_builds_with_warnings_as_errors(manual):
-    folder, built = manual
-    assert built.returncode == 0, built.stderr
-    assert (folder / "index.html").exists()
+    folder, builds = manual
+    for built in builds:
+        assert built.returncode == 0, built.stderr
+    assert len(list(folder.rglob("*.html"))) > len(list((ROOT / "docs").rglob("*.md")))
+    for name in THEMED:
+        assert "furo" in (folder / f"{name}.html").read_text(encoding="utf-8")
 
 
 def test_formulas_are_drawn_without_a_script_and_without_a_network(manual):

@@ -59,20 +59,34 @@ int main(void) {
     mavlink_message_t message;
     uint8_t buffer[MAVLINK_MAX_PACKET_LEN];
     mavlink_msg_ross_source_pack(7, 42, &message, 123456, -0.5f, 1.25f, 0.125f, 0.25f, 0.75f, 0.5f, 2.0f, 9, 1, 3,
-                                 ROSS_FRAME_EARTH, ROSS_SOURCE_FLAGS_TARGET | ROSS_SOURCE_FLAGS_FINAL);
+                                 ROSS_FRAME_EARTH, ROSS_SOURCE_FLAGS_TARGET | ROSS_SOURCE_FLAGS_TRACKED, -0.25f, 1.5f);
     fwrite(buffer, 1, mavlink_msg_to_send_buffer(buffer, &message), stdout);
     return 0;
 }
 """
 
 
-@pytest.fixture(scope="module")
-def headers(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("c")
+def generated(folder: Path, xml: Path) -> Path:
     options = Namespace(output=str(folder), language="C", wire_protocol="2.0", validate=False, strict_units=False)
     with contextlib.redirect_stdout(io.StringIO()):
-        assert mavgen.mavgen(options, [str(XML)])
+        assert mavgen.mavgen(options, [str(xml)])
     return folder
+
+
+@pytest.fixture(scope="module")
+def headers(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return generated(tmp_path_factory.mktemp("c"), XML)
+
+
+@pytest.fixture(scope="module")
+def older_headers(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The library of a ground station that was built before ROSS_SOURCE had extensions."""
+    text = XML.read_text(encoding="utf-8")
+    begin = text.index('<message id="54002"')
+    cut, end = text.index("<extensions/>", begin), text.index("</message>", begin)
+    folder = tmp_path_factory.mktemp("older")
+    (folder / "ross.xml").write_text(text[:cut] + text[end:], encoding="utf-8")
+    return generated(folder, folder / "ross.xml")
 
 
 def run(headers: Path, program: str, given: bytes = b"") -> bytes:
@@ -104,10 +118,19 @@ def test_a_ground_station_in_c_reads_what_we_send(headers: Path) -> None:
     ]
 
 
+def test_a_ground_station_of_an_older_dialect_reads_a_source_that_is_tracked(older_headers: Path) -> None:
+    source = Source(
+        0, 1, 2, 3, 0.5, 0.0625, 0.9, 0.3, earth=False, resolved=True, final=True, tracked=True, rate=0.25, age=1.5
+    )
+    told = run(older_headers, READER, Encoder(1, 191).encode(source)).decode().splitlines()
+    assert told == ["source 2/3 -0.5000 0.0625 2 13"]
+
+
 def test_we_read_what_a_program_in_c_sends(headers: Path) -> None:
     (packet,) = Decoder().feed(run(headers, WRITER))
     assert (packet.system_id, packet.component_id) == (7, 42)
     assert packet.value == Source(
         time_usec=123456, estimate=9, source=1, count=3, azimuth=0.5, mirror=-1.25, sigma=0.125, elevation=0.25,
-        confidence=0.75, weight=0.5, score=2.0, earth=True, resolved=False, target=True, final=True,
+        confidence=0.75, weight=0.5, score=2.0, earth=True, resolved=False, target=True, tracked=True,
+        rate=0.25, age=1.5,
     )  # fmt: skip

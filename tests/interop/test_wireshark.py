@@ -12,6 +12,7 @@ import pytest
 import alignments
 from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 from ross_protocols.mavlink.tunnel import Wrapper
 from ross_protocols.mavlink.values import Audio, Health, Heartbeat, Status
 
@@ -73,6 +74,20 @@ def test_numbers_are_those_that_were_sent(fields, encoder):
     system, *numbers = [float(text) if "x" not in text else int(text, 16) for text in read[0]]
     assert system == 7
     assert numbers == pytest.approx([math.pi / 2, -0.25, 125.0, 3.5, 0b110, 3, 5e6], rel=1e-5)
+
+
+@pytest.mark.parametrize("inside", [False, True], ids=["frame", "tunnel"])
+def test_a_stream_of_live_listening_is_shown_with_its_address(tshark, encoder, inside):
+    stream = StreamReport(
+        1, 3, 4, "rtp", Selection.SOURCE, True, 48000, on=True, source=2, codec=Codec.OPUS, address="192.168.1.20",
+        port=5004, level=-23.0, separated=True,
+    )  # fmt: skip
+    shown = tshark([encoder.encode(Wrapper(7, 191).wrap(stream) if inside else stream)], "-V")
+    for words in (
+        "address (char): 192.168.1.20", "port (uint16_t): 5004", "ROSS_CODEC_OPUS", "ROSS_SELECTION_SOURCE",
+        "number (uint8_t): 3", "level (int8_t) [dB]: -23", "sink (char): rtp",
+    ):  # fmt: skip
+        assert words in shown, shown
 
 
 def test_units_and_names_of_entries_are_shown(tshark, encoder):

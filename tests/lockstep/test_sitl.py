@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 import soundfile
 
+from command_line import called_once
+from short_mission import SHORT
+
 pytestmark = pytest.mark.lockstep
 
 
@@ -42,6 +45,16 @@ def demo(tmp_path_factory):
     out = tmp_path_factory.mktemp("demo") / "out"
     done, report = sitl(out, "--seed", 1)
     return done, report, out
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """The shortest mission with seed 1, flown in this process: the exit code, and the folder of its results."""
+    folder = tmp_path_factory.mktemp("first")
+    (folder / "short.toml").write_text(SHORT)
+    code, _, err = called_once("sitl", "--json", "--out", folder / "out", "-s", folder / "short.toml", "--seed", 1)
+    assert "Traceback" not in err
+    return code, folder / "out"
 
 
 def test_the_demo_finds_everyone_and_the_target(demo):
@@ -90,22 +103,28 @@ def test_everything_promised_is_there(demo):
     assert str(out) not in (out / "report.json").read_text()
 
 
-@pytest.mark.parametrize("scenario", ["short", pytest.param("demo", marks=pytest.mark.soak)])
-def test_a_rerun_in_another_process_gives_the_same_bytes(mission, short, tmp_path, scenario):
-    arguments = ("--scenario", short if scenario == "short" else scenario, "--seed", 1)
-    first, second = tmp_path / "first", tmp_path / "again"
-    mission(*arguments, out="first")
-    sitl(second, *arguments)
-    names = sorted(path.name for path in first.iterdir())
-    assert names == sorted(path.name for path in second.iterdir())
+def same_files(one, two):
+    names = sorted(path.name for path in one.iterdir())
+    assert names == sorted(path.name for path in two.iterdir())
     for name in set(names) - {"timing.json"}:
-        assert (first / name).read_bytes() == (second / name).read_bytes(), name
+        assert (one / name).read_bytes() == (two / name).read_bytes(), name
 
 
-def test_another_seed_gives_other_noise(mission, short, tmp_path):
-    for seed in ("1", "2"):
-        mission("--scenario", short, "--seed", seed, out=seed)
-    one, other = (soundfile.read(tmp_path / seed / "mixture.wav", frames=16000)[0] for seed in ("1", "2"))
+def test_a_rerun_in_another_process_gives_the_same_bytes(first, short, tmp_path):
+    sitl(tmp_path / "again", "--scenario", short, "--seed", 1)
+    same_files(first[1], tmp_path / "again")
+
+
+@pytest.mark.soak
+def test_a_rerun_of_the_demo_gives_the_same_bytes(demo, mission, tmp_path):
+    mission("--seed", 1)
+    same_files(demo[2], tmp_path / "out")
+
+
+def test_another_seed_gives_other_noise(mission, first, short, tmp_path):
+    mission("--scenario", short, "--seed", 2)
+    folders = (first[1], tmp_path / "out")
+    one, other = (soundfile.read(folder / "mixture.wav", frames=16000)[0] for folder in folders)
     assert (one != other).mean() > 0.5
 
 
@@ -196,13 +215,13 @@ def test_limits_that_exclude_every_alignment_end_cleanly(mission, short):
     assert {candidate["rule"] for candidate in candidates} <= {"limited", "stay"}
 
 
-def test_a_full_disk_is_one_line_and_the_earlier_results_stay(run, short, tmp_path):
+@pytest.mark.usefixtures("first")  # fills the caches
+def test_a_full_disk_is_one_line_and_the_earlier_results_stay(short, tmp_path):
     out = tmp_path / "out"
     out.mkdir()
     (out / "report.json").write_text("the good old one")
     limit = "import resource as r; r.setrlimit(r.RLIMIT_FSIZE, (150_000, 150_000))\n"
     limit += "from ross_payload.cli import main; main()"
-    run("sitl", "--scenario", short, "--json")  # fill the caches
     command = [sys.executable, "-c", limit, "sitl", "--scenario", str(short), "--out", str(out)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 1, done.stderr
@@ -252,11 +271,11 @@ def test_a_sigterm_while_setting_up_leaves_nothing_behind(tmp_path):
     assert not list(out.iterdir())
 
 
-def test_telemetry_to_a_port_that_nobody_listens_on_is_a_clean_end(mission, short, tmp_path):
-    code, said, _ = mission("--scenario", short, "--telemetry", "udpout:127.0.0.1:9")
-    quiet, _, _ = mission("--scenario", short, out="quiet")
+def test_telemetry_to_a_port_that_nobody_listens_on_is_a_clean_end(mission, first, short, tmp_path):
+    code, said, _ = mission("--scenario", short, "--seed", 1, "--telemetry", "udpout:127.0.0.1:9")
+    quiet, results = first
     assert code == quiet in (0, 3), said
-    assert (tmp_path / "out" / "events.jsonl").read_bytes() == (tmp_path / "quiet" / "events.jsonl").read_bytes()
+    assert (tmp_path / "out" / "events.jsonl").read_bytes() == (results / "events.jsonl").read_bytes()
 
 
 def test_clipped_recordings_still_run(tmp_path, short, speech):

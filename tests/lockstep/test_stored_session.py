@@ -20,6 +20,7 @@ from stored_session import RATE, sound
 pytestmark = pytest.mark.lockstep
 STORED = Path(__file__).parents[1] / "data" / "session-0.1.0"
 NAME = "0001-20261101T120000Z"
+LATER = {orders.Enrol}  # than this session
 AUDIO = "5d6efef8c82289d211cacf2e45c8dfbc1ae8cb529fce6265d3b1821d6db77c3d"  # SHA-256
 
 
@@ -69,7 +70,7 @@ def test_every_order_of_an_operator_is_in_it(session):
     opened = RecordedSession.open(session)
     given = {type(order) for heard in opened.inputs(opened.configuration().audio) for order in heard.orders}
     kinds = {kind for kind in vars(orders).values() if isinstance(kind, type) and issubclass(kind, orders.Order)}
-    assert given == kinds - {orders.Order, orders.Task}
+    assert given == kinds - {orders.Order, orders.Task} - LATER
 
 
 def test_a_replay_decides_as_then(session, tmp_path, run):

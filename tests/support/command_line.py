@@ -1,6 +1,8 @@
 """The command line, called in this process."""
 
+import io
 import sys
+from contextlib import redirect_stderr, redirect_stdout
 
 import pytest
 
@@ -14,3 +16,13 @@ def called(monkeypatch, capsys, *arguments):
         cli.main()
     said = capsys.readouterr()
     return end.value.code, said.out, said.err
+
+
+def called_once(*arguments):
+    """Call ``ross`` for a fixture that several tests share; exit code, output, errors."""
+    out, err = io.StringIO(), io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(out), redirect_stderr(err):
+        patch.setattr(sys, "argv", ["ross", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+    return end.value.code, out.getvalue(), err.getvalue()

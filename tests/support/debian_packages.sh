@@ -14,6 +14,8 @@ command openssl openssl
 command tshark tshark
 command pulseaudio pulseaudio
 command ps procps
+command ffmpeg ffmpeg
+command gst-launch-1.0 gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good
 package libportaudio2
 package libasound2-plugins
 

@@ -40,7 +40,8 @@ FOLDERS = {
     "browser": "browser",
 }
 REACHES_OUT = {"aiohttp", "asyncio", "multiprocessing", "pty", "socket", "subprocess", "threading"} | {
-    "fleet_bench", "ground_page", "processes", "served_ground", "station_bench", "waiting",  # tests/support
+    "fleet_bench", "ground_page", "processes", "served_ground", "station_bench", "voice_sender",
+    "waiting",  # tests/support
 }  # fmt: skip
 ALONE = ("realtime", "browser")
 ALWAYS = "not hardware and not soak"
@@ -55,11 +56,12 @@ class Pass:
     lanes: tuple[str, ...]
     workers: int
     paths: tuple[str, ...] = ()  # where they lie; empty: anywhere
+    ignored: tuple[str, ...] = ()  # where none of them lies: every process imports what it collects
     niceness: int = 0
 
 
 PASSES = (
-    Pass(("pure", "lockstep", "process"), workers=3),
+    Pass(("pure", "lockstep", "process"), workers=3, ignored=("tests/realtime", "tests/browser")),
     Pass(("realtime",), workers=3, paths=("tests/realtime", "tests/interop"), niceness=-10),
     Pass(("browser",), workers=2, paths=("tests/browser",), niceness=-10),
 )
@@ -76,14 +78,15 @@ def lane_of(path: Path, markers: Iterable[str], imports: Iterable[str] = ()) -> 
     named = sorted(set(markers) & set(LANES))
     if len(named) > 1:
         raise ValueError(f"two lanes: {', '.join(named)}")
-    own = (
-        FOLDERS.get(path.relative_to(TESTS).parts[0]) if path.is_relative_to(TESTS) else "pure"
-    )  # a docstring's example
+    folder = path.relative_to(TESTS).parts[0] if path.is_relative_to(TESTS) else "unit"  # a docstring's example
+    own = FOLDERS.get(folder)
     if not named and own is None:
         raise ValueError(f"no lane: mark it with one of {', '.join(LANES)}, or put it into one of {', '.join(FOLDERS)}")
     lane = named[0] if named else str(own)
     if lane in ALONE and lane != own:
         raise ValueError(f"lane {lane}: lies in {', '.join(folder for folder in FOLDERS if FOLDERS[folder] == lane)}")
+    if folder in ALONE and lane != own:
+        raise ValueError(f"lane {lane}: expected {own}, as all of tests/{folder}")
     return "process" if lane == "pure" and not named and REACHES_OUT & set(imports) else lane
 
 
@@ -103,7 +106,8 @@ def main(arguments: list[str]) -> int:
     for number, each in enumerate(PASSES, 1):
         print(f"\n{', '.join(each.lanes)}: {each.workers} at a time", flush=True)
         command = [sys.executable, "-m", "pytest", "-m", f"{ALWAYS} and ({' or '.join(each.lanes)})"]
-        command += ["--numprocesses", str(each.workers), "--dist", "worksteal", *(() if chosen else each.paths)]
+        command += ["--numprocesses", str(each.workers), "--dist", "worksteal"]
+        command += () if chosen else (*each.paths, *(f"--ignore={path}" for path in each.ignored))
         if folder := os.environ.get(REPORTS):
             command.append(f"--junitxml={folder}/{number}.xml")
         began = time.monotonic()

@@ -1,9 +1,11 @@
 """A stream of RTP through a network that loses, delays and repeats packets, in simulated time."""
 
 import heapq
+from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy.signal
 
 from ross_payload.audio.sinks.rtp_sender import RtpSender
 from ross_payload.interfaces import VoiceBlock
@@ -33,6 +35,7 @@ class Heard:
     receiver: RtpReceiver
     reception: Reception
     sent: int  # packets of sound, each counted once
+    arrived: Counter[bytes]  # how often each of them came
     again: int  # packets sent once more
     total_delays: list[float] = field(default_factory=list)
 
@@ -45,6 +48,8 @@ def heard(voice, rate, codec="opus", network=Network(), *, seed=0, delay_s=0.0, 
     hop, taken = round(HOP * rate), round(HOP * media.rate)
     wire: list[tuple[float, int, str, bytes]] = []
     out, delays, sent, again = [], [], 0, 0
+    sounds: set[bytes] = set()
+    arrived: Counter[bytes] = Counter()
 
     def transmit(now: float, way: str, packet: bytes) -> None:
         for _ in range(1 + (rng.random() < network.twice)):
@@ -53,29 +58,54 @@ def heard(voice, rate, codec="opus", network=Network(), *, seed=0, delay_s=0.0, 
                     wire, (now + network.delay + network.jitter * rng.random(), rng.integers(1 << 60), way, packet)
                 )
 
-    played = 0
+    heapq.heappush(wire, (start, -1, "read", b""))
     for step in range(len(voice) // hop):
         now = start + step * HOP
         block = VoiceBlock(voice[step * hop : (step + 1) * hop].astype(np.float32), step * hop, now - HOP)
         for packet in sender.packets(block):
             sent += 1
+            sounds.add(packet)
             transmit(now, "out", packet)
         if (report := sender.report(now, now + 1.7e9)) is not None:
             transmit(now, "out", report)
-        while wire and wire[0][0] <= now + HOP:
+        while wire[0][0] < now + HOP:
             when, _, way, packet = heapq.heappop(wire)
             if way == "out":
+                arrived[packet] += packet in sounds
                 receiver.take(packet, when, "payload")
-            else:
+            elif way == "back":
                 for each in sender.on_report(packet, when):
                     again += 1
                     transmit(when, "out", each)
+            else:
+                out.append(receiver.read(taken, when))
+                heapq.heappush(wire, (start + len(out) * HOP / (1 + network.drift), -1, "read", b""))
+                if (total := receiver.total_delay(when + 1.7e9)) is not None:
+                    delays.append(total)
         for report in receiver.feedback(now + HOP):
             if network.answers:
                 transmit(now + HOP, "back", report)
-        while played * taken / media.rate <= (step + 1) * HOP * (1 + network.drift):
-            out.append(receiver.read(taken, now + HOP))
-            played += 1
-            if (total := receiver.total_delay(now + HOP + 1.7e9)) is not None:
-                delays.append(total)
-    return Heard(np.concatenate(out), receiver, receiver.reception(start + len(voice) / rate), sent, again, delays)
+    return Heard(
+        np.concatenate(out), receiver, receiver.reception(start + len(voice) / rate), sent, +arrived, again, delays
+    )
+
+
+def voiced(seconds, rate, seed=0):
+    """Something like a voice, (n,): harmonics of a pitch that moves, in syllables with pauses between them."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(round(seconds * rate)) / rate
+    pitch = 120 + 30 * np.sin(2 * np.pi * 0.7 * time) + 10 * np.sin(2 * np.pi * 2.3 * time)
+    phase = 2 * np.pi * np.cumsum(pitch) / rate
+    tones = sum(np.sin(k * phase + rng.uniform(0, 6)) / k for k in range(1, 25))
+    syllables = np.clip(np.sin(2 * np.pi * 3.1 * time) + 0.4 * np.sin(2 * np.pi * 0.31 * time), 0, 1)
+    return (0.2 * tones * syllables + 1e-3 * rng.standard_normal(len(time))).astype(np.float32)
+
+
+def compared(voice, samples, rate, after=2.0):
+    """Return how late [s] samples (n,) are, and their SI-SDR [dB], from ``after`` on to the last second."""
+    first = round(after * rate)
+    reference = voice[first : len(voice) - rate].astype(float)
+    late = int(np.argmax(scipy.signal.correlate(samples[first:], reference, "valid", "fft")))
+    played = samples[first + late :][: len(reference)]
+    scaled = reference * (reference @ played) / (reference @ reference)
+    return late / rate, 10 * np.log10(scaled @ scaled / ((played - scaled) @ (played - scaled)))

@@ -82,6 +82,7 @@ class Ground:
         self._heard = threading.Condition()
         self._answers = []
         self.latest, self.beats, self.silence = {}, 0, 0.0
+        self.streams = {}  # the latest ROSS_STREAM of each
 
     def _listen(self):
         beat, next_beat = None, 0.0
@@ -95,6 +96,8 @@ class Ground:
                 continue
             for packet in packets:
                 self.latest[packet.name] = packet.message
+                if packet.name == "ROSS_STREAM":
+                    self.streams[packet.message.number] = packet.message
                 if packet.name == "HEARTBEAT":
                     now = time.monotonic()
                     self.beats, self.silence = self.beats + 1, max(self.silence, now - (beat or now))

@@ -108,8 +108,15 @@ def test_actuators_are_listed_for_people_and_machines(run):
 
 
 LACKING = """
-import sys
+import importlib.metadata, sys
 sys.modules["pyroomacoustics"] = None  # as if the extra were not installed
+
+def version(name, known=importlib.metadata.version):
+    if name == "pyroomacoustics":
+        raise importlib.metadata.PackageNotFoundError(name)
+    return known(name)
+
+importlib.metadata.version = version
 from ross_payload.cli import main
 main()
 """

@@ -37,6 +37,7 @@ def test_examples_in_docstrings_are_pure():
         ("unit/test_it.py", ["pure", "lockstep"], "two lanes"),
         ("unit/test_it.py", ["realtime"], "lies in interop, realtime"),
         ("realtime/test_it.py", ["browser"], "lies in browser"),
+        ("browser/test_it.py", ["process"], "expected browser, as all of tests/browser"),
     ],
 )
 def test_a_test_without_a_lane_or_with_two_or_in_the_wrong_place_is_refused(place, markers, why):

@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,12 @@ def product() -> list[Path]:
     return sorted(path for room in PRODUCT for path in (ROOT / room).rglob("*.py") if path.name not in GENERATED)
 
 
+@cache
+def read(source: str) -> tuple[tuple[int, str], ...]:
+    """Every string literal of a source, with its line."""
+    return tuple(texts(ast.parse(source)))
+
+
 def texts(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Yield line and text of every string literal that is no docstring; a formatted one as a whole, {} for a value."""
     silent = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
@@ -46,9 +53,7 @@ def found(pattern: re.Pattern[str], source: str, name: str) -> list[str]:
     if name in PROSE:
         return []
     return [
-        f"{name}:{line}: {text}"
-        for line, text in texts(ast.parse(source))
-        if pattern.search(text) and (name, text) not in KEYS
+        f"{name}:{line}: {text}" for line, text in read(source) if pattern.search(text) and (name, text) not in KEYS
     ]
 
 

@@ -111,3 +111,18 @@ def test_the_shipped_weights_are_few_and_finite() -> None:
 def test_damaged_weights_are_refused() -> None:
     with pytest.raises(ConfigError, match="there: expected the weights"):
         read_network(b"PK", "there")
+
+
+def test_frame_by_frame_it_corrects_as_in_the_whole_recording_when_nothing_later_matters() -> None:
+    rng, n_frames = np.random.default_rng(6), 24
+    weights = refiner_model.initial(8, 4, rng)
+    for name, array in weights.items():
+        if name.startswith("t"):
+            array[-8:] = 0  # the taps of what follows
+    weights["out"] = rng.normal(0, 0.1, weights["out"].shape).astype(np.float32)
+    network, shown, past, found = network_of(weights), _shown(rng, 2, 12, n_frames), (), []
+    whole = network.corrections(shown, FREQUENCIES[:12])
+    for frame in range(1, n_frames):
+        both, past = network.advance(shown[..., frame - 1 : frame + 1], FREQUENCIES[:12], past)
+        found.append(both)
+    np.testing.assert_allclose(np.concatenate(found[::2], axis=2), whole, atol=1e-5)

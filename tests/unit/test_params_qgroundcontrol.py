@@ -154,6 +154,6 @@ def test_its_actions_are_orders_to_us():
     assert isinstance(orders[0], Stop), "the stop comes first"
     assert len({action["label"] for action in told["actions"]}) == len(orders)
     everything = {action["mavCmd"] for action in told["actions"]}
-    with_numbers = {ross.MAV_CMD_ROSS_INFORM, ross.MAV_CMD_ROSS_TURN}  # that one must type
+    with_numbers = {ross.MAV_CMD_ROSS_INFORM, ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_ENROL}  # that one must type
     assert everything == set(READERS) - with_numbers
     assert {order.on for order in orders if isinstance(order, Record)} == {True, False}

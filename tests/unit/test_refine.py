@@ -9,7 +9,8 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Scene
 from ross_payload.separation import local_gaussian_model
 from ross_payload.separation.network import network_of
-from ross_payload.separation.refined import HIGHEST, N_FEATURES, Refined, features, separator
+from ross_payload.separation.refined import Refined, separator
+from ross_payload.separation.refiner_features import HIGHEST, N_FEATURES, features
 from ross_sim.study import refiner_model
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 

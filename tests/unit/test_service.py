@@ -315,3 +315,23 @@ def test_the_brakes_are_on_before_a_disk_hears_of_a_stop():
         runner = Runner(mission, Microphones(clock), actuator, FixedMount(None), config=CONFIG, clock=clock, latch=disk)
         runner.order(Stop())
     assert disk.asked == [(Stop, True)]
+
+
+def test_where_the_array_points_can_be_asked_before_the_mission_hears_of_it(bench):
+    asked = []
+
+    class Asks:
+        def on_input(self, hop):
+            end = hop.block.time + hop.block.samples.shape[1] / 16000
+            asked.append((runner.located(hop.block.time, end), hop))
+
+        def on_event(self, event, hop):
+            pass
+
+    runner, _, _ = bench(turns_once(0.5), FixedMount(0.2))
+    runner.observers.append(Asks())
+    runner.run()
+    for (pointing, settled), hop in asked:
+        assert replace(hop.pointing, base_rate=0.0) == pointing
+        assert settled or not hop.settled
+    assert {settled for (_, settled), _ in asked} == {True, False}

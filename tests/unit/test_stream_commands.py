@@ -2,6 +2,7 @@
 
 import math
 import struct
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
@@ -17,6 +18,8 @@ from command_bench import (
     TEMPORARILY_REJECTED,
     Payload,
 )
+from ross_payload.interfaces import Groups
+from ross_payload.mission import enrol_talker
 from ross_payload.orders import Enrol
 from ross_payload.streams import Selection, StreamOrder, What
 from ross_protocols.mavlink import stream_command
@@ -229,6 +232,21 @@ def test_a_source_can_only_be_enrolled_when_it_is_known(payload):
     assert payload.texts[-1] == "enrol refused: source: expected 0 to 1, got 2"
 
 
-def test_a_payload_that_cannot_enrol_says_so(payload):
-    assert payload.command(ENROL, 2, 0, 30, 10, 1, 3, seconds=0.5) == [DENIED]
-    assert payload.texts == ["enrol refused: this payload cannot enrol"]
+@pytest.fixture
+def somebody(monkeypatch):
+    """One talker, who is alone and says nothing."""
+
+    def separate(context, estimate, heard):
+        voice = heard.samples[:1]
+        return Groups(voice[:, None], ((estimate.k - 1,),), "alone"), voice
+
+    monkeypatch.setattr(enrol_talker, "separate", separate)
+
+
+def test_a_talker_is_enrolled_by_command(payload, somebody, monkeypatch):
+    monkeypatch.setattr(enrol_talker, "enrol", lambda voice, rate, **how: SimpleNamespace(seconds=4.2))
+    assert payload.command(ENROL, 2, 0, 30, 0.5, 1, 3, seconds=8.0) == [IN_PROGRESS, ACCEPTED]
+
+
+def test_who_does_not_speak_is_not_enrolled(payload, somebody):
+    assert payload.command(ENROL, 2, 0, 30, 0.5, 1, 3, seconds=8.0) == [IN_PROGRESS, FAILED]

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ross_payload.dsp.stft import Stft
-from ross_payload.dsp.streaming_stft import StreamingAnalysis, StreamingStft, StreamingSynthesis
+from ross_payload.dsp.streaming_stft import StreamingAnalysis, StreamingStft, StreamingSynthesis, transform_for
 from ross_payload.errors import ConfigError
 
 STFT = Stft(16000, 64, 16)
@@ -46,3 +46,17 @@ def test_nothing_but_single_precision_comes_out() -> None:
 def test_a_synthesis_window_that_does_not_fit_is_refused(delay: int) -> None:
     with pytest.raises(ConfigError, match="expected an even length of 32 to 64 samples, got"):
         StreamingStft(STFT, delay)
+
+
+@pytest.mark.parametrize("rate", [16000, 22050, 24000, 44100, 48000])
+@pytest.mark.parametrize("latency", [0.04, 0.045, 0.1, 0.2, 1.0])
+def test_a_transform_is_as_late_as_it_may_be_and_not_later(rate: int, latency: float) -> None:
+    transform, lookahead = transform_for(rate, latency)
+    spent = (transform.latency + lookahead * transform.stft.hop) / rate
+    assert min(latency, 0.14) - 2 / rate <= spent <= latency
+    assert transform.stft.frame / rate == pytest.approx(0.128 if latency > 0.064 else 0.096, rel=0.05)
+
+
+def test_no_transform_is_quicker_than_two_hops() -> None:
+    with pytest.raises(ConfigError, match="latency: expected at least 32 ms, got 31 ms"):
+        transform_for(16000, 0.031)

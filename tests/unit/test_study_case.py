@@ -40,20 +40,25 @@ def study(**changes):
     return chosen("quick", TINY | changes, False)
 
 
-def test_a_task_gives_the_same_rows_every_time(source):
-    first, second = (perform(EXPLORED, study(), source) for _ in range(2))
-    assert first.separations == second.separations
-    assert first.explorations == second.explorations
-    assert perform(EXPLORED, study(seed=1), source).explorations != first.explorations
+@pytest.fixture(scope="module")
+def explored(source):
+    """The rows of the task that explores."""
+    return perform(EXPLORED, study(), source)
 
 
-def test_two_voices_in_the_open_are_found_and_separated(source):
-    result = perform(EXPLORED, study(), source)
-    last = result.explorations[-1]
+def test_a_task_gives_the_same_rows_every_time(source, explored):
+    again = perform(EXPLORED, study(), source)
+    assert again.separations == explored.separations
+    assert again.explorations == explored.explorations
+    assert perform(EXPLORED, study(seed=1), source).explorations != explored.explorations
+
+
+def test_two_voices_in_the_open_are_found_and_separated(explored):
+    last = explored.explorations[-1]
     assert last.k_estimated == 2
     assert last.right
     assert max(last.errors_deg) < 3
-    for row in result.separations:
+    for row in explored.separations:
         assert row.all_found
         assert not row.missed
         assert row.si_sdri_db > 10  # two talkers at 15 dB: 14 to 18 dB of noise and interference can go
@@ -66,13 +71,12 @@ def test_an_explorer_that_is_told_k_finds_so_many(source):
     assert told[-1].k_estimated == 3
 
 
-def test_every_target_schedule_and_separator_has_a_row(source):
-    result = perform(EXPLORED, study(), source)
-    found = {(row.target, row.schedule, row.separator) for row in result.separations}
+def test_every_target_schedule_and_separator_has_a_row(explored):
+    found = {(row.target, row.schedule, row.separator) for row in explored.separations}
     assert found == {(target, schedule, "gaussian") for target in (0, 1) for schedule in ("2", "4", "stop")}
-    assert len(result.separations) == len(found)
-    assert {row.how for row in result.separations} == {ESTIMATED}
-    assert [row.rotations for row in result.explorations] == list(range(13))
+    assert len(explored.separations) == len(found)
+    assert {row.how for row in explored.separations} == {ESTIMATED}
+    assert [row.rotations for row in explored.explorations] == list(range(13))
 
 
 def test_known_azimuths_give_a_row_per_separator_and_the_oracle_is_better(source):

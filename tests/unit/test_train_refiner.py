@@ -7,7 +7,7 @@ import pytest
 
 from ross_payload.separation.local_gaussian_model import wiener
 from ross_payload.separation.network import network_of, places
-from ross_payload.separation.refined import N_FEATURES
+from ross_payload.separation.refiner_features import N_FEATURES
 from ross_sim.study import refiner_model
 from ross_sim.study.refiner_data import RATES, clip
 from ross_sim.study.train_refiner import PIECE, keep, load, piece, train

@@ -95,8 +95,9 @@ class Framer:
 
     def size(self) -> int | None:
         """Skip to a marker; return the size of its frame when all of it is here."""
-        starts = (place for marker in (_V1, _V2) if (place := self.buffer.find(marker)) >= 0)
-        self.skip(min(starts, default=len(self.buffer)))
+        if self.buffer and self.buffer[0] not in _OVERHEAD:
+            starts = (place for marker in (_V1, _V2) if (place := self.buffer.find(marker)) >= 0)
+            self.skip(min(starts, default=len(self.buffer)))
         if len(self.buffer) < 3:
             return None
         marker, length, flags = self.buffer[:3]

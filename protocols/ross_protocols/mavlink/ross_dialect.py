@@ -751,7 +751,7 @@ enums["MAV_CMD"][54011].param[2] = """What it carries; NONE ends it. NaN: as it 
 enums["MAV_CMD"][54011].label[2] = """Selection"""
 enums["MAV_CMD"][54011].param[3] = """ROSS_SOURCE.source (selection SOURCE), or an azimuth in degrees (selection AZIMUTH)."""
 enums["MAV_CMD"][54011].label[3] = """Which"""
-enums["MAV_CMD"][54011].param[4] = """-100: muted. NaN: as it is, and of a new one 0."""
+enums["MAV_CMD"][54011].param[4] = """-100: muted; any other gain unmutes. NaN: as it is, and of a new one 0."""
 enums["MAV_CMD"][54011].label[4] = """Gain"""
 enums["MAV_CMD"][54011].param[5] = """The first half of the address: of a.b.c.d, 256 a + b. Both halves 0: where it goes already."""
 enums["MAV_CMD"][54011].label[5] = """Address 1"""
@@ -1304,7 +1304,7 @@ setattr(MAVLink_ross_link_message, "name", mavlink_msg_deprecated_name_property(
 class MAVLink_ross_stream_message(MAVLink_message):
     """
     State of one stream of live listening; one message per stream.
-    Sent every 2 s and when its state changes. A stream that has ended
+    Sent every 5 s and when its state changes. A stream that has ended
     is still sent, without the flag ON, until its number is given to
     another.
     """
@@ -2369,7 +2369,7 @@ class MAVLink(object):
     def ross_stream_encode(self, time_usec: int, azimuth: float, gain: float, rate: int, lost: int, packets_lost: int, port: int, delay: int, number: int, count: int, selection: int, source: int, group: int, listeners: int, flags: int, frame: int, codec: int, level: int, sink: bytes, address: bytes, detail: bytes) -> MAVLink_ross_stream_message:
         """
         State of one stream of live listening; one message per stream. Sent
-        every 2 s and when its state changes. A stream that has ended
+        every 5 s and when its state changes. A stream that has ended
         is still sent, without the flag ON, until its number is given
         to another.
 
@@ -2401,7 +2401,7 @@ class MAVLink(object):
     def ross_stream_send(self, time_usec: int, azimuth: float, gain: float, rate: int, lost: int, packets_lost: int, port: int, delay: int, number: int, count: int, selection: int, source: int, group: int, listeners: int, flags: int, frame: int, codec: int, level: int, sink: bytes, address: bytes, detail: bytes, force_mavlink1: bool = False) -> None:
         """
         State of one stream of live listening; one message per stream. Sent
-        every 2 s and when its state changes. A stream that has ended
+        every 5 s and when its state changes. A stream that has ended
         is still sent, without the flag ON, until its number is given
         to another.
 

@@ -58,3 +58,12 @@ class StreamReport:
     muted: bool = False
     records: bool = False  # what it carries stays on a disk
     separated: bool = False  # it carries a separated voice at present
+
+
+def description_file(number: int) -> str:
+    """Return the name of the session description (SDP) of a stream, as MAVLink FTP offers it.
+
+    >>> description_file(0)
+    'stream-0.sdp'
+    """
+    return f"stream-{number}.sdp"

@@ -28,7 +28,7 @@ class FileOptions(Table):
         try:
             checked_suffix(Path(text))
         except ConfigError as error:
-            raise ValueError(f"path: {error}") from error
+            raise ValueError(str(error)) from error
         return text
 
 

@@ -18,6 +18,7 @@ from typing import Any, Self
 from ross_payload.errors import AudioError
 from ross_payload.transport.link_url import LOOPBACK
 from ross_payload.transport.ports import reason
+from ross_protocols.mavlink.stream_values import description_file
 
 PATIENCE_S = 2.0  # for a client's request
 MOST_CLIENTS = 8  # at a time; others are turned away
@@ -26,7 +27,7 @@ Texts = Callable[[], Mapping[int, str]]  # session descriptions by the number of
 
 
 class SdpFiles(Mapping[str, bytes]):
-    """The session descriptions of this moment as files by name, as they are offered over MAVLink FTP and HTTP.
+    """The session descriptions of this moment as files by name, which are those of MAVLink FTP.
 
     >>> list(SdpFiles(lambda: {0: "v=0", 2: ""}))
     ['stream-0.sdp']
@@ -41,7 +42,7 @@ class SdpFiles(Mapping[str, bytes]):
         self._texts = texts
 
     def _files(self) -> dict[str, bytes]:
-        return {f"stream-{number}.sdp": text.encode() for number, text in self._texts().items() if text}
+        return {description_file(number): text.encode() for number, text in self._texts().items() if text}
 
     def __getitem__(self, name: str) -> bytes:
         """Return one of them."""

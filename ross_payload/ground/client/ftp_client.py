@@ -47,6 +47,11 @@ class FileReader:
         self._tried = self._opened = 0
 
     @property
+    def unanswered(self) -> bool:
+        """Whether it was given up because nothing answered."""
+        return self._tried > MOST_UNANSWERED
+
+    @property
     def over(self) -> bool:
         """Whether it has ended, well or not."""
         return self.content is not None or bool(self.trouble)
@@ -55,7 +60,7 @@ class FileReader:
         """Ask for what has not come."""
         if self.over or now < self._due:
             return
-        if self._tried > MOST_UNANSWERED:
+        if self.unanswered:
             self.trouble = f"{self._path}: no answer"
             return
         self._ask(now)

@@ -17,7 +17,6 @@ from contextlib import suppress
 from typing import Self
 from weakref import WeakSet
 
-from ross_payload.ground.client.audio_streams import AudioStream
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_status import CANCELLED, DONE, ENDS, FAILED, NO_ANSWER, REFUSED, CommandStatus
 from ross_payload.ground.client.command_types import (
@@ -43,11 +42,10 @@ from ross_payload.ground.client.events import (
     TaskProgress,
     events_between,
 )
-from ross_payload.ground.client.order_json import order_of
 from ross_payload.ground.client.param_client import ParamClient
 from ross_payload.ground.client.parameters import REASON_TIMEOUT_S, Parameters
-from ross_payload.ground.client.stream_orders import Enrol, StopStream
-from ross_payload.ground.client.streams import EventStream, Found, Wakeup
+from ross_payload.ground.client.stream_requests import StreamRequests
+from ross_payload.ground.client.streams import EventStream, Found
 from ross_payload.ground.errors import (
     LinkLost,
     RefusedByPayload,
@@ -63,12 +61,11 @@ from ross_protocols.mavlink.component_id import ComponentId
 TICK_S = 0.05  # between two looks at what is due
 SILENT_S = 3.0  # without a message until contact counts as lost
 ESTIMATE_TIMEOUT_S = 2.0  # for the sources that an estimate announces
-STREAM_TIMEOUT_S = 4.0  # for a stream to be announced
 FAILURES = {REFUSED: RefusedByPayload, FAILED: TaskFailed, CANCELLED: TaskCancelled, NO_ANSWER: LinkLost}
 DEFAULT_REASONS = {reason for _, reason in ENDS.values()}
 
 
-class Payload:
+class Payload(StreamRequests):
     """One payload that an open `Station` receives. An async context manager.
 
     Every request is a coroutine that ends when the payload says that it is done, and raises otherwise:
@@ -84,15 +81,14 @@ class Payload:
 
     def __init__(self, station: Station, component: ComponentId) -> None:
         self.id = component
-        us = station.system_id, station.component_id
+        us = ComponentId(station.system_id, station.component_id)
+        super().__init__(lambda message: station.send(message, component), component, us)
         self._station = station
         self._state = station.fleet.payloads[component]
         self._commands = CommandProtocol(station.send, *us)
         self._settings = ParamClient(station.send, component, *us)
         self._statuses: dict[int, CommandStatus] = {}
-        self._changed = Wakeup()
         self._event_streams: WeakSet[EventStream] = WeakSet()
-        self._one_stream_order = asyncio.Lock()  # of two at once nobody could tell which one was refused
         self._silent = False
         self.parameters = Parameters(self._settings, self._changed)
 
@@ -175,67 +171,6 @@ class Payload:
         """Start, or end, recording a session on the payload's disk."""
         await self.request(Record(on))
 
-    async def stream(
-        self,
-        what: str | None = None,
-        which: float | SourceEstimate = 0,
-        *,
-        to: tuple[str, int] | None = None,
-        codec: str = "",
-        gain_db: float | None = None,
-        muted: bool | None = None,
-        number: int | None = None,
-    ) -> AudioStream | None:
-        """Let somebody listen, live, or change a stream; return it as announced, None: no announcement came.
-
-        ``what`` is "target", "mixture", "source" (``which``: its index) or "azimuth" (``which``: degrees). ``to`` is
-        the IPv4 address and port of one computer, as the payload reaches it; RTP goes there, as ``codec`` "opus" or
-        "L16". A stream is known by its ``number``, or by where it goes. What is not given stays as it is.
-
-        Raises
-        ------
-        ValueError
-            When the address is no unicast address, or something else cannot be meant.
-        """
-        index = which.source if isinstance(which, SourceEstimate) else which
-        order = order_of(
-            {"kind": "stream", "stream": number, "what": what, what or "source": index, "codec": codec}
-            | ({} if to is None else {"address": to[0], "port": to[1]})
-            | {"gain": gain_db, "muted": muted}
-        )
-        async with self._one_stream_order:
-            await self.request(order)
-        with suppress(TimeoutError):
-            async with asyncio.timeout(STREAM_TIMEOUT_S):
-                return await self._changed.until(lambda: self._announced(number, to))
-        return None
-
-    def _announced(self, number: int | None, to: tuple[str, int] | None) -> AudioStream | None:
-        alike = (each for each in self.streams if to is None or (each.address, each.port) == to)
-        return next((each for each in alike if each.on and number in (None, each.number)), None)
-
-    async def stop_stream(self, number: int | None = None) -> None:
-        """End a stream, or all of them."""
-        async with self._one_stream_order:
-            await self.request(StopStream(number))
-
-    async def enrol(
-        self,
-        source: int | SourceEstimate | None = None,
-        *,
-        azimuth_deg: float | None = None,
-        consent: bool,
-        voice: int = 0,
-        duration_s: float = 0.0,
-    ) -> None:
-        """Enrol the talker at a source or an azimuth, who has agreed to it (``consent``), as talker-``voice``.
-
-        Without ``voice`` it is the lowest number that is free; without ``duration_s`` as long as the payload's
-        configuration says.
-        """
-        index = source.source if isinstance(source, SourceEstimate) else source
-        await self.request(Enrol(index, azimuth_deg, duration_s, consent, voice))
-
     async def request(self, order: Order) -> CommandStatus:
         """Send a command, again until it is answered, and wait until it is done.
 
@@ -272,11 +207,6 @@ class Payload:
         """The sources of the latest estimate."""
         return tuple(map(SourceEstimate.of, self._state.sources))
 
-    @property
-    def streams(self) -> tuple[AudioStream, ...]:
-        """The streams of live listening, also those that have ended."""
-        return tuple(map(AudioStream.of, self._state.streams))
-
     def events(self) -> EventStream:
         """Iterate over what happens from here on, until the client is closed: ``async for event in payload.events()``.
 
@@ -306,6 +236,7 @@ class Payload:
         self._commands.on_packet(packet, at)
         self._settings.on_state(self._state)
         self._settings.on_packet(packet, at)
+        self._on_file_packet(packet, at)
         if self._silent:
             self._silent = False
             self._publish(ContactRestored(at))
@@ -318,13 +249,16 @@ class Payload:
         while True:
             now = self._station.now()
             self._commands.tick(now)
-            if self.parameters.wanted:
+            if not self._read_files(now) and self.parameters.wanted:
                 self._settings.tick(now)
             if not self._silent and now - self._state.last > SILENT_S:
                 self._silent = True
                 self._publish(ContactLost(now))
             self._publish_progress()
             await asyncio.sleep(TICK_S)
+
+    def _reads_files(self) -> bool:
+        return self.parameters.wanted and not self._settings.described
 
     def _publish(self, event: Event) -> None:
         for stream in self._event_streams:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ross_payload.ground.client.audio_streams import AudioStream
 from ross_payload.ground.client.command_types import AZIMUTH, SOURCE, Order
 from ross_protocols.mavlink import stream_command
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.stream_command import MUTED_DB, StreamCommand
 from ross_protocols.mavlink.stream_values import Selection
 
+GAIN_STEP_DB = 0.01  # below which two gains are one
 SELECTIONS = {entry.name.lower(): entry for entry in Selection if entry is not Selection.NONE}
 
 
@@ -59,6 +61,20 @@ class Stream(Order):
         goes = f"to {self.address}:{self.port}" if self.address else ""
         level = "muted" if self.muted else "" if self.gain is None else f"at {self.gain:g} dB"
         return " ".join(filter(None, ("stream", name, what, goes, level)))
+
+
+def is_shown(order: Stream, stream: AudioStream) -> bool:
+    """Tell whether an announced stream is on, and as it was ordered in all that the order says."""
+    ordered = {
+        "number": order.stream,
+        "what": order.what,
+        "source": order.source if order.what == "source" else None,
+        "address": order.address or None,
+        "port": order.port or None,
+        "muted": order.muted,
+    }
+    as_ordered = all(value is None or getattr(stream, name) == value for name, value in ordered.items())
+    return stream.on and as_ordered and (order.gain is None or abs(stream.gain_db - order.gain) < GAIN_STEP_DB)
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,6 +45,7 @@ def condition(known: PayloadState) -> dict[str, Any]:
         "reception": _reception(known),
         "processor": _processor(known),
         "recording": _recording(known),
+        "listening": _listening(known),
     }
 
 
@@ -173,6 +174,17 @@ def _processor(known: PayloadState) -> dict[str, Any]:
         "temperature": computer.temperature,
         "uptime": computer.uptime,
     }
+
+
+def _listening(known: PayloadState) -> dict[str, Any]:
+    """Whether sound leaves the payload live, and whether that works."""
+    if known.status is None and not known.streams:
+        return {"level": UNKNOWN, "words": "no data", "on": False}
+    faults = [f"stream {each.number}: {each.detail or 'see the events'}" for each in known.streams if each.fault]
+    on = sum(each.on for each in known.streams)
+    listened = known.status is not None and known.status.streaming
+    words = f"{on} stream{'' if on == 1 else 's'} on{', listened to' if listened else ''}" if on or listened else "off"
+    return {"level": ACT if faults else GOOD, "words": "; ".join(faults) or words, "on": listened}
 
 
 def _recording(known: PayloadState) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from ross_payload.ground.terminal.polar_plot import colour, letter
 from ross_protocols.angle_text import frame
 
 SILENT_S = 2.5  # without a message, from which a payload is lost
+LEAST_RATE_DEG_S, LEAST_SILENCE_S = 0.5, 1.0  # that are told of a tracked source
 BARS = " ▁▂▃▄▅▆▇█"
 PLAIN_BARS = " .:-=+*%#"
 MARKS = {"good": ("ok ", "green"), "watch": ("!  ", "yellow"), "act": ("!! ", "bold red"), "unknown": ("?  ", "dim")}
@@ -82,7 +83,7 @@ def sources(view: View, *, chosen: int | None) -> list[Text]:
         line = Text(f"{'>' if each['source'] == chosen else ' '}", "bold")
         line.append(f"{each['source']:>3}{mark}", f"bold {colour(each['source'])}")
         line.append(f" {each['azimuth']:7.1f} {number(each['mirror'], '.1f'):>6} {number(each['sigma'], '.1f'):>4}")
-        line.append(f" {number(each['confidence'], '.2f'):>5} {number(each['score'], '.2f'):>6}")
+        line.append(f" {number(each['confidence'], '.2f'):>5} {number(each['score'], '.2f'):>6}{_motion(each)}")
         rows.append(line)
     if not view["sources"]:
         rows.append(Text(" none yet", "dim"))
@@ -90,6 +91,13 @@ def sources(view: View, *, chosen: int | None) -> list[Text]:
     if announced > len(view["sources"]):
         rows.insert(1, Text(f" {announced} announced, {len(view['sources'])} received", "yellow"))
     return rows
+
+
+def _motion(source: View) -> str:
+    """Say how fast a tracked source moves, and for how long it has been silent."""
+    rate, age = source["rate"] or 0.0, source["age"] or 0.0
+    moving = f"  {rate:+.0f} deg/s" if abs(rate) >= LEAST_RATE_DEG_S else ""
+    return moving + (f"  silent {age:.0f} s" if age >= LEAST_SILENCE_S else "")
 
 
 def plan(view: View) -> list[Text]:

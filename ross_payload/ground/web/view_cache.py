@@ -28,7 +28,7 @@ DRAWN_FROM: dict[str, tuple[str, ...]] = {
     "streams": ("streams",),
     "history": ("history",),
     "events": ("texts",),
-    "health": ("who", "twin", "counts", "status", "status_at", "audio", "recording", "links", "computer"),
+    "health": ("who", "twin", "counts", "status", "status_at", "audio", "recording", "links", "computer", "streams"),
 }  # fmt: skip
 """Attributes of `PayloadState` that each section of `view` reads; the settings change all."""
 

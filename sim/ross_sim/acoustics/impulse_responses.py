@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Samples
-from ross_sim.acoustics.room import RoomSpec, n_taps, respond
+from ross_sim.acoustics.room import PYROOMACOUSTICS, RoomSpec, n_taps, respond
 from ross_sim.cache import Array, cache_folder, cached, fingerprint
 
 TURN = 6_283_185  # [microradian], once around
@@ -27,7 +26,8 @@ def microradians(heading: float) -> int:
 class Responses:
     """The impulse responses of one room, heading by heading: simulated once, then read from disk.
 
-    Headings are rounded to one microradian, which moves a microphone by nanometres.
+    Headings are rounded to one microradian, which moves a microphone by nanometres. Another version of the library
+    that simulates them (`ross_sim.acoustics.room`) has responses of its own.
     """
 
     def __init__(self, spec: RoomSpec, folder: Path | None = None) -> None:
@@ -41,7 +41,7 @@ class Responses:
             spacing=spec.spacing,
             sources=spec.sources,
             speed_of_sound=spec.speed_of_sound,
-            pyroomacoustics=version("pyroomacoustics"),
+            pyroomacoustics=PYROOMACOUSTICS,
             layout=2,
         )
         self._folder = cache_folder(folder) / "rooms" / key

@@ -9,7 +9,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
-from scipy.signal import oaconvolve
 
 from ross_payload.interfaces import Samples
 from ross_sim.acoustics.impulse_responses import Responses, microradians
@@ -127,11 +126,16 @@ def gains(speech: Sequence[Samples], levels_db: Sequence[float], response: Sampl
     (1.0, 10.0)
     """
     powers = [
-        float(np.mean(oaconvolve(said, taps, mode="full")[: said.size].astype(float) ** 2))
-        for said, taps in zip(speech, response[0], strict=True)
+        float(np.mean(_filtered(said, taps).astype(float) ** 2)) for said, taps in zip(speech, response[0], strict=True)
     ]
     wanted = [10 ** (level / 10) for level in levels_db]
     return [float(rms) * math.sqrt(want / sum(wanted) / power) for want, power in zip(wanted, powers, strict=True)]
+
+
+def _filtered(signal: Samples, taps: Samples) -> Samples:
+    """Filter a signal, (n,), as `scipy.signal.oaconvolve` does; importing that package takes as long as the mission."""
+    size = next_fast_len(signal.size + taps.size - 1, real=True)
+    return np.asarray(irfft(rfft(signal, size) * rfft(taps, size), size)[: signal.size])
 
 
 FULL_STEP = math.radians(1.8)  # of a NEMA 17

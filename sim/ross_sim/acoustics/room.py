@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-import pyroomacoustics as pra
 from numpy.typing import NDArray
 
 from ross_payload.errors import ConfigError
@@ -17,6 +17,7 @@ from ross_payload.interfaces import Samples
 
 Real = NDArray[np.floating[Any]]
 
+PYROOMACOUSTICS = version("pyroomacoustics")  # needed here; imported when a room is computed, which takes a second
 CLEARANCE = 0.2  # [m], nearest a source may come to the centre of the array
 WALL = 0.01  # [m], nearest anything may come to a wall
 SPEED_OF_SOUND = 343.0  # [m/s]
@@ -103,6 +104,8 @@ def microphones(spec: RoomSpec, headings: Sequence[float]) -> Real:
 
 
 def _shoebox(spec: RoomSpec) -> Any:
+    import pyroomacoustics as pra  # noqa: PLC0415
+
     absorption, order = _walls(spec)
     room = pra.ShoeBox(list(spec.size), fs=spec.rate, materials=pra.Material(absorption), max_order=order)
     room.set_sound_speed(spec.speed_of_sound)
@@ -113,6 +116,8 @@ def _walls(spec: RoomSpec) -> tuple[float, int]:
     """Absorption of the walls, and the order of reflections up to which images count."""
     if spec.t60 <= 0:
         return 1.0, 0
+    import pyroomacoustics as pra  # noqa: PLC0415
+
     try:
         absorption, order = pra.inverse_sabine(spec.t60, list(spec.size), c=spec.speed_of_sound)
     except ValueError as error:
@@ -126,6 +131,8 @@ def _walls(spec: RoomSpec) -> tuple[float, int]:
 @contextmanager
 def _single_thread(high_pass: bool) -> Iterator[None]:
     """One thread, so that sums are formed in one order; the library's constants are put back."""
+    import pyroomacoustics as pra  # noqa: PLC0415
+
     wanted = {"num_threads": 1, "rir_hpf_enable": high_pass, "frac_delay_length": SINC}
     before = {name: pra.constants.get(name) for name in wanted}
     try:

@@ -56,6 +56,9 @@ def named_folder(context: click.Context, parameter: click.Parameter, value: str 
 @click.option("--speed", callback=_speed, help="max, or times real time; default: max, with --page 4, with --serve 1.")
 @click.option("--out", callback=named_folder, help="Folder for report, audio, picture and logs.")
 @click.option("--record", callback=named_folder, help="Record from start to end, in this folder, for `ross replay`.")
+@click.option(
+    "--listen", type=click.Path(path_type=Path), help="Write the target's voice there, live: a .flac or .wav."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print only the report, as JSON.")
 def command(
     *,
@@ -65,6 +68,7 @@ def command(
     record: Path | None,
     serving: bool,
     page: bool,
+    listen: Path | None,
     as_json: bool,
     **changes: Any,
 ) -> int:
@@ -77,6 +81,7 @@ def command(
     with page_observer(out, kept) if page else nullcontext() as looking:
         if looking is not None:
             click.echo(f"the page: {looking.url}", err=as_json)
+        changes["listen"] = listen
         return _run(scenario, changes, looking, out=out, speed=speed, tape=record, serving=serving, as_json=as_json)
 
 

@@ -18,14 +18,17 @@ from ross_payload.audio.audio_files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
 from ross_payload.config import Guard as Rules
+from ross_payload.errors import OutputError
 from ross_payload.events import Separated
 from ross_payload.interfaces import ActuatorState, Attitude, Input, Mount, Result, Services
+from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
 from ross_payload.mission.mission_sequence import mission
 from ross_payload.mount import fixed_mount, mount_of
 from ross_payload.notify import on_signal
 from ross_payload.orders import Stop
 from ross_payload.service.assemble import informed_of, settings_of, tools_of
+from ross_payload.service.live_listening import listening_of
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.sessions import event_json
 from ross_payload.sessions.manifest import Beginning
@@ -36,7 +39,6 @@ from ross_sim.autopilot import simulated_autopilot as simulated
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, far_end_of, wire
 from ross_sim.scenario import Cast, Scenario, Vehicle
-from ross_sim.sitl.mission_figure import draw
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.page_observer import PageObserver
 from ross_sim.sitl.recording import Collector, recorded
@@ -82,7 +84,13 @@ def perform(
     tape: Path | None = None,
     page: PageObserver | None = None,
 ) -> Finished:
-    """Run one mission in lock-step, write its results, record it in the folder ``tape``, and let ``page`` look on."""
+    """Run one mission in lock-step, write its results, record it in the folder ``tape``, and let ``page`` look on.
+
+    Raises
+    ------
+    OutputError
+        When results, the recording or a stream could not be written.
+    """
     wall = SystemClock()
     started = wall.now()
     config = scenario.payload
@@ -105,10 +113,13 @@ def perform(
         tlog = out.staging / "mission.tlog" if out is not None else None
         telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
         runner.observers = [collector, telemetry, *looking, view, *([Pace(speed)] if speed else [])]
-        runner.observers += [] if recorder is None else [recorder]
+        listening = stack.enter_context(listening_of(config, clock, runner, recorder))
+        runner.observers += [listening] if recorder is None else [recorder, listening]
         ready = wall.now()
         with on_signal(lambda _: runner.order(Stop())):
             result = runner.run()
+        listening.close()
+        _expect_whole(listening)
         done = wall.now()
     truth = _truth(world, cast, company.target, room_yaw(scenario))
     values = report(collector.story, truth, result, _configuration(scenario, config))
@@ -121,6 +132,13 @@ def perform(
         timing["results_s"] = wall.now() - done
         out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
     return Finished(result, values, timing, tuple(far_end.complaints()))
+
+
+def _expect_whole(listening: Listening) -> None:
+    """Raise OutputError when a stream did not get into its file."""
+    for stream in listening.streams():
+        if stream.keeps and stream.fault:
+            raise OutputError(f"stream {stream.number} is not whole: {stream.fault}")
 
 
 def expected(scenario: Scenario) -> float:
@@ -216,7 +234,7 @@ def _truth(world: World, cast: Cast, target: str, yaw: float) -> Truth:
 
 
 def _configuration(scenario: Scenario, config: Config) -> dict[str, Any]:
-    values: dict[str, Any] = scenario.model_dump(mode="json", exclude={"payload": {"links"}})
+    values: dict[str, Any] = scenario.model_dump(mode="json", exclude={"payload": {"links", "listening"}})
     return values | {"seed": config.seed}
 
 
@@ -231,5 +249,7 @@ def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, 
             name = "target.wav" if index == separated.target else f"group-{index}.wav"
             write_wav(out.staging / name, voice, rate)
     unit = config.array.spacing_m / config.array.speed_of_sound_m_s
+    from ross_sim.sitl.mission_figure import draw  # noqa: PLC0415  matplotlib, where a picture is wanted
+
     with out.writing("mission.png") as path:
         draw(path, story, truth, rate=rate, unit=unit, title=scenario.title)

@@ -24,6 +24,7 @@ from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Observer
 from ross_payload.sessions.session_store import SessionStore
 from ross_payload.telemetry.computer import ComputerReader
+from ross_payload.voiceprint import VoiceStore
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, far_end_of
 from ross_sim.live_world.world_loop import STRETCH
@@ -114,6 +115,7 @@ def _parts(
         shelf=SessionStore(recordings),
         drained=drained(clock),
         voiceprint=company.voiceprint,
+        voices=VoiceStore(state / "voices"),  # of nobody: they end with the simulation
         state=state,
         rng=np.random.default_rng(config.seed),
     )

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ross_payload.config import Informed, Link, as_in_paper, validated
-from ross_payload.errors import ConfigError, unknown
+from ross_payload.audio.sinks import checked_options
+from ross_payload.config import Informed, Link, Listening, Stream, as_in_paper, validated
+from ross_payload.errors import ConfigError, refused_as, unknown
 from ross_payload.interfaces import VoicePrint
 from ross_payload.voiceprint import VoicePrintModel, VoiceStore, enrol
 from ross_sim.scenario import Scenario, load
@@ -39,11 +40,30 @@ def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
         payload = _with(payload, links=tuple(Link(url=url) for url in changes["urls"]))
     if changes["informed"]:
         payload = _with(payload, informed=informed_by(loaded))
+    if changes.get("listen") is not None:
+        payload = _with(payload, listening=listening_into(changes["listen"], payload.listening))
     if changes["seed"] is not None:
         payload = _with(payload, seed=changes["seed"])
     if changes["target"]:
         loaded = _with(loaded, target=0)  # whoever the file names is not asked for
     changed: Scenario = _with(loaded, payload=payload)
+    return changed
+
+
+def listening_into(path: Path, listening: Listening) -> Listening:
+    """Have the target's voice written into a file, which takes the place of an earlier one.
+
+    Raises
+    ------
+    ConfigError
+        When its name is not that of a track, or the folder cannot be made or the earlier file removed.
+    """
+    checked_options("file", {"path": str(path)}, "--listen")
+    with refused_as(ConfigError, f"--listen {path}: cannot be written"):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.unlink(missing_ok=True)
+    stream = Stream(sink="file", options={"path": str(path.absolute())})
+    changed: Listening = _with(listening, streams=(*listening.streams, stream))
     return changed
 
 

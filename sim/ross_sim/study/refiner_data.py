@@ -17,7 +17,7 @@ from ross_payload.dsp.steering import directions_of, tdoa
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Complex, Real, Scene
 from ross_payload.separation.local_gaussian_model import FLOOR, fitted
-from ross_payload.separation.refined import HIGHEST, features
+from ross_payload.separation.refiner_features import HIGHEST, features
 from ross_sim.acoustics.room import RoomSpec, respond
 from ross_sim.study.mixtures import aligned_heading, spread
 from ross_sim.study.voice_augmentation import at_speed

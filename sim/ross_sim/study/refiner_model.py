@@ -12,7 +12,7 @@ import numpy as np
 
 from ross_payload.interfaces import Real
 from ross_payload.separation.network import COLUMNS, LIMIT, PLACES, ROWS, STEPS
-from ross_payload.separation.refined import N_FEATURES, SCALE, STEADY
+from ross_payload.separation.refiner_features import N_FEATURES, SCALE, STEADY
 
 CLIPPED, QUIET = 1e-3, 3e-3  # error that counts as none, and of a group that is silent, relative to its power
 

@@ -2,7 +2,8 @@
 
 Three talkers stand around the array in each room of `--rooms`, white noise 15 dB below the mixture, azimuths known.
 The array turns to each talker's best heading, the separator `auto` separates what it hears for T_check or T_run, and
-the group that holds this talker is scored against the print of everybody in the folder, enrolled from a clean clip.
+the group that holds this talker is scored against the print of everybody in the folder, enrolled from a clean clip, or
+with ``--enrol pointed`` from what is separated of another such mixture, as the order to enrol does.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from ross_payload.alignment.predicted_gain import best_headings
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Real
 from ross_payload.separation.auto_separator import separator
-from ross_payload.voiceprint import Background, enrol, shipped_background
+from ross_payload.voiceprint import Background, VoicePrintModel, enrol, shipped_background
 from ross_payload.voiceprint.background import read_background
 from ross_sim.study.mixtures import FRAME, HOP, RATE, excerpt, layouts, record, scene_of
 from ross_sim.study.room_settings import SETTINGS, Setting
@@ -59,10 +60,15 @@ def equal_error_rate(targets: Real, strangers: Real) -> float:
     return float((rejected[best] + accepted[best]) / 2)
 
 
-def trials(voices: Sequence[TalkerVoice], background: Background, room: str, draws: int, seed: int) -> Iterator[Trial]:
+def trials(
+    voices: Sequence[TalkerVoice], background: Background, room: str, draws: int, seed: int, *, pointed: bool = False
+) -> Iterator[Trial]:
     """Draw mixtures of three talkers in a room and score every talker, clean and separated, against every print."""
     rng = np.random.default_rng(seed)
     prints = {voice.name: enrol(voice.enrolment, voice.rate, background) for voice in voices}
+    if pointed:
+        own = np.random.default_rng([seed, 1])  # the mixtures to be scored are those of clean prints
+        prints = {voice.name: pointed_print(voices, voice, room, background, own) for voice in voices}
     for scene in range(draws):
         for seconds, separated, chosen, talker, signal in scenes(voices, room, rng):
             for name, model in prints.items():
@@ -83,6 +89,18 @@ def scenes(
         for index, voice in enumerate(chosen):
             yield seconds, False, chosen, voice.name, heard[index]
             yield seconds, True, chosen, voice.name, separated_voice(heard, azimuths, index, SETTINGS[room], rng)
+
+
+def pointed_print(
+    voices: Sequence[TalkerVoice], talker: TalkerVoice, room: str, background: Background, rng: np.random.Generator
+) -> VoicePrintModel:
+    """Enrol a talker among two others in a room: the clip of a clean enrolment, separated at the best heading."""
+    others = [voice for voice in voices if voice.name != talker.name]
+    chosen = [others[int(i)] for i in rng.choice(len(others), TALKERS - 1, replace=False)]
+    size = min(len(talker.enrolment), round(max(DURATIONS) * RATE))
+    clips = [talker.enrolment[:size], *(excerpt(voice.speech, size, rng) for voice in chosen)]
+    azimuths = layouts(TALKERS, 1, rng)[1]
+    return enrol(separated_voice(clips, azimuths, 0, SETTINGS[room], rng), RATE, background, separated=True)
 
 
 def summary(found: Sequence[Trial]) -> list[str]:
@@ -129,6 +147,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--talkers", nargs="*", default=list(OUTSIDE), help="of that folder; default: all")
     parser.add_argument("--background", type=Path, help="another background model (.npz) than the one shipped")
     parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S1"], help=f"such as {' '.join(ROOMS)}")
+    parser.add_argument("--enrol", choices=("clean", "pointed"), default="clean", help="what prints are made from")
     parser.add_argument("--draws", type=int, default=20, help="mixtures in every room")
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args(arguments)
@@ -138,7 +157,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     model = shipped_background()
     if asked.background:
         model = read_background(asked.background.read_bytes(), asked.background.name)
-    found = [trial for room in asked.rooms for trial in trials(voices, model, room, asked.draws, asked.seed)]
+    pointed = asked.enrol == "pointed"
+    found = [
+        trial for room in asked.rooms for trial in trials(voices, model, room, asked.draws, asked.seed, pointed=pointed)
+    ]
     sys.stdout.write("\n".join([", ".join(voice.name for voice in voices), *summary(found)]) + "\n")
     return 0
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import soundfile
-from scipy.signal import resample_poly
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Samples
@@ -95,6 +94,8 @@ def resampled(samples: np.ndarray, original: int, rate: int) -> Samples:
     """
     common = math.gcd(original, rate)
     if original != rate:
+        from scipy.signal import resample_poly  # noqa: PLC0415  takes long, and is not needed for most recordings
+
         samples = resample_poly(samples, rate // common, original // common)
     return np.asarray(samples, dtype=np.float32)
 

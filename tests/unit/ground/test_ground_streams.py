@@ -5,7 +5,9 @@ import math
 from dataclasses import replace
 
 import pytest
+from click.testing import CliRunner
 
+from client_bench import Served
 from emulated_scene import full
 from fleet_ear import Ground
 from hand_station import PAYLOAD, HandStation
@@ -17,8 +19,10 @@ from ross_payload.ground.client.stream_orders import Enrol, StopStream, Stream
 from ross_payload.ground.mavproxy.shell import Shell
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.view import view
+from ross_payload.ground.terminal import blocks
 from ross_payload.ground.terminal.blocks import safe_view
 from ross_payload.ground.terminal.change_log import ChangeLog
+from ross_payload.ground.terminal.command import command as monitor
 from ross_payload.ground.terminal.controller import Controller
 from ross_payload.ground.terminal.screen import ScreenState, compose
 from ross_protocols.mavlink import stream_command
@@ -95,6 +99,24 @@ def test_what_a_later_dialect_selects_is_shown_as_a_number(selection, name):
     assert view(ground.known)["streams"][0]["whom"] == name
 
 
+@pytest.mark.parametrize(
+    ("said", "level", "words"),
+    [
+        ((), "unknown", "no data"),
+        ((v.Status(1, 0.0, 0, True),), "good", "off"),
+        ((v.Status(1, 0.0, 0, True, streaming=True), RTP), "good", "1 stream on, listened to"),
+        ((v.Status(1, 0.0, 0, True), RTP, FILE), "good", "2 streams on"),
+        ((RTP, replace(FILE, fault=True, detail="disk full")), "act", "stream 1: disk full"),
+        ((replace(RTP, on=False),), "good", "off"),
+    ],
+)
+def test_a_stream_that_fails_is_a_matter_of_health(said, level, words):
+    ground = Ground()
+    ground.say(v.Audio(1), *said)
+    part = view(ground.known)["health"]["listening"]
+    assert (part["level"], part["words"]) == (level, words)
+
+
 def test_the_view_tells_whether_anybody_listens_or_records():
     ground = Ground()
     ground.say(v.Status(1, 0.0, 0, True, streaming=True))
@@ -112,6 +134,18 @@ def test_a_tracked_source_has_rate_and_age_in_the_view():
 
 
 # ------------------------------------------------------------------------------------------- terminal
+
+
+@pytest.mark.parametrize(
+    ("rate", "age", "end"),
+    [(-5.0, None, "+5 deg/s"), (5.0, 2.4, "-5 deg/s  silent 2 s"), (None, 12.0, "silent 12 s"), (0.1, 0.5, "-")],
+)
+def test_the_monitor_shows_how_a_tracked_source_moves(rate, age, end):
+    ground = Ground()
+    ground.say(v.Source(1, 1, 0, 1, 0.5, 0.02, 0.9, 0.5, True, True, tracked=True, age=age,
+                        rate=None if rate is None else math.radians(rate)))  # fmt: skip
+    _, row = blocks.sources(safe_view(ground.known), chosen=None)
+    assert row.plain.endswith(end)
 
 
 def screen(*said, size=(100, 40)):
@@ -193,6 +227,12 @@ def test_without_an_address_the_user_is_told_what_to_do():
 def test_a_place_that_cannot_be_meant_is_refused(place):
     with pytest.raises(ValueError, match="expected"):
         stream_command.place_of(place)
+
+
+def test_the_command_refuses_such_a_place_in_one_line():
+    done = CliRunner().invoke(monitor, ["--hear-at", "239.0.0.1:5004"])
+    assert done.exit_code == 2
+    assert done.output.splitlines()[-1] == ("Error: --hear-at: address: expected that of one computer, got 239.0.0.1")
 
 
 # ------------------------------------------------------------------------------------------- words and JSON
@@ -298,7 +338,7 @@ class Answering(HandStation):
 
     def __init__(self, result=Result.ACCEPTED, text=""):
         super().__init__()
-        self.result, self.text, self.asked = result, text, []
+        self.result, self.text, self.asked, self.streams = result, text, [], {}
         self.say(v.Status(1_000_000, 1.0, 0, True))
 
     def send(self, message, who=None):
@@ -315,8 +355,15 @@ class Answering(HandStation):
         self.say(common.MAVLink_command_ack_message(ross.MAV_CMD_ROSS_STREAM, self.result, 0, 0, *us))
         if self.result is Result.ACCEPTED:
             on = asked.selection is not Selection.NONE
-            number = len(self.asked) - 1 if asked.number is None else asked.number
-            self.say(replace(RTP, number=number, count=number + 1, on=on, address=asked.address, port=asked.port))
+            number = asked.number if asked.number is not None else max(asked.port - HERE[1], 0)
+            selection = Selection.TARGET if asked.selection is None else asked.selection
+            told = replace(RTP, number=number, on=on, selection=selection, gain=asked.gain or 0.0)
+            to = {"address": asked.address or HERE[0], "port": asked.port or HERE[1]}
+            self.streams[number] = replace(told, **to)
+            asyncio.get_running_loop().call_later(0.05, self.announce)
+
+    def announce(self):
+        self.say(*(replace(stream, count=max(self.streams) + 1) for stream in self.streams.values()))
 
 
 def with_payload(station, work):
@@ -341,6 +388,17 @@ def test_a_stream_is_ordered_and_returned_as_announced():
     assert (stream.on, stream.azimuth_deg, stream.delay_s) == (True, pytest.approx(90.0), 0.12)
 
 
+def test_what_is_returned_is_the_stream_after_the_change():
+    station = Answering()
+
+    async def work(payload):
+        await payload.stream("target", to=HERE)
+        return await payload.stream("mixture", number=0, gain_db=-6.5)
+
+    stream = with_payload(station, work)
+    assert (stream.what, stream.gain_db, stream.number) == ("mixture", -6.5, 0)
+
+
 def test_streams_that_are_ordered_at_once_are_asked_for_one_by_one():
     station = Answering()
 
@@ -359,7 +417,7 @@ def test_what_happens_to_streams_is_an_event_and_levels_are_none():
     async def work(payload):
         happened, events = [], payload.events()
         await payload.stream("target", to=HERE)
-        station.say(replace(RTP, count=1, address=HERE[0], port=HERE[1], level=-60.0, delay=0.3))
+        station.say(replace(payload.state.streams[0], level=-60.0, delay=0.3))
         await payload.stop_stream(0)
         await payload.until(lambda: payload.streams and not payload.streams[0].on)
         async for event in events:
@@ -405,3 +463,45 @@ def test_what_cannot_be_meant_is_not_sent(ask):
 
     with_payload(station, work)
     assert station.asked == []
+
+
+# ------------------------------------------------------------------------------------------- session descriptions
+
+SDP = "v=0\r\no=- 1 1 IN IP4 10.0.0.1\r\ns=RoSS stream 0\r\n" + "a=long\r\n" * 200
+
+
+class Filing(HandStation):
+    """A station whose payload has a real file server, in simulated time."""
+
+    def __init__(self, payload):
+        super().__init__()
+        self.payload, self.encoder, self.decoder = payload, Encoder(self.system_id, 190), Decoder()
+        self.say(v.Status(1_000_000, 1.0, 0, True))
+
+    def send(self, message, who=None):
+        super().send(message, who)
+        self.payload.ground.air.call(self.encoder.encode(message))
+        asyncio.get_running_loop().call_soon(self.pump)
+
+    def pump(self):
+        for _ in range(100):
+            self.payload.step()
+        for data in self.payload.ground.air.listen():
+            for packet in self.decoder.feed(data):
+                for call in list(self._calls):
+                    call(packet, self.now())
+
+
+def test_a_session_description_is_read_from_the_payload(sky):
+    station = Filing(Served(sky(), {"stream-0.sdp": SDP.encode()}))
+    assert with_payload(station, lambda payload: payload.session_description(0)) == SDP
+
+
+def test_a_stream_without_a_description_is_refused(sky):
+    station = Filing(Served(sky()))
+
+    async def work(payload):
+        with pytest.raises(RefusedByPayload, match=r"stream-3\.sdp: there is no such file"):
+            await payload.session_description(3)
+
+    with_payload(station, work)

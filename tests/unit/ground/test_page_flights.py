@@ -4,6 +4,7 @@ import asyncio
 import io
 import itertools
 import os
+import shutil
 import stat
 import tempfile
 import time
@@ -21,11 +22,11 @@ from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.dialect import common
 
 
-@pytest.fixture
-def folder(tmp_path):
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
     """A log of two payloads, one of somebody else, a session, and what is none."""
-    flights = tmp_path / "flights"
-    (flights / "session").mkdir(parents=True)
+    flights = tmp_path_factory.mktemp("written")
+    (flights / "session").mkdir()
     (flights / "empty").mkdir()
     write_hour(flights / "two.tlog", seconds=60, payloads=2)
     write_hour(flights / "session" / "telemetry.tlog", seconds=5, payloads=1)
@@ -34,6 +35,12 @@ def folder(tmp_path):
     (flights / "text.tlog").write_text("hello")
     (flights / "notes.txt").write_text("hello")
     return flights
+
+
+@pytest.fixture
+def folder(written, tmp_path):
+    """A copy of these flights that are written just now."""
+    return shutil.copytree(written, tmp_path / "flights", copy_function=shutil.copyfile)
 
 
 async def opened(one, name="two.tlog", slot="a"):

@@ -10,7 +10,7 @@ from ross_payload.config.parameter_table import TABLE
 from ross_payload.events import Answer, Answered
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.interfaces import ActuatorState, Capabilities, Feedback
-from ross_payload.telemetry.component import information
+from ross_payload.telemetry.snapshot import information
 from ross_payload.timebase import Timebase
 from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.codec import Encoder

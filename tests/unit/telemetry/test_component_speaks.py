@@ -11,7 +11,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, Finished, Outcome, SourceEstimate, SourcesEstimated, State, StateChanged
 from ross_payload.interfaces import Capabilities, Feedback
 from ross_payload.orders import Explore
-from ross_payload.telemetry.component import information
+from ross_payload.telemetry.snapshot import information
 from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import common, ross

@@ -1,5 +1,6 @@
 """Live listening in telemetry: whoever follows a payload sees who can hear it, wherever the messages go."""
 
+import json
 import math
 from dataclasses import replace
 
@@ -7,10 +8,13 @@ import pytest
 
 from ross_payload.config import Link
 from ross_payload.events import Estimate, SourceEstimate, SourcesEstimated, SourcesTracked
+from ross_payload.ground.client.ftp_client import FileReader
 from ross_payload.health import RecordingState, RecordingStatus
+from ross_payload.sessions.event_json import line
 from ross_payload.streams import Selection, StreamStatus, What
 from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.stream_values import Codec, StreamReport
 from ross_protocols.mavlink.stream_values import Selection as Selected
@@ -75,12 +79,12 @@ def test_every_stream_is_told_with_all_that_is_known_of_it(aloft):
     assert {rtp.count, kept.count} == {2}
 
 
-def test_a_change_is_told_within_a_fifth_of_a_second_and_everything_every_two(aloft):
+def test_a_change_is_told_within_a_fifth_of_a_second_and_everything_every_five(aloft):
     stage = Stage(OFF)
     with aloft(GROUND, listening=stage) as sky:
         (port,) = sky.ports
-        sky.live(6.1)
-        assert len(port.values(StreamReport)) == 4
+        sky.live(11.0)
+        assert len(port.values(StreamReport)) == 3
         before = len(port.values(StreamReport))
         stage.now = (RTP,)
         sky.live(0.2)
@@ -123,6 +127,18 @@ def test_an_autopilot_hands_on_the_longest_report(aloft):
     inside = [unwrap(packet.message) for packet in sky.ports[0].packets if packet.name == "TUNNEL"]
     report = next(packet.value for packet in inside if packet.name == "ROSS_STREAM")
     assert (report.number, report.count, report.address, report.detail) == (254, 255, "a" * 40, "d" * 24)
+
+
+def test_a_slow_link_still_tells_all_else_beside_many_streams(aloft):
+    streams = tuple(replace(RTP, number=number, port=5004 + number) for number in range(6))
+    with aloft(Link(url="udpout:127.0.0.1:14551", max_bytes_s=350), listening=Stage(*streams)) as sky:
+        sky.live(20.0)
+    (port,) = sky.ports
+    assert set(latest(port)) == set(range(6))
+    assert len(port.values(v.Heartbeat)) == pytest.approx(20, abs=1)
+    assert len(port.values(v.Status)) >= 15
+    assert len(port.values(v.Information)) >= 2
+    assert port.values(v.LinkReport)
 
 
 def test_numbers_beyond_their_fields_do_not_stop_telemetry(aloft):
@@ -181,6 +197,16 @@ def test_start_change_fault_and_end_are_said_in_words(aloft):
         "RoSS: stream 0 recovered",
         "RoSS: stream 0 off",
     ]  # fmt: skip
+
+
+def test_a_stream_is_said_to_be_on_when_its_address_is_known(aloft):
+    stage = Stage(replace(RTP, address="", port=0, codec=""))
+    with aloft(GROUND, listening=stage) as sky:
+        sky.live(0.5)
+        assert sky.ports[0].texts() == []
+        stage.now = (RTP,)
+        sky.live(0.5)
+    assert "".join(sky.ports[0].texts()) == "RoSS: stream 0 on: source 2 to 192.168.1.20:5004 (rtp, opus)"
 
 
 def test_an_order_over_the_air_reaches_the_listening_stage(aloft):
@@ -250,6 +276,12 @@ def test_a_source_at_rest_is_told_no_more_often_than_before(ground):
     assert len([source for source in ground.all(v.Source) if source.source == 0]) <= 4
 
 
+def test_tracked_sources_are_a_line_of_the_events():
+    told = json.loads(line(moved(2.0, 0.6, age=1.5)))
+    assert (told["event"], told["rates"], told["ages"]) == ("SourcesTracked", [0.1, 0.0], [1.5, 3.0])
+    assert [source["azimuth"] for source in told["estimate"]["sources"]] == [0.6, -1.0]
+
+
 OLD_SOURCE = 42  # bytes of ROSS_SOURCE before it grew
 
 
@@ -276,3 +308,31 @@ def test_on_the_wire_a_rate_turns_clockwise():
     tracked = v.Source(7, 1, 0, 2, 0.5, 0.02, 0.9, 0.5, True, True, rate=0.25, age=1.0, tracked=True)
     (packet,) = Decoder().feed(Encoder(1, 191).encode(tracked))
     assert (packet.message.azimuth_rate, packet.message.age) == (-0.25, 1.0)
+
+
+# ------------------------------------------------------------------------------------------- session descriptions
+
+
+def read(sky, port, name, seconds=3.0):
+    """Read a file over MAVLink FTP; its content, or why it cannot be had."""
+    reader, seen = FileReader(port.call, ComponentId(1, 191), ComponentId(255, 190), name), len(port.packets)
+    for _ in range(round(seconds * 10)):
+        reader.tick(sky.clock.now())
+        sky.live(0.1)
+        for packet in port.packets[seen:]:
+            reader.on_packet(packet, sky.clock.now())
+        seen = len(port.packets)
+        if reader.over:
+            break
+    return reader.content or reader.trouble
+
+
+def test_session_descriptions_are_offered_as_files_as_long_as_there_are_such_streams(aloft):
+    texts = {0: "v=0\r\ns=one\r\n" * 50, 1: ""}
+    with aloft(GROUND, listening=Stage(RTP), descriptions=lambda: texts, give=lambda order: None) as sky:
+        (port,) = sky.ports
+        assert read(sky, port, "/stream-0.sdp") == texts[0].encode()
+        assert read(sky, port, "/stream-1.sdp") == "/stream-1.sdp: there is no such file"
+        del texts[0]
+        assert read(sky, port, "/stream-0.sdp") == "/stream-0.sdp: there is no such file"
+        assert read(sky, port, "/general.json", seconds=30.0).startswith(b"{")

@@ -17,6 +17,7 @@ export function health(told, now, silent = false) {
     ${parts.links.map((each) => show(linkName(each, parts.links), each, link(each)))}
     ${show("Computer", parts.processor, processor(parts.processor))}
     ${show("Recorder", parts.recording, recording(parts.recording))}
+    ${show("Live listening", parts.listening, [])}
   </div>`;
 }
 

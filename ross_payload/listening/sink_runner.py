@@ -1,0 +1,220 @@
+"""Drives one sink: opens it, opens it again when that failed, hands it blocks, and lets nobody else suffer from it."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from queue import Empty, Full, Queue
+from typing import Protocol
+
+from ross_payload.audio.sinks import SinkInfo, info_of
+from ross_payload.errors import RossError
+from ross_payload.interfaces import AudioSink, Clock, VoiceBlock
+
+RETRY_S = 2.0  # between two attempts to open a sink
+BLOCKS = 128  # that wait for a sink which hangs: about 2 s
+LAST_CALL_S = 2.0  # that a sink may take at the end
+LOOK_S = 0.5  # between two looks at whether a sink that gets nothing has ended
+
+log = logging.getLogger(__name__)
+Make = Callable[[], AudioSink]
+
+
+class SinkRunner(Protocol):
+    """What a stream writes to."""
+
+    @property
+    def fault(self) -> str:
+        """What is wrong, in words; empty while all is well."""
+
+    @property
+    def lost(self) -> int:
+        """Samples that never got out."""
+
+    @property
+    def info(self) -> SinkInfo:
+        """What the sink tells of itself."""
+
+    def write(self, block: VoiceBlock) -> None:
+        """Hand on samples; never waits, never raises."""
+
+    def close(self) -> None:
+        """Have the rest written, and the sink closed."""
+
+    def wait(self) -> None:
+        """Wait until it is closed; gives up on a sink that hangs."""
+
+
+class DirectRunner:
+    """Calls the sink at once: in simulated time, where nothing may be lost because the computer is slow.
+
+    Parameters
+    ----------
+    name
+        The stream in words, for the log.
+    make
+        Makes the sink, not open yet.
+    clock
+        Tells when to try again.
+    """
+
+    def __init__(self, name: str, make: Make, clock: Clock) -> None:
+        self._name = name
+        self._make = make
+        self._clock = clock
+        self._sink: AudioSink | None = None
+        self._due = -1.0
+        self._lost = 0  # by sinks that were closed, or never opened
+        self._fault = ""
+        self._info = SinkInfo()
+
+    @property
+    def fault(self) -> str:
+        """What is wrong, in words; empty while all is well."""
+        return self._fault
+
+    @property
+    def info(self) -> SinkInfo:
+        """What the sink tells of itself."""
+        return self._info
+
+    @property
+    def lost(self) -> int:
+        """Samples that never got out."""
+        return self._lost + (0 if self._sink is None else self._sink.lost)
+
+    def open(self) -> None:
+        """Open the sink if it is time to."""
+        now = self._clock.now()
+        if self._sink is not None or now < self._due:
+            return
+        self._due = now + RETRY_S
+        try:
+            sink = self._make()
+            sink.__enter__()
+        except Exception as error:  # of others: a plug-in may raise anything
+            self._fail(_in_words(error))
+            return
+        self._sink = sink
+        self._look(sink)
+
+    def write(self, block: VoiceBlock) -> None:
+        """Hand on samples."""
+        self.open()
+        if self._sink is None:
+            self._lost += len(block.samples)
+            return
+        try:
+            self._sink.write(block)
+            self._look(self._sink)
+        except Exception as error:  # of others: it may raise anything
+            self._lost += len(block.samples)
+            self._end()
+            self._due = self._clock.now() + RETRY_S
+            self._fail(_in_words(error))
+
+    def close(self) -> None:
+        """Close the sink; idempotent."""
+        self._end()
+
+    def wait(self) -> None:
+        """It is closed already."""
+
+    def _end(self) -> None:
+        sink, self._sink = self._sink, None
+        if sink is None:
+            return
+        try:
+            sink.__exit__(None, None, None)
+            self._look(sink)
+            self._lost += sink.lost
+        except Exception as error:  # of others: it may raise anything
+            self._fail(_in_words(error))
+
+    def _look(self, sink: AudioSink) -> None:
+        self._info = info_of(sink)
+        self._fail(sink.fault)
+
+    def _fail(self, fault: str) -> None:
+        """Log what changes, not what goes on."""
+        before, self._fault = self._fault, fault
+        if fault and fault != before:
+            log.warning("%s: %s", self._name, fault)
+        elif before and not fault:
+            log.info("%s: all is well again", self._name)
+
+
+class ThreadedRunner:
+    """Has a thread call the sink, so that one that hangs holds up nobody; parameters as of `DirectRunner`."""
+
+    def __init__(self, name: str, make: Make, clock: Clock) -> None:
+        self._name = name
+        self._direct = DirectRunner(name, make, clock)
+        self._queue: Queue[VoiceBlock | None] = Queue(BLOCKS)
+        self._refused = 0  # samples that found no room
+        self._hangs = False
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._work, name=f"sink {name}", daemon=True)
+        self._thread.start()
+
+    @property
+    def fault(self) -> str:
+        """What is wrong, in words."""
+        return "the sink hangs: what it does not take is lost" if self._hangs else self._direct.fault
+
+    @property
+    def lost(self) -> int:
+        """Samples that never got out."""
+        return self._direct.lost + self._refused
+
+    @property
+    def info(self) -> SinkInfo:
+        """What the sink tells of itself."""
+        return self._direct.info
+
+    def write(self, block: VoiceBlock) -> None:
+        """Queue samples; what finds no room is lost."""
+        try:
+            self._queue.put_nowait(block)
+        except Full:
+            self._refused += len(block.samples)
+            if not self._hangs:
+                log.warning("%s: the sink hangs: what it does not take is lost", self._name)
+            self._hangs = True
+        else:
+            self._hangs = self._hangs and self._queue.qsize() > BLOCKS // 2
+
+    def close(self) -> None:
+        """Have the rest written, and the sink closed, while the caller goes on."""
+        self._over.set()
+        with suppress(Full):  # it sees that all is over when it has written the rest
+            self._queue.put_nowait(None)
+
+    def wait(self) -> None:
+        """Wait until a sink that was closed has ended; gives up on one that hangs."""
+        self._thread.join(LAST_CALL_S)
+        if self._thread.is_alive():
+            log.warning("%s: the sink hangs and is left behind", self._name)
+
+    def _work(self) -> None:
+        self._direct.open()
+        while True:
+            try:
+                block = self._queue.get(timeout=LOOK_S)
+            except Empty:
+                block = None
+                if not self._over.is_set():
+                    continue
+            if block is None:
+                break
+            self._direct.write(block)
+        self._direct.close()
+
+
+def _in_words(error: Exception) -> str:
+    if isinstance(error, RossError):
+        return str(error)
+    text = " ".join(str(error).split())[:120]
+    return f"the sink raised {type(error).__name__}: {text}"

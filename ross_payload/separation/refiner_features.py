@@ -1,0 +1,72 @@
+"""What the network of the separator `refined` is shown: the same few numbers about every bin of every group."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ross_payload.dsp.covariance import adjugate, determinant
+from ross_payload.interfaces import Real
+
+HIGHEST = 6000.0  # bins above this keep the PSDs of the local Gaussian model [Hz]
+N_FEATURES = 8
+SCALE = 0.2  # of logarithms: the network sees numbers around 1
+LEAST = 1e-7  # of every PSD that is shown
+MISFIT = 1e-3  # of a direction that fits perfectly
+FAR = 8.0  # bound of logarithms of ratios
+WIDTHS = (6.0, 15.0)  # of bins that the network was trained for [Hz]
+STEADY = 1e-5  # noise in the Wiener filter, relative to everything: no covariance is singular
+
+
+def features(observed: Real, covariances: Real, psds: Real) -> Real:
+    """Describe every bin of every group, (n_groups, N_FEATURES, n_freqs, n_frames).
+
+    Scaled logarithms of: the PSDs of the group, of the others and of the noise; the power of the mixture; how badly
+    the direction x / |x| fits the covariance of the group; how much more likely it is than under the others'; the
+    power v_k^2 x^H S^-1 R_k S^-1 x of the Wiener output; the factor by which an update would change the PSD.
+
+    Parameters
+    ----------
+    observed, covariances, psds
+        As `ross_payload.separation.local_gaussian_model.fitted` returns them, the noise last.
+    """
+    own, sources = psds[:, :-1], covariances[:, :-1]
+    total = np.swapaxes(covariances, 1, 2) @ psds
+    inner = np.maximum(determinant(np.swapaxes(total, 1, 2)), np.finfo(psds.dtype).tiny)[:, None]
+    opposite = adjugate(total, axis=1)
+    mixed, cross = sources @ opposite, sources @ adjugate(observed, axis=1)
+    update = np.maximum((observed * opposite).sum(axis=1, keepdims=True) / inner - cross / mixed, 0)
+    power = 0.5 * (observed[:, :1] + observed[:, 1:2])
+    misfit = np.log(cross / (4 * power**2 + LEAST**2) * 2 * power + MISFIT)
+    likelihood = np.log(determinant(sources) + MISFIT)[..., None] - 2 * misfit
+    every = np.zeros_like(own)
+    shown = (
+        _log(own),
+        _log(own.sum(axis=1, keepdims=True) - own),
+        _log(psds[:, -1:]) + every,
+        _log(power) + every,
+        SCALE * misfit,
+        SCALE * _margin(likelihood),
+        _log(own**2 * update * mixed / inner),
+        SCALE * np.clip(np.log(update + np.exp(-FAR)), -FAR, FAR),
+    )
+    return np.ascontiguousarray(np.stack(shown).transpose(2, 0, 1, 3), np.float32)
+
+
+def _log(values: Real) -> Real:
+    return np.asarray(SCALE * np.log(np.maximum(values, LEAST)))
+
+
+def _margin(likelihood: Real) -> Real:
+    """Log-likelihood of every group less that of the best of the others, bounded, (n_freqs, n_groups, n_frames)."""
+    n_groups = likelihood.shape[1]
+    if n_groups == 1:
+        return np.full_like(likelihood, FAR)
+    ranked = np.sort(likelihood, axis=1)
+    best, second = ranked[:, -1:], ranked[:, -2:-1]
+    rival = np.where(likelihood == best, second, best)
+    return np.asarray(np.clip(likelihood - rival, -FAR, FAR))
+
+
+def trained_for(frequencies: Real) -> bool:
+    """Whether bins are as wide as those that the network knows."""
+    return frequencies.size > 1 and WIDTHS[0] <= frequencies[1] - frequencies[0] <= WIDTHS[1]

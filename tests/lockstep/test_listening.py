@@ -1,0 +1,116 @@
+"""What is heard of a simulated mission: the same on every run, and at the samples where it was in the mixture."""
+
+import json
+
+import numpy as np
+import pytest
+import soundfile
+
+from ross_payload.sessions.session_store import SessionStore
+from short_mission import SHORT
+
+LISTENED = SHORT.replace("run_s = 1.0", "run_s = 2.0")
+RECORDED = (
+    LISTENED
+    + """
+[payload.recording]
+target = true
+sources = true
+min_free_gb = 0
+"""
+)
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    path = tmp_path / "listened.toml"
+    path.write_text(LISTENED)
+    return path
+
+
+def si_sdr(estimate, reference):
+    scaled = (estimate @ reference) / (reference @ reference) * reference
+    return 10 * np.log10(scaled @ scaled / ((estimate - scaled) @ (estimate - scaled)))
+
+
+def test_the_target_is_heard_live_as_it_is_separated_afterwards(fly, scenario, tmp_path):
+    out = tmp_path / "out"
+    reports = [
+        fly("--scenario", scenario, "--out", out, "--listen", tmp_path / "heard.flac"),
+        fly("--scenario", scenario, "--listen", tmp_path / "again.flac"),
+        fly("--scenario", scenario),
+    ]
+    assert all(
+        report | {"timing": 0} == reports[0] | {"timing": 0} for report in reports
+    )  # who listens changes nothing
+    assert (tmp_path / "heard.flac").read_bytes() == (tmp_path / "again.flac").read_bytes()
+    heard, rate = soundfile.read(tmp_path / "heard.flac")
+    mixture = soundfile.read(out / "mixture.wav")[0][:, 0]
+    assert len(heard) == len(mixture)
+    events = [json.loads(line) for line in (out / "events.jsonl").read_text().splitlines()]
+    states = {event["state"]: event["time"] for event in events if event["event"] == "StateChanged"}
+    explored = round((states["align_turn"] - 0.2) * rate)
+    assert np.abs(heard[:explored] - mixture[:explored]).max() < 2**-22
+    separated = next(event for event in events if event["event"] == "Separated")
+    target = soundfile.read(out / "target.wav")[0]
+    live = heard[separated["start"] : separated["start"] + len(target)]
+    before = mixture[separated["start"] : separated["start"] + len(target)]
+    assert si_sdr(live, target) > si_sdr(before, target) + 6
+
+
+def test_a_recording_keeps_the_voices_that_it_is_asked_for_beside_the_mixture(fly, run, tmp_path):
+    path = tmp_path / "recorded.toml"
+    path.write_text(RECORDED)
+    folders = [tmp_path / name for name in ("one", "two")]
+    for folder in folders:
+        fly("--scenario", path, "--record", folder)
+    one, two = (folder / "0001" for folder in folders)
+    voices = sorted(path.name for path in one.glob("*.flac"))
+    assert voices == ["source-0.flac", "source-1.flac", "source-2.flac", "target.flac"]
+    assert all((one / name).read_bytes() == (two / name).read_bytes() for name in voices)
+    assert all((one / name).stat().st_mode & 0o777 == 0o600 for name in voices)
+    mixture, rate = soundfile.read(one / "audio.wav")
+    target = soundfile.read(one / "target.flac")[0]
+    assert 0 <= len(mixture) - len(target) < 0.3 * rate
+    assert np.abs(target[: 2 * rate] - mixture[: 2 * rate, 0]).max() < 2**-22  # the lead-in: nobody is known
+    (kept,) = SessionStore(folders[0]).all()
+    assert kept.bytes >= sum((one / name).stat().st_size for name in voices)
+    code, _, errors = run("sessions", "--folder", folders[0], "delete", "0001")
+    assert (code, errors) == (0, "")
+    assert not one.exists()
+
+
+def test_nothing_is_recorded_of_voices_unless_it_is_asked_for(fly, scenario, tmp_path):
+    fly("--scenario", scenario, "--record", tmp_path / "kept")
+    assert list((tmp_path / "kept").rglob("*.flac")) == []
+
+
+def test_streams_of_a_scenario_are_served_too(fly, tmp_path):
+    path = tmp_path / "streams.toml"
+    streams = [("mixture", "a.wav"), ("source 0", "b.wav"), ("azimuth 40", "c.wav")]
+    path.write_text(LISTENED + "[payload.listening]\notherwise = 'silence'\n" + "".join(
+        f"[[payload.listening.streams]]\nsink = 'file'\nwhat = '{what}'\noptions = {{ path = '{tmp_path / name}' }}\n"
+        for what, name in streams
+    ))  # fmt: skip
+    report = fly("--scenario", path)
+    mixture, one, other = (soundfile.read(tmp_path / name)[0] for _, name in streams)
+    nearest = min(range(report["k"]), key=lambda k: abs(report["sources"][k]["azimuth_deg"] - 40))
+    assert np.array_equal(one, other) == (nearest == 0)
+    assert len(mixture) == len(one) == len(other)
+    assert not one[: 4 * 16000].any()  # nobody is known
+    assert mixture[: 4 * 16000].any()
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("heard.mp3", "--listen: path: expected a name that ends in .flac or .wav, got 'heard.mp3'"),
+        ("listened.toml/heard.flac", "listened.toml/heard.flac: cannot be written: File exists"),
+    ],
+)
+def test_a_file_that_cannot_be_is_told_before_anything_is_simulated(run, scenario, tmp_path, name, said):
+    code, out, errors = run("sitl", "--scenario", scenario, "--listen", tmp_path / name)
+    assert (code, out) == (2, "")
+    assert errors.strip().startswith("ross: ")
+    assert errors.strip().endswith(said)
+    assert len(errors.strip().splitlines()) == 1

@@ -1,0 +1,27 @@
+"""The probe of an actuator that is a plug-in, in a world of its own: both keep to real time."""
+
+import os
+import re
+import subprocess
+import sys
+
+from own_actuator import run
+from short_mission import SHORT
+
+
+def test_the_probe_looks_at_one_in_another_process(folder):
+    environment = os.environ | {"PYTHONPATH": str(folder / "site")}
+    world = [sys.executable, "-m", "ross_payload.cli", "world", "--actuator", "my_turntable", "--start", "now"]
+    (folder / "short.toml").write_text(SHORT)
+    command = [*world[:4], "short.toml", *world[4:]]
+    with subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True) as serving:
+        try:
+            port = next(found[1] for line in serving.stdout if (found := re.search(r'port = "(serial:.+)"', line)))
+            text = (folder / "bench.toml").read_text().replace("serial:/dev/ttyUSB0:115200", port)
+            (folder / "served.toml").write_text(text)
+            probed = run(folder, "ross_payload.cli", "actuators", "probe", "served.toml", "--move", "--yes")
+        finally:
+            serving.terminate()
+            serving.wait(60)
+    assert probed.returncode in {0, 1}, probed.stdout + probed.stderr
+    assert "it turns the way it is commanded" in probed.stdout

@@ -1,0 +1,188 @@
+"""Enrolment by pointing: turn, separate, learn the voice; nobody is enrolled who has not agreed, and no mixture."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ross_payload.errors import AudioError
+from ross_payload.events import Answer, Enrolled, Separated, TurnStarted
+from ross_payload.interfaces import Groups
+from ross_payload.mission import enrol_talker
+from ross_payload.mission.live_session import Kit
+from ross_payload.orders import Enrol, Explore, ListenTo, Seek
+from ross_payload.service.voice_keeper import VoiceKeeper
+from ross_payload.sessions.event_json import plain
+from ross_payload.voiceprint import VoicePrintModel, VoiceStore, shipped_background
+from ross_payload.voiceprint.background import Adapted
+from session_bench import Bench, Likes, make, nobody
+
+
+def model_of(seconds=5.0):
+    background = shipped_background()
+    voice = Adapted(np.zeros(background.means.shape), np.zeros(background.pitch_weights.shape))
+    return VoicePrintModel(voice, seconds, background)
+
+
+@pytest.fixture
+def heard(monkeypatch):
+    """The voices that prints are made of; each becomes the print of who spoke as loud."""
+    voices = []
+
+    def enrol(voice, rate, *, separated):
+        assert separated
+        voices.append((voice, rate))
+        likes = Likes(round(float(np.abs(voice).max() / 0.1)) - 1)
+        likes.seconds = 5.0
+        return likes
+
+    monkeypatch.setattr(enrol_talker, "enrol", enrol)
+    return voices
+
+
+@pytest.fixture
+def explored():
+    bench = Bench(make=nobody)
+    bench.hop(Explore(number=1))
+    bench.over(1)
+    return bench
+
+
+def test_a_source_is_turned_to_separated_and_enrolled(explored, heard):
+    explored.hop(Enrol(source=2, seconds=0.5, name="ann", consent=True, number=2))
+    answer = explored.over(2)
+    said = next(event for event in explored.events if isinstance(event, Enrolled))
+    assert (said.name, said.source, said.seconds) == ("ann", 2, 5.0)
+    assert any(isinstance(event, TurnStarted) for event in explored.events)
+    ((voice, rate),) = heard
+    assert len(voice) == pytest.approx(0.5 * rate, abs=100)
+    assert np.abs(voice).max() == pytest.approx(0.3, abs=0.01)  # the group of source 2 is the mixture times 3
+    assert answer.answer is Answer.DONE
+    assert "enrolled ann" in explored.reason(2)
+
+
+def test_who_was_enrolled_is_the_target_from_then_on(explored, heard):
+    explored.hop(Seek(number=2))
+    assert explored.over(2).answer is Answer.REFUSED
+    explored.hop(Enrol(source=2, seconds=0.5, name="ann", consent=True, number=3))
+    explored.over(3)
+    assert explored.session.target == "ann"
+    explored.hop(Seek(number=4))
+    run = explored.hops_until(Separated)
+    assert run.groups[run.target].members == (2,)
+
+
+def test_without_consent_nothing_turns(explored, heard):
+    before = list(explored.goals)
+    explored.hop(Enrol(source=2, name="ann", number=2))
+    assert explored.over(2).answer is Answer.REFUSED
+    assert "agreed" in explored.reason(2)
+    assert explored.goals == before
+    assert not heard
+
+
+@pytest.mark.parametrize("source", [-1, 3])
+def test_a_source_that_is_not_there_is_refused(explored, source):
+    explored.hop(Enrol(source=source, name="ann", consent=True, number=2))
+    assert explored.over(2).answer is Answer.REFUSED
+    assert explored.reason(2) == "there is no such source"
+
+
+def test_an_azimuth_means_whoever_is_there(explored, heard):
+    explored.hop(Enrol(azimuth=float(np.deg2rad(72)), seconds=0.5, name="ann", consent=True, number=2))
+    assert explored.hops_until(Enrolled).source == 1
+
+
+def test_who_pauses_is_listened_to_for_longer(explored, heard, monkeypatch):
+    enough = enrol_talker.enrol
+
+    def patient(voice, rate, **how):
+        if len(voice) < rate:
+            raise AudioError("enrolment: expected at least 1.5 s of voiced speech, got 0.4 s")
+        return enough(voice, rate, **how)
+
+    monkeypatch.setattr(enrol_talker, "enrol", patient)
+    explored.hop(Enrol(source=0, seconds=0.5, name="ann", consent=True, number=2))
+    explored.over(2)
+    ((voice, rate),) = heard
+    assert len(voice) == pytest.approx(rate, abs=100)  # two periods
+
+
+def test_who_never_speaks_is_not_enrolled(explored, monkeypatch):
+    def silent(voice, rate, **how):
+        raise AudioError("enrolment: expected speech, got silence")
+
+    monkeypatch.setattr(enrol_talker, "enrol", silent)
+    explored.hop(Enrol(source=0, seconds=0.2, name="ann", consent=True, number=2))
+    assert explored.over(2).answer is Answer.FAILED
+    assert explored.reason(2) == "ann: enrolment: expected speech, got silence"
+    assert explored.session.target == ""
+
+
+def test_sources_that_pose_as_one_are_not_enrolled(heard):
+    class Together:
+        name = "together"
+
+        def batch(self, spectrogram, scene):
+            return Groups(spectrogram[:1], ((0, 1, 2),), self.name)
+
+    def together(config):
+        kit = make(config)
+        tools = kit.tools
+        return Kit(kit.settings, type(tools)(tools.explorer, tools.explorer_stft, Together(), tools.stft, None))
+
+    bench = Bench(make=together)
+    bench.hop(Explore(number=1))
+    bench.over(1)
+    bench.hop(Enrol(source=0, seconds=0.2, name="ann", consent=True, number=2))
+    assert bench.over(2).answer is Answer.FAILED
+    assert "cannot be told from the others" in bench.reason(2)
+    assert not heard
+
+
+def test_another_task_has_to_wait(explored, heard):
+    explored.hop(Enrol(source=2, seconds=0.5, name="ann", consent=True, number=2))
+    explored.hops_until(TurnStarted)
+    for _ in range(20):
+        explored.hop()
+    explored.hop(ListenTo(0, number=3))
+    assert explored.over(3).answer is Answer.REFUSED
+    assert explored.over(2).answer is Answer.DONE
+
+
+def test_the_voice_is_in_no_log():
+    told = plain(Enrolled(1.0, "ann", 2, 0.1, 5.0, model_of()))
+    assert told == {"event": "Enrolled", "time": 1.0, "name": "ann", "source": 2, "azimuth": 0.1, "seconds": 5.0}
+
+
+@pytest.fixture
+def store(tmp_path):
+    return VoiceStore(tmp_path / "voices")
+
+
+def test_the_print_is_kept_with_the_consent_for_its_owner_alone(store):
+    with VoiceKeeper(store) as keeper:
+        keeper.on_event(Enrolled(1.0, "ann", 2, 0.1, 5.0, model_of()), None)
+    path = store.folder / "ann.json"
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert path.parent.stat().st_mode & 0o777 == 0o700
+    assert json.loads(path.read_text())["consent"].startswith("told by the order to enrol, 2")
+    assert store.load("ann").consent.startswith("told by the order")
+
+
+def test_a_print_that_cannot_be_kept_is_told_on_the_pump(store):
+    store.folder.write_text("in the way")
+    said = []
+    with VoiceKeeper(store) as keeper:
+        keeper.on_event(Enrolled(1.0, "ann", 2, 0.1, 5.0, model_of()), None)
+    keeper.poll(said.append)
+    assert len(said) == 1
+    assert "voice print of ann not kept" in said[0]
+
+
+def test_who_has_no_name_gets_a_number(store):
+    store.save("talker-1", model_of())
+    with VoiceKeeper(store) as keeper:
+        asked = [keeper.named(Enrol(source=0, consent=True)) for _ in range(2)]
+        assert [order.name for order in asked] == ["talker-2", "talker-3"]
+        assert keeper.named(Enrol(source=0, name="ann", consent=True)).name == "ann"

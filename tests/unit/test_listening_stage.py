@@ -1,0 +1,368 @@
+"""What is heard of a mission: who, when, how loud, at which sample, and without a click."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from listening_bench import AZIMUTHS, HOP, MIXTURE, RATE, TARGET, Bench, azimuth, estimate, source
+from ross_payload.events import (
+    AlignmentCandidate,
+    Checked,
+    GroupScore,
+    SourcesTracked,
+    State,
+    StateChanged,
+)
+from ross_payload.listening.limiter import CEILING
+
+SWITCHED_S = 0.5  # within which another selection is heard
+NOISE = 0.05 * np.random.default_rng(0).standard_normal(20 * RATE)
+
+
+def noise(index):
+    return NOISE[index % len(NOISE)]
+
+
+def test_the_mixture_comes_out_sample_by_sample_where_it_was():
+    bench = Bench({0: MIXTURE}, noise)
+    bench.hear(1.0)
+    bench.stage.finish()
+    kept = bench.kept[0]
+    assert kept.first == 0
+    assert len(kept.samples) == RATE
+    assert np.abs(kept.samples - NOISE[:RATE]).max() < 2**-22
+    for one, other in zip(kept.blocks, kept.blocks[1:], strict=False):
+        assert other.index == one.index + len(one.samples)
+        assert other.time == pytest.approx(5.0 + other.index / RATE)
+
+
+def test_a_voice_has_the_index_that_it_has_in_the_mixture():
+    bench = Bench({0: source(0)}, noise)
+    bench.know()
+    bench.hear(2.0)
+    kept, begin = bench.kept[0], RATE // 2
+    part = kept.samples[begin : begin + RATE]
+    expected = 2 * NOISE[kept.first + begin : kept.first + begin + RATE]
+    assert np.abs(part - expected).max() < 1e-5
+
+
+@pytest.mark.parametrize("lookahead", [1])
+def test_what_is_heard_is_late_by_the_frame_and_the_lookahead_and_no_more(lookahead):
+    bench = Bench({0: MIXTURE}, noise, lookahead=lookahead)
+    bench.hear(3.0)
+    end = bench.kept[0].blocks[-1].index + len(bench.kept[0].blocks[-1].samples)
+    assert bench.stage.latency == pytest.approx(0.064 + 0.016 * lookahead)
+    assert bench.index - end <= bench.stage.latency * RATE
+
+
+def test_nobody_who_wants_a_stream_costs_nothing():
+    bench = Bench({})
+    bench.know()
+    bench.hear(1.0)
+    assert (bench.kept, bench.separator.starts) == ({}, [])
+
+
+def test_a_stream_that_is_off_opens_no_sink_and_is_told_of():
+    bench = Bench({0: MIXTURE})
+    bench.want(0, on=False)
+    bench.hear(0.5)
+    assert bench.kept == {}
+    assert [(status.number, status.on) for status in bench.stage.streams] == [(0, False)]
+
+
+def test_who_only_hears_the_mixture_has_nothing_separated():
+    bench = Bench({0: MIXTURE})
+    bench.know()
+    bench.hear(1.0)
+    assert bench.separator.starts == []
+    assert bench.factor(0) == 1
+
+
+@pytest.mark.parametrize(("selection", "factor"), [(source(0), 2), (source(2), 6), (azimuth(75), 4), (azimuth(-45), 6)])
+def test_a_source_and_an_azimuth_are_heard_without_a_target(selection, factor):
+    bench = Bench({0: selection})
+    bench.know()
+    bench.hear(1.0)
+    assert bench.factor(0) == factor
+    status = bench.status(0)
+    assert (status.separated, status.source, status.group) == (True, factor // 2 - 1, factor // 2 - 1)
+    assert status.azimuth == pytest.approx(np.deg2rad(AZIMUTHS[factor // 2 - 1]))
+
+
+def test_the_target_is_whom_the_mission_checks_and_then_whom_it_has_found():
+    bench = Bench({0: TARGET})
+    bench.know()
+    bench.hear(0.5)
+    assert (bench.factor(0), bench.status(0).detail) == (1, "there is no target yet")
+    bench.listen_to(1)
+    bench.hear(0.5)
+    assert bench.factor(0) == 4
+    groups = (GroupScore((2,), 5.0, True), GroupScore((0, 1), -3.0, False))
+    bench.say(Checked(0.0, AlignmentCandidate(1, 0.1, 0.1, 1e-5, "gain"), groups, 0, "gaussian", ""))
+    bench.hear(0.5)
+    assert bench.factor(0) == 6
+    bench.say(StateChanged(0.0, State.DONE))
+    bench.hear(0.5)
+    assert bench.factor(0) == 6  # the task is over, and he talks on
+
+
+@pytest.mark.parametrize(("otherwise", "factor"), [("mixture", 1), ("silence", 0)])
+@pytest.mark.parametrize(
+    ("state", "settled", "detail"),
+    [(State.EXPLORE_LISTEN, True, "exploring"), (State.RUN, False, "turning"), (State.LEAD_IN, True, "exploring")],
+)
+def test_where_no_voice_can_be_separated_there_is_the_mixture_or_silence(otherwise, factor, state, settled, detail):
+    bench = Bench({0: source(0), 1: MIXTURE}, otherwise=otherwise)
+    bench.know()
+    bench.say(StateChanged(0.0, state))
+    for _ in range(50):
+        bench.heading += 0.0 if settled else 0.05
+        bench.hear(0.01, settled=settled)
+    assert bench.factor(0) == factor
+    assert bench.factor(1) == 1
+    status = bench.status(0)
+    assert (status.separated, status.source, status.detail) == (False, None, detail)
+
+
+def test_nobody_known_nobody_there_and_no_such_source_are_told():
+    bench = Bench({0: source(3), 1: azimuth(110), 2: TARGET})
+    bench.hear(0.3)
+    assert {status.detail for status in bench.stage.streams} == {"nobody is known"}
+    bench.know()
+    bench.hear(0.3)
+    details = [status.detail for status in bench.stage.streams]
+    assert details == ["there is no source 3", "nobody is known at this azimuth", "there is no target yet"]
+
+
+def test_a_separator_begins_anew_at_another_heading_and_not_while_it_follows_one():
+    bench = Bench({0: source(0)})
+    bench.know()
+    bench.hear(0.5)
+    bench.heading = np.deg2rad(4.0)
+    bench.hear(0.5, settled=False)  # the array follows its heading
+    assert len(bench.separator.starts) == 1
+    for degrees in range(5, 31):
+        bench.heading = np.deg2rad(degrees)
+        bench.hear(0.02, settled=False)
+    bench.hear(0.1, settled=False)
+    assert bench.factor(0, last=0.05) == 1
+    bench.hear(0.5)
+    assert (bench.factor(0), len(bench.separator.starts)) == (2, 2)
+    expected = 0.05 / 343.0 * np.cos(np.deg2rad(np.array(AZIMUTHS) - 30.0))
+    assert bench.separator.starts[1].tau == pytest.approx(expected)
+
+
+def test_a_joint_that_holds_a_heading_on_a_base_that_yaws_is_at_rest_enough():
+    bench = Bench({0: source(0)})
+    bench.know()
+    for hop in range(200):
+        bench.heading = np.deg2rad(10.0 + 1.5 * np.sin(hop / 15))
+        bench.hear(0.01, settled=False)
+    assert (bench.factor(0), len(bench.separator.starts)) == (2, 1)
+
+
+def test_who_moves_is_followed_without_beginning_anew():
+    bench = Bench({0: azimuth(40)})
+    bench.know()
+    bench.hear(0.5)
+    assert bench.factor(0) == 1
+    moved = estimate((170, 50, -50))
+    bench.say(SourcesTracked(0.0, moved, (0.0, -0.1, 0.0)))
+    bench.hear(0.5)
+    assert (bench.factor(0), len(bench.separator.starts)) == (4, 1)
+    bench.know((10, 100))
+    bench.hear(0.5)
+    assert [scene.n_sources for scene in bench.separator.starts] == [3, 2]
+
+
+def test_what_was_learnt_at_this_heading_is_learnt_on_and_taken_over():
+    bench = Bench({0: source(0)}, window_s=2.0, learn_s=0.25)
+    bench.know()
+    bench.hear(4.0)
+    sizes, before = zip(*bench.separator.lessons, strict=True)
+    assert sizes[0] == pytest.approx(0.5 / 0.016, abs=17)
+    assert np.diff(sizes[:6]) == pytest.approx(16, abs=1)
+    assert max(sizes) == 125
+    assert before == (None, *range(1, len(before)))
+    assert bench.separator.renewals == list(range(1, len(bench.separator.renewals) + 1))
+    bench.heading = 1.0
+    bench.hear(1.0)
+    assert bench.separator.lessons[len(before)][1] is None  # at another heading nothing is known
+
+
+def click(samples, low=1.0):
+    """The largest second difference of a signal, relative to what a tone of 440 Hz of amplitude 1 has."""
+    return np.abs(np.diff(samples, 2)).max() / (low * (2 * np.pi * 440 / RATE) ** 2)
+
+
+def test_another_selection_is_heard_within_half_a_second_and_without_a_click():
+    bench = Bench({0: MIXTURE})
+    bench.know()
+    bench.hear(1.0)
+    for selection, factor in ((source(1), 4), (source(0), 2), (MIXTURE, 1), (azimuth(-50), 6)):
+        bench.want(0, selection=selection)
+        before = bench.index
+        bench.hear(SWITCHED_S)
+        kept = bench.kept[0]
+        assert bench.factor(0, last=0.05) == factor
+        assert kept.blocks[-1].index + len(kept.blocks[-1].samples) - before > 0.4 * RATE
+    assert click(bench.kept[0].samples[RATE // 4 :], low=0.1) < 6 * 1.5  # six times as loud, and hardly anything more
+
+
+def test_the_test_finds_a_click():
+    tone = np.sin(2 * np.pi * 440 / RATE * np.arange(RATE))
+    assert click(tone) < 1.001
+    assert click(np.where(np.arange(RATE) < 8010, tone, 2 * tone)) > 9
+
+
+def test_gain_and_mute_take_effect_at_once_and_the_level_tells():
+    bench = Bench({0: MIXTURE})
+    bench.hear(1.5)
+    assert bench.status(0).level_db == pytest.approx(-23.0, abs=0.3)
+    bench.want(0, gain_db=-20.0)
+    bench.hear(1.5)
+    assert bench.factor(0) == 0.1
+    assert bench.status(0).level_db == pytest.approx(-43.0, abs=0.3)
+    bench.want(0, muted=True)
+    bench.hear(1.5)
+    assert not bench.kept[0].samples[-RATE // 2 :].any()
+    assert (bench.status(0).muted, bench.status(0).level_db) == (True, -120)
+    bench.want(0, muted=False, gain_db=0.0)
+    bench.hear(0.5)
+    assert bench.factor(0) == 1
+
+
+def test_what_is_too_loud_is_limited():
+    bench = Bench({0: MIXTURE})
+    bench.want(0, gain_db=40.0)
+    bench.hear(0.5)
+    assert np.abs(bench.kept[0].samples).max() <= CEILING * 1.0001
+
+
+def test_streams_have_nothing_to_do_with_each_other():
+    bench = Bench({0: MIXTURE, 1: source(0), 2: source(2)})
+    bench.know()
+    bench.hear(1.0)
+    assert [bench.factor(number) for number in range(3)] == [1, 2, 6]
+    bench.want(1, on=False)
+    bench.hear(0.5)
+    assert bench.kept[1].closed
+    assert not bench.kept[2].closed
+    assert bench.status(1).on is False
+    first = bench.kept[1]
+    bench.want(1, on=True)
+    bench.hear(0.5)
+    assert bench.kept[1] is not first
+    assert bench.kept[1].first >= first.blocks[-1].index
+
+
+def test_a_stream_that_starts_late_tells_the_index_of_its_first_sample():
+    bench = Bench({0: MIXTURE, 1: MIXTURE}, noise)
+    bench.want(1, on=False)
+    bench.hear(1.0)
+    bench.want(1, on=True)
+    bench.hear(1.0)
+    late, kept = bench.kept[1], bench.kept[0]
+    assert late.first > RATE // 2
+    skipped = RATE // 10  # it fades in
+    index = late.first + skipped
+    assert np.array_equal(late.samples[skipped:], kept.samples[index:])
+
+
+def test_audio_that_was_left_out_is_left_out_of_the_indices():
+    bench = Bench({0: MIXTURE}, noise)
+    bench.hear(0.5)
+    bench.index += RATE
+    bench.hear(0.5)
+    bench.stage.finish()
+    found = np.zeros(2 * RATE)
+    for block in bench.kept[0].blocks:
+        found[block.index : block.index + len(block.samples)] = block.samples
+    assert np.abs(found[-RATE // 2 :] - NOISE[bench.index - RATE // 2 : bench.index]).max() < 1e-5
+
+
+def test_a_separator_that_fails_is_one_line_and_the_mixture_goes_on(caplog):
+    bench = Bench({0: source(0)})
+    bench.know()
+    bench.hear(0.5)
+    bench.separator.fault = "separator 'theirs': step: expected Groups, got NoneType"
+    bench.hear(0.5)
+    assert bench.factor(0) == 1
+    assert bench.status(0).detail == bench.separator.fault
+    assert caplog.messages.count(bench.separator.fault) == 1
+    bench.separator.fault = ""
+    bench.heading = 1.0
+    bench.hear(0.5)
+    assert bench.factor(0) == 2
+
+
+def test_starts_and_stops_are_one_line_each(caplog):
+    caplog.set_level("INFO")
+    bench = Bench({0: source(2)})
+    bench.hear(0.5)
+    bench.want(0, on=False)
+    bench.hear(0.5)
+    assert caplog.messages == [
+        "stream 0 (source 2 to memory) begins",
+        "stream 0 (source 2 to memory) ends: ordered",
+    ]
+
+
+def test_the_noise_of_the_lead_in_is_told_to_the_separator():
+    quiet = 0.001 * np.random.default_rng(1).standard_normal(10 * RATE)
+    bench = Bench({0: source(0)}, lambda index: np.where(index < 2 * RATE, quiet[index], noise(index)))
+    bench.say(StateChanged(0.0, State.LEAD_IN))
+    bench.hear(2.0)
+    bench.say(StateChanged(0.0, State.RUN))
+    bench.know()
+    bench.hear(4.0)
+    scene = []
+    step = bench.separator.step
+    bench.separator.step = lambda state, frame, told: scene.append(told) or step(state, frame, told)
+    bench.hear(0.1)
+    window = np.sin(np.pi * np.arange(1024) / 1024)
+    assert scene[-1].noise_psd.mean() == pytest.approx(1e-6 * np.sum(window**2), rel=0.1)
+
+
+def test_frames_are_a_whole_number_of_milliseconds_and_quick_to_transform():
+    for rate, hop in ((16000, 256), (24000, 384), (44100, 720), (48000, 768)):
+        bench = Bench({}, frame_ms=64)
+        config = bench.config.model_copy(update={"audio": replace_rate(bench.config, rate)})
+        from ross_payload.listening.stage import transform_of
+
+        assert (transform_of(config).stft.hop, transform_of(config).stft.frame) == (hop, 4 * hop)
+
+
+def replace_rate(config, rate):
+    return config.audio.model_copy(update={"rate_hz": rate})
+
+
+def test_the_same_hops_give_the_same_samples():
+    def run():
+        bench = Bench({0: source(1), 1: MIXTURE}, noise)
+        bench.hear(0.5)
+        bench.know()
+        bench.hear(1.0)
+        bench.want(0, selection=source(2))
+        bench.hear(HOP * 33 / RATE)
+        bench.stage.finish()
+        return [bench.kept[number].samples for number in range(2)]
+
+    for one, other in zip(run(), run(), strict=True):
+        assert np.array_equal(one, other)
+
+
+def test_settings_that_stay_leave_the_sink_alone():
+    bench = Bench({0: MIXTURE})
+    bench.hear(0.2)
+    kept = bench.kept[0]
+    bench.want(0, gain_db=3.0)
+    bench.want(0, options={})
+    bench.hear(0.2)
+    assert bench.kept[0] is kept
+    bench.wanted[0] = replace(bench.wanted[0], options={"port": 5})
+    bench.stage.want(bench.wanted)
+    bench.hear(0.2)
+    assert bench.kept[0] is not kept
+    assert kept.closed

@@ -1,0 +1,198 @@
+"""The sink ``rtp`` on real sockets, its session descriptions over HTTP, and ``ross listen`` beside them."""
+
+import socket
+import time
+import urllib.error
+import urllib.request
+
+import numpy as np
+import pytest
+import soundfile
+
+from command_line import called
+from ross_payload.audio.sinks import SinkServices, checked_options, info_of, make_sink
+from ross_payload.audio.sinks.sdp_server import SdpServer
+from ross_payload.errors import AudioError
+from ross_payload.transport.rtp.receiver import RtpReceiver
+from ross_payload.transport.rtp.session_description import parsed
+from voice_sender import BLOCK, CLOCK, RATE, block_at, ear, opened, talking
+from waiting import wait_for
+
+
+def test_what_is_written_arrives_and_the_end_is_said(tmp_path):
+    ramp = np.arange(3200) / 6400
+    with ear() as sock:
+        port = sock.getsockname()[1]
+        with opened(port, tmp_path, codec="L16") as sink:
+            for index in range(0, len(ramp), BLOCK):
+                sink.write(block_at(index, ramp[index : index + BLOCK]))
+            session = parsed(info_of(sink).sdp, "it")
+        receiver = RtpReceiver(session.media, 0.02)
+        while not receiver.reception(0.0).ended:
+            receiver.take(sock.recv(2048), 0.0)
+    assert (session.host, session.port, session.title) == ("127.0.0.1", port, "target")
+    assert sink.lost == 0
+    out = receiver.read(320 + len(ramp), 0.0)
+    assert receiver.reception(0.0).received == len(ramp) // 320
+    np.testing.assert_allclose(out[320:], ramp, atol=1e-4)
+
+
+def test_a_packet_that_is_asked_for_is_sent_once_more(tmp_path):
+    with ear() as sock, opened(sock.getsockname()[1], tmp_path, codec="L16") as sink, talking(sink):
+        receiver = RtpReceiver(parsed(info_of(sink).sdp, "it").media)
+        lost, dropped = set(), 0
+        while receiver.reception(CLOCK.now()).received < 60:
+            datagram, sender = sock.recvfrom(2048)
+            if (
+                datagram[1] == 96
+                and dropped < 5
+                and datagram not in lost
+                and len(lost) * 10 < receiver.reception(0).received
+            ):
+                lost.add(datagram)
+                dropped += 1
+            else:
+                lost.discard(datagram)
+                receiver.take(datagram, CLOCK.now(), sender)
+            for report in receiver.feedback(CLOCK.now()):
+                sock.sendto(report, sender)
+        assert dropped == 5
+        assert not lost
+        wait_for(lambda: info_of(sink).packets_lost is not None)
+
+
+def test_nobody_there_is_a_fault_until_somebody_is(tmp_path):
+    with ear() as sock:
+        port = sock.getsockname()[1]
+    with opened(port, tmp_path) as sink, talking(sink):
+        wait_for(lambda: sink.fault)
+        assert sink.fault == f"rtp to 127.0.0.1 port {port}: nobody listens there"
+        assert info_of(sink).listeners == 0
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+            sock.bind(("127.0.0.1", port))
+            wait_for(lambda: not sink.fault)
+            assert info_of(sink).listeners == 1
+
+
+def test_the_broadcast_of_a_network_is_refused(tmp_path):
+    asked = checked_options("rtp", {"address": "127.255.255.255"}, "options")
+    with pytest.raises(AudioError, match=r"rtp to 127\.255\.255\.255 port 5004: Permission denied"):
+        make_sink("rtp", asked, SinkServices(CLOCK, RATE, 0, "target", tmp_path)).__enter__()
+
+
+def test_what_waits_too_long_is_counted_as_lost(tmp_path):
+    with ear() as sock, opened(sock.getsockname()[1], tmp_path) as sink:
+        sink.write(block_at(0, np.zeros(3 * RATE)))  # more than may wait
+        assert sink.lost == 3 * RATE
+    sink.write(block_at(0, np.zeros(10)))  # it is closed
+    assert sink.lost == 3 * RATE + 10
+
+
+def fetched(server, name):
+    with urllib.request.urlopen(f"http://127.0.0.1:{server.port}/{name}", timeout=30) as answer:
+        return answer.headers["Content-Type"], answer.read().decode()
+
+
+def test_session_descriptions_are_served_as_long_as_there_are_streams():
+    texts = {0: "v=0", 3: ""}
+    with SdpServer(lambda: texts, 0) as server:
+        assert fetched(server, "stream-0.sdp") == ("application/sdp", "v=0")
+        assert fetched(server, "")[1] == "stream-0.sdp\n"
+        texts.clear()
+        for name in ("stream-0.sdp", "stream-3.sdp", "../etc/passwd", "%00"):
+            with pytest.raises(urllib.error.HTTPError, match="404"):
+                fetched(server, name)
+
+
+def test_clients_that_say_nothing_hold_up_nobody():
+    with SdpServer(lambda: {0: "v=0"}, 0) as server:
+        silent = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(5)]
+        assert fetched(server, "stream-0.sdp")[1] == "v=0"
+        for each in silent:
+            each.close()
+
+
+def test_a_port_in_use_is_said_in_one_line():
+    with SdpServer(dict, 0) as server, pytest.raises(AudioError, match=r"cannot listen on .*: Address already in use"):
+        SdpServer(dict, server.port).__enter__()
+
+
+@pytest.mark.parametrize("codec", ["opus", "L16"])
+def test_a_stream_is_listened_to_by_its_session_description(tmp_path, monkeypatch, capsys, codec):
+    with ear() as sock:
+        port = sock.getsockname()[1]
+    out = tmp_path / "heard.flac"
+    with (
+        opened(port, tmp_path, codec=codec) as sink,
+        talking(sink),
+        SdpServer(lambda: {2: info_of(sink).sdp}, 0) as server,
+    ):
+        url = f"http://127.0.0.1:{server.port}/stream-2.sdp"
+        code, said, _ = called(monkeypatch, capsys, "listen", url, "--out", str(out), "--duration", "2.5")
+    assert code == 0
+    assert "since the microphone, lost 0 of " in said
+    samples, rate = soundfile.read(out)
+    assert rate == RATE
+    assert np.abs(samples[rate:]).max() > 0.1
+    assert out.stat().st_mode & 0o777 == 0o600
+
+
+def test_pcm_over_tcp_is_listened_to(tmp_path, monkeypatch, capsys):
+    with socket.socket() as door:
+        door.bind(("127.0.0.1", 0))
+        port = door.getsockname()[1]
+    sink = make_sink(
+        "tcp", checked_options("tcp", {"port": port}, "options"), SinkServices(CLOCK, RATE, 0, "target", tmp_path)
+    )
+    out = tmp_path / "heard.wav"
+    with sink, talking(sink):
+        wait_for(lambda: _answers(port))
+        code, said, _ = called(
+            monkeypatch, capsys, "listen", f"tcp://127.0.0.1:{port}", "--out", str(out), "--duration", "2"
+        )
+    assert (code, "delay" in said) == (0, True)
+    assert np.abs(soundfile.read(out)[0]).max() > 0.1
+
+
+def _answers(port):
+    with socket.create_connection(("127.0.0.1", port), 1):
+        return True
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wanted"),
+    [
+        (["nothing"], "'nothing': expected rtp://ADDRESS:PORT, a file or an http address that ends in .sdp, or tcp://"),
+        (["rtp://:5004?codec=mp3"], "expected rtp://ADDRESS:PORT?codec=opus|L16&rate=HZ"),
+        (["rtp://:70000"], "expected rtp://ADDRESS:PORT, a file"),
+        (["missing.sdp"], "missing.sdp: cannot be read: No such file or directory"),
+        (["rtp://:5004", "--out", "x.mp3"], "--out: expected a file that ends in .wav or .flac, got x.mp3"),
+        (["rtp://:5004", "--out", "none/x.wav"], "--out: there is no folder none"),
+        (["rtp://192.0.2.1:5004"], "cannot listen on 192.0.2.1 port 5004: Cannot assign requested address"),
+        (["tcp://127.0.0.1:1"], "tcp:127.0.0.1:1: no audio: Connection refused"),
+        (["http://127.0.0.1:1/x.sdp"], "no session description: Connection refused"),
+    ],
+)
+def test_what_cannot_be_listened_to_is_one_line_and_leaves_nothing(tmp_path, monkeypatch, capsys, arguments, wanted):
+    monkeypatch.chdir(tmp_path)
+    code, said, complained = called(
+        monkeypatch, capsys, "listen", *arguments, *(["--out", "y.wav"] * ("--out" not in arguments))
+    )
+    assert (code, said) == (2, "")
+    assert wanted in complained
+    assert complained.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_silence_for_the_whole_time_leaves_no_file(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    with ear() as sock:
+        port = sock.getsockname()[1]
+    began = time.monotonic()
+    code, said, complained = called(
+        monkeypatch, capsys, "listen", f"rtp://:{port}", "--out", "y.wav", "--duration", "1.2"
+    )
+    assert time.monotonic() - began >= 1.2
+    assert (code, said) == (2, f"     1 s  waits on 127.0.0.1 port {port}\n")
+    assert complained.startswith(f"ross: nothing came to 127.0.0.1 port {port} in ")
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,133 @@
+"""What drives a sink: it is opened again when that failed, and nobody else suffers from one that raises or hangs."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from clocks import FakeClock
+from ross_payload.audio.sinks import SinkInfo
+from ross_payload.clock import SystemClock
+from ross_payload.errors import AudioError
+from ross_payload.interfaces import VoiceBlock
+from ross_payload.listening.sink_runner import BLOCKS, RETRY_S, DirectRunner, ThreadedRunner
+from waiting import wait_for
+
+
+def block(index=0):
+    return VoiceBlock(np.zeros(100, np.float32), index, 0.0)
+
+
+class Sink:
+    """Takes blocks; can be told to refuse to open, to raise, and to hang."""
+
+    def __init__(self):
+        self.blocks, self.entered, self.left = [], 0, 0
+        self.refuses = self.raises = None
+        self.go_on = threading.Event()
+        self.go_on.set()
+        self.fault, self.lost = "", 0
+        self.info = SinkInfo("there", 7)
+
+    def write(self, block):
+        assert self.go_on.wait(30)
+        if self.raises is not None:
+            raise self.raises
+        self.blocks.append(block)
+
+    def __enter__(self):
+        if self.refuses is not None:
+            raise self.refuses
+        self.entered += 1
+        return self
+
+    def __exit__(self, *exception):
+        self.left += 1
+
+
+@pytest.fixture
+def sink():
+    sink = Sink()
+    yield sink
+    sink.go_on.set()
+
+
+def test_it_opens_hands_on_and_closes(sink):
+    runner = DirectRunner("stream 0", lambda: sink, FakeClock())
+    runner.write(block(0))
+    runner.write(block(100))
+    assert (runner.fault, runner.lost, runner.info) == ("", 0, SinkInfo("there", 7))
+    runner.close()
+    runner.close()
+    assert [each.index for each in sink.blocks] == [0, 100]
+    assert (sink.entered, sink.left) == (1, 1)
+
+
+def test_a_sink_that_cannot_be_opened_is_tried_again_and_the_log_says_so_once(sink, caplog):
+    clock = FakeClock()
+    sink.refuses = AudioError("tcp:127.0.0.1:5: cannot listen: Address already in use")
+    runner = DirectRunner("stream 0", lambda: sink, clock)
+    for _ in range(10):
+        runner.write(block())
+        clock.sleep(RETRY_S / 4)
+    assert runner.fault == "tcp:127.0.0.1:5: cannot listen: Address already in use"
+    assert runner.lost == 1000
+    assert [each.getMessage() for each in caplog.records] == [f"stream 0: {runner.fault}"]
+    sink.refuses = None
+    clock.sleep(RETRY_S)
+    runner.write(block())
+    assert (runner.fault, runner.lost, len(sink.blocks)) == ("", 1000, 1)
+
+
+def test_a_sink_that_raises_is_closed_and_opened_again(sink):
+    clock = FakeClock()
+    runner = DirectRunner("stream 0", lambda: sink, clock)
+    sink.raises = ZeroDivisionError("two\nlines")
+    runner.write(block())
+    assert runner.fault == "the sink raised ZeroDivisionError: two lines"
+    assert (runner.lost, sink.left) == (100, 1)
+    sink.raises = None
+    clock.sleep(RETRY_S)
+    runner.write(block())
+    assert (runner.fault, sink.entered) == ("", 2)
+
+
+def test_what_a_sink_itself_says_is_wrong_is_told(sink):
+    runner = DirectRunner("stream 0", lambda: sink, FakeClock())
+    runner.write(block())
+    sink.fault, sink.lost = "the headphones are gone", 30
+    runner.write(block())
+    assert (runner.fault, runner.lost) == ("the headphones are gone", 30)
+
+
+def test_a_sink_that_hangs_holds_up_nobody_and_what_it_does_not_take_is_counted(sink):
+    sink.go_on.clear()
+    runner = ThreadedRunner("stream 0", lambda: sink, SystemClock())
+    for number in range(BLOCKS + 20):
+        runner.write(block(100 * number))
+    wait_for(lambda: sink.entered)
+    assert runner.fault == "the sink hangs: what it does not take is lost"
+    assert 19 * 100 <= runner.lost <= 20 * 100  # one may be on its way
+    sink.go_on.set()
+    runner.close()
+    runner.wait()
+    assert sink.left == 1
+    assert len(sink.blocks) + runner.lost // 100 == BLOCKS + 20
+
+
+def test_a_sink_that_hangs_for_ever_is_left_behind(sink, monkeypatch, caplog):
+    monkeypatch.setattr("ross_payload.listening.sink_runner.LAST_CALL_S", 0.01)
+    sink.go_on.clear()
+    runner = ThreadedRunner("stream 0", lambda: sink, SystemClock())
+    runner.write(block())
+    runner.close()
+    runner.wait()
+    assert "stream 0: the sink hangs and is left behind" in caplog.text
+
+
+def test_a_sink_is_opened_before_anything_is_written_to_it(sink):
+    runner = ThreadedRunner("stream 0", lambda: sink, SystemClock())
+    wait_for(lambda: sink.entered)
+    runner.close()
+    runner.wait()
+    assert (sink.blocks, sink.left) == ([], 1)
