@@ -14,6 +14,7 @@ from pathlib import PurePosixPath
 from aiohttp import ClientPayloadError, web
 from aiohttp.http_exceptions import HttpProcessingError
 
+from ross_payload.ground.errors import GroundError
 from ross_payload.ground.web import recordings
 from ross_payload.ground.web.connections import Connections
 from ross_payload.ground.web.faults import report
@@ -37,6 +38,7 @@ TYPES = {
     ".txt": "text/plain; charset=utf-8",
     ".png": "image/png",
 }
+SOUNDS = {".wav": "audio/wav", ".flac": "audio/flac"}
 _NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
 
 
@@ -81,6 +83,7 @@ def application(
     app.router.add_get("/live", browsers.serve)
     app.router.add_get("/listen", listening.serve)
     app.router.add_post("/flights", partial(_upload, browsers))
+    app.router.add_get("/flights/{name}/sound/{track}", partial(_sound, browsers))
     app.router.add_get(r"/tiles/{zoom:\d{1,2}}/{column:\d{1,10}}/{row:\d{1,10}}", partial(_tile, browsers))
     store = browsers.state.recordings
     app.router.add_get("/recordings", partial(recordings.listed, store))
@@ -160,6 +163,16 @@ async def _upload(browsers: WebSocketSessions, request: web.Request) -> web.Resp
         return web.json_response({"error": error.message}, status=error.status)
     await browsers.refresh_flights()
     return web.json_response({"name": name})
+
+
+async def _sound(browsers: WebSocketSessions, request: web.Request) -> web.StreamResponse:
+    """Answer with a track of a flight, or a range of it; browsers keep no copy: it is what people said."""
+    name, track = request.match_info["name"], request.match_info["track"]
+    try:
+        path = await asyncio.to_thread(browsers.state.flights.sound, name, track)
+    except GroundError as error:
+        raise web.HTTPNotFound(text=f"{shown(error.message)}\n") from error
+    return web.FileResponse(path, headers={**recordings.PRIVATE, "Content-Type": SOUNDS[path.suffix]})
 
 
 async def _chunks(request: web.Request) -> AsyncIterator[bytes]:

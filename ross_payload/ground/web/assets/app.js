@@ -1,6 +1,7 @@
 /** The page: one store, one state of the screen, at most one drawing per frame. */
 
 import { announce } from "./announce.js";
+import { FlightSound } from "./audio/flight-sound.js";
 import { Listening } from "./audio/listening.js";
 import { Spectrogram } from "./audio/spectrogram.js";
 import { pressed } from "./keyboard.js";
@@ -48,6 +49,7 @@ class Page {
     };
     this.listening = new Listening(() => this.draw());
     this.spectrogram = new Spectrogram();
+    this.flightSound = new FlightSound(() => this.draw());
     this.shut = new Set(); // slots that were closed, until a flight is opened there
     this.due = false;
     this.live = null;
@@ -190,6 +192,7 @@ class Page {
     );
     document.title = `${titleOf(this.route)} · RoSS ground`;
     announce(this);
+    this.flightSound.follow(this);
     this.spectrogram.follow(document.querySelector(".spectrogram"), this.listening.playout?.spectrum ?? null);
     this.fitMap();
     this.measure();
