@@ -3,6 +3,8 @@
 from itertools import groupby
 
 from browsing import eventually
+from fleet_bench import FleetThread
+from flight_sound import HEARD_FROM, simulated
 from page_eyes import sees, violations, watch
 from ports import free_port
 from ross_payload.ground.web.page_thread import in_background
@@ -10,8 +12,50 @@ from ross_protocols.mavlink.stream_values import Selection
 from voice_payload import RATE, VoicePayload
 
 PANEL = "section[aria-label='Listen']"
+RECORDED = """() => {
+  const { audio } = globalThis.rossSound.recorded;
+  if (!globalThis.rossTap) {
+    const context = new AudioContext({ sampleRate: 16000 });
+    globalThis.rossTap = new AnalyserNode(context, { fftSize: 1024 });
+    context.createMediaElementSource(audio).connect(globalThis.rossTap);
+  }
+  const samples = new Float32Array(1024);
+  globalThis.rossTap.getFloatTimeDomainData(samples);
+  return { samples: [...samples], rate: 16000, at: audio.currentTime, paused: audio.paused, src: audio.src };
+}"""
+DRIFT = """async () => {
+  const { PlayoutBuffer } = await import("/assets/audio/playout-buffer.js");
+  const rate = 16000, block = 320, quantum = 128, fast = 1 + 3e-4;
+  const tone = (index) => Math.sin(2 * Math.PI * 440 * index / rate);
+  const buffer = new PlayoutBuffer(rate), played = [], fills = [];
+  let sent = 0, due = 0;
+  for (let at = 0; at < 60 * rate; at += quantum) {
+    for (; due <= at; due = (sent / fast) + 0.01 * rate * ((sent / block * 7919) % 100) / 100) {
+      buffer.push(Float32Array.from({ length: block }, (_, index) => tone(sent + index)));
+      sent += block;
+    }
+    const output = new Float32Array(quantum);
+    buffer.pull(output);
+    played.push(...output);
+    if (at > 30 * rate) fills.push(buffer.waiting / rate);
+  }
+  const steps = played.slice(rate).map((sample, index, all) => Math.abs(sample - (all[index - 1] ?? sample)));
+  const step = steps.reduce((one, other) => Math.max(one, other));
+  return { ...buffer.counts, least: Math.min(...fills), most: Math.max(...fills), step };
+}"""
+GAP = """async () => {
+  const { PlayoutBuffer } = await import("/assets/audio/playout-buffer.js");
+  const rate = 16000, buffer = new PlayoutBuffer(rate), output = new Float32Array(1600);
+  const before = buffer.target;
+  buffer.push(new Float32Array(1600).fill(0.5));
+  buffer.pull(output);
+  const last = output.slice(1500, 1600);
+  const after = buffer.target;
+  buffer.push(new Float32Array(16000));
+  return { last: [...last], before, after, waiting: buffer.waiting, ...buffer.counts };
+}"""
 PLAYED = """() => {
-  const panel = globalThis.rossListening;
+  const panel = globalThis.rossSound.live;
   const { spectrum } = panel.playout;
   const samples = new Float32Array(spectrum.fftSize);
   spectrum.getFloatTimeDomainData(samples);
@@ -19,9 +63,9 @@ PLAYED = """() => {
 }"""
 
 
-def tone(page):
+def tone(page, played=PLAYED):
     """The frequency of what is played [Hz], from its sign changes, and its amplitude."""
-    heard = page.evaluate(PLAYED)
+    heard = page.evaluate(played)
     samples = heard["samples"]
     peak = max(map(abs, samples))
     crossings = [index for index in range(1, len(samples)) if samples[index - 1] < 0 <= samples[index]]
@@ -30,8 +74,12 @@ def tone(page):
     return heard["rate"] * (len(crossings) - 1) / (crossings[-1] - crossings[0]), peak
 
 
-def hears(page, hertz):
-    eventually(page, lambda: abs(tone(page)[0] - hertz) < 15 and tone(page)[1] > 0.3)
+def hears(page, hertz, played=PLAYED):
+    def claim():
+        found, peak = tone(page, played)
+        return abs(found - hertz) < 15 and peak > 0.2
+
+    eventually(page, claim)
 
 
 def test_somebody_listens_chooses_and_stops(window, open_page):
@@ -48,8 +96,8 @@ def test_somebody_listens_chooses_and_stops(window, open_page):
         assert page.evaluate(PLAYED)["rate"] == RATE
         assert button.get_attribute("aria-pressed") == "true"
         sees(page, "Playing: target", PANEL)
-        eventually(page, lambda: 40 < page.evaluate("() => globalThis.rossListening.delay ?? 0") < 1500)
-        eventually(page, lambda: page.evaluate("() => globalThis.rossListening.state.told?.lost ?? 0") > 0)
+        eventually(page, lambda: 40 < page.evaluate("() => globalThis.rossSound.live.delay ?? 0") < 1500)
+        eventually(page, lambda: page.evaluate("() => globalThis.rossSound.live.state.told?.lost ?? 0") > 0)
         assert not violations(page)
         page.locator(PANEL).get_by_role("combobox", name="What is heard").select_option("mixture")
         hears(page, 500.0)
@@ -77,4 +125,39 @@ def test_a_talker_is_enrolled_with_consent_only(window, open_page):
         dialog.get_by_role("button", name="Enrol", exact=True).click()
         eventually(page, lambda: [each.words for each in served.state.client.orders.doing] == ["enrol source 1"])
         dialog.wait_for(state="hidden")
+        page.close()
+
+
+def test_a_mission_that_is_over_is_heard_before_and_after_with_one_click(tmp_path, window, open_page):
+    port = free_port()
+    with in_background([f"udpin:127.0.0.1:{port}"], flights=simulated(tmp_path)) as served, FleetThread(port):
+        served.state.over = "The simulation has ended."
+        page = open_page(served.url)
+        page.get_by_role("button", name="Hear before and after").click()
+        hears(page, 500.0, RECORDED)
+        assert page.evaluate(RECORDED)["src"].endswith("/flights/mission.tlog/sound/mixture")
+        hears(page, 1000.0, RECORDED)
+        assert page.evaluate(RECORDED)["src"].endswith("/flights/mission.tlog/sound/target")
+        page.get_by_label("Time of mission.tlog").fill("3")  # a click of the user moves the sound as well
+        eventually(page, lambda: abs(page.evaluate(RECORDED)["at"] - 3.0 + HEARD_FROM) < 0.9)
+        assert not violations(page)
+        page.get_by_role("button", name="Target").click()
+        eventually(page, lambda: page.evaluate(RECORDED)["paused"])
+        page.close()
+
+
+def test_two_clocks_that_differ_neither_starve_nor_flood_what_is_played(window, open_page):
+    with in_background([f"udpin:127.0.0.1:{free_port()}"]) as served:
+        page = open_page(served.url)
+        heard = page.evaluate(DRIFT)
+        assert (heard["gaps"], heard["skipped"]) == (0, 0)
+        assert heard["least"] > 0.005
+        assert heard["most"] < 0.12
+        assert heard["step"] < 2 * 3.1416 * 440 / 16000 * 1.05, "no jump between two samples"
+        gap = page.evaluate(GAP)
+        assert gap["gaps"] == 1
+        assert gap["after"] > gap["before"], "after a gap more is kept"
+        assert abs(gap["last"][-1]) < 0.01, "it fades"
+        assert gap["skipped"] > 0
+        assert gap["waiting"] < 16000 / 2, "what is too old is left out"
         page.close()

@@ -56,7 +56,7 @@ class Page {
   }
 
   start() {
-    globalThis.rossListening = this.listening; // tests hear what is played
+    globalThis.rossSound = { live: this.listening, recorded: this.flightSound }; // tests hear what is played
     applyTheme(this.ui.theme);
     this.live = connect(() => liveAddress(location, this.store.you), {
       message: (message) => {

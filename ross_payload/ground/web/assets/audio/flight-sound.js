@@ -4,6 +4,7 @@ import { momentOf, seekTo } from "../parts/playback.js";
 
 const APART = 0.2; // [s] between sound and telemetry, from which on the sound is moved
 const FASTEST = 4; // times, beyond which nobody understands a word
+const BRIEF = 0.2; // [s] before the end of the flight, where it stops by itself
 const SPAN = 6; // [s] of a comparison
 const SETTLED = 700; // [ms] after a move, until what is told is of after it
 const NONE = { slot: null, name: null, track: null };
@@ -46,7 +47,7 @@ export class FlightSound {
     const target = flight.sound.find((each) => each.track === "target");
     const [at, end] = [momentOf(page, slot), target.begin + target.duration];
     const from = at >= target.begin && at < end - 1 ? at : Math.max(target.begin, 0);
-    this.play(page, slot, { name: flight.name, stage: "before", from, until: Math.min(from + SPAN, end) });
+    this.play(page, slot, { name: flight.name, stage: "before", from, until: Math.min(from + SPAN, end, flight.duration) - BRIEF });
   }
 
   /** Open a flight, and compare as soon as it is there. */
