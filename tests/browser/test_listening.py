@@ -115,6 +115,7 @@ def test_a_talker_is_enrolled_with_consent_only(window, open_page):
     port = free_port()
     with in_background([f"udpin:127.0.0.1:{port}"]) as served, VoicePayload(port):
         page = watch(open_page, served.url, width=320)
+        page.get_by_role("button", name="Source 1").first.click()
         page.get_by_role("button", name="Enrol source 1").click()
         dialog = page.get_by_role("dialog")
         dialog.wait_for()

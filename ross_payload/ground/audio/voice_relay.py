@@ -12,8 +12,8 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-from ross_payload.ground.audio.listener import Listener, frame_of
 from ross_payload.ground.audio.rtp_port import RtpPort
+from ross_payload.ground.audio.sound_queue import Listener, frame_of
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_status import NO_ANSWER, REFUSED, CommandStatus
 from ross_payload.ground.client.order_json import order_of

@@ -54,7 +54,7 @@ def sound_files(log: Path) -> dict[str, Path]:
         found = {MIXTURE: folder / "mixture.wav", TARGET: folder / "target.wav"}
     else:
         return {}
-    return {name: path for name, path in found.items() if path.is_file()}
+    return {name: path for name, path in found.items() if path.is_file() and not path.is_symlink()}
 
 
 def tracks_of(flight: Flight) -> tuple[Track, ...]:

@@ -1,6 +1,6 @@
 """The sockets over which browsers listen: one per browser and payload, open for as long as it listens.
 
-To the browser: sound in binary messages (`listener.frame_of`), and how it goes as text. From it, as text: the first
+To the browser: sound in binary messages (`sound_queue.frame_of`), and how it goes as text. From it, as text: the first
 message chooses what is heard, as do later ones; a ``ping`` is answered at once, so that a browser can tell the way.
 """
 
@@ -12,7 +12,7 @@ from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
-from ross_payload.ground.audio.listener import Listener
+from ross_payload.ground.audio.sound_queue import Listener
 from ross_payload.ground.audio.voice_relay import VoiceRelay
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.web.faults import report, write_line

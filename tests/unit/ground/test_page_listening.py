@@ -10,7 +10,7 @@ import pytest
 
 from ground_page import page
 from ports import free_port
-from ross_payload.ground.audio.listener import HEAD, MOST_FRAMES, Listener, frame_of
+from ross_payload.ground.audio.sound_queue import HEAD, MOST_FRAMES, Listener, frame_of
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.station import Station, local_address
 from ross_payload.ground.web import listening_sockets

@@ -2,16 +2,15 @@
 
 import { html, nothing } from "../templates.js";
 
-/** The button of a row. */
+/** The button that asks about a source. */
 export const enrolButton = (page, source) =>
   html`<button
     type="button"
-    class="quiet"
     aria-haspopup="dialog"
     ?disabled=${page.commandsBlocked !== null}
     @click=${() => opened(page, source)}
   >
-    Enrol<span class="unseen"> source ${source}</span>
+    Enrol source ${source}…
   </button>`;
 
 function opened(page, source) {

@@ -12,13 +12,13 @@ export function sources(page, told, mayOrder) {
   return html`${table(
       "Table of sources",
       "sources stack",
-      ["Source", "Azimuth", "Confidence", "Score", ...(mayOrder ? ["Voice"] : [])],
-      list.map((each) => row(page, each, mayOrder)),
+      ["Source", "Azimuth", "Confidence", "Score"],
+      list.map((each) => row(page, each)),
     )}
     ${mayOrder ? listen(page, told) : nothing}`;
 }
 
-function row(page, source, mayOrder) {
+function row(page, source) {
   const selected = page.ui.selected === source.source;
   const choose = () => page.change({ selected: selected ? null : source.source });
   return html`<tr
@@ -35,7 +35,6 @@ function row(page, source, mayOrder) {
     <td data-name="Azimuth">${degrees(source.azimuth)} ± ${number(source.sigma, 1, "°")}${mirror(source)}</td>
     <td data-name="Confidence">${known(source.confidence) ? number(source.confidence * 100, 0, " %") : DASH}</td>
     <td data-name="Score">${number(source.score, 2)}</td>
-    ${mayOrder ? html`<td data-name="Voice">${enrolButton(page, source.source)}</td>` : nothing}
   </tr>`;
 }
 
@@ -46,8 +45,8 @@ const mirror = ({ resolved, mirror: other }) =>
 function listen(page, told) {
   const { selected } = page.ui;
   const there = (told.sections.sources ?? []).some((each) => each.source === selected);
-  if (!there) return html`<p class="soft">Select a source here or in the polar view to listen to it.</p>`;
-  return html`<p>
+  if (!there) return html`<p class="soft">Select a source here or in the polar view to listen to it or enrol it.</p>`;
+  return html`<p class="buttons">
     <button
       type="button"
       class="main"
@@ -56,6 +55,7 @@ function listen(page, told) {
     >
       Listen to source ${selected}
     </button>
+    ${enrolButton(page, selected)}
   </p>`;
 }
 
