@@ -28,6 +28,7 @@ from ross_protocols.mavlink.stream_values import StreamReport
 BLOCK_S = 0.02  # of sound that is given on at once
 LATE_S = 0.5  # behind the clock, from which on what was missed is not made up for
 WORDS_PERIOD_S = 0.25  # between two messages of how it goes
+LINGER_S = 1.0  # that a port stays open for the end of its stream
 STOP_PERIOD_S = 2.0  # between two orders to end a stream
 USUAL_RATE = 48000  # of a payload that has not told its own [Hz]
 MOST_SENSIBLE_S = 60.0  # of an age, beyond which clocks disagree
@@ -79,6 +80,7 @@ class VoiceRelay:
         self._playing: asyncio.Task[None] | None = None
         self._order: int | None = None  # number of the latest order to stream
         self._boots = 0  # of the payload, when it was ordered
+        self._ending: dict[RtpPort, float] = {}  # that wait for the end of their stream, since when [s]
         self._places: dict[tuple[str, int], float] = {}  # that were ordered ever, and when their end was [s]
 
     @property
@@ -144,6 +146,8 @@ class VoiceRelay:
     def tick(self) -> None:
         """Do what is due; call it ten times a second."""
         known, now = self._known, self._station.now()
+        for port in [port for port, since in self._ending.items() if now - since > LINGER_S]:
+            self._close(port)
         if known is None:
             return
         here = None if self._port is None else self._port.place
@@ -156,10 +160,16 @@ class VoiceRelay:
                 self._places[place] = now
                 self._orders.order(self.who, StopStream(stream.number))
 
-    def close(self) -> None:
+    def end(self) -> None:
         """End the stream, whoever listens."""
         for listener in self.listeners:
             self.leave(listener)
+
+    def close(self) -> None:
+        """Receive nothing more."""
+        self.end()
+        for port in tuple(self._ending):
+            self._close(port)
 
     # ------------------------------------------------------------------------------------------- inside
 
@@ -190,9 +200,13 @@ class VoiceRelay:
             return
         if self._playing is not None:
             self._playing.cancel()
-        self._port.close()
+        self._ending[self._port] = self._station.now()  # closed at once, it would be called a fault of the stream
         self._port = self._playing = self._order = None
         self.tick()
+
+    def _close(self, port: RtpPort) -> None:
+        del self._ending[port]
+        port.close()
 
     async def _play(self, port: RtpPort) -> None:
         """Give on what is received, as the clock asks for it, until cancelled."""

@@ -58,11 +58,13 @@ class ListeningSockets:
     async def close(self) -> None:
         """End all streams, and tell the browsers."""
         for relay in self._relays.values():
-            relay.close()
+            relay.end()
         closing = [socket.close(code=WSCloseCode.GOING_AWAY, message=b"ross ground ends") for socket in self._sockets]
         await asyncio.gather(*closing, return_exceptions=True)
         if self._relays:
             await asyncio.sleep(END_S)
+        for relay in self._relays.values():
+            relay.close()
 
     async def serve(self, request: web.Request) -> web.StreamResponse:
         """Let one browser listen until it goes."""
