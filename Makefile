@@ -34,6 +34,7 @@ bench: $(VENV)/.dev
 	$(BIN)/python -m ross_sim.study.voiceprint_study --speech $(SPEECH)
 	$(PIP) --group bench
 	$(BIN)/python -m ross_sim.study.separation_cost --speech $(SPEECH)
+	$(BIN)/python -m ross_sim.study.live_separation out/bench/live-separation.csv --speech $(SPEECH)
 
 soak: $(VENV)/.dev
 	$(ONE_THREAD) $(BIN)/pytest --numprocesses 2 -m soak --timeout 7200 $(ARGS)

@@ -6,7 +6,7 @@ import math
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from ross_payload.config.table import Table
 from ross_payload.streams import MAX_STREAMS, Selection, What
@@ -47,25 +47,14 @@ class Listening(Table):
     otherwise: Literal["mixture", "silence"] = (
         "mixture"  # what a stream of a voice carries while no voice can be separated: exploring, turning, nobody known
     )
-    frame_ms: Annotated[float, Field(ge=16, le=256)] = 64.0  # STFT frame of live separation, in four hops [ms]
-    delay_ms: Annotated[float, Field(ge=8, le=256)] | None = (
-        None  # of analysis and synthesis, from half a frame to a frame: less costs quality; absent: a frame
+    latency_ms: Annotated[float, Field(ge=32, le=400)] = (
+        100.0  # from the microphone to the sink, if the computer took no time; a shorter one costs quality
     )
-    lookahead: Annotated[int, Field(ge=0, le=8)] = 1  # hops that are heard after a frame before it is separated
     window_s: Annotated[float, Field(ge=1, le=30)] = 4.0  # of audio from which the covariances are learnt
     learn_s: Annotated[float, Field(ge=0.05, le=10)] = 0.25  # between two times that they are learnt anew
     sdp_port: Annotated[int, Field(ge=0, le=65535)] = 0  # serves session descriptions over HTTP; 0: does not
     sdp_address: Annotated[str, Field(min_length=1)] = "127.0.0.1"  # of this computer, on which it does
     streams: Annotated[tuple[Stream, ...], Field(max_length=MAX_STREAMS)] = ()
-
-    @model_validator(mode="after")
-    def _possible(self) -> Listening:
-        if self.delay_ms is not None and not self.frame_ms / 2 <= self.delay_ms <= self.frame_ms:
-            raise ValueError(
-                f"delay_ms: expected {self.frame_ms / 2:g} to {self.frame_ms:g}, from half a frame to a frame, "
-                f"got {self.delay_ms:g}"
-            )
-        return self
 
 
 def selection_of(text: str) -> Selection:

@@ -17,13 +17,14 @@ from typing import Self
 from ross_payload.audio.sinks import SinkServices, checked_options, make_sink
 from ross_payload.config import Config
 from ross_payload.config.listening_options import selection_text
+from ross_payload.dsp.streaming_stft import transform_for
 from ross_payload.errors import RossError
 from ross_payload.events import Event
 from ross_payload.interfaces import AudioBlock, AudioSink, Clock, Input
 from ross_payload.listening.learning import BackgroundLearner, ImmediateLearner, Learner
 from ross_payload.listening.order_book import OrderBook
 from ross_payload.listening.sink_runner import DirectRunner, SinkRunner, ThreadedRunner
-from ross_payload.listening.stage import ListeningStage, transform_of
+from ross_payload.listening.stage import ListeningStage
 from ross_payload.listening.stream import StreamSettings
 from ross_payload.listening.voice_separation import VoiceSeparation
 from ross_payload.plugin_checks import load_separator
@@ -72,9 +73,10 @@ class Listening:
         self._clock = clock
         self._folder = folder
         self._recording = recording
-        separator = load_separator(config.listening.separator).live(config.listening.lookahead)
+        transform, lookahead = transform_for(config.audio.rate_hz, config.listening.latency_ms / 1000)
+        separator = load_separator(config.listening.separator).live(lookahead)
         self._learner: Learner = (BackgroundLearner if self.live else ImmediateLearner)(separator)
-        separation = VoiceSeparation(separator, self._learner, transform_of(config).stft, config)
+        separation = VoiceSeparation(separator, self._learner, transform.stft, config)
         self._stage = ListeningStage(config, separation, self._open_runner, clock if self.live else None)
         self._orders = OrderBook(config, None if recording is None else recording.going_on)
         self._stage.want(self._orders.wanted)
@@ -222,7 +224,7 @@ def check_listening(config: Config) -> None:
         where = f"listening.streams.{number}.options of '{stream.sink}'"
         checked_options(stream.sink, stream.options, where)
     try:
-        load_separator(asked.separator).live(asked.lookahead)
-        transform_of(config)
+        _, lookahead = transform_for(config.audio.rate_hz, asked.latency_ms / 1000)
+        load_separator(asked.separator).live(lookahead)
     except RossError as error:
         raise type(error)(f"listening: {error}") from error

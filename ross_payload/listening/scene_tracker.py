@@ -22,6 +22,8 @@ NEAR = np.deg2rad(20.0)  # an azimuth that is asked for and a source within this
 AWAY = np.deg2rad(6.0)  # the array may turn by so much, following its heading, before separation begins anew
 STEADY = np.deg2rad(2.0)  # a heading that has changed by less in the last frames is held, though the joint may turn
 STEADY_FRAMES = 20  # about a third of a second
+FAST = np.deg2rad(8.0)  # a turn by more within the frames that one frame overlaps cannot be followed
+FAST_FRAMES = 8
 QUIET = frozenset({State.LEAD_IN, State.NOISE})  # nobody is taken to talk
 EXPLORING = QUIET | {State.EXPLORE_TURN, State.EXPLORE_LISTEN}
 LISTENING = frozenset({State.CHECK, State.RUN})
@@ -33,6 +35,7 @@ class Placement:
 
     tau: Real  # TDOAs [s], (n_sources,)
     stretch: int  # grows whenever separation has to begin anew: other sources, another heading
+    still: bool = True  # at the heading at which the stretch began: what is heard can be learnt from
 
 
 class SceneTracker:
@@ -81,7 +84,8 @@ class SceneTracker:
         """Return where the sources are for an array that points to ``heading`` [rad]; None: nothing can be separated.
 
         A stretch begins at rest, or when the joint holds a heading on a base that yaws, and lasts as long as the array
-        follows the heading that it began with.
+        follows the heading that it began with, and through a slow turn, in which the TDOAs are followed, until the
+        array is at rest again.
         """
         estimate, self._why = self._estimate, ""
         self._recent.append(heading)
@@ -94,20 +98,25 @@ class SceneTracker:
         if self._why or estimate is None:
             self._heading = None
             return None
-        if self._heading is None or abs(wrap(heading - self._heading)) > AWAY:
-            if not (settled or self._held()):
-                self._heading, self._why = None, "turning"
-                return None
-            self._heading, self._stretch = heading, self._stretch + 1
+        still = self._heading is not None and abs(wrap(heading - self._heading)) <= AWAY
+        if not still and (settled or self._held()):
+            self._heading, self._stretch, still = heading, self._stretch + 1, True
+        elif not still and (self._heading is None or self._turned(FAST_FRAMES) > FAST):
+            self._heading, self._why = None, "turning"
+            return None
         azimuths = np.array([source.azimuth for source in estimate.sources])
         heights = np.array([source.elevation or 0.0 for source in estimate.sources])
         tau = tdoa(azimuths, heading, self._array.spacing_m, self._array.speed_of_sound_m_s, heights)
-        return Placement(tau, self._stretch)
+        return Placement(tau, self._stretch, still)
 
     def _held(self) -> bool:
         """Whether the heading has hardly changed lately."""
-        turned = [abs(wrap(heading - self._recent[-1])) for heading in self._recent]
-        return len(turned) == STEADY_FRAMES and max(turned) < STEADY
+        return len(self._recent) == STEADY_FRAMES and self._turned(STEADY_FRAMES) < STEADY
+
+    def _turned(self, frames: int) -> float:
+        """By how much the heading differs from those of the last frames, at most [rad]."""
+        latest = list(self._recent)[-frames:]
+        return float(max(abs(wrap(heading - latest[-1])) for heading in latest))
 
     def source_of(self, selection: Selection) -> tuple[int | None, str]:
         """Return which source of the estimate is meant, or None and why there is none."""

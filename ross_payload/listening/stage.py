@@ -1,7 +1,7 @@
 """The stage of live listening: hops of audio in, voices out; what runs it decides about threads.
 
-Every stream is delayed alike, by the frame and the look-ahead, so that a stream can go over from the mixture to a voice
-and back without a gap, and every sample keeps the index that it has in the mixture.
+Every stream is delayed alike, by the synthesis window and the look-ahead, so that a stream can go over from the mixture
+to a voice and back without a gap, and every sample keeps the index that it has in the mixture.
 """
 
 from __future__ import annotations
@@ -12,11 +12,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
-import scipy.fft
 
 from ross_payload.config import Config
-from ross_payload.dsp.stft import Stft
-from ross_payload.dsp.streaming_stft import StreamingAnalysis, StreamingStft
+from ross_payload.dsp.streaming_stft import StreamingAnalysis, transform_for
 from ross_payload.events import Event
 from ross_payload.interfaces import AudioBlock, Clock, Complex, Groups
 from ross_payload.listening.scene_tracker import SceneTracker
@@ -26,19 +24,10 @@ from ross_payload.listening.voice_separation import VoiceSeparation
 from ross_payload.pointing import Pointing
 from ross_payload.streams import StreamStatus, What
 
-HOPS = 4  # of the STFT in a frame
 STATUS_S = 0.1  # between two times that the streams are told
 
 OpenRunner = Callable[[StreamSettings], SinkRunner]
 log = logging.getLogger(__name__)
-
-
-def transform_of(config: Config) -> StreamingStft:
-    """Return the frames of live listening: four hops in a frame, of a length that is transformed quickly."""
-    asked, rate = config.listening, config.audio.rate_hz
-    hop = scipy.fft.next_fast_len(round(asked.frame_ms / 1000 * rate / HOPS), real=True)
-    delay = None if asked.delay_ms is None else round(asked.delay_ms / asked.frame_ms * HOPS * hop / 2) * 2
-    return StreamingStft(Stft(rate, HOPS * hop, hop), delay)
 
 
 class ListeningStage:
@@ -61,7 +50,7 @@ class ListeningStage:
     ) -> None:
         self._config = config
         self._rate = config.audio.rate_hz
-        self._transform = transform_of(config)
+        self._transform, self._lookahead = transform_for(self._rate, config.listening.latency_ms / 1000)
         self._separation = separation
         self._open_runner = open_runner
         self._clock = clock
@@ -77,7 +66,7 @@ class ListeningStage:
     @property
     def latency(self) -> float:
         """From a sample at the microphone until the stage gives it out, if it computes in no time [s]."""
-        return (self._transform.latency + self._config.listening.lookahead * self._transform.stft.hop) / self._rate
+        return (self._transform.latency + self._lookahead * self._transform.stft.hop) / self._rate
 
     @property
     def n_sources(self) -> int:
@@ -133,7 +122,7 @@ class ListeningStage:
     def finish(self, why: str = "the program ends") -> None:
         """Give out what is still under way, and close every sink."""
         if self._streams and self._heard >= 0:
-            rest = self._transform.latency + self._config.listening.lookahead * self._transform.stft.hop
+            rest = self._transform.latency + self._lookahead * self._transform.stft.hop
             frames = self._analysis.push(np.zeros((2, rest), np.float32))
             for number in range(frames.shape[2]):
                 self._mixed(frames[..., number], None, "", last=self._heard)
@@ -189,7 +178,7 @@ class ListeningStage:
     def _mixed(self, frame: Complex, groups: Groups | None, why: str, last: int | None = None) -> None:
         """Give every stream its portion of the frame that has been waited for."""
         self._delayed.append(frame[0])
-        if len(self._delayed) <= self._config.listening.lookahead:
+        if len(self._delayed) <= self._lookahead:
             return
         mixture = self._delayed.popleft()
         index = self._first + self._transform.first_sample(self._frames)

@@ -72,7 +72,7 @@ class VoiceSeparation:
         elif self.fault:
             return None
         try:
-            groups = self._separated(frame, self._scene(placement.tau))
+            groups = self._separated(frame, self._scene(placement.tau), still=placement.still)
         except PluginError as error:
             self._fail(str(error))
             return None
@@ -85,11 +85,12 @@ class VoiceSeparation:
         self._stretch, self._heard, self.fault = -1, 0, ""
         self._window.clear()
 
-    def _separated(self, frame: Complex, scene: Scene) -> Groups:
+    def _separated(self, frame: Complex, scene: Scene, *, still: bool) -> Groups:
         if self._state is None:
             self._state = self._separator.start(scene)
-        self._renew(scene)
-        self._window.append(frame)
+        if still:  # what is heard in a turn tells nothing about either heading
+            self._renew(scene)
+            self._window.append(frame)
         self._state, groups = self._separator.step(self._state, frame, scene)
         return groups
 

@@ -36,6 +36,7 @@ from ross_payload.interfaces import (
     VoicePrint,
 )
 from ross_payload.mission.heading_control import Follower
+from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mission_state import BUSY
 from ross_payload.orders import Cancel, Order, Set, Shutdown, Stop, Task
 from ross_payload.pointing import Pointing
@@ -72,6 +73,7 @@ class Settings:
     seed: int
     park: float = 0.0  # joint angle where it parks [rad]
     follow: float = math.radians(2.0)  # a heading that is off by more is followed [rad]
+    track: bool = False  # follow sources that move while it listens
 
 
 class Planner(Protocol):
@@ -94,7 +96,7 @@ class Planner(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Tools:
-    """What the mission hears and decides with; ``plan`` says where to turn."""
+    """What the mission hears and decides with; ``plan`` says where to turn, ``tracker`` follows who moves."""
 
     explorer: Explorer
     explorer_stft: Stft
@@ -102,6 +104,7 @@ class Tools:
     stft: Stft
     voiceprint: VoicePrint | None  # of the target, None: nobody is sought
     plan: Planner = plan
+    tracker: type[SourceTracker] = SourceTracker
 
 
 class Ended(Exception):
@@ -125,6 +128,7 @@ class Listening:
     heading: float  # [rad], the mean where the array followed it
     samples: Samples  # (2, n)
     spread: float = 0.0  # largest deviation from the heading while it was followed [rad]
+    headings: Real | None = None  # in the middle of every hop where they were not all one [rad], (n_hops,)
 
 
 @dataclass(slots=True)
@@ -146,6 +150,7 @@ class Context:
     earth: bool | None = None  # the frame in which the task thinks, None: it does not matter yet
     holding: Follower | None = None  # the heading that was faced last
     surveyed: tuple[Estimate, bool] | None = None  # what was explored last, and whether in the earth frame
+    tracker: SourceTracker | None = None  # of the sources that are listened to
 
     @property
     def time(self) -> float:
@@ -172,6 +177,16 @@ class Context:
     def drop_frame(self) -> None:
         """Forget the frame and the heading that was held in it."""
         self.earth = self.holding = None
+
+    def track(self, estimate: Estimate, source: int) -> None:
+        """From here on follow the sources of an estimate while one of them is listened to, where that is wanted."""
+        settings, stft = self.settings, self.tools.explorer_stft
+        if not settings.track or not estimate.k:
+            self.tracker = None
+            return
+        psd = self.noise_psd.get(stft.frame)
+        spacing, speed = settings.spacing, settings.speed_of_sound
+        self.tracker = self.tools.tracker(estimate, source, stft, spacing, speed, self.lead_in, psd, settings.seed)
 
     def publish(self, event: Event) -> None:
         """Send an event with the next Output."""

@@ -21,6 +21,7 @@ from ross_payload.pointing import nearest_joint, nearest_limit
 MARGIN = math.radians(20)  # to the limits of the joint, where there is a choice: room to follow
 TURN_TIMEOUT_S = 20.0  # [s] that a turn may take on a vehicle that does not let it end
 OTHER_END = "near a limit: turning to the other end of the axis"
+REALIGNED = "sources have moved"
 MOST_BACK = 3  # times that one listening period begins again
 
 
@@ -70,10 +71,28 @@ def attend(context: Context, seconds: float) -> Step[Listening]:
         heard = yield from hop(context, goal=context.holding.next_goal())
         period.add(heard)
         context.holding.update(context.time, heard.pointing)
+        _track(context, heard)
         if left and context.holding.unreachable():
             period, left = _Period(), left - 1
             yield from face(context, context.holding.heading, context.pointing.joint, OTHER_END)
     return period.listening()
+
+
+def _track(context: Context, heard: Input) -> None:
+    """Let the tracker hear a hop, and turn a little when that is worth it; what is heard meanwhile counts."""
+    if context.tracker is None:
+        return
+    said, settings = context.tracker.hear(heard, context.time), context.settings
+    if said is not None:
+        context.publish(said)
+    heading = context.tracker.heading_for(
+        context.time, heard.pointing, settings.lower, settings.upper, settled=heard.settled
+    )
+    if heading is not None:
+        goal = heard.pointing.joint + wrap(heading - heard.pointing.heading)
+        context.publish(TurnStarted(context.time, goal, heading, REALIGNED))
+        context.holding = _follower(context, heading, goal)
+        context.holding.due = goal
 
 
 def _follower(context: Context, heading: float, goal: float) -> Follower:
@@ -102,4 +121,5 @@ class _Period:
         if np.abs(difference(self.headings, self.last)).max() <= STILL:
             return Listening(self.last, samples)
         mean = circular_mean(self.headings)
-        return Listening(mean, samples, float(np.abs(difference(self.headings, mean)).max()))
+        spread = float(np.abs(difference(self.headings, mean)).max())
+        return Listening(mean, samples, spread, np.array(self.headings))

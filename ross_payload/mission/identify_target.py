@@ -59,7 +59,11 @@ def separate(context: Context, estimate: Estimate, listening: Listening) -> tupl
 
 def recognise(context: Context, estimate: Estimate, listening: Listening, recalled: dict[int, float]) -> Identification:
     """Separate and score; for a source that stands alone the score is the mean of this one and the recalled one."""
-    groups, voices = separate(context, estimate, listening)
+    return scored(context, *separate(context, estimate, listening), recalled)
+
+
+def scored(context: Context, groups: Groups, voices: Real, recalled: dict[int, float]) -> Identification:
+    """Compare every group with the target's voice print; as `recognise`."""
     scores = []
     for group, (members, voice) in enumerate(zip(groups.members, voices, strict=True)):
         value = _likeness(context, voice)

@@ -20,6 +20,7 @@ from ross_payload.events import (
     OrientationHeard,
     Outcome,
     SourcesEstimated,
+    SourcesTracked,
     State,
 )
 from ross_payload.interfaces import Input, Mission, Output, Result, VoicePrint
@@ -264,6 +265,8 @@ class LiveSession:
             if isinstance(event, SourcesEstimated) and event.final:
                 earth, explored = self._context.pointing.earth, not event.informed
                 self._memory = replace(self._memory, estimate=event.estimate, earth=earth, explored=explored)
+            elif isinstance(event, SourcesTracked):
+                self._memory = replace(self._memory, estimate=event.estimate)
 
     def _progress(self, task: Task, event: OrientationHeard) -> Answered:
         share = min(event.index / self._context.settings.max_rotations, 1.0)

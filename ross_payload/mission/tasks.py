@@ -177,6 +177,7 @@ def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
     context.enter(State.ALIGN_TURN, f"source {source}, {own.rule}")
     yield from face(context, own.heading, own.joint, f"alignment for source {source}")
     context.enter(State.RUN, f"source {source}")
+    context.track(estimate, source)
     runs, done = context.settings.runs, 0
     while runs == 0 or done < runs:
         heard = yield from attend(context, context.settings.run)

@@ -120,6 +120,8 @@ class LiveDuet:
         frames = np.concatenate([state.frames[1:], frame[None]], dtype=np.complex64)
         noise = state.noise_psd + (state.goal - state.noise_psd) * np.float32(SETTLING)
         state = replace(state, frames=frames, noise_psd=noise)
+        if not state.members:
+            return state, Groups(np.zeros((0, frame.shape[1], 1), np.complex64), (), self.name)
         delays = np.asarray(scene.tau, float)
         tau = np.array([delays[list(group)].mean() for group in state.members])
         near = np.ascontiguousarray(np.moveaxis(frames[:3], 0, -1))

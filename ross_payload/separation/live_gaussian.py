@@ -26,7 +26,8 @@ HASTE = 0.25  # or, when little was heard yet, this part of it
 LEVEL = 4.0  # time constant of the mean power of the mixture [s]
 ROOM = 0.010  # energy that no direction explains, before it is measured
 PRIOR_COUNT = 3.0  # bins that geometry counts for when covariances are learnt
-PRIOR_FRAMES = 16.0  # that what was known about the room counts for
+PRIOR_FRAMES = 64.0  # that what was known about the room counts for, or nothing
+COHERENT = 1 - 1e-4  # no field is more coherent than this
 GUESS = 1e-3  # noise relative to the mean power, before it is measured
 WHITE = np.array([1, 1, 0, 0], np.float32)[:, None]
 
@@ -84,8 +85,7 @@ class LiveGaussian:
             When the TDOAs are not known.
         """
         members, tau = directions_of(scene, f"the {self.name} model")
-        waves = direct(scene.frequencies, tau).astype(np.float32)
-        sources = _by_frequency(geometric_start(scene, waves, ROOM)[0])
+        sources = _by_frequency(_expected(scene, tau, ROOM)[0])
         noise = np.broadcast_to(WHITE, (1, 4, scene.frequencies.size))
         n, n_freqs, both = self.lookahead + 1, scene.frequencies.size, np.concatenate([sources, noise])
         frames, observed = np.zeros((n, 2, n_freqs), np.complex64), np.zeros((n, 4, n_freqs), np.float32)
@@ -109,11 +109,13 @@ class LiveGaussian:
         unit = (window / np.sqrt(power) if power > 0 else window).astype(np.complex64)
         noise = guessed_psd(unit) if scene.noise_psd is None else np.asarray(scene.noise_psd) / max(power, 1e-30)
         noise = np.maximum(noise, FLOOR).astype(np.float32)
+        if not members:
+            return Learnt(members, tau, np.zeros((0, 4, noise.size), np.float32), noise * power, ROOM)
         observed = outer(unit).astype(np.float32)
         part, frames = astray(observed, scene.frequencies, waves, noise), observed.shape[2]
-        if before is not None:
-            part = (frames * part + PRIOR_FRAMES * before.astray) / (frames + PRIOR_FRAMES)
-        begin, anchor = geometric_start(scene, waves, part)
+        usual = ROOM if before is None else before.astray
+        part = (frames * part + PRIOR_FRAMES * usual) / (frames + PRIOR_FRAMES)
+        begin, anchor = _expected(scene, tau, part)
         known = None
         if before is not None and same_sources(before, members, tau, scene):
             known = np.moveaxis(followed(before.covariances, tau - before.tau, scene.frequencies), -1, 0)
@@ -134,6 +136,8 @@ class LiveGaussian:
 
     def heard(self, state: State, frame: Complex, scene: Scene) -> State:
         """Take in a frame (2, n_freqs), and update the PSDs of those that are under way."""
+        if not state.members:
+            return state
         state = _moved(state, scene)
         observed = live_psds.outer(frame.astype(np.complex64))
         power = 0.5 * (observed[0] + observed[1])
@@ -155,6 +159,8 @@ class LiveGaussian:
 
 def separated(state: State, psds: Real, name: str) -> Groups:
     """The groups of the oldest frame under way; PSDs with the noise last, (n_groups + 1, n_freqs)."""
+    if not state.members:
+        return Groups(np.zeros((0, psds.shape[-1], 1), np.complex64), (), name)
     signals = live_psds.wiener(state.frames[0], psds, state.covariances)[..., None]
     masks = (psds[:-1] / psds.sum(axis=0))[..., None]
     return Groups(signals, state.members, name, masks=masks)
@@ -214,10 +220,16 @@ def _fading(state: State, scene: Scene) -> State:
     if same_sources(learnt, state.members, state.tau, scene):
         goal = followed(learnt.covariances, state.tau - learnt.tau, scene.frequencies)
     else:
-        waves = direct(scene.frequencies, state.tau).astype(np.float32)
-        goal = _by_frequency(geometric_start(scene, waves, learnt.astray)[0])
+        goal = _by_frequency(_expected(scene, state.tau, learnt.astray)[0])
     fading = max(round(min(FADE / _period(scene), HASTE * state.age)), 1)
     return replace(state, goal=goal, fading=fading, noise_psd=learnt.noise_psd, renewal=None)
+
+
+def _expected(scene: Scene, tau: Real, part: float) -> tuple[Real, float]:
+    """`geometric_start` of TDOAs (n_groups,) [s], regular at 0 Hz too, where both microphones hear the same."""
+    begin, anchor = geometric_start(scene, direct(scene.frequencies, tau).astype(np.float32), part)
+    begin[..., 2:] *= np.float32(COHERENT)
+    return begin, anchor
 
 
 def same_sources(learnt: Learnt, members: tuple[tuple[int, ...], ...], tau: Real, scene: Scene) -> bool:

@@ -103,7 +103,7 @@ class LiveRefined:
         model, low = self._model.heard(state.model, frame, scene), slice(_low(scene))
         noise = self._model.noise_of(model, scene)
         psds = np.concatenate([model.psds[1], noise[None]])
-        if trained_for(scene.frequencies[low]) and model.level > 0:
+        if model.level > 0 and trained_for(scene.frequencies[low]):
             state = self._followed(state, model, noise, scene)
             level = np.float32(model.level)
             psds[:-1, low] = np.maximum(psds[:-1, low], LEAST * level) * np.exp(TRUST * self._correction(state, scene))

@@ -43,6 +43,7 @@ def settings_of(config: Config, lower: float, upper: float) -> Settings:
         seed=config.seed,
         park=math.radians(config.guard.park_deg),
         follow=math.radians(config.mount.follow_deg),
+        track=exploit.track,
     )
 
 

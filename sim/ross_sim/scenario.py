@@ -6,19 +6,24 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Degrees, Positive, Table, read_toml, validated
 from ross_payload.errors import ConfigError, unknown
+from ross_payload.interfaces import Real
 from ross_sim.acoustics.room import RoomSpec
 from ross_sim.autopilot.simulated_autopilot import Yaw
 from ross_sim.devices.far_end import Fault
+from ross_sim.talkers.path import Path as Walk
 from ross_sim.talkers.speech import TalkerVoice
 
+MOUTH = 1.6  # height of a talker's mouth above the floor, unless the file says so [m]
 LEAD_IN = 2.0  # at least so long does nobody talk, unless the file says so [s]
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -35,6 +40,15 @@ class Room(Table):
     array_m: Place | None = None  # absent: the middle, 1.2 m high
 
 
+class WayPoint(Table):
+    """[[talkers.path]]: where a talker is at one time; on a straight line in these numbers in between."""
+
+    at_s: Annotated[float, Field(gt=0, allow_inf_nan=False)]  # the talker leaves the place before as that is reached
+    azimuth_deg: Degrees  # counted on: 190 is reached past 180, -170 the other way round
+    distance_m: Positive | None = None  # absent: as before
+    height_m: Positive | None = None  # absent: as before
+
+
 class Talker(Table):
     """[[talkers]]: who talks where and when."""
 
@@ -46,10 +60,14 @@ class Talker(Table):
     start_s: Seconds | None = None  # absent: when the lead-in of the payload ends, but 2 s at least
     end_s: Positive | None = None  # absent: never
     pauses: tuple[tuple[Seconds, Seconds], ...] = ()  # [[from, to], ...]
+    path: tuple[WayPoint, ...] = Field(default=(), exclude_if=lambda path: not path)  # from there on; absent: stays
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
         start = self.start_s or 0.0
+        for before, after in pairwise(self.path):
+            if after.at_s <= before.at_s:
+                raise ValueError(f"path: expected at_s to rise, got {after.at_s:g} after {before.at_s:g}")
         if self.end_s is not None and self.end_s <= start:
             raise ValueError(f"end_s: expected a time after start_s = {start:g}, got {self.end_s:g}")
         for begin, end in self.pauses:
@@ -113,6 +131,9 @@ class Scenario(Table):
     def _possible(self) -> Self:
         try:
             self.spec()
+            for talker, walk in zip(self.talkers, self.walks(), strict=True):
+                if talker.path:
+                    self.spec_of(walk)
         except ConfigError as error:
             raise ValueError(str(error)) from error
         return self
@@ -125,15 +146,22 @@ class Scenario(Table):
         ConfigError
             When something lies outside the room or on top of the array.
         """
-        return RoomSpec(
-            size=self.room.size_m,
-            t60=self.room.t60_s,
-            rate=self.payload.audio.rate_hz,
-            array_centre=self.centre(),
-            spacing=self.payload.array.spacing_m,
-            sources=tuple(self._position(talker) for talker in self.talkers),
-            speed_of_sound=self.payload.array.speed_of_sound_m_s,
-        )
+        return self._spec([self._position(talker) for talker in self.talkers])
+
+    def spec_of(self, walk: Walk, node: int | None = None) -> RoomSpec:
+        """Return the room with one talker at one position on the grid of its path, or at all of them.
+
+        Raises
+        ------
+        ConfigError
+            When one of them lies outside the room or on top of the array.
+        """
+        nodes = range(walk.n_nodes) if node is None else [node]
+        return self._spec([self._position_at(walk.node(number)) for number in nodes])
+
+    def walks(self) -> tuple[Walk, ...]:
+        """Where every talker walks, or stays."""
+        return tuple(Walk.through(self._points(talker)) for talker in self.talkers)
 
     def centre(self) -> tuple[float, ...]:
         """Where the centre of the array is [m]."""
@@ -147,6 +175,11 @@ class Scenario(Table):
     def azimuths(self) -> tuple[float, ...]:
         """The true azimuth of every talker in the frame of the mount [rad], in (-pi, pi]."""
         return tuple(wrap(math.radians(talker.azimuth_deg)) for talker in self.talkers)
+
+    def azimuths_at(self, times: Real) -> Real:
+        """The true azimuth of every talker in the frame of the mount [rad], not wrapped, (n_talkers, n_times)."""
+        walks = [walk.place(times)[:, 0] for walk in self.walks()]
+        return np.stack(walks) if walks else np.zeros((0, len(times)))
 
     def elevations(self) -> tuple[float, ...]:
         """The true elevation of every talker as seen from the array [rad]; 0 in a plane."""
@@ -175,13 +208,40 @@ class Scenario(Table):
         target = _find(self.target, [*talkers, *free])
         return Cast(talkers, target, talkers.index(target) if target in talkers else None)
 
+    def _spec(self, sources: Sequence[tuple[float, ...]]) -> RoomSpec:
+        return RoomSpec(
+            size=self.room.size_m,
+            t60=self.room.t60_s,
+            rate=self.payload.audio.rate_hz,
+            array_centre=self.centre(),
+            spacing=self.payload.array.spacing_m,
+            sources=tuple(sources),
+            speed_of_sound=self.payload.array.speed_of_sound_m_s,
+        )
+
     def _position(self, talker: Talker) -> tuple[float, ...]:
         azimuth = math.radians(talker.azimuth_deg)
         x, y, *height = self.centre()
-        if talker.height_m is not None and not height:
+        told = [talker.height_m, *(point.height_m for point in talker.path)]
+        if any(value is not None for value in told) and not height:
             raise ConfigError("height_m: expected a room with three sides")
-        above = [] if not height else [1.6 if talker.height_m is None else talker.height_m]
+        above = [] if not height else [MOUTH if talker.height_m is None else talker.height_m]
         return (x + talker.distance_m * math.cos(azimuth), y + talker.distance_m * math.sin(azimuth), *above)
+
+    def _position_at(self, place: Real) -> tuple[float, ...]:
+        azimuth, distance, height = (float(value) for value in place)
+        x, y, *up = self.centre()
+        at = (x + distance * math.cos(azimuth), y + distance * math.sin(azimuth), *([height] if up else []))
+        return tuple(round(value, 6) for value in at)  # on the way back as on the way there
+
+    @staticmethod
+    def _points(talker: Talker) -> list[tuple[float, float, float, float]]:
+        points = [(0.0, math.radians(talker.azimuth_deg), talker.distance_m, talker.height_m or MOUTH)]
+        for point in talker.path:
+            _, _, distance, height = points[-1]
+            azimuth = math.radians(point.azimuth_deg)
+            points.append((point.at_s, azimuth, point.distance_m or distance, point.height_m or height))
+        return points
 
 
 @dataclass(frozen=True, slots=True)

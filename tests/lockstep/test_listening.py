@@ -63,7 +63,7 @@ def test_a_recording_keeps_the_voices_that_it_is_asked_for_beside_the_mixture(fl
     path.write_text(RECORDED)
     folders = [tmp_path / name for name in ("one", "two")]
     for folder in folders:
-        fly("--scenario", path, "--record", folder)
+        fly("--scenario", path, "--informed", "--record", folder)
     one, two = (folder / "0001" for folder in folders)
     voices = sorted(path.name for path in one.glob("*.flac"))
     assert voices == ["source-0.flac", "source-1.flac", "source-2.flac", "target.flac"]
@@ -78,11 +78,6 @@ def test_a_recording_keeps_the_voices_that_it_is_asked_for_beside_the_mixture(fl
     code, _, errors = run("sessions", "--folder", folders[0], "delete", "0001")
     assert (code, errors) == (0, "")
     assert not one.exists()
-
-
-def test_nothing_is_recorded_of_voices_unless_it_is_asked_for(fly, scenario, tmp_path):
-    fly("--scenario", scenario, "--record", tmp_path / "kept")
-    assert list((tmp_path / "kept").rglob("*.flac")) == []
 
 
 def test_streams_of_a_scenario_are_served_too(fly, tmp_path):

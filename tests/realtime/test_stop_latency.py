@@ -9,7 +9,7 @@ import signal
 import socket
 import threading
 import time
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 
 import numpy as np
 import pytest
@@ -32,6 +32,12 @@ ACCEPTED = 0  # MAV_RESULT
 ENDS = {signal.SIGTERM: "SIGTERM", signal.SIGUSR1: "a call of the pump dies"}  # in a process that breaks on request
 RATE = 16000
 SECONDS = 600  # of noise that the payload hears
+STREAM = """
+[[listening.streams]]
+sink = "tcp"
+what = "mixture"
+options = {{ port = {port} }}
+"""
 BREAKING = """
 import signal
 import time
@@ -71,11 +77,11 @@ def rig(tmp_path, process, ground_station, free_port):
     noise = np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16)
     soundfile.write(tmp_path / "noise.wav", noise, RATE)
 
-    def make(before=("-m", "ross_payload.cli"), ahead_ms=40):
+    def make(before=("-m", "ross_payload.cli"), ahead_ms=40, more=""):
         def start():
             return process(["run", "ross.toml"], tmp_path, "payload", before)
 
-        return Rig(tmp_path, start, ground_station, free_port(socket.SOCK_DGRAM), ahead_ms)
+        return Rig(tmp_path, start, ground_station, free_port(socket.SOCK_DGRAM), ahead_ms, more=more)
 
     return make
 
@@ -124,6 +130,57 @@ def test_a_stop_beside_two_busy_loops_is_accepted_and_decelerates(rig):
         answers, latencies = acknowledged_stops(payload, [0.3])
     assert max(answers) < 2.0  # an acknowledgement waits for the disk, at most so long
     assert latencies[0] is None or latencies[0] < BUSY_COMPUTER + 0.1
+
+
+@pytest.fixture
+def listeners(free_port):
+    """Streams in a configuration, and a context in which somebody takes each of them."""
+    ports = [free_port(socket.SOCK_STREAM) for _ in range(3)]
+
+    @contextmanager
+    def listening():
+        with ExitStack() as stack:
+            for port in ports:
+                taken = threading.Thread(target=drained, args=(stack, port), daemon=True)
+                taken.start()
+            yield
+
+    def drained(stack, port):
+        connection = stack.enter_context(wait_for(lambda: connected(port)))
+        with suppress(OSError):
+            while connection.recv(65536):
+                pass
+
+    return "".join(STREAM.format(port=port) for port in ports), listening
+
+
+def connected(port):
+    with suppress(OSError):
+        return socket.create_connection(("127.0.0.1", port), 20)
+
+
+def test_a_stop_beside_two_busy_loops_and_three_listeners_decelerates_as_soon(rig, listeners):
+    more, listening = listeners
+    with rig(more=more) as payload, listening(), busy_loops():
+        wait_for(lambda: [stream.listeners for stream in payload.ground.streams.values()] == [1, 1, 1])
+        answers, latencies = acknowledged_stops(payload, [0.3])
+    assert max(answers) < 2.0
+    assert latencies[0] is None or latencies[0] < BUSY_COMPUTER + 0.1
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("streams", [False, True])
+def test_20_stops_beside_two_busy_loops_with_and_without_three_listeners(rig, listeners, streams, capsys):
+    more, listening = listeners
+    with rig(more=more if streams else "") as payload, listening() if streams else nullcontext(), busy_loops():
+        answers, latencies = acknowledged_stops(payload, np.random.default_rng(5).uniform(0.1, 0.7, 20))
+    whole = np.array([latency for latency in latencies if latency is not None])
+    with capsys.disabled():
+        what = f"three listeners: {streams}, {whole.size} of {len(latencies)}"
+        print(f"{what}, median {np.median(whole) * 1e3:.1f}, max {whole.max() * 1e3:.1f} ms")  # noqa: T201
+    assert len(answers) == 20
+    assert whole.size >= 18
+    assert whole.max() < 0.040 + BESIDE
 
 
 @pytest.mark.soak

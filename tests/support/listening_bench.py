@@ -8,6 +8,7 @@ import numpy as np
 
 from ross_payload.audio.sinks import SinkInfo
 from ross_payload.config import Config
+from ross_payload.dsp.streaming_stft import transform_for
 from ross_payload.errors import PluginError
 from ross_payload.events import (
     AlignmentCandidate,
@@ -21,7 +22,7 @@ from ross_payload.events import (
 )
 from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input
 from ross_payload.listening.learning import ImmediateLearner
-from ross_payload.listening.stage import ListeningStage, transform_of
+from ross_payload.listening.stage import ListeningStage
 from ross_payload.listening.stream import StreamSettings
 from ross_payload.listening.voice_separation import VoiceSeparation
 from ross_payload.pointing import Pointing
@@ -107,9 +108,8 @@ class Bench:
         self.config = Config.model_validate({"listening": listening})
         self.separator = separator or Numbering()
         self.sound = sound or (lambda index: 0.1 * np.sin(2 * np.pi * 440 / RATE * index))
-        separation = VoiceSeparation(
-            self.separator, ImmediateLearner(self.separator), transform_of(self.config).stft, self.config
-        )
+        self.transform, _ = transform_for(RATE, self.config.listening.latency_ms / 1000)
+        separation = VoiceSeparation(self.separator, ImmediateLearner(self.separator), self.transform.stft, self.config)
         self.kept = {}
         self.stage = ListeningStage(self.config, separation, self._open, None)
         self.wanted = {number: StreamSettings(number, "memory", stream) for number, stream in streams.items()}

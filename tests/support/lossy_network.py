@@ -40,10 +40,12 @@ class Heard:
     total_delays: list[float] = field(default_factory=list)
 
 
-def heard(voice, rate, codec="opus", network=Network(), *, seed=0, delay_s=0.0, bit_rate=48000, start=1000.0):
+def heard(
+    voice, rate, codec="opus", network=Network(), *, seed=0, delay_s=0.0, bit_rate=48000, start=1000.0, media=None
+):
     """Send a voice (n,) and play it for as long as it lasts."""
     rng = np.random.default_rng(seed)
-    media = Media.of(codec, rate)
+    media = media or Media.of(codec, rate)
     sender, receiver = RtpSender(rate, media, bit_rate), RtpReceiver(media, delay_s)
     hop, taken = round(HOP * rate), round(HOP * media.rate)
     wire: list[tuple[float, int, str, bytes]] = []

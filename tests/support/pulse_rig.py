@@ -98,16 +98,16 @@ def deceleration_began(steps):
 class Rig:
     """`ross run` in a process of its own, its ground station, and the bench."""
 
-    def __init__(self, folder, start, ground_station, port, ahead_ms=40):
+    def __init__(self, folder, start, ground_station, port, ahead_ms=40, *, more=""):
         self.folder, self._start, self._ground_station, self._port = folder, start, ground_station, port
-        self._ahead_ms = ahead_ms
+        self._ahead_ms, self._more = ahead_ms, more
         self._stack = ExitStack()
         self.bench = Bench()
 
     def __enter__(self):
         server = self._stack.enter_context(WireServer(LOOPBACK, 0, self.bench, SystemClock()))
         config = CONFIG.format(wire=f"pulses:tcp:{LOOPBACK}:{server.port}", port=self._port, ahead_ms=self._ahead_ms)
-        (self.folder / "ross.toml").write_text(config)
+        (self.folder / "ross.toml").write_text(config + self._more)
         self.process = self._stack.enter_context(self._start())
         self.ground = self._stack.enter_context(self._ground_station(self._port))
         wait_for(lambda: "ROSS_STATUS" in self.ground.latest)

@@ -59,7 +59,7 @@ BAD = {
     "a codec that is none": "[[listening.streams]]\nsink = 'tcp'\noptions = { port = 5, codec = 'mp3' }\n",
     "nobody to listen to": "[[listening.streams]]\nsink = 'device'\nwhat = 'everybody'\n",
     "a stream to a crowd": "[[listening.streams]]\nsink = 'rtp'\noptions = { address = '239.0.0.1' }\n",
-    "a delay longer than a frame": "[listening]\ndelay_ms = 100\n",
+    "a latency that is too short": "[listening]\nlatency_ms = 10\n",
     "a separator that is not live": "[listening]\nseparator = 'paper'\n",
     "a key that is none": "[audoi]\nrate_hz = 16000\n",
     "a value out of bounds": "[audio]\nrate_hz = 5\n",

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import soundfile
+from threadpoolctl import threadpool_limits
 
 from listening_bench import HOP, RATE, estimate, inputs, source
 from ross_payload import plugins
@@ -20,6 +21,13 @@ from waiting import wait_for
 
 GRID = 2.0**-23
 MIXTURE = (np.random.default_rng(0).integers(-(2**18), 2**18, (2, 4 * RATE)) * GRID).astype(np.float32)
+
+
+@pytest.fixture(autouse=True)
+def one_numeric_thread():
+    """As in `ross run`: small products on several cores wait for each other."""
+    with threadpool_limits(limits=1):
+        yield
 
 
 def blocks(begin=0.0, end=4.0):

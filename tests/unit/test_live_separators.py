@@ -7,13 +7,13 @@ import pytest
 
 from ross_payload.errors import NotLive, PluginError
 from ross_payload.interfaces import Complex, Groups, Scene
-from ross_payload.plugin_checks import CheckedSeparator
+from ross_payload.plugin_checks import CheckedSeparator, load_separator
 from ross_payload.separation import auto_separator, duet, local_gaussian_model
 from ross_payload.separation.network import network_of
 from ross_payload.separation.refined import Refined
 from ross_payload.separation.refiner_features import N_FEATURES
 from ross_sim.study.refiner_model import initial
-from tests.support.live_mixtures import SCENE, TAU, bins, listened, mixture
+from tests.support.live_mixtures import LONGEST, SCENE, TAU, bins, listened, mixture
 
 FINE = np.fft.rfftfreq(1600, 1 / 16000)  # bins of 10 Hz, which the network was trained for
 
@@ -70,6 +70,18 @@ def test_frames_that_overlap_more_are_corrected_too() -> None:
 
 def test_without_a_look_ahead_auto_does_without_the_network() -> None:
     assert [auto_separator.separator.live(n).name for n in (0, 1)] == ["gaussian", "refined"]
+
+
+@pytest.mark.parametrize("name", ["auto", "gaussian", "duet"])
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("n_sources", [0, 1, 2, 8])
+def test_any_number_of_talkers_at_any_level_gives_finite_groups(name: str, known: bool, n_sources: int) -> None:
+    live, tau = load_separator(name).live(1), LONGEST * np.linspace(-1, 1, n_sources)
+    noise = np.full(FINE.size, 1e-4) if known else None
+    scene = Scene(FINE, 0.05, 343.0, n_sources, tau, noise, hop=400)
+    loudness = np.array([1, 1, 1e4, 1, 0, 0, 1e-6, 1])
+    heard = bins(np.random.default_rng(0), 2, FINE.size, loudness.size) * loudness
+    assert np.isfinite(listened(live, heard.astype(np.complex64), scene, renew=3)).all()
 
 
 class _Plugin:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.signal
 from aiortc.rtp import RtpPacket
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -34,6 +35,14 @@ def test_opus_keeps_the_voice_at_every_rate(rate):
         voice = voiced(5.0, out.receiver.rate)
     late, quality = compared(voice, out.samples, out.receiver.rate)
     assert quality > 12
+    assert np.median(out.total_delays) == pytest.approx(late, abs=0.004)
+
+
+def test_l16_goes_out_at_a_rate_that_a_player_wants():
+    slow = voiced(5.0, RATE)
+    out = heard(slow, RATE, network=Network(delay=0.0), delay_s=0.05, media=Media.of("L16", 44100))
+    late, quality = compared(scipy.signal.resample_poly(slow, 441, 160), out.samples, 44100)
+    assert quality > 20
     assert np.median(out.total_delays) == pytest.approx(late, abs=0.004)
 
 

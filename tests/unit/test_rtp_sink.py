@@ -1,6 +1,7 @@
 """The sink ``rtp`` on real sockets, its session descriptions over HTTP, and ``ross listen`` beside them."""
 
 import socket
+import sys
 import time
 import urllib.error
 import urllib.request
@@ -12,7 +13,10 @@ import soundfile
 from command_line import called
 from ross_payload.audio.sinks import SinkServices, checked_options, info_of, make_sink
 from ross_payload.audio.sinks.sdp_server import SdpServer
-from ross_payload.errors import AudioError
+from ross_payload.config import Config, validated
+from ross_payload.errors import AudioError, ConfigError
+from ross_payload.interfaces import VoiceBlock
+from ross_payload.service.live_listening import described
 from ross_payload.transport.rtp.receiver import RtpReceiver
 from ross_payload.transport.rtp.session_description import parsed
 from voice_sender import BLOCK, CLOCK, RATE, block_at, ear, opened, talking
@@ -88,6 +92,19 @@ def test_what_waits_too_long_is_counted_as_lost(tmp_path):
     assert sink.lost == 3 * RATE + 10
 
 
+def test_what_cannot_be_encoded_is_said_and_the_next_attempt_works(tmp_path):
+    with ear() as sock:
+        with opened(sock.getsockname()[1], tmp_path) as sink:
+            sink.write(VoiceBlock(np.zeros((2, 2, 400), np.float32), 0, 0.0))  # no voice at all
+            with pytest.raises(AudioError, match="rtp to"):
+                wait_for(lambda: sink.write(block_at(400, np.zeros(BLOCK))))
+            assert sink.fault
+        with sink:
+            sink.write(block_at(0, np.zeros(3 * BLOCK)))
+            assert len(sock.recv(2048)) > 12
+            assert not sink.fault
+
+
 def fetched(server, name):
     with urllib.request.urlopen(f"http://127.0.0.1:{server.port}/{name}", timeout=30) as answer:
         return answer.headers["Content-Type"], answer.read().decode()
@@ -115,6 +132,40 @@ def test_clients_that_say_nothing_hold_up_nobody():
 def test_a_port_in_use_is_said_in_one_line():
     with SdpServer(dict, 0) as server, pytest.raises(AudioError, match=r"cannot listen on .*: Address already in use"):
         SdpServer(dict, server.port).__enter__()
+
+
+@pytest.mark.parametrize("package", ["av", "aiortc"])
+def test_an_extra_that_is_missing_is_named(monkeypatch, package):
+    for module in ("audio.sinks.rtp_sink", "audio.sinks.rtp_sender"):
+        monkeypatch.delitem(sys.modules, f"ross_payload.{module}", raising=False)
+    for name in [name for name in sys.modules if name.partition(".")[0] == package]:
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ConfigError, match=f"'rtp' needs the package {package}: .*install .*'aiortc>=.*'"):
+        checked_options("rtp", {"address": "192.0.2.7"}, "options")
+
+
+class Streams:
+    """What a payload streams."""
+
+    def descriptions(self):
+        return {1: "v=0"}
+
+
+def test_a_payload_serves_descriptions_where_its_configuration_says_so(caplog):
+    with ear() as sock:
+        port = sock.getsockname()[1]
+    config = validated(Config, {"listening": {"sdp_port": port}}, "it")
+    with described(Streams(), config):
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/stream-1.sdp", timeout=30) as answer:
+            assert answer.read() == b"v=0"
+        assert not caplog.text
+        with described(Streams(), config):  # the port is in use: all else goes on
+            assert f"cannot listen on 127.0.0.1 port {port}: Address already in use" in caplog.text
+    with pytest.raises(urllib.error.URLError):
+        urllib.request.urlopen(f"http://127.0.0.1:{port}/stream-1.sdp", timeout=30)
+    with described(Streams(), validated(Config, {}, "it")), pytest.raises(urllib.error.URLError):
+        urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=30)
 
 
 @pytest.mark.parametrize("codec", ["opus", "L16"])

@@ -34,5 +34,14 @@ def test_the_page_says_which_ones_need_the_extra() -> None:
         assert points[name].value.startswith("ross_sim") == ("extra `sim`" in cells[3])
 
 
+def test_the_page_says_which_ones_are_live() -> None:
+    ours = {
+        name: point for name, point in available("ross_payload.separators").items() if "ross_sim" not in point.value
+    }
+    live = {name for name, point in ours.items() if hasattr(point.load(), "live")}
+    assert live == {name for name, cells in _rows("# Separators").items() if "live" in cells[4]}
+    assert live == set(_rows("## Frame by frame"))
+
+
 def test_the_page_lists_every_oracle() -> None:
     assert set(_rows("## Upper bounds")) == set(ORACLES)

@@ -100,9 +100,10 @@ class RtpFeed(Feed):
         return Progress(reception.playing, reception.received > 0, _words(reception, total))
 
     def _run(self, sock: socket.socket) -> None:
-        watched: list[Any] = [sock]
+        events = select.poll()
+        events.register(sock, select.POLLIN)
         while not self._leaving.is_set():
-            select.select(watched, [], [], LOOK_S)
+            events.poll(1000 * LOOK_S)
             with self._guard:
                 self._take(sock)
                 answers = self._receiver.feedback(self._clock.now())

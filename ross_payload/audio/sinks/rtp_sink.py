@@ -16,7 +16,7 @@ import socket
 import threading
 import time
 from collections import deque
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator
 
@@ -33,18 +33,18 @@ IDLE_S = 0.25  # between two looks, with nothing to do
 REFUSED_S = 3.0  # after the system said that nobody listens there, it still holds
 LISTENS_S = 5.0  # after a listener's report, it still listens
 LEAVE_S = 1.0  # for what waits, in the end
-CODECS = {name.lower(): name for name in (L16, OPUS)}
-
 log = logging.getLogger(__name__)
+CODECS = {name.lower(): name for name in (L16, OPUS)}
 
 
 class RtpOptions(Table):
     """[listening.streams.options] of ``rtp``."""
 
     address: str  # of one computer, as a number: 192.168.1.20, fd00::20
-    port: Annotated[int, Field(ge=1, le=65535)] = 5004
-    codec: Literal["opus", "L16"] = "opus"
+    port: Annotated[int, Field(ge=1, le=65535)] = 5004  # UDP; reports go over it, too, both ways
+    codec: Literal["opus", "L16"] = "opus"  # with forward error correction, or samples of 16 bits
     bit_rate_kbps: Annotated[int, Field(ge=12, le=256)] = 48  # of Opus
+    rate_hz: Annotated[int, Field(ge=8000, le=48000)] | None = None  # of L16; absent: that of the audio
 
     @field_validator("address")
     @classmethod
@@ -104,6 +104,7 @@ class RtpSink:
         self._leaving = threading.Event()
         self._refused_at = self._failed_at = -1e9
         self._failure = ""
+        self._broken = ""  # why the thread has ended
         self._sdp = ""
         self.lost = 0
 
@@ -111,6 +112,8 @@ class RtpSink:
     def fault(self) -> str:
         """What is wrong: the latest thing, until it has been well for a while."""
         now = self._clock.now()
+        if self._broken:
+            return f"{self._where}: {self._broken}"
         if now < self._failed_at + REFUSED_S:
             return f"{self._where}: {self._failure}"
         return f"{self._where}: nobody listens there" if now < self._refused_at + REFUSED_S else ""
@@ -132,7 +135,15 @@ class RtpSink:
         )
 
     def write(self, block: VoiceBlock) -> None:
-        """Have samples sent."""
+        """Have samples sent.
+
+        Raises
+        ------
+        AudioError
+            When they cannot be encoded any more.
+        """
+        if self._broken:
+            raise AudioError(f"{self._where}: {self._broken}")
         with self._guard:
             if not self._services.live:  # as many samples as in live time would be lost in simulated time
                 self._guard.wait_for(lambda: self._has_room(block), LEAVE_S)
@@ -169,9 +180,9 @@ class RtpSink:
         self._blocks.clear()
         self._waiting = 0
         self._leaving.clear()
+        self._broken = ""
         self._thread = threading.Thread(target=self._run, args=(sock, self._wake), name="rtp", daemon=True)
         self._thread.start()
-        log.info("%s: %s at %d Hz begins", self._where, self._sender.media.codec, self._sender.media.rate)
         return self
 
     def __exit__(self, *exception: object) -> None:
@@ -189,11 +200,11 @@ class RtpSink:
         with contextlib.suppress(OSError):
             sock.send(self._sender.goodbye())
         sock.close()
-        log.info("%s: ends", self._where)
 
     def _new_sender(self) -> RtpSender:
-        rate = self._services.rate
-        return RtpSender(rate, Media.of(self._options.codec, rate), 1000 * self._options.bit_rate_kbps)
+        rate, options = self._services.rate, self._options
+        wanted = options.rate_hz if options.codec == L16 and options.rate_hz else rate
+        return RtpSender(rate, Media.of(options.codec, wanted), 1000 * options.bit_rate_kbps)
 
     def _session(self, origin: str) -> str:
         options, services = self._options, self._services
@@ -203,12 +214,21 @@ class RtpSink:
     # ------------------------------------------------------------------------------------------- the thread
 
     def _run(self, sock: socket.socket, wake: int) -> None:
+        try:
+            self._work(sock, wake)
+        except Exception as error:  # whatever an encoder may raise: `write` says it, and the sink is opened again
+            log.exception("%s has failed", self._where)
+            self._broken = str(error) or type(error).__name__
+
+    def _work(self, sock: socket.socket, wake: int) -> None:
+        events = select.poll()
+        events.register(wake, select.POLLIN)
+        events.register(sock, select.POLLIN)
         while not (self._leaving.is_set() and not self._blocks):
-            watched: list[Any] = [sock, wake]
-            ready, _, _ = select.select(watched, [], [], IDLE_S)
+            ready = {descriptor for descriptor, _ in events.poll(1000 * IDLE_S)}
             if wake in ready:
                 os.eventfd_read(wake)
-            if sock in ready:
+            if sock.fileno() in ready:
                 self._answer(sock)
             while self._blocks:
                 with self._guard:

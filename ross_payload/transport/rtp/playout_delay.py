@@ -13,11 +13,12 @@ import numpy as np
 
 KEPT = 400  # arrivals that are looked at: 8 s of packets of 20 ms
 FEWEST = 10  # before anything is concluded
-TOO_LATE = 0.01  # share of packets that may come too late, adaptive
+TOO_LATE = 0.005  # share of packets that may come too late, adaptive
 SAFETY = 0.005  # [s] by which the others come earlier than needed
 FIRST = 0.06  # delay before anything is known, adaptive [s]
 MOST = 0.5  # [s]
-EARLY, LATE = 0.003, 0.008  # errors that are left: playing too early, playing too late [s]
+EARLY, LATE = 0.003, 0.008  # errors that are left, adaptive: playing too early, playing too late [s]
+OFF = 0.01  # either way, from a fixed delay: the median of few arrivals moves, too [s]
 TAKEN = 25  # times that samples were taken which are looked at
 
 
@@ -57,7 +58,8 @@ class PlayoutDelay:
         if len(self._arrivals) < FEWEST or len(self._taken) < FEWEST:
             return 0.0
         error = max(self._taken) - self._wanted()
-        return error if error > EARLY or error < -LATE else 0.0
+        early, late = (OFF, OFF) if self._fixed else (EARLY, LATE)
+        return error if error > early or error < -late else 0.0
 
     @property
     def delay(self) -> float:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from ross_payload.interfaces import Samples
-from ross_sim.acoustics.impulse_responses import Responses, microradians
+from ross_sim.acoustics.impulse_responses import microradians
 from ross_sim.clock import QUANTUM
 from ross_sim.talkers.timeline import Timeline
 
@@ -25,13 +26,31 @@ QUANTA_STILL = 3  # before the response of the exact heading is faded in
 DRIFT = 1e-5  # from there on the exact heading serves within this [rad]
 
 
+class HeadingResponses(Protocol):
+    """Impulse responses at any heading."""
+
+    n_taps: int  # at most
+
+    def at(self, heading: float) -> Samples:
+        """Return the responses at a heading [rad], (2, n_sources, at most n_taps)."""
+
+
+class Heard(Protocol):
+    """Signals of talkers at any heading."""
+
+    def at(self, heading: float, first: int, last: int) -> Samples:
+        """Return what is heard at a heading [rad] from sample ``first`` to before ``last``, (2, n_talkers, n)."""
+
+
 class TalkerSignals:
     """Every talker's speech as heard at one heading, convolved by the chunk and remembered.
 
     Chunks begin at multiples of their length, so that a sample does not depend on who asked for it, or when.
     """
 
-    def __init__(self, timelines: Sequence[Timeline], gains: Sequence[float], responses: Responses, rate: int) -> None:
+    def __init__(
+        self, timelines: Sequence[Timeline], gains: Sequence[float], responses: HeadingResponses, rate: int
+    ) -> None:
         self._timelines = timelines
         self._gains = np.asarray(gains, dtype=np.float32)
         self._responses = responses
@@ -78,7 +97,7 @@ class Microphones:
     array moves away it is faded out likewise.
     """
 
-    def __init__(self, stems: TalkerSignals, spacing: float, heading: float) -> None:
+    def __init__(self, stems: Heard, spacing: float, heading: float) -> None:
         self._stems = stems
         self._step = 2 * math.pi / max(72, math.ceil(math.pi * spacing / DISPLACEMENT))
         self._exact: float | None = heading

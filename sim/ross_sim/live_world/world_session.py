@@ -21,7 +21,7 @@ from ross_sim.devices.connections import advice, connected
 from ross_sim.devices.far_end import far_end_of
 from ross_sim.live_world.audio_output import AudioOutput, Fifo, PcmServer
 from ross_sim.live_world.world_loop import LiveWorld
-from ross_sim.scenario import Cast, Scenario
+from ross_sim.scenario import Cast, Scenario, Talker, WayPoint
 from ross_sim.sitl.ground_truth import TruthWriter, facts
 from ross_sim.sitl.mission_view import waiting
 from ross_sim.sitl.results_folder import ResultsFolder
@@ -80,7 +80,7 @@ def run(scenario: Scenario, sockets: Sockets, wishes: Wishes, out: ResultsFolder
 
         live.live(wanted, ended.is_set)
         how = {"quiet_s": wishes.quiet, "late_s": round(real_time.worst, 3), "complaints": far_end.complaints()}
-        truth.finish(facts(scenario, cast) | live.account() | how)
+        truth.finish(facts(scenario, cast) | live.account() | how, later(scenario, wishes.quiet))
 
 
 def _cast(scenario: Scenario, wishes: Wishes) -> Cast:
@@ -103,11 +103,20 @@ def later(scenario: Scenario, seconds: float) -> Scenario:
                 "start_s": scenario.start(talker) + seconds,
                 "end_s": None if talker.end_s is None else talker.end_s + seconds,
                 "pauses": tuple((begin + seconds, end + seconds) for begin, end in talker.pauses),
+                "path": delayed(talker, seconds),
             }
         )
         for talker in scenario.talkers
     )
     return scenario.model_copy(update={"talkers": talkers})
+
+
+def delayed(talker: Talker, seconds: float) -> tuple[WayPoint, ...]:
+    """Return the path of a talker who sets out ``seconds`` later, and stays where it is until then."""
+    if not talker.path or not seconds:
+        return talker.path
+    start = WayPoint(at_s=seconds, azimuth_deg=talker.azimuth_deg)
+    return start, *(point.model_copy(update={"at_s": point.at_s + seconds}) for point in talker.path)
 
 
 def _outlets(sockets: Sockets, rate: int, stack: ExitStack) -> list[AudioOutput]:

@@ -6,6 +6,8 @@ import math
 from contextlib import ExitStack
 from typing import Any, Self
 
+import numpy as np
+
 from ross_payload.audio.audio_files import WavWriter
 from ross_payload.interfaces import Real
 from ross_sim.clock import QUANTUM
@@ -55,10 +57,11 @@ class TruthWriter:
         for writer, track in zip(self._writers, tracks, strict=False):
             writer.write(track)
 
-    def finish(self, values: dict[str, Any]) -> None:
-        """Write `truth.json`: ``values``, how many samples there are, and every turn."""
+    def finish(self, values: dict[str, Any], scenario: Scenario) -> None:
+        """Write `truth.json`: ``values``, how many samples there are, and every turn; and where who moves was."""
         self._files.close()
         if self._out is not None:
+            write_azimuths(self._out, scenario, self._samples)
             told = values | {"samples": self._samples, "headings_deg": self._turns.points()}
             self._out.write_json("truth.json", told)
 
@@ -109,6 +112,23 @@ class Turns:
     @staticmethod
     def _time(index: int) -> float:
         return round(index * QUANTUM, 2)
+
+
+def write_azimuths(out: ResultsFolder, scenario: Scenario, samples: int) -> None:
+    """Write `azimuths.csv` when somebody moves: the time [s] and true azimuths [deg] at the end of every hop.
+
+    Azimuths are counter-clockwise in the frame of the mount and not wrapped: who walks round twice passes 720.
+    """
+    if not any(walk.moves for walk in scenario.walks()):
+        return
+    config = scenario.payload
+    times = np.arange(config.hop, samples + 1, config.hop) / config.audio.rate_hz
+    azimuths = np.degrees(scenario.azimuths_at(times)).T
+    rows = [
+        f"{time:.3f},{','.join(f'{azimuth:.3f}' for azimuth in row)}" for time, row in zip(times, azimuths, strict=True)
+    ]
+    names = [f"talker_{index}_deg" for index in range(len(scenario.talkers))]
+    out.write_text("azimuths.csv", "\n".join([",".join(["time_s", *names]), *rows, ""]))
 
 
 def facts(scenario: Scenario, cast: Cast) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from ross_payload.interfaces import ActuatorState, Attitude, Input, Mount, Resul
 from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
 from ross_payload.mission.mission_sequence import mission
+from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mount import fixed_mount, mount_of
 from ross_payload.notify import on_signal
 from ross_payload.orders import Stop
@@ -39,7 +40,9 @@ from ross_sim.autopilot import simulated_autopilot as simulated
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, far_end_of, wire
 from ross_sim.scenario import Cast, Scenario, Vehicle
+from ross_sim.sitl.ground_truth import write_azimuths
 from ross_sim.sitl.mission_view import MissionView
+from ross_sim.sitl.moving_report import moving_report
 from ross_sim.sitl.page_observer import PageObserver
 from ross_sim.sitl.recording import Collector, recorded
 from ross_sim.sitl.report import EventLog, Truth, report
@@ -83,6 +86,7 @@ def perform(
     *,
     tape: Path | None = None,
     page: PageObserver | None = None,
+    tracker: type[SourceTracker] = SourceTracker,
 ) -> Finished:
     """Run one mission in lock-step, write its results, record it in the folder ``tape``, and let ``page`` look on.
 
@@ -107,7 +111,7 @@ def perform(
         mount, _ = aboard(scenario, clock, links)
         clock.every(POLL, links.poll)
         recorder = stack.enter_context(recorded(tape, _beginning(scenario, company, actuator), clock, links))
-        runner = _runner(scenario, company, world, actuator, mount, recorder=recorder)
+        runner = _runner(scenario, company, world, actuator, mount, recorder=recorder, tracker=tracker)
         aside: Looking = nullcontext([]) if page is None else page.aboard(config, clock, actuator, runner.order)
         looking = stack.enter_context(aside)  # before the telemetry, which then waits for nobody at its end
         tlog = out.staging / "mission.tlog" if out is not None else None
@@ -121,8 +125,9 @@ def perform(
         listening.close()
         _expect_whole(listening)
         done = wall.now()
-    truth = _truth(world, cast, company.target, room_yaw(scenario))
+    truth = _truth(scenario, world, cast, company.target)
     values = report(collector.story, truth, result, _configuration(scenario, config))
+    values |= moving_report(collector.story, truth)
     if far_end.complaints():
         values["complaints"] = far_end.complaints()
     timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": clock.now()}
@@ -205,10 +210,12 @@ def _runner(
     mount: Mount,
     *,
     recorder: Recorder | None,
+    tracker: type[SourceTracker],
 ) -> Runner:
     config, travel = scenario.payload, actuator.capabilities
     voiceprint = company.voiceprint if recorder is None else recorder.noting(company.voiceprint)
     settings, tools = settings_of(config, travel.lower, travel.upper), tools_of(config, voiceprint)
+    tools = replace(tools, tracker=tracker)
     informed = informed_of(config, Attitude(room_yaw(scenario)))
     brain = mission(settings, tools, informed, config.informed.target if config.informed else None)
     runner = Runner(brain, world.source, actuator, mount, config=config, clock=world.clock)
@@ -222,7 +229,8 @@ def _wav(stack: ExitStack, out: ResultsFolder | None, config: Config) -> WavWrit
     return stack.enter_context(WavWriter(out.staging / "mixture.wav", config.audio.rate_hz, channels=2))
 
 
-def _truth(world: World, cast: Cast, target: str, yaw: float) -> Truth:
+def _truth(scenario: Scenario, world: World, cast: Cast, target: str) -> Truth:
+    yaw, walks = room_yaw(scenario), scenario.walks()
     return Truth(
         names=tuple(voice.name for voice in cast.talkers),
         azimuths=np.array([wrap(azimuth + yaw) for azimuth in world.azimuths]),
@@ -230,6 +238,8 @@ def _truth(world: World, cast: Cast, target: str, yaw: float) -> Truth:
         images=world.images(),
         mixture=world.mixture()[0],
         target=target,
+        walks=walks if any(walk.moves for walk in walks) else (),
+        yaw=yaw,
     )
 
 
@@ -243,6 +253,7 @@ def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, 
     rate = config.audio.rate_hz
     out.write_json("report.json", values)
     out.write_text("events.jsonl", "".join(map(event_json.line, story.events)))
+    write_azimuths(out, scenario, truth.mixture.size)
     separated: Separated | None = story.last(Separated)
     if separated is not None:
         for index, voice in enumerate(separated.voices):

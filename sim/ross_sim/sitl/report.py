@@ -28,6 +28,7 @@ from ross_payload.events import (
     SourcesEstimated,
 )
 from ross_payload.interfaces import Real, Result, Samples
+from ross_sim.talkers.path import Path
 
 PACKAGES = ("ross-payload", "numpy", "scipy", "scikit-learn", "pymavlink", "pyroomacoustics")
 
@@ -42,6 +43,14 @@ class Truth:
     images: Samples  # every talker alone at microphone 1, (n_talkers, n_samples)
     mixture: Samples  # at microphone 1, (n_samples,)
     target: str
+    walks: tuple[Path, ...] = ()  # of every talker, mount frame; none when nobody moves
+    yaw: float = 0.0  # of the mount frame in the frame of the azimuths [rad]
+
+    def azimuths_at(self, time: float) -> Real:
+        """Return the azimuth of every talker at a mission time [s], in (-pi, pi] [rad], (n_talkers,)."""
+        if not self.walks:
+            return self.azimuths
+        return np.array([wrap(float(walk.place(time)[0]) + self.yaw) for walk in self.walks])
 
 
 @dataclass(slots=True)
@@ -80,9 +89,14 @@ def match(sources: Sequence[SourceEstimate], azimuths: Real) -> dict[int, int]:
     return {int(i): int(k) for i, k in zip(*linear_sum_assignment(cost), strict=True)}
 
 
-def qualities(event: Separated, sources: Sequence[SourceEstimate], truth: Truth) -> list[GroupQuality]:
-    """SI-SDR and its improvement of every group of one T_run, against the sum of the images of its talkers."""
-    pairs = match(sources, truth.azimuths)
+def qualities(
+    event: Separated, sources: Sequence[SourceEstimate], truth: Truth, estimated: float = 0.0
+) -> list[GroupQuality]:
+    """SI-SDR and its improvement of every group of one T_run, against the sum of the images of its talkers.
+
+    ``estimated`` is the mission time [s] at which the sources were where the estimate has them.
+    """
+    pairs = match(sources, truth.azimuths_at(estimated))
     span = slice(event.start, event.start + event.voices.shape[1])
     return [
         _quality(group, voice, [pairs[m] for m in group.members if m in pairs], truth, span)
@@ -103,7 +117,7 @@ def _quality(group: GroupScore, voice: Real, talkers: list[int], truth: Truth, s
 def report(story: EventLog, truth: Truth, result: Result, configuration: dict[str, Any]) -> dict[str, Any]:
     """Everything worth keeping, as plain values: no paths, no timings, the same on every rerun."""
     estimated: SourcesEstimated | None = story.last(SourcesEstimated)
-    sources = estimated.estimate.sources if estimated else ()
+    sources, time = (estimated.estimate.sources, estimated.time) if estimated else ((), 0.0)
     return {
         "outcome": result.outcome.name.lower(),
         "reason": result.reason,
@@ -115,12 +129,12 @@ def report(story: EventLog, truth: Truth, result: Result, configuration: dict[st
         "informed": estimated.informed if estimated else False,
         "heard_from_s": _heard_from(story, configuration["payload"]["audio"]["rate_hz"]),
         "mission_s": _round(story.last(Finished).time if story.last(Finished) else None, 3),
-        "sources": _sources(sources, truth),
-        "missed": _missed(sources, truth),
+        "sources": _sources(sources, truth, time),
+        "missed": _missed(sources, truth, time),
         "slips_deg": [_round(math.degrees(event.shift), 2) for event in story.all(Slipped)],
         "alignment": _alignment(story),
         "checks": [_check(event) for event in story.all(Checked)],
-        "groups": _groups(story, sources, truth),
+        "groups": _groups(story, sources, truth, time),
         "versions": {name: version(name) for name in PACKAGES} | {"python": platform.python_version()},
         "configuration": configuration,
     }
@@ -131,12 +145,13 @@ def _heard_from(story: EventLog, rate: int) -> float | None:
     return None if separated is None else _round(separated.start / rate, 3)
 
 
-def _sources(sources: Sequence[SourceEstimate], truth: Truth) -> list[dict[str, Any]]:
-    pairs = match(sources, truth.azimuths)
+def _sources(sources: Sequence[SourceEstimate], truth: Truth, time: float) -> list[dict[str, Any]]:
+    azimuths = truth.azimuths_at(time)
+    pairs = match(sources, azimuths)
     rows = []
     for index, source in enumerate(sources):
         talker = pairs.get(index)
-        true = None if talker is None else float(truth.azimuths[talker])
+        true = None if talker is None else float(azimuths[talker])
         error = None if true is None else math.degrees(wrap(source.azimuth - true))
         rows.append(
             {
@@ -154,10 +169,11 @@ def _sources(sources: Sequence[SourceEstimate], truth: Truth) -> list[dict[str, 
     return rows
 
 
-def _missed(sources: Sequence[SourceEstimate], truth: Truth) -> list[dict[str, Any]]:
-    found = set(match(sources, truth.azimuths).values())
+def _missed(sources: Sequence[SourceEstimate], truth: Truth, time: float) -> list[dict[str, Any]]:
+    azimuths = truth.azimuths_at(time)
+    found = set(match(sources, azimuths).values())
     return [
-        {"name": name, "azimuth_true_deg": _degrees(float(truth.azimuths[k]))}
+        {"name": name, "azimuth_true_deg": _degrees(float(azimuths[k]))}
         for k, name in enumerate(truth.names)
         if k not in found
     ]
@@ -198,7 +214,7 @@ def _check(event: Checked) -> dict[str, Any]:
     }
 
 
-def _groups(story: EventLog, sources: Sequence[SourceEstimate], truth: Truth) -> list[dict[str, Any]]:
+def _groups(story: EventLog, sources: Sequence[SourceEstimate], truth: Truth, time: float) -> list[dict[str, Any]]:
     separated: Separated | None = story.last(Separated)
     if separated is None:
         return []
@@ -216,7 +232,7 @@ def _groups(story: EventLog, sources: Sequence[SourceEstimate], truth: Truth) ->
             "why": separated.why,
         }
         for index, (group, quality) in enumerate(
-            zip(separated.groups, qualities(separated, sources, truth), strict=True)
+            zip(separated.groups, qualities(separated, sources, truth, time), strict=True)
         )
     ]
 

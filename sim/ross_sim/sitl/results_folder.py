@@ -15,7 +15,7 @@ from ross_payload.atomic_files import json_text
 from ross_payload.errors import ConfigError, OutputError, refused_as
 
 OURS = re.compile(
-    r"(report|timing|truth)\.json|events\.jsonl|mixture\.wav|target\.wav|(group|image)-\d+\.wav|mission\.(png|tlog)"
+    r"(report|timing|truth)\.json|events\.jsonl|azimuths\.csv|mixture\.wav|target\.wav|(group|image)-\d+\.wav|mission\.(png|tlog)"
 )
 
 

@@ -76,7 +76,7 @@ def serve(
         with assembled(parts, tuple(observers)) as runner, on_signal(lambda _: runner.order(Shutdown())):
             runner.run()
         truth.write(world.drain())
-        truth.finish(facts(scenario, cast) | {"complaints": far_end.complaints()})
+        truth.finish(facts(scenario, cast) | {"complaints": far_end.complaints()}, scenario)
 
 
 def linked(scenario: Scenario) -> Scenario:

@@ -14,19 +14,17 @@ from numpy.typing import NDArray
 
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import AudioBlock, AudioFlag, Real, Samples
-from ross_sim.acoustics.impulse_responses import Responses
-from ross_sim.acoustics.render import Microphones, MotorNoise, TalkerSignals, gains
+from ross_sim.acoustics.render import Microphones, MotorNoise
 from ross_sim.autopilot.simulated_autopilot import Yaw
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.far_end import FarEnd, Fault
 from ross_sim.scenario import Scenario
+from ross_sim.sitl.talkers_heard import LEVEL, talkers_heard
 from ross_sim.talkers.speech import TalkerVoice
-from ross_sim.talkers.timeline import Timeline
 
 Counts = NDArray[np.int32]
 
 FULL_SCALE = 2**23  # of a 24-bit converter [counts]
-LEVEL = 0.03  # root mean square of the mixture when everyone talks, re full scale: -30 dB, headroom for speech
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +92,7 @@ class World:
         sensor, motor = np.random.SeedSequence(seed).spawn(2)
         self._sensor = np.random.Generator(np.random.PCG64(sensor))
         self._motor = MotorNoise(motor_rms, self.rate, np.random.Generator(np.random.PCG64(motor)))
-        self._talkers = _talkers(scenario, voices, cache)
+        self._talkers = talkers_heard(scenario, voices, cache)
         self._spacing = scenario.payload.array.spacing_m
         self._microphones: Microphones | None = None
         self._quanta = 0
@@ -234,23 +232,6 @@ class WorldMicrophones:
                 self._blocks.appendleft(head[:, wanted:])
             wanted -= parts[-1].shape[1]
         return np.concatenate(parts, axis=1)
-
-
-def _talkers(scenario: Scenario, voices: Sequence[TalkerVoice], cache: Path | None) -> TalkerSignals:
-    rate = scenario.payload.audio.rate_hz
-    if len(voices) != len(scenario.talkers):
-        raise ConfigError(f"expected one voice for each of {len(scenario.talkers)} talkers, got {len(voices)}")
-    wrong = next((voice for voice in voices if voice.rate != rate), None)
-    if wrong is not None:
-        raise ConfigError(f"voice '{wrong.name}': expected {rate} Hz, as the payload has, got {wrong.rate} Hz")
-    responses = Responses(scenario.spec(), cache)
-    levels = [talker.level_db for talker in scenario.talkers]
-    loudness = gains([voice.speech for voice in voices], levels, responses.at(scenario.payload.offset), LEVEL)
-    timelines = [
-        Timeline.of(voice.speech, rate, scenario.start(talker), talker.end_s, talker.pauses)
-        for voice, talker in zip(voices, scenario.talkers, strict=True)
-    ]
-    return TalkerSignals(timelines, loudness, responses, rate)
 
 
 def _troubles(scenario: Scenario, far_end: FarEnd) -> deque[tuple[float, Fault, bool]]:

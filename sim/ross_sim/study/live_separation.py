@@ -1,8 +1,8 @@
 """Live separation against the same separator on the whole recording: `python -m ross_sim.study.live_separation ROWS`.
 
 Every mixture is separated as a whole and frame by frame, at several algorithmic latencies, with covariances learnt
-from the latest 4 s and renewed every 0.25 s. Rows are appended to a CSV file, and what it holds is not measured again;
-`--page` writes the tables made from it into a page of the documentation.
+from the latest 4 s and renewed two to four times a second. Rows are appended to a CSV file, and what it holds is not
+measured again; `--page` writes the tables made from it into a page of the documentation.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
 from ross_sim.talkers.speech import load_folder
 
 SECONDS, SETTLED, FIRST = 10.0, 4.0, 1.0  # of a mixture, until its covariances are learnt, after a turn [s]
-WINDOW, RENEWED = 4.0, 0.25  # learnt from, and how often [s]
+WINDOW = 4.0  # learnt from [s]
+SOON, LATER, EARLY = 0.25, 0.5, 2.0  # between renewals: in the beginning, and then; how long it lasts [s]
 EARLIER = 3.0  # heard at another heading before [s]
 TURN = np.deg2rad(60.0)  # from there
 BATCH_FRAME = 2048  # of the whole recording, as the payload separates it
@@ -63,7 +64,7 @@ class Listener:
 
     def __init__(self, name: str, rate: int, latency: float) -> None:
         self._transform, lookahead = transform_for(rate, latency)
-        self.separator: LiveSeparator = load_separator(name).live(lookahead)  # type: ignore[attr-defined]
+        self.separator: LiveSeparator = load_separator(name).live(lookahead)
         self.latency = (self._transform.latency + lookahead * self._transform.stft.hop) / rate
 
     def scene(self, recording: Mixture) -> Scene:
@@ -85,12 +86,13 @@ class Listener:
         stft, scene, n = self._transform.stft, self.scene(recording), recording.mixture.shape[1]
         state, learning = self.separator.start(scene), 0.0
         state = state if before is None else self.separator.renewed(state, before)
-        window, every = round(WINDOW / stft.period), round(RENEWED / stft.period)
+        window = round(WINDOW / stft.period)
         began, found = time.process_time(), []
         frames = StreamingAnalysis(self._transform, 2).push(recording.mixture)
         for index in range(frames.shape[2]):
             state, groups = self.separator.step(state, frames[:, :, index], scene)
             found.append(groups.signals)
+            every = round((SOON if index * stft.period < EARLY else LATER) / stft.period)
             if index % every == every - 1:
                 mark = time.process_time()
                 before = self.separator.learn(frames[:, :, max(index + 1 - window, 0) : index + 1], scene, before)
@@ -105,9 +107,9 @@ class Listener:
 def score(voices: Real, members: Sequence[tuple[int, ...]], recording: Mixture, first: int, last: int) -> float | None:
     """SI-SDR [dB] of the group that holds the target, between two samples; None when it is silent there."""
     reference = recording.reference
-    level = (reference[first:last] ** 2).mean() / (reference**2).mean()
+    least = 10 ** (SILENT_DB / 10) * (reference**2).mean()
     owner = next((g for g, group in enumerate(members) if recording.target in group), None)
-    if owner is None or level < 10 ** (SILENT_DB / 10) or not np.ptp(voices[owner, first:last]) > 0:
+    if owner is None or not np.ptp(reference) or (reference[first:last] ** 2).mean() < least:
         return None
     last = min(last, voices.shape[1])
     return si_sdr(voices[owner, first:last], reference[first:last])

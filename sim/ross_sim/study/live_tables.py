@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import partial
 from pathlib import Path
 from statistics import mean, median
 from typing import Any
@@ -44,6 +45,7 @@ class Row:
 def appended(path: Path, rows: Iterable[Row]) -> None:
     """Append all rows of a mixture at once, with a heading to a new file."""
     made, names = list(rows), [field.name for field in fields(Row)]
+    path.parent.mkdir(parents=True, exist_ok=True)
     new = not path.exists()
     with path.open("a", newline="") as file:
         writer = csv.DictWriter(file, names, lineterminator="\n")
@@ -95,54 +97,66 @@ def tables(rows: Sequence[Row]) -> str:
     >>> tables([row]).splitlines()[2]
     '| `auto` | 100.0 | 0.2 |'
     """
-    kinds = sorted({(row.wanted_ms, row.separator) for row in rows})
-    columns = sorted({(row.setting, row.k) for row in rows}, key=lambda each: (each[0] != "S1", each[0] != "S2", each))
-    heading = " | ".join(f"{setting}, K = {k}" for setting, k in columns)
-    parts = [f"| separator | latency [ms] | {heading} |", "| --- " * (2 + len(columns)) + "|"]
-    parts += _by_room(rows, kinds, columns, "batch_db", "live_db")
-    parts += ["", "In the first second, nothing known but the directions / something learnt at another heading:", ""]
-    parts += [f"| separator | latency [ms] | {heading} |", "| --- " * (2 + len(columns)) + "|"]
-    begun = _by_room(rows, kinds, columns, "first_batch_db", "first_live_db")
-    known = _by_room(rows, kinds, columns, "first_batch_db", "first_room_db")
-    parts += [_both(a, b) for a, b in zip(begun, known, strict=True)]
-    counts, rates = sorted({row.k for row in rows}), sorted({row.rate for row in rows})
-    cases = [(rate, k) for rate in rates for k in counts]
-    parts += ["", "Processor time per second of audio on one core, every frame with its transforms + learning:", ""]
-    parts.append(f"| separator | latency [ms] | {' | '.join(f'{rate // 1000} kHz, K = {k}' for rate, k in cases)} |")
-    parts.append("| --- " * (2 + len(cases)) + "|")
-    for wanted, name in kinds:
-        mine = [row for row in rows if (row.wanted_ms, row.separator) == (wanted, name)]
-        costs = [[row for row in mine if (row.rate, row.k) == case] for case in cases]
-        cells = [
-            f"{median(row.step_cpu for row in each):.3f} + {median(row.learn_cpu for row in each):.3f}" if each else ""
-            for each in costs
+    rooms = sorted({(row.setting, row.k) for row in rows}, key=lambda room: (not room[0].startswith("S"), room))
+    by_room = {f"{setting}, K = {k}": partial(_is_room, setting, k) for setting, k in rooms}
+    cases = sorted({(row.rate, row.k) for row in rows})
+    by_case = {f"{rate // 1000} kHz, K = {k}": partial(_is_case, rate, k) for rate, k in cases}
+    return "\n".join(
+        [
+            *_table(rows, by_room, lambda some: _cell(_lost(some, "batch_db", "live_db"))),
+            "\nIn the first second, nothing known but the directions / something learnt at another heading:\n",
+            *_table(rows, by_room, _begun),
+            "\nProcessor time per second of audio on one core, every frame with its transforms + learning:\n",
+            *_table(rows, by_case, _cost),
+            f"\nMixtures: {_mixtures(rows)}.",
         ]
-        parts.append(f"| `{name}` | {max(row.latency_ms for row in mine)} | {' | '.join(cells)} |")
-    return "\n".join(parts)
+    )
 
 
-def _by_room(
-    rows: Sequence[Row], kinds: Sequence[tuple[int, str]], columns: Sequence[tuple[str, int]], base: str, live: str
+def _mixtures(rows: Sequence[Row]) -> str:
+    """How many there are of every room, number of talkers and rate.
+
+    >>> _mixtures([Row("S1", 3, 0, target, 16000, 0) for target in (0, 1)])
+    '2 at 16 kHz (S1: K = 3, 3)'
+    """
+    parts = []
+    for rate in sorted({row.rate for row in rows}):
+        found: dict[str, list[int]] = {}
+        for mixture in sorted({row.mixture for row in rows if row.rate == rate}):
+            found.setdefault(mixture[0], []).append(mixture[1])
+        each = "; ".join(f"{setting}: K = {', '.join(map(str, counts))}" for setting, counts in found.items())
+        parts.append(f"{sum(map(len, found.values()))} at {rate // 1000} kHz ({each})")
+    return ", ".join(parts)
+
+
+def _is_room(setting: str, k: int, row: Row) -> bool:
+    return (row.setting, row.k) == (setting, k)
+
+
+def _is_case(rate: int, k: int, row: Row) -> bool:
+    return (row.rate, row.k) == (rate, k)
+
+
+def _begun(rows: Sequence[Row]) -> str:
+    lost = (_lost(rows, "first_batch_db", name) for name in ("first_live_db", "first_room_db"))
+    return " / ".join(map(_cell, lost))
+
+
+def _cost(rows: Sequence[Row]) -> str:
+    return f"{median(row.step_cpu for row in rows):.3f} + {median(row.learn_cpu for row in rows):.3f}"
+
+
+def _table(
+    rows: Sequence[Row], columns: Mapping[str, Callable[[Row], bool]], cell: Callable[[Sequence[Row]], str]
 ) -> list[str]:
-    lines = []
-    for wanted, name in kinds:
+    """One line for every separator and latency, one column for every kind of rows."""
+    lines = [f"| separator | latency [ms] | {' | '.join(columns)} |", "| --- " * (2 + len(columns)) + "|"]
+    for wanted, name in sorted({(row.wanted_ms, row.separator) for row in rows}):
         mine = [row for row in rows if (row.wanted_ms, row.separator) == (wanted, name)]
-        cells = [
-            _cell(_lost([row for row in mine if (row.setting, row.k) == column], base, live)) for column in columns
-        ]
+        groups = [[row for row in mine if fits(row)] for fits in columns.values()]
+        cells = [cell(group) if group else "" for group in groups]
         lines.append(f"| `{name}` | {max(row.latency_ms for row in mine)} | {' | '.join(cells)} |")
     return lines
-
-
-def _both(first: str, second: str) -> str:
-    """Cells of two lines beside each other, after the two that they share.
-
-    >>> _both("| a | 1 | 2.0 |", "| a | 1 | 3.0 |")
-    '| a | 1 | 2.0 / 3.0 |'
-    """
-    one, other = (line.strip("| ").split(" | ") for line in (first, second))
-    cells = [f"{a} / {b}" for a, b in zip(one[2:], other[2:], strict=True)]
-    return f"| {' | '.join([*one[:2], *cells])} |"
 
 
 def with_tables(page: str, rows: Sequence[Row]) -> str:

@@ -1,0 +1,239 @@
+"""Follow the sources while the mission listens: every hop is heard, and every quarter of a second they are tracked.
+
+Nothing of this waits for a separation. A track *acts* only when its source has left its place for sure and somebody
+else has not: until then azimuths are those of the exploration, which are sharper; and when everybody has moved alike it
+is the array that has slipped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from ross_payload.alignment.realignment import Beliefs, worth
+from ross_payload.angles import difference, wrap
+from ross_payload.dsp.noise import guessed_psd, quiet_psd
+from ross_payload.dsp.stft import Stft
+from ross_payload.events import Estimate, SourcesTracked
+from ross_payload.interfaces import Complex, Input, Real, Samples
+from ross_payload.localization import tracking
+from ross_payload.localization.phase_statistics import statistics
+from ross_payload.localization.tracking import Tracks
+from ross_payload.pointing import Pointing
+
+UPDATE = 0.25  # [s] between corrections
+SAY = 0.5  # [s] between events
+ECHOES = 0.1  # heard before frames to know which echoes are still to come [s]
+LEVEL = 3.0  # heard for the noise level where nobody measured it [s]
+TURNING = np.radians(15.0)  # frames heard while the array turns faster tell of its motor [rad/s]
+MOVED = np.radians(5.0)  # away from the place of the exploration [rad]
+SURE = 0.9  # probability of that, from which on the source has moved
+STIRRED = 0.7  # probability that anybody has moved from which on a turn may tell who
+UNSURE = 0.6  # and up to which it has not
+HEARD = (0.08, 0.12)  # change of its delay that cannot come from echoes, in the open and in rooms [d / v_p]
+TELLING = 1.3  # times that, the delay of who stays would have changed if the array had slipped
+LASTING = 6  # corrections in a row that must say so
+ALIKE = np.radians(5.0)  # between the shifts of sources that a slip has moved [rad]
+FRESH = 1.0  # a source that was heard within this can witness [s]
+LOST = np.radians(30.0)  # standard deviation of a track that is lost [rad]
+SHORT = np.radians(30.0)  # turns are no longer than this [rad]
+FINE = np.radians(2.5)  # between headings that are tried [rad]
+MARGIN_DB = 1.5  # a turn must promise more than this [dB]
+PER_DEGREE = 0.02  # and so much for every degree [dB]
+DWELL = 2.0  # [s] at rest between turns
+AHEAD = 0.75  # [s] that a turn is planned ahead
+
+
+@dataclass(slots=True)
+class SourceTracker:
+    """What is known of the sources since the listening began."""
+
+    anchor: Estimate  # of the exploration, or told
+    source: int  # that is listened to
+    stft: Stft
+    spacing: float  # [m]
+    speed_of_sound: float  # [m/s]
+    lead_in: Samples | None  # (2, n)
+    noise_psd: Real | None  # known already, (n_freqs,)
+    seed: int = 0
+    tracks: Tracks = field(init=False)
+    moved: list[bool] = field(init=False)  # whose track acts
+    stirred: bool = False  # somebody has moved, whoever it is
+    turned: float = -np.inf  # end of the latest turn [s]
+    places: list[tuple[float, Real]] = field(default_factory=list)  # time [s] and azimuths that act [rad]
+    _streak: list[int] = field(init=False)
+    _stir: int = 0
+    _samples: Samples = field(init=False)  # not forgotten yet, (2, n)
+    _ends: list[tuple[int, float]] = field(default_factory=list)  # sample, and heading there [rad]
+    _first: int = 0  # index of the first sample that is kept, since tracking began
+    _frames: int = 0  # told
+    _said: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Begin where the exploration has found the sources."""
+        self.tracks = tracking.begin(self.anchor, self.spacing, self.speed_of_sound, self.seed)
+        self.moved, self._streak = [False] * self.anchor.k, [0] * self.anchor.k
+        self._samples = np.zeros((2, 0), np.float32)
+
+    @property
+    def acts(self) -> bool:
+        """Whether anybody has moved."""
+        return any(self.moved)
+
+    @property
+    def lost(self) -> bool:
+        """Whether it is not known any more where the source is that is listened to."""
+        return self.acts and bool(self.tracks.sigmas[self.source] > LOST)
+
+    @property
+    def azimuths(self) -> Real:
+        """Where the sources are taken to be [rad], (k,)."""
+        told = np.array([source.azimuth for source in self.anchor.sources])
+        return np.where(self.moved, self.tracks.azimuths, told)
+
+    @property
+    def estimate(self) -> Estimate:
+        """The exploration's estimate with the sources where they are."""
+        sources = tuple(
+            replace(source, azimuth=float(azimuth), sigma=float(sigma))
+            for source, azimuth, sigma in zip(self.anchor.sources, self.azimuths, self.tracks.sigmas, strict=True)
+        )
+        return replace(self.anchor, sources=sources)
+
+    def hear(self, hop: Input, time: float) -> SourcesTracked | None:
+        """Hear one hop that ends at a mission time [s]; return what there is to say now and then."""
+        block = hop.block.samples
+        if not self._ends:
+            self._ends.append((0, hop.heading_start))
+            self._said = time
+        last, heading = self._ends[-1]
+        self._ends.append((last + block.shape[1], heading + wrap(hop.pointing.heading - heading)))
+        self._samples = np.concatenate([self._samples, block], axis=1)
+        if not self._due(last + block.shape[1]):
+            return None
+        self._update(last + block.shape[1])
+        self.corrected(time)
+        self.places.append((time, self.azimuths))
+        if time - self._said < SAY - UPDATE / 2:
+            return None
+        self._said = time
+        rates = np.where(self.moved, self.tracks.rates, 0.0)
+        return SourcesTracked(time, self.estimate, tuple(rates.tolist()), tuple(self.tracks.ages.tolist()))
+
+    def _due(self, heard: int) -> bool:
+        ready = (heard - self.stft.frame) // self.stft.hop + 1
+        return (ready - self._frames) * self.stft.period >= UPDATE
+
+    def _update(self, heard: int) -> None:
+        ready = (heard - self.stft.frame) // self.stft.hop + 1
+        before = min(self._frames, round(ECHOES / self.stft.period))
+        first = (self._frames - before) * self.stft.hop - self._first
+        spectrogram = _frames(self._samples[:, first:], self.stft, ready - self._frames + before)
+        middles = (np.arange(self._frames - before, ready) + 0.5) * self.stft.hop + (
+            self.stft.frame - self.stft.hop
+        ) / 2
+        ends, headings = np.array(self._ends).T
+        at = np.interp(middles, ends, headings)
+        span = self.stft.frame / 2
+        swept = np.interp(middles + span, ends, headings) - np.interp(middles - span, ends, headings)
+        still = np.abs(swept) * self.stft.rate / self.stft.frame <= TURNING
+        heard_in_frames = statistics(
+            spectrogram,
+            self.stft.frequencies,
+            at,
+            self._noise(spectrogram),
+            period=self.stft.period,
+            skip=before,
+            still=still,
+        )
+        self.tracks = tracking.step(self.tracks, heard_in_frames)
+        self._frames = ready
+        keep = ready * self.stft.hop - round(LEVEL * self.stft.rate)
+        if keep > self._first:
+            self._samples, self._first = self._samples[:, keep - self._first :], keep
+            self._ends = [end for end in self._ends if end[0] >= keep]
+
+    def _noise(self, spectrogram: Complex) -> Real | None:
+        if self.noise_psd is None and self.lead_in is not None and self.lead_in.shape[1] >= self.stft.frame:
+            self.noise_psd = quiet_psd(self.stft.analyse(self.lead_in), spectrogram)
+            self.lead_in = None
+        if self.noise_psd is not None:
+            return self.noise_psd
+        return guessed_psd(
+            _frames(self._samples, self.stft, (self._samples.shape[1] - self.stft.frame) // self.stft.hop + 1)
+        )
+
+    def corrected(self, time: float) -> None:
+        """Decide at a mission time [s] who has moved: for sure, for a while, and beside somebody who has not."""
+        told = np.array([source.azimuth for source in self.anchor.sources])
+        gone = self.tracks.gone(told, MOVED, HEARD[self.tracks.wet])
+        weights = self.tracks.particles.weights
+        each, anybody = weights @ gone, float(weights @ gone.any(axis=1))
+        witness = self._witness(told, each)
+        if not witness and self._alike(told, each >= SURE):
+            self.moved, self.stirred = [False] * self.anchor.k, False
+        self._stir = self._stir + 1 if anybody >= STIRRED else 0
+        self.stirred = self.stirred or (witness and self._stir >= LASTING // 2)
+        for k in range(self.anchor.k):
+            certain = each[k] >= SURE and self.tracks.ages[k] <= UPDATE
+            self._streak[k] = 0 if each[k] <= UNSURE else self._streak[k] + int(certain)
+            self.moved[k] = self.moved[k] or (witness and self._streak[k] >= LASTING)
+
+    def _witness(self, told: Real, gone: Real) -> bool:
+        """Whether somebody stays whose delay would have changed, too, if the array had slipped; nobody else: yes."""
+        if self.anchor.k == 1:
+            return True
+        shift = float(difference(self.tracks.azimuths, told)[gone.argmax()])
+        axis = told - self.tracks.heading
+        slipped = np.abs(self.tracks.elevations * (np.cos(axis + shift) - np.cos(axis)))
+        return bool(
+            np.any((slipped > TELLING * HEARD[self.tracks.wet]) & (self.tracks.ages <= FRESH) & (gone <= UNSURE))
+        )
+
+    def _alike(self, told: Real, gone: NDArray[np.bool_]) -> bool:
+        """Whether two sources at least are gone, all by the same angle."""
+        shifts = difference(self.tracks.azimuths, told)[gone]
+        return len(shifts) > 1 and bool(np.ptp(shifts) <= ALIKE)
+
+    def heading_for(self, time: float, here: Pointing, lower: float, upper: float, *, settled: bool) -> float | None:
+        """Return the heading [rad] to turn to now, None to stay.
+
+        Where it is worth clearly more than the present one, at most 30 degrees away, within the limits of the joint
+        [rad]; not before somebody has moved, and not soon after another turn.
+        """
+        if not settled:
+            self.turned = time
+        if not (self.acts or self.stirred) or time - self.turned < DWELL:
+            return None
+        ahead = tracking.predict(self.tracks, AHEAD)
+        offsets = np.arange(-round(SHORT / FINE), round(SHORT / FINE) + 1) * FINE
+        offsets = offsets[(here.joint + offsets >= lower) & (here.joint + offsets <= upper) | (offsets == 0.0)]
+        beliefs = Beliefs(tracking.AZIMUTHS, ahead.places, ahead.elevations, self.anchor.directness)
+        value = worth(beliefs, self.source, here.heading, here.heading + offsets)
+        gain = value - value[offsets == 0.0] - PER_DEGREE * np.degrees(np.abs(offsets))
+        if gain.max() <= MARGIN_DB:
+            return None
+        return float(here.heading + offsets[gain.argmax()])
+
+    def azimuths_at(self, times: Sequence[float] | Real) -> Real:
+        """Where the sources were taken to be at mission times [s], (k, n_times); as they are now for times to come."""
+        if not self.places:
+            return np.repeat(self.azimuths[:, None], len(times), axis=1)
+        known = np.array([time for time, _ in self.places])
+        path = np.stack([azimuths for _, azimuths in self.places])
+        steps = np.cumsum(np.vstack([path[:1], difference(path[1:], path[:-1])]), axis=0)
+        return np.stack([np.interp(times, known, column) for column in steps.T])
+
+    def forget(self, time: float) -> None:
+        """Forget where the sources were before a mission time [s]."""
+        self.places = [place for place in self.places if place[0] >= time - UPDATE]
+
+
+def _frames(samples: Samples, stft: Stft, count: int) -> Complex:
+    """The first ``count`` whole frames, (2, n_freqs, count)."""
+    cut = sliding_window_view(samples[:, : (count - 1) * stft.hop + stft.frame], stft.frame, axis=-1)[:, :: stft.hop]
+    return np.swapaxes(np.fft.rfft(cut * stft.window.astype(np.float32), axis=-1), -1, -2)

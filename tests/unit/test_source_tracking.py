@@ -1,0 +1,205 @@
+"""The mission follows who moves while it listens: fed hop by hop, turning a little, separating piece by piece."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from mission_bench import RATE, SETTINGS, Likes, OneGroupEach, Rig, ThreeTalkers, rig
+from ross_payload.dsp.stft import Stft
+from ross_payload.events import (
+    Doubted,
+    Estimate,
+    Outcome,
+    Separated,
+    SourceEstimate,
+    SourcesEstimated,
+    SourcesTracked,
+    State,
+    StateChanged,
+    TurnStarted,
+)
+from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input
+from ross_payload.mission.context import Context, Listening, Tools
+from ross_payload.mission.heading_hold import REALIGNED
+from ross_payload.mission.mission_sequence import mission
+from ross_payload.mission.moving_sources import recognise_moving
+from ross_payload.mission.source_tracking import SourceTracker
+from ross_payload.mission_state import MissionState, reduce
+from ross_payload.pointing import Pointing
+
+FS, HOP = 16000, 160
+SPACING, SPEED = 0.05, 343.0
+
+
+def estimate(*degrees):
+    return Estimate(
+        tuple(SourceEstimate(math.radians(a), 0.01, 0.9, resolved=True) for a in degrees), certain=True, directness=1.0
+    )
+
+
+def noises(paths, seconds, heading, seed=0):
+    """Noise from azimuths [deg] (functions of time) at an array that points to a heading [rad], (2, n).
+
+    As with speech, every source is loud in few bands at a time, so that most bins belong to one of them.
+    """
+    rng, n = np.random.default_rng(seed), round(seconds * FS)
+    heard = 1e-4 * rng.standard_normal((2, n))
+    frame, hop = 512, 256
+    window = np.sin(np.pi * np.arange(frame) / frame)
+    frequencies = np.fft.rfftfreq(frame, 1 / FS)
+    for path in paths:
+        for index, first in enumerate(range(0, n - frame, hop)):
+            if index % 6 == 0:
+                loud = np.append(np.repeat(rng.random(16) < 0.25, 16), False)
+            delay = SPACING / SPEED * math.cos(math.radians(path(first / FS)) - heading)
+            spectrum = np.fft.rfft(rng.standard_normal(frame) * window) * loud
+            heard[0, first : first + frame] += window * np.fft.irfft(spectrum)
+            heard[1, first : first + frame] += window * np.fft.irfft(
+                spectrum * np.exp(2j * np.pi * frequencies * delay)
+            )
+    return (0.05 * heard).astype(np.float32)
+
+
+def feed(tracker, samples, heading):
+    said = []
+    for first in range(0, samples.shape[1], HOP):
+        block = AudioBlock(samples[:, first : first + HOP], first, first / FS)
+        pointing = Pointing(joint=heading)
+        event = tracker.hear(Input(block, heading, pointing, True, Attitude(0.0)), (first + HOP) / FS)
+        said += [event] if event is not None else []
+    return said
+
+
+def tracker_of(told, source=0):
+    quiet = (0.05e-4 * np.random.default_rng(9).standard_normal((2, FS))).astype(np.float32)
+    return SourceTracker(told, source, Stft(FS, 1024, 256), SPACING, SPEED, quiet, None)
+
+
+def test_who_walks_is_told_and_who_stays_keeps_the_place_of_the_exploration():
+    def walks(time):
+        return 100.0 + 8.0 * max(time - 1.0, 0.0)
+
+    tracker = tracker_of(estimate(-60, 100))
+    said = feed(tracker, noises([lambda time: -60.0, walks], 7.0, 0.9), 0.9)
+    assert [round(b.time - a.time, 2) for a, b in pairwise(said)] == pytest.approx([0.5] * (len(said) - 1), abs=0.05)
+    assert tracker.moved == [False, True]
+    last = said[-1]
+    assert math.degrees(last.estimate.sources[1].azimuth) == pytest.approx(walks(last.time), abs=5.0)
+    assert math.degrees(last.rates[1]) == pytest.approx(8.0, abs=3.0)
+    assert last.estimate.sources[0].azimuth == pytest.approx(math.radians(-60))
+    assert last.rates[0] == 0.0
+    assert tracker.azimuths_at([1.0])[1, 0] == pytest.approx(math.radians(100), abs=0.05)
+
+
+def test_nobody_acts_while_everybody_stays():
+    tracker = tracker_of(estimate(-20, 100, -150))
+    said = feed(tracker, noises([lambda t: -20.0, lambda t: 100.0, lambda t: -150.0], 4.0, 0.9), 0.9)
+    assert not tracker.acts
+    assert not tracker.stirred
+    assert tracker.heading_for(9.0, Pointing(joint=0.9), -9, 9, settled=True) is None
+    assert [s.azimuth for s in said[-1].estimate.sources] == [s.azimuth for s in tracker.anchor.sources]
+
+
+def test_when_everybody_has_moved_alike_the_array_has_slipped():
+    tracker = tracker_of(estimate(-60, 100, -150))
+    feed(tracker, noises([lambda t: -48.0, lambda t: 112.0, lambda t: -138.0], 5.0, 0.9), 0.9)
+    assert not tracker.acts
+
+
+class Moving(SourceTracker):
+    """Says that source 0 has moved by 60 degrees, and where to turn; ``sure`` of it or not."""
+
+    sure = True
+
+    def hear(self, hop, time):
+        self.moved = [True, *[False] * (self.anchor.k - 1)]
+        self.asked = getattr(self, "asked", 0) + 1
+        if self.asked % 50:
+            return None
+        return SourcesTracked(time, self.estimate, (0.1,) * self.anchor.k, (0.0,) * self.anchor.k)
+
+    @property
+    def lost(self):
+        return not self.sure
+
+    @property
+    def azimuths(self):
+        told = np.array([source.azimuth for source in self.anchor.sources])
+        told[0] += math.radians(60)
+        return told
+
+    def heading_for(self, time, here, lower, upper, *, settled):
+        return here.heading + 0.2 if self.asked == 30 else None
+
+
+class Unsure(Moving):
+    sure = False
+
+
+def mission_with(tracker, **changes):
+    stft = Stft(RATE, 512, 128)
+    tools = Tools(ThreeTalkers(), stft, OneGroupEach(), stft, Likes(1), tracker=tracker)
+    return Rig(mission(replace(SETTINGS, track=True, **changes), tools))
+
+
+def test_a_small_turn_is_made_while_it_listens_and_the_period_goes_on():
+    one = mission_with(Moving)
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    (turn,) = [event for event in one.said(TurnStarted) if event.reason == REALIGNED]
+    (period,) = one.said(Separated)
+    assert turn.joint in [output.goal for output in one.outputs]
+    assert turn.time > period.start / RATE
+    assert period.voices.shape[1] == round(SETTINGS.run * RATE)
+    assert "pieces" in period.why
+    assert len(one.said(SourcesTracked)) == 3
+    assert one.joint == pytest.approx(turn.joint)
+
+
+def test_it_explores_again_when_the_track_is_lost():
+    one = mission_with(Unsure)
+    one.run()
+    assert one.said(Doubted)[0].reason == "the target's track was lost"
+    assert len([event for event in one.said(SourcesEstimated) if event.final]) > 1
+
+
+def test_nothing_is_tracked_where_it_is_not_wanted():
+    one = rig()
+    one.run()
+    assert one.said(SourcesTracked) == []
+    assert [event for event in one.said(StateChanged) if event.state is State.RUN]
+
+
+def test_the_state_of_the_mission_has_the_azimuths_of_the_track():
+    told = estimate(10, 20)
+    after = reduce(MissionState(estimate=estimate(0, 20), target=0), SourcesTracked(1.0, told, (0.1, 0.0), (0.0, 0.0)))
+    assert (after.estimate, after.target) == (told, 0)
+
+
+def test_a_period_is_separated_piece_by_piece_with_the_delays_of_each():
+    heard = []
+
+    class Notes:
+        name = "notes"
+
+        def batch(self, spectrogram, scene):
+            heard.append(np.asarray(scene.tau))
+            signals = np.stack([spectrogram[0] * (k + 1) for k in range(scene.n_sources)])
+            return Groups(signals, tuple((k,) for k in range(scene.n_sources)), self.name)
+
+    stft = Stft(RATE, 512, 128)
+    context = Context(SETTINGS, Tools(ThreeTalkers(), stft, Notes(), stft, Likes(1)))
+    told = estimate(0, 90)
+    context.tracker = SourceTracker(told, 0, stft, SPACING, SPEED, None, None)
+    context.tracker.moved = [False, True]
+    context.tracker.places = [(t, np.radians([0.0, 90.0 + 20.0 * t])) for t in np.arange(0.0, 4.01, 0.25)]
+    samples = np.full((2, 4 * RATE), 0.1, np.float32)
+    found = recognise_moving(context, told, 0, Listening(0.0, samples))
+    assert len(heard) > 3
+    unit = SPACING / SPEED
+    assert all(tau[0] == pytest.approx(unit) for tau in heard)
+    assert heard[0][1] > heard[-1][1]
+    assert np.allclose(found.voices[1], 0.2, atol=0.01)  # faded into one another without a dip
+    assert [score.members for score in found.scores] == [(0,), (1,)]

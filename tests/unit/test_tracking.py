@@ -1,0 +1,154 @@
+"""Sources are followed from the phases of trustworthy bins: theory makes the phases here."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ross_payload.alignment.predicted_gain import predicted_gain
+from ross_payload.alignment.realignment import Beliefs, sides, told, worth
+from ross_payload.events import Estimate, SourceEstimate
+from ross_payload.localization import tracking
+from ross_payload.localization.phase_statistics import FrameStatistics, silence, statistics
+
+SPACING, SPEED = 0.05, 343.0
+STEP = 0.25
+NEVER = 99.0
+
+
+def found(*degrees):
+    sources = (SourceEstimate(math.radians(a), math.radians(0.5), 1.0, resolved=True) for a in degrees)
+    return Estimate(tuple(sources), certain=True, directness=1.0)
+
+
+def phases(azimuths, heading, rng, n=60):
+    """Bins that each hear one of the sources at azimuths [deg], with the error of a phase that the model expects."""
+    frequencies = rng.uniform(300, 6000, n)
+    delay = SPACING / SPEED * np.cos(np.radians(rng.choice(azimuths, n)) - heading)
+    phase = 2 * np.pi * frequencies * delay + 0.25 * rng.standard_normal(n)
+    wrapped = np.angle(np.exp(1j * phase))
+    return FrameStatistics(STEP, np.array([heading]), np.zeros(n, np.intp), frequencies, wrapped, np.full(n, 0.3))
+
+
+def follow(paths, seconds, heading=lambda time: 0.6, seed=0, silent=()):
+    """Follow sources at paths [deg] (functions of time); those in ``silent`` say nothing; yields time and tracks."""
+    rng = np.random.default_rng(seed)
+    tracks = tracking.begin(found(*(path(0.0) for path in paths)), SPACING, SPEED, seed)
+    for time in np.arange(STEP, seconds + STEP / 2, STEP):
+        heard = [path(time - STEP / 2) for k, path in enumerate(paths) if k not in silent]
+        now = phases(heard, heading(time), rng) if heard else silence(STEP)
+        tracks = tracking.step(tracks, now)
+        yield time, tracks
+
+
+def at(degrees):
+    return lambda time: degrees
+
+
+def walk(start, speed, since=1.0):
+    return lambda time: start + speed * max(time - since, 0.0)
+
+
+def off(tracks, k, degrees):
+    return abs(math.degrees(np.angle(np.exp(1j * (tracks.azimuths[k] - math.radians(degrees))))))
+
+
+@pytest.mark.parametrize("speed", [5.0, -10.0])
+def test_a_source_that_walks_is_followed_and_the_others_stay(speed):
+    path = walk(100.0, speed)
+    time, tracks = list(follow([at(0.0), path, at(-140.0)], 6.0))[-1]
+    assert off(tracks, 1, path(time)) < 4.0
+    assert math.degrees(tracks.rates[1]) == pytest.approx(speed, abs=4.0)
+    assert max(off(tracks, 0, 0.0), off(tracks, 2, -140.0)) < 3.0
+
+
+def test_a_source_is_followed_while_the_array_turns():
+    path = walk(100.0, 5.0)
+    turning = follow([at(-30.0), path], 6.0, heading=lambda time: 0.6 + math.radians(4) * time)
+    time, tracks = list(turning)[-1]
+    assert off(tracks, 1, path(time)) < 4.0
+
+
+def test_who_is_silent_becomes_uncertain_and_old():
+    sigmas, ages = [], []
+    for _, tracks in follow([at(100.0), at(-60.0)], 20.0, silent=(1,)):
+        sigmas.append(tracks.sigmas[1])
+        ages.append(tracks.ages[1])
+    assert np.mean(sigmas[-20:]) > 3 * sigmas[0]
+    assert ages[-1] > 15.0
+    assert tracks.ages[0] < 1.0
+    assert math.degrees(tracks.sigmas[0]) < 5.0
+
+
+def test_errors_are_as_large_as_sigma_says():
+    """Root mean square of the errors over their sigmas; the prior must cover walkers of all kinds, so below 1 here."""
+    quotients = []
+    for seed in range(4):
+        path = walk(100.0, 4.0 + 2 * seed, since=2.0)
+        for time, tracks in follow([at(-30.0), path, at(-140.0)], 8.0, seed=seed):
+            quotients += [
+                off(tracks, k, true) / math.degrees(tracks.sigmas[k]) for k, true in enumerate((-30, path(time), -140))
+            ]
+    assert 0.2 < np.sqrt(np.mean(np.square(quotients))) < 1.3
+
+
+def test_past_the_axis_both_sides_stay_possible_until_the_array_turns():
+    turned = 6.0
+    path = walk(40.0, 8.0)  # the axis points to 34 deg: it cannot be told which way the source has gone
+    doubts = []
+    for time, tracks in follow([path, at(-100.0)], 9.0, heading=lambda time: 0.6 if time < turned else 0.25):
+        beliefs = Beliefs(tracking.AZIMUTHS, tracks.places, tracks.elevations, 1.0)
+        doubts.append(sides(beliefs, 0.6).doubt[0])
+        if time == turned - STEP:
+            headings = 0.6 + np.radians([0.0, -20.0])
+            here, there = told(beliefs, 0.6, headings)
+            assert there > here + 1.0  # a turn would tell
+    assert max(doubts[12:23]) > 0.1
+    assert off(tracks, 0, path(time)) < 5.0
+
+
+def test_where_everything_is_clear_a_heading_is_worth_the_predicted_gain():
+    azimuths = np.radians([-30.0, 100.0, -150.0])
+    tracks = tracking.begin(found(-30.0, 100.0, -150.0), SPACING, SPEED)
+    headings = np.radians([60.0, 80.0, 110.0])
+    value = worth(Beliefs(tracking.AZIMUTHS, tracks.places, tracks.elevations, 1.0), 0, headings[0], headings)
+    gain = predicted_gain(azimuths, headings, directness=1.0)[0]
+    assert np.allclose(value - value[0], gain - gain[0], atol=0.5)
+
+
+def test_the_same_frames_give_the_same_tracks():
+    one, two = (list(follow([at(0.0), walk(90.0, 5.0)], 2.0))[-1][1] for _ in range(2))
+    assert np.array_equal(one.particles.azimuths, two.particles.azimuths)
+
+
+def test_nobody_is_followed_when_nobody_was_found():
+    tracks = tracking.begin(Estimate(()), SPACING, SPEED)
+    assert tracking.step(tracks, silence(STEP)).azimuths.size == 0
+
+
+def test_bins_of_one_wave_have_its_delay_and_those_beside_a_motor_do_not_count():
+    rate, frame, hop = 16000, 512, 128
+    rng, n = np.random.default_rng(0), 16000
+    spectrum = np.fft.rfft(rng.standard_normal(n))
+    delay = SPACING / SPEED * math.cos(math.radians(40.0))
+    sound = np.fft.irfft(spectrum * np.exp(2j * np.pi * np.fft.rfftfreq(n, 1 / rate) * delay))
+    cut = np.stack([np.fft.irfft(spectrum), sound])
+    frames = np.stack([cut[:, k : k + frame] * np.hanning(frame) for k in range(0, 4000, hop)], axis=-1)
+    spectrogram, frequencies = np.fft.rfft(frames, axis=1), np.fft.rfftfreq(frame, 1 / rate)
+    headings, count = np.zeros(spectrogram.shape[-1]), spectrogram.shape[-1]
+    silent_psd = np.full(frequencies.size, 1e-9)
+    heard = statistics(spectrogram, frequencies, headings, silent_psd, period=hop / rate, skip=4)
+    assert heard.seconds == pytest.approx((count - 4) * hop / rate)
+    assert len(heard.weights) > 50
+    expected = 2 * np.pi * heard.frequencies * delay
+    assert np.abs(np.angle(np.exp(1j * (heard.phases - expected)))).mean() < 0.1
+    none = np.zeros(count, bool)
+    beside = statistics(spectrogram, frequencies, headings, silent_psd, period=hop / rate, still=none)
+    assert len(beside.weights) == 0
+
+
+def test_a_source_below_is_followed_by_its_shorter_delay():
+    high = replace(found(100.0).sources[0], elevation=math.radians(-50))
+    tracks = tracking.begin(Estimate((high,), certain=True, directness=1.0), SPACING, SPEED)
+    assert tracks.elevations[0] == pytest.approx(math.cos(math.radians(50)))
