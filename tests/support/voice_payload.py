@@ -24,6 +24,7 @@ from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 from ross_protocols.mavlink.values import Audio
 
 RATE = 16000
+MEASURED_RATE = 15999.6  # as a payload tells it
 HOP_S = 0.02
 TELL_S = 0.2
 TONES = {Selection.MIXTURE: 500.0, Selection.TARGET: 1000.0}
@@ -80,7 +81,7 @@ class VoicePayload:
 
     def _tell(self, age):
         said = [each for each in full(age, 3, 1) if not isinstance(each, Audio)]
-        for each in [*said, Audio(time_usec=0, rate=RATE)]:
+        for each in [*said, Audio(time_usec=0, rate=MEASURED_RATE)]:
             self._say(each)
         if self.stream.selection is not Selection.NONE:
             self._say(self.stream)

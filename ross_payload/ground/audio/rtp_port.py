@@ -35,7 +35,9 @@ class RtpPort(asyncio.DatagramProtocol):
             from ross_payload.transport.rtp.receiver import RtpReceiver  # noqa: PLC0415 - an extra
             from ross_payload.transport.rtp.session_description import OPUS, Media  # noqa: PLC0415
         except ModuleNotFoundError as error:
-            raise GroundError(f"listening needs {error.name}: {install_line('stream')}") from error
+            raise GroundError(
+                f"listening needs {str(error.name).partition('.')[0]}: {install_line('stream')}"
+            ) from error
         self.receiver = RtpReceiver(Media.of(OPUS, rate))
         self.codec = OPUS
         self._now, self._wall = now, wall

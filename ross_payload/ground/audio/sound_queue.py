@@ -13,7 +13,7 @@ import numpy as np
 from ross_payload.interfaces import Samples
 
 HEAD = struct.Struct("<If")  # index of the first sample, modulo 2^32; its age [ms], NaN: not known
-MOST_FRAMES = 25  # that wait for a listener, older ones are dropped: half a second
+MOST_FRAMES = 50  # that wait for a listener, older ones are dropped: half a second
 MOST_WORDS = 16
 
 

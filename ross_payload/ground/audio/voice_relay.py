@@ -15,7 +15,7 @@ from typing import Any, Protocol
 from ross_payload.ground.audio.rtp_port import RtpPort
 from ross_payload.ground.audio.sound_queue import Listener, frame_of
 from ross_payload.ground.client.command_protocol import CommandProtocol
-from ross_payload.ground.client.command_status import NO_ANSWER, REFUSED, CommandStatus
+from ross_payload.ground.client.command_status import FAILED, NO_ANSWER, REFUSED, CommandStatus
 from ross_payload.ground.client.order_json import order_of
 from ross_payload.ground.client.stream_orders import StopStream
 from ross_payload.ground.model.fleet import Fleet
@@ -25,12 +25,13 @@ from ross_payload.ground.model.stream_rows import words as words_of
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.stream_values import StreamReport
 
-BLOCK_S = 0.02  # of sound that is given on at once
+BLOCK_S = 0.01  # of sound that is given on at once
 LATE_S = 0.5  # behind the clock, from which on what was missed is not made up for
 WORDS_PERIOD_S = 0.25  # between two messages of how it goes
 LINGER_S = 1.0  # that a port stays open for the end of its stream
 STOP_PERIOD_S = 2.0  # between two orders to end a stream
-USUAL_RATE = 48000  # of a payload that has not told its own [Hz]
+RATES = (48000, 24000, 16000, 12000, 8000)  # that Opus knows [Hz]; the first for all others
+MEASURED = 0.01  # share by which a rate that was measured may be wrong
 MOST_SENSIBLE_S = 60.0  # of an age, beyond which clocks disagree
 CHOICES = ("what", "source", "azimuth")  # that a listener makes
 
@@ -193,7 +194,8 @@ class VoiceRelay:
     def _rate(self) -> int:
         known = self._known
         told = None if known is None or known.audio is None else known.audio.rate
-        return int(told or USUAL_RATE)
+        near = (rate for rate in RATES if told and abs(told / rate - 1) < MEASURED)
+        return next(near, RATES[0])
 
     def _end_unless_heard(self) -> None:
         if self._listeners or self._port is None:
@@ -257,7 +259,7 @@ class VoiceRelay:
 
 def _state(doing: CommandStatus | None, stream: StreamReport | None, *, playing: bool, ended: bool) -> tuple[str, str]:
     """Return how it goes, as a word and, where there is something to say, in words."""
-    if doing is not None and doing.state in (REFUSED, NO_ANSWER) and not playing:
+    if doing is not None and doing.state in (REFUSED, FAILED, NO_ANSWER) and not playing:
         return "refused", doing.reason
     if stream is not None and stream.fault:
         return "fault", words_of(stream)

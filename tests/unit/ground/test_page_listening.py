@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import sys
 from contextlib import asynccontextmanager
 
 import aiohttp
@@ -16,7 +17,7 @@ from ross_payload.ground.station import Station, local_address
 from ross_payload.ground.web import listening_sockets
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.stream_values import Selection
-from voice_payload import RATE, VoicePayload
+from voice_payload import MEASURED_RATE, RATE, VoicePayload
 from waiting import wait_for_async
 
 PAYLOAD = ComponentId(1, 191)
@@ -104,7 +105,7 @@ async def test_what_is_heard_is_chosen_while_it_is_heard():
         await one.hears(2000.0)
         assert {(each.address, each.port) for each in payload.orders} == {(payload.stream.address, payload.stream.port)}
         await one.until(lambda: one.told[-1].get("whom") == "source 2")
-        assert one.told[-1]["rate"] == RATE
+        assert one.told[-1]["rate"] == RATE != MEASURED_RATE
 
 
 async def test_frames_tell_their_place_and_their_age():
@@ -113,7 +114,7 @@ async def test_frames_tell_their_place_and_their_age():
         await one.until(lambda: any(np.isfinite(one.ages)))
         assert all(20 <= age < 5000 for age in one.ages if np.isfinite(age))
         steps = np.diff(one.indices)
-        assert np.all(steps % (RATE // 50) == 0)
+        assert np.all(steps % (RATE // 100) == 0)
         assert np.all(steps > 0)
 
 
@@ -169,6 +170,17 @@ async def test_what_cannot_be_listened_to_is_refused_in_one_line(who, choice, wh
         await one.until(lambda: one.code is not None)
         assert why in one.told[-1]["why"]
         assert one.code == aiohttp.WSCloseCode.POLICY_VIOLATION
+        assert not payload.orders
+
+
+async def test_without_the_extra_it_is_told_how_to_install_it(monkeypatch):
+    async with heard() as (payload, _, served), ear(served.url) as one:
+        monkeypatch.delitem(sys.modules, "ross_payload.transport.rtp.receiver", raising=False)
+        monkeypatch.setitem(sys.modules, "aiortc.rtp", None)
+        await one.choose(what="target")
+        await one.until(lambda: one.code is not None)
+        assert one.told[-1]["why"].startswith("listening needs aiortc: ")
+        assert "install" in one.told[-1]["why"]
         assert not payload.orders
 
 

@@ -3,16 +3,16 @@
  * so that it stays so, since two computers never agree on the length of a second. Knows no clock and no browser.
  */
 
-const FIRST_TARGET = 0.06; // [s] that wait before anything is played
-const LEAST_TARGET = 0.04;
+const FIRST_TARGET = 0.04; // [s] that wait before anything is played
+const LEAST_TARGET = 0.03;
 const MOST_TARGET = 0.3;
 const AFTER_GAP = 0.02; // [s] by which more is kept once it was too little
 const CALMED = 10; // [s] without need, after which less is kept
 const LESS = 0.005; // [s]
-const SPARE = 0.025; // [s] that were always left over: then it is more than is needed
-const FARTHEST = 0.4; // [s] above the target, beyond which the rest is left out: the browser slept
-const FASTEST = 0.004; // by which it is played faster or slower at most: a pitch that nobody hears
-const EAGERNESS = 0.1; // of that correction: 10 ms too much are 0.1 % faster
+const SPARE = 0.02; // [s] that were always left over: then it is more than is needed
+const FARTHEST = 0.2; // [s] above the target, beyond which the rest is left out: the browser slept
+const FASTEST = 0.01; // by which it is played faster or slower at most: a sixth of a semitone
+const EAGERNESS = 0.1; // of that correction: 10 ms too much are 0.1 % faster, 0.1 s and more 1 %
 const SMOOTHED = 1; // [s] over which the fill is averaged
 const FADE = 0.004; // [s] at the ends of a gap
 const TAPS = 4; // samples that one in between is made of
