@@ -56,6 +56,7 @@ GAP = """async () => {
 }"""
 PLAYED = """() => {
   const panel = globalThis.rossSound.live;
+  if (!panel.playout) return { samples: [], rate: 0 };
   const { spectrum } = panel.playout;
   const samples = new Float32Array(spectrum.fftSize);
   spectrum.getFloatTimeDomainData(samples);
@@ -67,7 +68,7 @@ def tone(page, played=PLAYED):
     """The frequency of what is played [Hz], from its sign changes, and its amplitude."""
     heard = page.evaluate(played)
     samples = heard["samples"]
-    peak = max(map(abs, samples))
+    peak = max(map(abs, samples), default=0.0)
     crossings = [index for index in range(1, len(samples)) if samples[index - 1] < 0 <= samples[index]]
     if len(crossings) < 3:
         return 0.0, peak
@@ -107,6 +108,11 @@ def test_somebody_listens_chooses_and_stops(window, open_page):
         assert asked == [Selection.TARGET, Selection.MIXTURE, Selection.SOURCE]
         button.click()
         sees(page, "Silent", PANEL)
+        eventually(page, lambda: not payload.stream.on)
+        page.evaluate("() => globalThis.rossSound.live.start('1-191', null)")  # the rate is not known yet
+        hears(page, 1750.0)
+        assert page.evaluate(PLAYED)["rate"] == RATE
+        page.get_by_role("link", name="Map").click()
         eventually(page, lambda: not payload.stream.on)
         page.close()
 

@@ -7,6 +7,8 @@ const PING = 2000; // [ms]
 const HEAD = 8; // bytes before the samples: index, age of the first [ms]
 const FULL = 32768;
 const QUIET = -90; // [dB]
+const RATES = [48000, 24000, 16000, 12000, 8000]; // that the ground process gives [Hz]
+const MEASURED = 0.01; // share by which a rate that was measured may be wrong
 const REFUSED = 1008; // close code
 
 const decibel = (amplitude) => Math.max(QUIET, 20 * Math.log10(amplitude || 1e-9));
@@ -31,7 +33,7 @@ export class Listening {
   start(id, rate) {
     this.stop();
     this.set({ ...OFF, on: true, id, phase: "connecting" });
-    this.play([8000, 12000, 16000, 24000, 48000].includes(rate) ? rate : 48000);
+    this.play(RATES.find((each) => Math.abs(rate / each - 1) < MEASURED) ?? RATES[0]);
     this.open();
   }
 
@@ -128,12 +130,11 @@ export class Listening {
     this.playout?.close();
     const playout = new Playout(rate, (played) => playout === this.playout && this.set({ ...this.state, played }));
     playout.loud(this.volume);
-    playout.ready.catch((error) => this.failed(error));
+    playout.ready.catch((error) => playout === this.playout && this.failed(error)); // or it was closed meanwhile
     this.playout = playout;
   }
 
   failed(error) {
-    if (!this.state.on) return; // it was closed meanwhile
     this.stop();
     this.set({ ...OFF, phase: "refused", why: `this browser cannot play it: ${error.message}` });
   }

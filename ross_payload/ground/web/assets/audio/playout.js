@@ -26,6 +26,7 @@ export class Playout {
   async begin(onTold) {
     if (this.context.audioWorklet) {
       await this.context.audioWorklet.addModule("/assets/audio/playout-worklet.js");
+      if (this.context.state === "closed") return; // meanwhile
       const options = { numberOfInputs: 0, outputChannelCount: [1] };
       const node = new AudioWorkletNode(this.context, "playout", options);
       node.port.onmessage = ({ data }) => onTold(data);
@@ -65,6 +66,6 @@ export class Playout {
 
   close() {
     this.push = () => {};
-    return this.context.close();
+    this.context.close();
   }
 }
