@@ -25,7 +25,7 @@ class Limiter:
     rate
         Sampling rate [Hz].
 
-    >>> np.abs(Limiter(16000).limited(np.array([0.5, 4.0, -4.0], np.float32))).round(3).tolist()
+    >>> np.abs(Limiter(16000).limited(np.array([0.5, 4.0, -4.0], np.float32))).astype(float).round(3).tolist()
     [0.5, 0.891, 0.891]
     """
 

@@ -143,7 +143,7 @@ class DirectRunner:
         if fault and fault != before:
             log.warning("%s: %s", self._name, fault)
         elif before and not fault:
-            log.info("%s: all is well again", self._name)
+            log.info("%s: works again", self._name)
 
 
 class ThreadedRunner:

@@ -152,7 +152,7 @@ class ListeningStage:
                 self._streams[number] = Stream(settings, self._transform, self._open_runner(settings))
                 self._tell()
             elif not wanted and number in self._streams:
-                self._end(number, "not wanted at present")
+                self._end(number, "off at present")
 
     def _end(self, number: int, why: str) -> None:
         stream = self._streams.pop(number, None)

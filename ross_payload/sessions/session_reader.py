@@ -67,6 +67,8 @@ class RecordedSession:
             values = parsed_json(read_bounded(path))
         except (OSError, ValueError) as error:
             raise ConfigError(f"{path}: the configuration of this session cannot be read: {error}") from error
+        if isinstance(values, dict) and isinstance(values.get("exploit"), dict):
+            values["exploit"].setdefault("track", False)  # recorded before talkers who move were followed
         return validated(Config, values, str(path))
 
     def memory(self, kind: type[T]) -> T | None:

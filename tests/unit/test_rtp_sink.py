@@ -70,7 +70,7 @@ def test_nobody_there_is_a_fault_until_somebody_is(tmp_path):
         port = sock.getsockname()[1]
     with opened(port, tmp_path) as sink, talking(sink):
         wait_for(lambda: sink.fault)
-        assert sink.fault == f"rtp to 127.0.0.1 port {port}: nobody listens there"
+        assert sink.fault == f"rtp to 127.0.0.1 port {port}: no receiver at this port"
         assert info_of(sink).listeners == 0
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
             sock.bind(("127.0.0.1", port))

@@ -116,7 +116,7 @@ class RtpSink:
             return f"{self._where}: {self._broken}"
         if now < self._failed_at + REFUSED_S:
             return f"{self._where}: {self._failure}"
-        return f"{self._where}: nobody listens there" if now < self._refused_at + REFUSED_S else ""
+        return f"{self._where}: no receiver at this port" if now < self._refused_at + REFUSED_S else ""
 
     @property
     def info(self) -> SinkInfo:

@@ -57,11 +57,12 @@ class TruthWriter:
         for writer, track in zip(self._writers, tracks, strict=False):
             writer.write(track)
 
-    def finish(self, values: dict[str, Any], scenario: Scenario) -> None:
+    def finish(self, values: dict[str, Any], scenario: Scenario | None = None) -> None:
         """Write `truth.json`: ``values``, how many samples there are, and every turn; and where who moves was."""
         self._files.close()
         if self._out is not None:
-            write_azimuths(self._out, scenario, self._samples)
+            if scenario is not None:
+                write_azimuths(self._out, scenario, self._samples)
             told = values | {"samples": self._samples, "headings_deg": self._turns.points()}
             self._out.write_json("truth.json", told)
 
