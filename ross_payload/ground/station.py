@@ -6,19 +6,21 @@ All of it happens on one asyncio loop; nothing here waits for anybody.
 from __future__ import annotations
 
 import asyncio
+import socket
 import time
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
 
+from ross_payload.ground.errors import GroundError
 from ross_payload.ground.links.diagnostics import DIAGNOSIS_DELAY_S, advice
 from ross_payload.ground.links.link import GroundLink, LinkState
 from ross_payload.ground.links.routing import Route, RoutingTable
 from ross_payload.ground.links.signing import SigningTime
 from ross_payload.ground.links.tlog import BufferedTlog
 from ross_payload.ground.model.fleet import Fleet
-from ross_payload.transport.ports import Peer
+from ross_payload.transport.ports import Peer, reason
 from ross_protocols.mavlink.codec import Encoder, Packet, message_of
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
@@ -26,6 +28,7 @@ from ross_protocols.mavlink.signing import Guardian
 
 BEAT = 1.0  # [s] between two heartbeats, and between two writes of the log
 TICK = 0.1  # [s] between two looks at what is due
+ANY_PORT = 9  # nothing is sent there
 
 Call = Callable[[Packet, float], None]
 
@@ -124,6 +127,20 @@ class Station:
             for link in self._links:
                 link.send(message)
 
+    def address_towards(self, who: ComponentId) -> str:
+        """Return the IPv4 address of this computer as ``who`` reaches it, by the way on which it is heard.
+
+        Raises
+        ------
+        GroundError
+            When there is no such way: it was not heard, or is on a serial line or IPv6.
+        """
+        route = self._routes.best(who, self.now())
+        if route is None:
+            raise GroundError(f"{who} was not heard: nobody knows the way to it")
+        link = self._links[route.link]
+        return local_address(link.host_of(route.peer), f"{who} is heard on {link.url}")
+
     def advice(self, delay: float = DIAGNOSIS_DELAY_S) -> str:
         """Return what is wrong ``delay`` [s] after the start, and what to do about it; empty when all is well."""
         ended = "" if self.log is None else self.log.error
@@ -178,6 +195,28 @@ class Station:
     def _beat() -> Any:
         kind, none = common.MAV_TYPE_GCS, common.MAV_AUTOPILOT_INVALID
         return common.MAVLink_heartbeat_message(kind, none, 0, 0, common.MAV_STATE_ACTIVE, 3)
+
+
+def local_address(host: str, why: str = "") -> str:
+    """Return the IPv4 address of this computer on the way to a host; nothing is sent.
+
+    >>> local_address("127.0.0.1")
+    '127.0.0.1'
+
+    Raises
+    ------
+    GroundError
+        When no such way leads there; ``why`` tells why that host is asked for.
+    """
+    hint = "give the address of this computer with --audio-address"
+    if not host:
+        raise GroundError(f"{why}, which has no network address: {hint}")
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+            sock.connect((host.removeprefix("::ffff:"), ANY_PORT))
+            return str(sock.getsockname()[0])
+    except OSError as error:
+        raise GroundError(f"{why}: {host} cannot be reached over IPv4 ({reason(error)}): {hint}") from error
 
 
 async def _ended(task: asyncio.Task[None]) -> None:

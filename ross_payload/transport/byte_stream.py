@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import select
+import socket
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from typing import Protocol
 
@@ -13,6 +15,7 @@ from ross_payload.transport.ports import (
     DEFAULTS,
     MAX_READ_BYTES,
     Counts,
+    Peer,
     PortOptions,
     reason,
     with_failure,
@@ -41,6 +44,13 @@ class Stream:
     def fileno(self) -> int:
         """Return the file descriptor."""
         return self._handle.fileno()
+
+    @property
+    def host(self) -> str:
+        """The address of the other side; empty: it has none, as on a serial line."""
+        with suppress(OSError):
+            return str(self._handle.getpeername()[0]) if isinstance(self._handle, socket.socket) else ""
+        return ""
 
     def send(self, frame: bytes) -> bool:
         """Send one frame, or none of it while an earlier one waits; tell whether the stream took it."""
@@ -145,6 +155,10 @@ class ReconnectingStream:
     def fileno(self) -> int:
         """Return a descriptor that is readable when something has arrived, on this connection and on the next ones."""
         return self._events.fileno()
+
+    def host_of(self, peer: Peer) -> str:
+        """Return the address of the other side; empty: it has none, or is gone."""
+        return "" if self._stream is None else self._stream.host
 
     def send(self, frame: bytes) -> None:
         """Send one frame, or drop it when the stream is busy or gone."""

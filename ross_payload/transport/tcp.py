@@ -139,6 +139,11 @@ class TcpServer:
         """Return a descriptor that is readable when a client has come, or something of one."""
         return self._events.fileno()
 
+    def host_of(self, peer: Peer) -> str:
+        """Return the address of a client; empty: it is gone."""
+        client = self._clients.get(peer) if isinstance(peer, int) else None
+        return "" if client is None else client.host
+
     def require_admission(self) -> None:
         """Send to admitted clients only."""
         self._admission = True

@@ -68,6 +68,10 @@ class UdpPeer:
         """Return a descriptor that is readable when something has arrived."""
         return self._events.fileno()
 
+    def host_of(self, peer: Peer) -> str:
+        """Return the address of the other side; empty: not known yet."""
+        return "" if self._socket is None else str(self._socket.getpeername()[0])
+
     def send(self, frame: bytes) -> None:
         """Send one datagram, if it is known where to."""
         sock = self._socket
@@ -137,6 +141,10 @@ class UdpServer:
     def fileno(self) -> int:
         """Return a descriptor that is readable when something has arrived."""
         return self._socket.fileno()
+
+    def host_of(self, peer: Peer) -> str:
+        """Return the address of a peer."""
+        return str(peer[0]) if isinstance(peer, tuple) else ""
 
     def require_admission(self) -> None:
         """Send to admitted peers only."""

@@ -39,6 +39,9 @@ class HandStation:
     def links(self) -> list[LinkState]:
         return list(self.states)
 
+    def address_towards(self, who: ComponentId) -> str:
+        return "127.0.0.1"
+
     def advice(self) -> str:
         return "" if self.fleet.payloads else NOTHING_YET
 

@@ -188,6 +188,8 @@ class CommandProtocol:
                 self._end(one, CANCELLED, AFTER_STOP)
             elif unanswered and isinstance(one.order, Cancel):
                 self._end(one, NO_ANSWER, OVERTAKEN)
+            elif not one.over and order.replaces(one.order):
+                self._end(one, CANCELLED, REPLACED)
             elif one.over and one.order.number == order.number:
                 del self._open[one.number]
 

@@ -33,6 +33,10 @@ class Order:
         """What is asked for."""
         return self.name
 
+    def replaces(self, other: Order) -> bool:
+        """Whether an earlier order must not be said again after this one: it would undo it."""
+        return False
+
 
 class Explore(Order):
     """Find the number of sources and every azimuth."""

@@ -62,6 +62,11 @@ class Stream(Order):
         level = "muted" if self.muted else "" if self.gain is None else f"at {self.gain:g} dB"
         return " ".join(filter(None, ("stream", name, what, goes, level)))
 
+    def replaces(self, other: Order) -> bool:
+        """Whether it is about the same stream."""
+        same = isinstance(other, Stream) and (other.stream, other.address, other.port)
+        return same == (self.stream, self.address, self.port)
+
 
 def is_shown(order: Stream, stream: AudioStream) -> bool:
     """Tell whether an announced stream is on, and as it was ordered in all that the order says."""
@@ -95,6 +100,10 @@ class StopStream(Order):
     def words(self) -> str:
         """Which."""
         return "stop all streams" if self.stream is None else f"stop stream {self.stream}"
+
+    def replaces(self, other: Order) -> bool:
+        """Whether it may have begun what this ends: said again, it would begin anew."""
+        return isinstance(other, Stream) and (self.stream is None or other.stream in (None, self.stream))
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ Of our own messages it has the fields as they are on the wire, and JSON Schemas 
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -24,6 +25,7 @@ from ross_payload.atomic_files import replacing
 from ross_payload.errors import refused_as
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights import scene
+from ross_payload.ground.flights.mcap_sound import RecordedSound
 from ross_payload.ground.flights.playback import relevant_frames
 from ross_payload.ground.flights.reading import Flight
 from ross_payload.ground.model.fleet import Fleet
@@ -111,8 +113,11 @@ def export(flight: Flight, payloads: tuple[ComponentId, ...], path: Path) -> Non
         with open_mcap(cast(BinaryIO, file), context=context, writer_options=options) as writer:
             writer.write_metadata("ross", about)
             exported = _Export(flight, payloads, context)
+            sound = RecordedSound(flight, context)
             for at, packet in flight.packets(relevant_frames(flight, payloads)):
+                sound.until(at)
                 exported.on_packet(packet, at)
+            sound.until(math.inf)
         file.check()
 
 

@@ -158,7 +158,7 @@ class MissionTimeline:
         if any(each.estimate != source.estimate for each in self.sources.values()):
             self.sources = {}
         self.sources[source.source] = source
-        if not self.explorations:
+        if not self.explorations or source.tracked:  # followed afterwards: not what the exploration found
             return
         latest = self.explorations[-1]
         exploring = self.moments[-1].state in EXPLORING

@@ -137,6 +137,10 @@ class GroundLink:
             asyncio.get_running_loop().remove_reader(self._descriptor)
             port.close()
 
+    def host_of(self, peer: Peer) -> str:
+        """Return the network address of a peer; empty: it has none, as on a serial line."""
+        return "" if self._port is None else self._port.host_of(peer)
+
     def knows(self, peer: Peer) -> bool:
         """Tell whether a peer can be sent to."""
         return peer in self._peers

@@ -59,10 +59,17 @@ class RoutingTable:
 
     def to(self, who: ComponentId, now: float, message: Any) -> list[Route]:
         """Return the routes for a message, one of them unless it may be heard twice; empty: nobody knows any."""
+        good = self._good(who, now)
+        return good if may_repeat(message) else good[:1]
+
+    def best(self, who: ComponentId, now: float) -> Route | None:
+        """Return the route in use; None: nobody knows any."""
+        return next(iter(self._good(who, now)), None)
+
+    def _good(self, who: ComponentId, now: float) -> list[Route]:
         traces = self._traces.get(who, {})
         newest = max((trace.last for trace in traces.values()), default=now)
-        good = [route for route, trace in traces.items() if newest - trace.last < FRESH_S]
-        return good if may_repeat(message) else good[:1]
+        return [route for route, trace in traces.items() if newest - trace.last < FRESH_S]
 
     def _make_room(self, traces: dict[Route, _Trace]) -> None:
         while len(traces) >= MAX_ROUTES:

@@ -21,6 +21,7 @@ from ross_payload.ground.web.flight_library import FlightLibrary
 from ross_payload.ground.web.security import is_loopback, new_token, out_of_date, read_token, tls_of
 from ross_payload.ground.web.server import Served, bound, serve
 from ross_payload.ground.web.tiles import Tiles
+from ross_protocols.mavlink.stream_command import unicast
 
 ADVICE_AFTER_S = 10.0  # without telemetry before the terminal says what to look at
 LOG_CHECK_PERIOD_S = 1.0  # between two looks at the log
@@ -42,6 +43,7 @@ class Options:
     flights: Path | None
     open_page: bool
     map: Path | None = None
+    audio_address: str = ""
 
 
 def run(options: Options) -> None:
@@ -57,8 +59,17 @@ def run(options: Options) -> None:
         _warn(f"the certificate {options.certificate} {why}: browsers will not trust it")
     if options.flights is not None and options.flights != options.log and not options.flights.is_dir():
         raise GroundError(f"--flights {options.flights}: expected a folder, got none of that name")
+    if options.audio_address:
+        _check_address(options.audio_address)
     with nullcontext() if options.map is None else Tiles(options.map) as tiles:
         asyncio.run(_run(options, _token(options), tls, tiles))
+
+
+def _check_address(text: str) -> None:
+    try:
+        unicast(text)
+    except ValueError as error:
+        raise GroundError(f"--audio-address: {str(error).removeprefix('address: ')}") from error
 
 
 def _token(options: Options) -> str | None:
@@ -79,7 +90,16 @@ async def _run(options: Options, token: str | None, tls: ssl.SSLContext | None, 
     with bound(options.host, options.port) as listener:  # before the log: a second ground must not leave an empty one
         async with (
             listening as station,
-            serve(station, flights, host=options.host, token=token, tls=tls, listener=listener, tiles=tiles) as served,
+            serve(
+                station,
+                flights,
+                host=options.host,
+                token=token,
+                tls=tls,
+                listener=listener,
+                tiles=tiles,
+                audio_address=options.audio_address,
+            ) as served,
         ):
             _announce(served, options, token)
             advising = asyncio.create_task(_advise(station))

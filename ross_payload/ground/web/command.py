@@ -27,6 +27,7 @@ EPILOG = "Exit codes: 0 ended by the user, 2 bad input."
 @click.option("--log", type=click.Path(path_type=Path), help="Folder for a tlog of everything received.")
 @click.option("--flights", type=click.Path(path_type=Path), help="Folder of recorded flights (default: that of --log).")
 @click.option("--map", "map_file", type=click.Path(path_type=Path), help="MBTiles file with PNG or JPEG tiles.")
+@click.option("--audio-address", default="", help="IPv4 address of this computer for the sound of payloads.")
 @click.option("--open", "open_page", is_flag=True, help="Open the page in a browser.")
 def command(
     *,
@@ -41,6 +42,7 @@ def command(
     log: Path | None,
     flights: Path | None,
     map_file: Path | None,
+    audio_address: str,
     open_page: bool,
 ) -> None:
     """Serve the page, with what is received on each URL (default: udpin:127.0.0.1:14550), until Ctrl-C."""
@@ -54,4 +56,4 @@ def command(
     options = Options(
         listened, port, host, token_file, certificate, key, mavlink_key, system_id, log, folder, open_page
     )
-    run(replace(options, map=map_file))
+    run(replace(options, map=map_file, audio_address=audio_address))

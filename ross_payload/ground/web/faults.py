@@ -20,6 +20,11 @@ def report(error: Exception) -> None:
     asyncio.get_running_loop().call_exception_handler(words)
 
 
+def write_line(text: str) -> None:
+    """Write a line to the terminal that must not be left out."""
+    print(f"ross ground: {' '.join(text.split())}", file=sys.stderr, flush=True)  # noqa: T201
+
+
 class Reporter:
     """Writes lines to the terminal, at most one in `PERIOD`, and how many were left out.
 

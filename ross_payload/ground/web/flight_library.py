@@ -16,6 +16,7 @@ from typing import Any
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.log_file import CALENDAR_FROM_US, is_simulated
 from ross_payload.ground.flights.reading import LOGS, open_flight
+from ross_payload.ground.flights.sound import sound_files
 
 SUFFIX, PART = ".tlog", ".part"  # of a flight; of one that has not wholly come
 MAX_BYTES = 256 << 20  # of a flight that is uploaded
@@ -73,9 +74,22 @@ class FlightLibrary:
             raise GroundError(f"flight {name[:80]}: not found")
         return found
 
+    def sound(self, name: str, track: str) -> Path:
+        """Return the file of one of a flight's tracks.
+
+        Raises
+        ------
+        GroundError
+            When there is none of that name.
+        """
+        found = sound_files(self.path(name)).get(track)
+        if found is None:
+            raise GroundError(f"flight {name[:80]}: no sound '{track[:40]}'")
+        return found
+
     def known(self) -> list[dict[str, Any]]:
         """Return the flights, the newest first; it may take seconds, on any thread."""
-        rows = [self._row(name, path) for name, path in self._named()]
+        rows = [{**self._row(name, path), "sound": list(sound_files(path))} for name, path in self._named()]
         return sorted(rows, key=lambda row: -(row["start"] or 0.0))[:MAX_SHOWN]
 
     async def save_upload(self, name: str, chunks: AsyncIterator[bytes]) -> str:

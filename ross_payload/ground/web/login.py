@@ -26,6 +26,7 @@ LINKED = "You come from another site: press Open to log in."
 LOCKED_LINK = "Too many wrong tokens in the address of this page; you can still enter the token here."
 FORM = "application/x-www-form-urlencoded"
 MOST_FIELDS = 10
+LASTING = ("/live", "/listen")  # paths of WebSockets
 ELSEWHERE = ("cross-site", "same-site")  # of Sec-Fetch-Site: what a page of another origin causes
 
 
@@ -40,7 +41,7 @@ def guard(gate: Gate, connections: Connections, *, loopback: bool) -> Middleware
             raise web.HTTPForbidden(text="request from another origin: refused\n")
         if not gate.lets_in(request.cookies.get(_cookie_name(request), "")):
             return await _stranger(gate, request)
-        with connections.answering(request.protocol, lasting=request.path == "/live"):
+        with connections.answering(request.protocol, lasting=request.path in LASTING):
             if request.path == "/login" or (request.path == "/" and "token" in request.query):
                 return web.Response(status=303, headers={"Location": "/"})
             return await handler(request)

@@ -9,6 +9,7 @@ from typing import Any
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_status import CommandStatus
 from ross_payload.ground.client.param_client import ParamClient
+from ross_payload.ground.errors import GroundError
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.recordings import RecordingStore
@@ -42,6 +43,10 @@ class NoStation:
     def links(self) -> list[Any]:
         """Return nothing: there are none."""
         return []
+
+    def address_towards(self, who: ComponentId) -> str:
+        """Refuse: nobody is heard."""
+        raise GroundError(f"{who} was not heard: nobody knows the way to it")
 
     def advice(self) -> str:
         """Return nothing: nothing is wrong."""

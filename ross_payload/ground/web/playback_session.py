@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from typing import Any
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.playback import Playback
 from ross_payload.ground.flights.reading import Flight, open_flight
+from ross_payload.ground.flights.sound import Track, tracks_of
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.web.faults import report
 from ross_payload.ground.web.view_cache import ViewCache, to_json
@@ -96,7 +97,8 @@ class PlaybackSession:
     async def _run(self, path: Path, refuse: Callable[[str], None]) -> None:
         try:
             playback = await asyncio.to_thread(lambda: Playback(open_flight(path)))
-            self._fixed = _fixed(self.name, self.title, playback.flight)
+            tracks = await asyncio.to_thread(tracks_of, playback.flight)
+            self._fixed = _fixed(self.name, self.title, playback.flight, tracks)
             self.watched = self.watched or next(iter(playback.flight.payloads), None)
             self.playback = playback
             await self._play(playback)
@@ -153,7 +155,7 @@ def _step(playback: Playback, requests: dict[str, float | bool], elapsed: float)
         playback.prepare()
 
 
-def _fixed(slot: str, title: str, flight: Flight) -> str:
+def _fixed(slot: str, title: str, flight: Flight, tracks: Sequence[Track]) -> str:
     return to_json(
         {
             "type": "flight",
@@ -165,5 +167,6 @@ def _fixed(slot: str, title: str, flight: Flight) -> str:
             "payloads": [str(who) for who in flight.payloads],
             "marks": [{"at": mark.at, "words": mark.words, "id": str(mark.who)} for mark in flight.marks],
             "notes": list(flight.notes),
+            "sound": [{"track": each.name, "begin": each.begin, "duration": each.duration} for each in tracks],
         }
     )

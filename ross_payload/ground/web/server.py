@@ -19,6 +19,7 @@ from ross_payload.ground.recordings import RecordingStore
 from ross_payload.ground.web.connections import HEADER_TIMEOUT, Connections
 from ross_payload.ground.web.faults import FaultLog, report
 from ross_payload.ground.web.flight_library import FlightLibrary
+from ross_payload.ground.web.listening_sockets import ListeningSockets
 from ross_payload.ground.web.page_state import NoStation, PageState
 from ross_payload.ground.web.security import Gate, is_loopback
 from ross_payload.ground.web.site import application, tolerant
@@ -56,11 +57,13 @@ async def serve(
     tls: ssl.SSLContext | None = None,
     listener: socket.socket | None = None,
     tiles: Tiles | None = None,
+    audio_address: str = "",
 ) -> AsyncIterator[Served]:
     """Serve the page; without a station it plays past flights only. Port 0: a free one.
 
     ``recordings`` are those of this computer: they are offered for download, to whoever may open the page. ``listener``
-    is bound to ``host`` already, else one is bound here.
+    is bound to ``host`` already, else one is bound here. ``audio_address`` is that of this computer as payloads reach
+    it, where it is not that of the way on which they are heard.
 
     Raises
     ------
@@ -69,13 +72,14 @@ async def serve(
     """
     if token is None and not is_loopback(host):
         raise GroundError(f"--host {host}: reachable from other computers: expected a token, got none")
-    with listener or bound(host, port) as listening, flights or FlightLibrary(None) as shelf:
+    with listener or bound(host, port) as door, flights or FlightLibrary(None) as shelf:
         browsers, connections = WebSocketSessions(PageState(station or NoStation(), shelf, recordings)), Connections()
         browsers.state.tiles = tiles
-        site = application(browsers, Gate(token), connections, loopback=is_loopback(host))
-        async with _working(browsers), _protocols(site) as protocols:
-            with connections.accepted(listening, protocols, tls):
-                yield Served(_url(host, listening.getsockname()[1], tls is not None), browsers.state)
+        listening = ListeningSockets(browsers.state, audio_address)
+        site = application(browsers, listening, Gate(token), connections, loopback=is_loopback(host))
+        async with _working(browsers, listening), _protocols(site) as protocols:
+            with connections.accepted(door, protocols, tls):
+                yield Served(_url(host, door.getsockname()[1], tls is not None), browsers.state)
 
 
 @asynccontextmanager
@@ -100,10 +104,11 @@ async def _protocols(site: web.Application) -> AsyncIterator[web.Server]:
 
 
 @asynccontextmanager
-async def _working(browsers: WebSocketSessions) -> AsyncIterator[None]:
+async def _working(browsers: WebSocketSessions, listening: ListeningSockets) -> AsyncIterator[None]:
     """Do what comes again and again, until the end."""
     works = (
         _every(TICK, partial(_tick, browsers)),
+        _every(TICK, listening.tick),
         _every(LOOK, browsers.refresh_flights),
         _every(RECORDINGS_PERIOD, browsers.refresh_recordings),
     )

@@ -14,10 +14,12 @@ from pathlib import PurePosixPath
 from aiohttp import ClientPayloadError, web
 from aiohttp.http_exceptions import HttpProcessingError
 
+from ross_payload.ground.errors import GroundError
 from ross_payload.ground.web import recordings
 from ross_payload.ground.web.connections import Connections
 from ross_payload.ground.web.faults import report
 from ross_payload.ground.web.flight_library import UploadRefused
+from ross_payload.ground.web.listening_sockets import ListeningSockets
 from ross_payload.ground.web.login import guard
 from ross_payload.ground.web.security import HEADERS, Gate, shown
 from ross_payload.ground.web.websocket_sessions import WebSocketSessions
@@ -36,6 +38,7 @@ TYPES = {
     ".txt": "text/plain; charset=utf-8",
     ".png": "image/png",
 }
+SOUNDS = {".wav": "audio/wav", ".flac": "audio/flac"}
 _NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
 
 
@@ -66,18 +69,21 @@ def asset(path: str) -> Asset | None:
 
 
 def application(
-    browsers: WebSocketSessions, gate: Gate, connections: Connections, *, loopback: bool
+    browsers: WebSocketSessions, listening: ListeningSockets, gate: Gate, connections: Connections, *, loopback: bool
 ) -> web.Application:
     """Return the site of some browsers, behind a gate."""
     app = web.Application(middlewares=[guard(gate, connections, loopback=loopback)], client_max_size=MAX_FORM_BYTES)
 
     async def ends(_: web.Application) -> None:
+        await listening.close()
         await browsers.close()
 
     app.router.add_get("/", _page)
     app.router.add_get("/assets/{path:.+}", _asset)
     app.router.add_get("/live", browsers.serve)
+    app.router.add_get("/listen", listening.serve)
     app.router.add_post("/flights", partial(_upload, browsers))
+    app.router.add_get("/flights/{name}/sound/{track}", partial(_sound, browsers))
     app.router.add_get(r"/tiles/{zoom:\d{1,2}}/{column:\d{1,10}}/{row:\d{1,10}}", partial(_tile, browsers))
     store = browsers.state.recordings
     app.router.add_get("/recordings", partial(recordings.listed, store))
@@ -157,6 +163,16 @@ async def _upload(browsers: WebSocketSessions, request: web.Request) -> web.Resp
         return web.json_response({"error": error.message}, status=error.status)
     await browsers.refresh_flights()
     return web.json_response({"name": name})
+
+
+async def _sound(browsers: WebSocketSessions, request: web.Request) -> web.StreamResponse:
+    """Answer with a track of a flight, or a range of it; browsers keep no copy: it is what people said."""
+    name, track = request.match_info["name"], request.match_info["track"]
+    try:
+        path = await asyncio.to_thread(browsers.state.flights.sound, name, track)
+    except GroundError as error:
+        raise web.HTTPNotFound(text=f"{shown(error.message)}\n") from error
+    return web.FileResponse(path, headers={**recordings.PRIVATE, "Content-Type": SOUNDS[path.suffix]})
 
 
 async def _chunks(request: web.Request) -> AsyncIterator[bytes]:

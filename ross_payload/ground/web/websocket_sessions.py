@@ -100,7 +100,7 @@ class WebSocketSessions:
         wanted = request.query.get("you", "")
         browser = wanted if _ID.fullmatch(wanted) and wanted not in self.sessions else self._new_id()
         self.state.control.on_connect(browser)
-        session = self.sessions[browser] = BrowserSession(self.state, browser, _name(request))
+        session = self.sessions[browser] = BrowserSession(self.state, browser, browser_name(request))
         session.send({"type": "flights", "known": self._flights})
         if self._recordings is not None:
             session.send({"type": "recordings", **self._recordings})
@@ -145,6 +145,7 @@ async def _drained(transport: asyncio.Transport | None) -> None:
         await asyncio.sleep(SEND_PERIOD_S)
 
 
-def _name(request: web.Request) -> str:
+def browser_name(request: web.Request) -> str:
+    """Return which browser it is, and where."""
     agent = request.headers.get("User-Agent", "").lower()
     return f"{next((name for mark, name in _NAMES.items() if mark in agent), 'browser')} at {request.remote}"

@@ -505,3 +505,25 @@ def test_a_stream_without_a_description_is_refused(sky):
             await payload.session_description(3)
 
     with_payload(station, work)
+
+
+@pytest.mark.parametrize("latest", [Stream(what="mixture", address=HERE[0], port=HERE[1]), StopStream(3), StopStream()])
+def test_an_order_to_stream_is_not_said_again_after_one_that_replaces_it(latest):
+    sent = []
+    orders = CommandProtocol(lambda message, who: sent.append(tuple(message.to_dict().values())), 254, 190)
+    first = orders.order(PAYLOAD, Stream(what="target", address=HERE[0], port=HERE[1]))
+    said = sent[0]
+    orders.order(PAYLOAD, latest)
+    for second in range(1, 30):
+        orders.tick(second / 2)
+    repeated = [each for each in sent[1:] if each[:8] == said[:8]]
+    assert len(sent) > 2, "the latest is said again"
+    assert not repeated
+    assert next(each.state for each in orders.doing if each.number == first) == "cancelled"
+
+
+def test_orders_about_other_streams_do_not_replace_each_other():
+    here, there = Stream(what="target", address=HERE[0], port=1), Stream(what="target", address=HERE[0], port=2)
+    assert not here.replaces(there)
+    assert here.replaces(Stream(what="mixture", address=HERE[0], port=1))
+    assert not StopStream(1).replaces(Stream(stream=2, muted=True))

@@ -1,5 +1,6 @@
 /** What a screen reader hears without asking: changes only, never a value that moves all the time. */
 
+import { saying } from "./parts/listen.js";
 import { silentFor } from "./telemetry-age.js";
 import { stopFate } from "./stop.js";
 import { fate, state } from "./formatting.js";
@@ -42,6 +43,7 @@ function sayings(page) {
     control: store.control.yours ? "You have control" : store.control.name ? `${store.control.name} has control` : "",
     state: store.payload ? state(store.payload.sections.standing?.state) : "",
     order: doing ? `${doing.words}: ${fate(doing.state)} ${doing.reason ?? ""}` : "",
+    listening: store.payload ? saying(page.listening) : "",
     refused: refusal ? `Not sent: ${refusal.reason}` : "",
   };
 }

@@ -1,6 +1,9 @@
 /** The page: one store, one state of the screen, at most one drawing per frame. */
 
 import { announce } from "./announce.js";
+import { FlightSound } from "./audio/flight-sound.js";
+import { Listening } from "./audio/listening.js";
+import { Spectrogram } from "./audio/spectrogram.js";
 import { pressed } from "./keyboard.js";
 import { html, render } from "./templates.js";
 import { blank, closed, connect, liveAddress, take, unwatched } from "./connection.js";
@@ -41,14 +44,19 @@ class Page {
       cursor: null,
       mapSize: [800, 600],
       compare: false,
+      enrolling: null, // source whose talker is to be enrolled
       lastEscape: -Infinity,
     };
+    this.listening = new Listening(() => this.draw());
+    this.spectrogram = new Spectrogram();
+    this.flightSound = new FlightSound(() => this.draw());
     this.shut = new Set(); // slots that were closed, until a flight is opened there
     this.due = false;
     this.live = null;
   }
 
   start() {
+    globalThis.rossSound = { live: this.listening, recorded: this.flightSound }; // tests hear what is played
     applyTheme(this.ui.theme);
     this.live = connect(() => liveAddress(location, this.store.you), {
       message: (message) => {
@@ -100,8 +108,9 @@ class Page {
   }
 
   watch(id) {
+    this.listening.stop(); // what is heard is what is on the screen
     this.store = unwatched(this.store);
-    this.ui = { ...this.ui, selected: null, hovered: null, drag: null, cursor: null, drafts: {}, filter: "" };
+    this.ui = { ...this.ui, selected: null, hovered: null, drag: null, cursor: null, drafts: {}, filter: "", enrolling: null };
     this.send(id ? { type: "watch", id } : { type: "unwatch" });
   }
 
@@ -183,6 +192,8 @@ class Page {
     );
     document.title = `${titleOf(this.route)} · RoSS ground`;
     announce(this);
+    this.flightSound.follow(this);
+    this.spectrogram.follow(document.querySelector(".spectrogram"), this.listening.playout?.spectrum ?? null);
     this.fitMap();
     this.measure();
   }

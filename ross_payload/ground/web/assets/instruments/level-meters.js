@@ -12,15 +12,19 @@ const shareOf = (db) => round(Math.min(Math.max((100 * (db - QUIET)) / -QUIET, 0
 
 /** Both microphones: level as a bar, peak as a line. @param {{level_db?: number[], peak_db?: number[]}} microphones */
 export function levels({ level_db: level = [null, null], peak_db: peak = [null, null] }) {
-  return html`<div class="instrument levels">${level.map((db, index) => bar(index + 1, db, peak[index]))}</div>`;
+  return html`<div class="instrument levels">${level.map((db, index) => bar(`microphone ${index + 1}`, db, peak[index]))}</div>`;
 }
 
-function bar(microphone, level, peak) {
+/** One level with its peak. @param {?number} level [dB re full scale] @param {?number} peak */
+export const levelBar = (name, level, peak) =>
+  html`<div class="instrument levels">${bar(name, level, peak)}</div>`;
+
+function bar(name, level, peak) {
   const words = `${number(level, 0, " dB")}, peak ${number(peak, 0, " dB")}`;
-  return html`<div class="bar" role="meter" aria-label="microphone ${microphone}" aria-valuemin=${QUIET}
+  return html`<div class="bar" role="meter" aria-label=${name} aria-valuemin=${QUIET}
     aria-valuemax="0" aria-valuenow=${known(level) ? Math.round(level) : QUIET}
     aria-valuetext=${known(level) ? words : "unknown"}>
-    <span>microphone ${microphone}</span><span class="value">${known(level) ? words : told(number(null))}</span>
+    <span>${name}</span><span class="value">${known(level) ? words : told(number(null))}</span>
     <svg viewBox="0 0 100 1" preserveAspectRatio="none" aria-hidden="true">
       <rect class="trough" width="100" height="1"></rect>
       ${known(level) ? svg`<rect class="level" width=${shareOf(level)} height="1"></rect>` : nothing}

@@ -3,6 +3,7 @@
 import { groundSilentFor, silentFor } from "../telemetry-age.js";
 import { html, nothing } from "../templates.js";
 import { capital, duration } from "../formatting.js";
+import { comparable } from "./flight-tracks.js";
 
 const SHOWN = 10; // [s] that a refusal stays
 const BAD = { refused: "Refused", failed: "Failed", no_answer: "No answer" };
@@ -27,7 +28,7 @@ function ground(page) {
 function ended(page) {
   if (!page.over) return null;
   return html`<p class="banner" id="ended">
-    <strong>${page.over}</strong> This is the last state received.${again(page)}
+    <strong>${page.over}</strong> This is the last state received.${again(page)}${page.route.view === "flights" ? nothing : hear(page)}
   </p>`;
 }
 
@@ -43,6 +44,14 @@ function telemetry(page) {
 /** Where to go on when all that was to be seen has been seen. */
 const again = ({ store: { flights } }) =>
   flights?.length ? html` <a href="#/flights">Replay the mission</a>` : nothing;
+
+/** With one press: what the microphones heard, and then the target. */
+function hear(page) {
+  const flight = comparable(page);
+  if (!flight) return nothing;
+  const press = () => page.flightSound.openAndCompare(page, flight.name);
+  return html` <button type="button" @click=${press}>Hear before and after</button>`;
+}
 
 /** What is wrong though telemetry arrives: the log has ended, a key is missing. */
 function advice({ store: { fleet } }) {

@@ -2,6 +2,7 @@
 
 import { html, nothing, svg } from "../templates.js";
 import { clock, utc } from "../formatting.js";
+import { tracks } from "./flight-tracks.js";
 
 const SPEEDS = [1, 2, 4, 8, 16, 64];
 const SETTLED = 600; // [ms] within which the answer to a move of the slider comes
@@ -23,7 +24,7 @@ export function playbackOf(page, slot, shared, seek) {
     </div>
     <p class="soft">${when(flight, at)}</p>
     ${(flight.notes ?? []).map((note) => html`<p class="note">${note}</p>`)}
-    ${shared ? who(page, slot) : own(page, slot, at, seek)} ${marks(flight, seek)}
+    ${shared ? who(page, slot) : own(page, slot, at, seek)} ${tracks(page, slot)} ${marks(flight, seek)}
   </div>`;
 }
 

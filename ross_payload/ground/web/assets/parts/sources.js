@@ -3,6 +3,7 @@
 import { glyph } from "../instruments/colours.js";
 import { html, nothing } from "../templates.js";
 import { DASH, degrees, known, number } from "../formatting.js";
+import { enrolButton } from "./enrolment.js";
 import { table } from "./tables.js";
 
 export function sources(page, told, mayOrder) {
@@ -44,8 +45,8 @@ const mirror = ({ resolved, mirror: other }) =>
 function listen(page, told) {
   const { selected } = page.ui;
   const there = (told.sections.sources ?? []).some((each) => each.source === selected);
-  if (!there) return html`<p class="soft">Select a source here or in the polar view to listen to it.</p>`;
-  return html`<p>
+  if (!there) return html`<p class="soft">Select a source here or in the polar view to listen to it or enrol it.</p>`;
+  return html`<p class="buttons">
     <button
       type="button"
       class="main"
@@ -54,6 +55,7 @@ function listen(page, told) {
     >
       Listen to source ${selected}
     </button>
+    ${enrolButton(page, selected)}
   </p>`;
 }
 

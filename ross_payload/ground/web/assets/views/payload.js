@@ -8,7 +8,9 @@ import { scope } from "../instruments/scope.js";
 import { strip } from "../instruments/mission-chart.js";
 import { events } from "../parts/events.js";
 import { commands } from "../parts/commands.js";
+import { enrolment } from "../parts/enrolment.js";
 import { health } from "../parts/health.js";
+import { listenPanel } from "../parts/listen.js";
 import { missionFacts } from "../parts/mission.js";
 import { commandStatus } from "../parts/command-status.js";
 import { parameters } from "../parts/parameters.js";
@@ -44,11 +46,12 @@ function everything(page, told) {
   return html`<div class="payload-grid ${stale ? "stale" : ""}">
     ${picture(page, told, now, true)}
     <div class="beside">
-      <div class="column">${missionFacts(told.sections)}${commands(page, told)}${commandStatus(page, told)}</div>
+      <div class="column">${missionFacts(told.sections)}${commands(page, told)}${commandStatus(page, told)}${listenPanel(page, told)}</div>
       ${said(page, told, now, true)}
     </div>
     ${curves(page, told, now)}${condition(told, now, stale)}${parameters(page, told)}
-  </div>`;
+  </div>
+  ${enrolment(page, told)}`;
 }
 
 /** A payload of a recording at one moment. */
