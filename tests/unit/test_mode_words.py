@@ -1,7 +1,11 @@
 """What a person reads about pipelined and informed missions."""
 
+import io
+import logging
+
 import numpy as np
 import pytest
+from rich.console import Console
 
 from ross_payload.alignment.paper_rules import paper_plan
 from ross_payload.alignment.plan import plan
@@ -9,7 +13,7 @@ from ross_payload.events import AlignmentPlanned, Doubted, Estimate, SourceEstim
 from ross_payload.telemetry.event_messages import Stamp, alignments
 from ross_payload.telemetry.status_texts import line
 from ross_protocols.mavlink.values import Severity
-from ross_sim.sitl.mission_view import in_words
+from ross_sim.sitl.mission_view import PlainLines, in_words, showing_streams
 
 TOLD = SourcesEstimated(
     2.0, Estimate((SourceEstimate(np.pi / 2, 0.01, 1.0, resolved=True),)), rotations=0, final=True, informed=True
@@ -39,3 +43,16 @@ def test_a_ground_station_knows_every_rule_that_plans(planner, upper, degrees):
     event = AlignmentPlanned(0.0, found.candidates, found.headings, found.isolation)
     values = alignments(event, 1, Stamp(0, earth=False))
     assert [value.rule.name.lower() for value in values] == [candidate.rule for candidate in found.candidates]
+
+
+def test_what_live_listening_logs_is_shown_with_the_time_of_the_mission():
+    stream = io.StringIO()
+    log = logging.getLogger("ross_payload.listening.stream")
+    with showing_streams(PlainLines(Console(file=stream, width=200))):
+        log.info("stream 0 (target to memory) begins")
+        log.warning("stream 0 (target to memory): the disk is full")
+    log.info("not shown")
+    assert stream.getvalue().splitlines() == [
+        "   0.00 s  stream 0 (target to memory) begins",
+        "   0.00 s  stream 0 (target to memory): the disk is full",
+    ]

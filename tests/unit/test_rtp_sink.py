@@ -215,6 +215,8 @@ def _answers(port):
     [
         (["nothing"], "'nothing': expected rtp://ADDRESS:PORT, a file or an http address that ends in .sdp, or tcp://"),
         (["rtp://:5004?codec=mp3"], "expected rtp://ADDRESS:PORT?codec=opus|L16&rate=HZ"),
+        (["rtp://239.1.2.3:5004"], "expected an address of this computer, got one of many"),
+        (["rtp://[ff02::1]:5004"], "expected an address of this computer, got one of many"),
         (["rtp://:70000"], "expected rtp://ADDRESS:PORT, a file"),
         (["missing.sdp"], "missing.sdp: cannot be read: No such file or directory"),
         (["rtp://:5004", "--out", "x.mp3"], "--out: expected a file that ends in .wav or .flac, got x.mp3"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -104,7 +105,17 @@ def _rtp(url: str) -> Session:
         raise ConfigError(f"{shown(url)}: expected rtp://ADDRESS:PORT?codec=opus|L16&rate=HZ, the rest if it is L16")
     if not 0 <= port <= MAX_PORT:
         raise ConfigError(f"{shown(url)}: expected a port up to {MAX_PORT}")
+    if _of_many(host):
+        raise ConfigError(f"{shown(url)}: expected an address of this computer, got one of many; streams go to one")
     return Session(Media.of(codec, number), host, port)
+
+
+def _of_many(host: str) -> bool:
+    """Tell whether it is a multicast address, or broadcast; a name is none."""
+    try:
+        return (address := ipaddress.ip_address(host)).is_multicast or str(address) == "255.255.255.255"
+    except ValueError:
+        return False
 
 
 def _fetched(url: str) -> str:

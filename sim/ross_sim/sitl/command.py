@@ -125,7 +125,7 @@ def _run(
     from contextlib import nullcontext
 
     from ross_sim.sitl.mission_session import expected, perform
-    from ross_sim.sitl.mission_view import view_of, waiting
+    from ross_sim.sitl.mission_view import showing_streams, view_of, waiting
     from ross_sim.sitl.results_folder import ResultsFolder
     from ross_sim.sitl.serve import linked, serve
     from ross_sim.sitl.summary import show
@@ -143,12 +143,14 @@ def _run(
         with waiting(as_json, f"{chosen.title}: preparing the voices"):
             company = talkers_of(chosen, changes["speech"], changes["target"])
         view = view_of(as_json, expected(chosen))
+        shown = nullcontext() if as_json else showing_streams(view)  # with --json, warnings go to standard error
         try:
-            if serving:
-                kept, always = _kept(tape), tape is not None
-                serve(chosen, company, view, out=folder, speed=speed, recordings=kept, always=always)
-                return 0
-            finished = perform(chosen, company, view, folder, speed, tape=tape, page=looking)
+            with shown:
+                if serving:
+                    kept, always = _kept(tape), tape is not None
+                    serve(chosen, company, view, out=folder, speed=speed, recordings=kept, always=always)
+                    return 0
+                finished = perform(chosen, company, view, folder, speed, tape=tape, page=looking)
         finally:
             view.close()
     show(finished, out, as_json)

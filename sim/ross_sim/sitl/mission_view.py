@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import math
-from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from itertools import pairwise
 
 from rich.console import Console, Group
@@ -13,6 +14,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+from ross_payload.bounded_files import printable
 from ross_payload.events import (
     AlignmentPlanned,
     Checked,
@@ -47,6 +49,9 @@ class MissionView:
     def on_event(self, event: Event, hop: Input) -> None:
         """Follow what the mission says."""
 
+    def on_log(self, words: str) -> None:
+        """Show a line that something beside the mission has logged."""
+
     def close(self) -> None:
         """Give the screen back."""
 
@@ -56,12 +61,24 @@ class PlainLines(MissionView):
 
     def __init__(self, console: Console) -> None:
         self._console = console
+        self._time = 0.0
+
+    def on_input(self, hop: Input) -> None:
+        """Follow the time."""
+        self._time = hop.block.time
 
     def on_event(self, event: Event, hop: Input) -> None:
         """Print the event in words."""
         words = in_words(event, earth=hop.pointing.earth)
         if words:
-            self._console.print(f"{event.time:7.2f} s  {words}", highlight=False, markup=False, soft_wrap=True)
+            self._print(event.time, words)
+
+    def on_log(self, words: str) -> None:
+        """Print the line with the time of the mission."""
+        self._print(self._time, words)
+
+    def _print(self, time: float, words: str) -> None:
+        self._console.print(f"{time:7.2f} s  {words}", highlight=False, markup=False, soft_wrap=True)
 
 
 class LiveView(MissionView):
@@ -100,6 +117,10 @@ class LiveView(MissionView):
         words = in_words(event, earth=hop.pointing.earth)
         if words:
             self._log = [*self._log[-LINES + 1 :], f"{event.time:7.2f} s  {words}"]
+
+    def on_log(self, words: str) -> None:
+        """Take the line into the log, with the time of the mission."""
+        self._log = [*self._log[-LINES + 1 :], f"{self._time:7.2f} s  {words}"]
 
     def close(self) -> None:
         """Give the screen back, with the last view left on it."""
@@ -231,3 +252,31 @@ def view_of(as_json: bool, expected: float) -> MissionView:
     if as_json:
         return MissionView()
     return LiveView(console, expected) if console.is_terminal else PlainLines(console)
+
+
+@contextmanager
+def showing_streams(view: MissionView) -> Iterator[None]:
+    """Show what live listening logs: who begins and ends to be heard, and what is wrong with a stream."""
+    logger, handler = logging.getLogger("ross_payload.listening"), _Shown(view)
+    before = logger.level, logger.propagate
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    logger.propagate = False
+    try:
+        yield
+    finally:
+        logger.setLevel(before[0])
+        logger.propagate = before[1]
+        logger.removeHandler(handler)
+
+
+class _Shown(logging.Handler):
+    """Gives log lines to a view."""
+
+    def __init__(self, view: MissionView) -> None:
+        super().__init__()
+        self._view = view
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Give one line."""
+        self._view.on_log(printable(record.getMessage()))
