@@ -71,11 +71,11 @@ def unicast(text: str) -> str:
     try:
         address = ipaddress.ip_address(text)
     except ValueError:
-        raise ValueError(f"address: expected one like 192.168.1.20 or fd00::20, got {shown(text)}") from None
+        raise ValueError(f"expected one like 192.168.1.20 or fd00::20, got {shown(text)}") from None
     limited = address == ipaddress.ip_address("255.255.255.255")
     if address.is_multicast or address.is_unspecified or limited:
         kind = "multicast" if address.is_multicast else "broadcast" if limited else "no address in particular"
-        raise ValueError(f"address: expected that of one computer, got {text}, which is {kind}")
+        raise ValueError(f"expected that of one computer, got {text}, which is {kind}")
     return str(address)
 
 
