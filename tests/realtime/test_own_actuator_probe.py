@@ -18,7 +18,7 @@ def test_the_probe_looks_at_one_in_another_process(folder):
         try:
             port = next(found[1] for line in serving.stdout if (found := re.search(r'port = "(serial:.+)"', line)))
             text = (folder / "bench.toml").read_text().replace("serial:/dev/ttyUSB0:115200", port)
-            (folder / "served.toml").write_text(text)
+            (folder / "served.toml").write_text(f"{text}watchdog_s = 5\n")  # the world computes its room meanwhile
             probed = run(folder, "ross_payload.cli", "actuators", "probe", "served.toml", "--move", "--yes")
         finally:
             serving.terminate()

@@ -132,7 +132,7 @@ class VoiceRelay:
             When that is no choice.
         """
         if self._port is None:
-            raise ValueError("nobody listens")
+            raise ValueError("no listener")
         choice = {name: choice[name] for name in CHOICES if choice.get(name) is not None}
         address, port = self._port.place
         order = order_of({"kind": "stream", "address": address, "port": port, "codec": self._port.codec, **choice})
