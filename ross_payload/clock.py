@@ -43,10 +43,13 @@ def synchronised_time() -> float | None:
     return None if state in (-1, UNSYNCHRONISED) else time.time()
 
 
-def hurry() -> bool:
-    """Give the calling thread real-time priority, and return whether the system allows it; else it goes on as it is."""
+def hurry(urgency: int = URGENCY) -> bool:
+    """Give the calling thread this real-time priority, 1 to 99, and return whether the system allows it.
+
+    Where it does not, the thread goes on as it is.
+    """
     with suppress(OSError, AttributeError):  # no right to it, not Linux
-        os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(URGENCY))
+        os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(urgency))
         return True
     return False
 

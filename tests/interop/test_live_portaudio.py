@@ -99,7 +99,8 @@ def fly(scenario, folder, *pipe, environment=None):
     assert done.returncode == 0, done.stderr
     reports = json.loads(done.stdout)
     live = reports["live"]
-    assert (live["lost"], "ran out" in live["reason"]) == (0, False), live["reason"]
+    judged = {name: live[name] for name in ("lost", "late_s", "differs", "complaints", "reason")}
+    assert (live["lost"], "ran out" in live["reason"]) == (0, False), judged
     return live, reports["lock_step"]
 
 

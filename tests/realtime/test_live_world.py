@@ -1,6 +1,7 @@
 """`ross world` as its user starts it: addresses, truth, mistakes."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -9,6 +10,9 @@ import pytest
 
 from device_bench import driver, ross
 from ports import free_port
+from ross_payload.clock import may_hurry
+from ross_sim.live_world.world_session import URGENCY
+from waiting import wait_for
 
 
 def test_a_world_that_nobody_listens_to_ends_cleanly_with_a_truth_of_nothing(tmp_path):
@@ -24,6 +28,17 @@ def test_a_world_that_nobody_listens_to_ends_cleanly_with_a_truth_of_nothing(tmp
     truth = json.loads((out / "truth.json").read_text())
     assert (truth["samples"], truth["began_s"], len(truth["talkers"])) == (0, None, 1)
     assert voice.stat().st_size > 100_000
+
+
+def test_a_world_that_sounds_goes_before_everything_ordinary_as_a_sound_card_does(tmp_path):
+    expected = (os.SCHED_RR | os.SCHED_RESET_ON_FORK, URGENCY) if may_hurry() else (os.SCHED_OTHER, 0)
+
+    def priority():
+        pid = world.running.pid
+        return os.sched_getscheduler(pid), os.sched_getparam(pid).sched_priority
+
+    with ross(tmp_path, "world", "one-talker", "--json", "--start", "now") as world:
+        wait_for(lambda: priority() == expected)
 
 
 WIRES = {

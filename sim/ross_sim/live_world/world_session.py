@@ -12,7 +12,7 @@ import click
 from threadpoolctl import threadpool_limits
 
 from ross_payload.audio.audio_files import write_wav
-from ross_payload.clock import SystemClock
+from ross_payload.clock import SystemClock, hurry
 from ross_payload.errors import ConfigError
 from ross_payload.notify import on_signal
 from ross_payload.transport.link_url import tcp_endpoint
@@ -27,6 +27,8 @@ from ross_sim.sitl.mission_view import waiting
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import talkers_of
 from ross_sim.sitl.world import World
+
+URGENCY = 1  # real-time priority of a world: a microphone is never late, but a payload's pump comes first
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +80,7 @@ def run(scenario: Scenario, sockets: Sockets, wishes: Wishes, out: ResultsFolder
             used = any(server.used for server in servers) if servers else actuator.used()
             return wishes.at_once or used
 
+        hurry(URGENCY)
         live.live(wanted, ended.is_set)
         how = {"quiet_s": wishes.quiet, "late_s": round(real_time.worst, 3), "complaints": far_end.complaints()}
         truth.finish(facts(scenario, cast) | live.account() | how, later(scenario, wishes.quiet))
