@@ -87,7 +87,16 @@ def reduce(mission: MissionState, event: Event) -> MissionState:
         case OrientationHeard():
             mission = _orientation(mission, event)
         case SourcesEstimated():
-            mission = _estimate(mission, event)
+            mission = replace(
+                mission,
+                estimates=mission.estimates + 1,
+                estimate=event.estimate,
+                known=event.estimate.k if event.final else mission.known,
+                planned=(),
+                alignment=None,
+                target=None,
+                target_found=False,
+            )
         case SourcesTracked():
             mission = replace(mission, estimate=event.estimate)
         case AlignmentPlanned():
@@ -109,19 +118,6 @@ def _orientation(mission: MissionState, event: OrientationHeard) -> MissionState
     if event.index == 0:
         mission = replace(mission, explorations=mission.explorations + 1, headings=())
     return replace(mission, headings=(*mission.headings, event.heading), rotation=event.index)
-
-
-def _estimate(mission: MissionState, event: SourcesEstimated) -> MissionState:
-    return replace(
-        mission,
-        estimates=mission.estimates + 1,
-        estimate=event.estimate,
-        known=event.estimate.k if event.final else mission.known,
-        planned=(),
-        alignment=None,
-        target=None,
-        target_found=False,
-    )
 
 
 def _turned_to(mission: MissionState, event: TurnStarted) -> AlignmentCandidate | None:

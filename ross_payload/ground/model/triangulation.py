@@ -100,7 +100,7 @@ def bearings_of(
                     payload.who, source.source, latitude, longitude, azimuth + turned, source.sigma, position_sigma,
                     source.weight, source.score, source.target,
                 )
-                for azimuth in _azimuths(source)
+                for azimuth in ((source.azimuth,) if source.mirror is None else (source.azimuth, source.mirror))
             ]  # fmt: skip
     return found
 
@@ -205,10 +205,6 @@ def _line(bearing: Bearing, plane: Plane) -> BearingLine:
     east, north = plane.place(bearing.latitude, bearing.longitude)
     azimuth = bearing.azimuth + plane.turned(bearing.longitude)
     return BearingLine(east, north, azimuth, bearing.sigma, bearing.position_sigma)
-
-
-def _azimuths(source: Source) -> tuple[float, ...]:
-    return (source.azimuth,) if source.mirror is None else (source.azimuth, source.mirror)
 
 
 def _strongest(bearings: list[Bearing]) -> list[Bearing]:

@@ -141,7 +141,7 @@ async def _write(listener: Listener, socket: web.WebSocketResponse, request: web
             messages, frames = listener.due()
             async with asyncio.timeout(STALLED_S):
                 for message in messages:
-                    await socket.send_str(_text(message))
+                    await socket.send_str(json.dumps(message, separators=(",", ":")))
                 for frame in frames:
                     await socket.send_bytes(frame)
     except ConnectionError:
@@ -152,7 +152,3 @@ async def _write(listener: Listener, socket: web.WebSocketResponse, request: web
         report(error)
     if request.transport is not None:
         request.transport.abort()
-
-
-def _text(message: dict[str, Any]) -> str:
-    return json.dumps(message, separators=(",", ":"))
