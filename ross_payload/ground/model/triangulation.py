@@ -23,7 +23,6 @@ from ross_payload.ground.model.jpda import marginals
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.field_converters import clockwise
-from ross_protocols.mavlink.values import Source
 
 POSITION_SIGMA = 2.0  # of a payload's place, as satellites tell it [m]
 MOST_SOURCES = 6  # of one payload that are crossed: those with the greatest weights
