@@ -92,11 +92,7 @@ class Geometry:
 
 
 def isolation(
-    azimuths: ArrayLike,
-    headings: ArrayLike,
-    spacing: float,
-    speed_of_sound: float,
-    elevations: ArrayLike | None = None,
+    azimuths: ArrayLike, headings: ArrayLike, spacing: float, speed_of_sound: float, elevations: ArrayLike | None = None
 ) -> Real:
     """Predict the isolation ``min_k |tau_i - tau_k|`` of every source at every heading, Eq. (alignment_ang_K4).
 

@@ -24,17 +24,7 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.interfaces import (
-    Complex,
-    Explorer,
-    Input,
-    Observation,
-    Output,
-    Real,
-    Samples,
-    Separator,
-    VoicePrint,
-)
+from ross_payload.interfaces import Complex, Explorer, Input, Observation, Output, Real, Samples, Separator, VoicePrint
 from ross_payload.mission.heading_control import Follower
 from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mission_state import BUSY

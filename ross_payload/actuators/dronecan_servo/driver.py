@@ -15,14 +15,7 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ross_payload.actuators.driver_shell import (
-    TIME_TOLERANCE_S,
-    Driver,
-    DriverBackend,
-    Move,
-    Request,
-    capabilities_of,
-)
+from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Driver, DriverBackend, Move, Request, capabilities_of
 from ross_payload.actuators.dronecan_servo.diagnostics import MAX_NOISE_RAD, PositionNoise
 from ross_payload.actuators.dronecan_servo.options import Options
 from ross_payload.actuators.dronecan_servo.servo_client import PositionReport, ServoClient

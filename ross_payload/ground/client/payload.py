@@ -32,12 +32,7 @@ from ross_payload.ground.client.param_client import ParamClient
 from ross_payload.ground.client.parameters import REASON_TIMEOUT_S, Parameters
 from ross_payload.ground.client.stream_requests import StreamRequests
 from ross_payload.ground.client.streams import EventStream, Found
-from ross_payload.ground.errors import (
-    LinkLost,
-    RefusedByPayload,
-    TaskCancelled,
-    TaskFailed,
-)
+from ross_payload.ground.errors import LinkLost, RefusedByPayload, TaskCancelled, TaskFailed
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.model.view import Section, view
 from ross_payload.ground.station import Station

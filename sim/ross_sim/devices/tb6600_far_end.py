@@ -167,11 +167,7 @@ class Tb6600FarEnd:
 
     @classmethod
     def make(
-        cls,
-        config: Options,
-        motor: Motor | None = None,
-        wanted: Wanted | None = None,
-        home: HomeSwitch | None = None,
+        cls, config: Options, motor: Motor | None = None, wanted: Wanted | None = None, home: HomeSwitch | None = None
     ) -> Tb6600FarEnd:
         """Make a module wired as the driver's options say, at joint angle 0; a motor of its own may be heavier."""
         motor = motor or replace(Motor(), teeth=config.full_steps // 4)

@@ -123,13 +123,7 @@ def aligned(explored: ExploredField, seed: int) -> Iterator[tuple[float, ...]]:
 
 def _improvement(explored: ExploredField, belief: Sequence[SourceEstimate], target: int, seed: int) -> float:
     planned = plan(
-        belief,
-        heading=0.0,
-        joint=0.0,
-        lower=-np.inf,
-        upper=np.inf,
-        spacing=SPACING,
-        speed_of_sound=SPEED_OF_SOUND,
+        belief, heading=0.0, joint=0.0, lower=-np.inf, upper=np.inf, spacing=SPACING, speed_of_sound=SPEED_OF_SOUND
     )
     heading = next((c.heading for c in planned.candidates if c.source == target), 0.0)
     voices = [np.resize(voice, round(RUN * RATE)) for voice in explored.voices]
