@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload import __version__, plugins
 from ross_payload.alignment.paper_rules import paper_plan
-from ross_payload.alignment.plan import plan
+from ross_payload.alignment.plan import Turn, plan
 from ross_payload.angles import difference
 from ross_payload.dsp.steering import tdoa
 from ross_payload.errors import RossError
@@ -237,10 +237,8 @@ def owners_of(azimuths: Real, estimate: Estimate) -> list[int | None]:
 def _candidates(study: Study, estimate: Estimate, heading: float, joint: float) -> dict[int, AlignmentCandidate]:
     """Where to turn for every source, as the mission plans it."""
     limit = float(np.deg2rad(study.limit_deg))
-    planned = PLANS[study.rules](
-        estimate.sources, heading=heading, joint=joint, lower=-limit, upper=limit,
-        spacing=SPACING, speed_of_sound=SPEED_OF_SOUND, directness=estimate.directness,
-    )  # fmt: skip
+    turn = Turn(heading - joint, joint, -limit, limit)
+    planned = PLANS[study.rules](estimate.sources, turn, SPACING / SPEED_OF_SOUND, estimate.directness)
     return {candidate.source: candidate for candidate in planned.candidates}
 
 
