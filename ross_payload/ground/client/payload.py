@@ -93,9 +93,7 @@ class Payload(StreamRequests):
     async def explore(self) -> tuple[SourceEstimate, ...]:
         """Find the number of sources and every azimuth; return them."""
         await self.request(command_types.Explore())
-        with suppress(TimeoutError):
-            async with asyncio.timeout(ESTIMATE_TIMEOUT_S):
-                await self._changed.until(lambda: len(self._state.sources) >= self._state.announced)
+        await self._changed.within(ESTIMATE_TIMEOUT_S, lambda: len(self._state.sources) >= self._state.announced)
         return self.sources
 
     async def listen_to(self, source: int | SourceEstimate) -> None:
@@ -166,7 +164,8 @@ class Payload(StreamRequests):
         status = await self._changed.until(lambda: self._over(number))
         if status.state == DONE:
             return status
-        reason = await self._explained(number) if status.reason in DEFAULT_REASONS else status.reason
+        own_words = await self._changed.within(REASON_TIMEOUT_S, lambda: self._own_words(number))  # a little later
+        reason = own_words or self._statuses[number].reason
         if status.state == NO_ANSWER and (advice := self._station.advice()):
             reason = f"{reason} ({advice})"
         raise FAILURES[status.state](status.words, reason)
@@ -259,13 +258,6 @@ class Payload(StreamRequests):
         if status is None:
             raise LinkLost("a request", "too many later ones: it is not followed any longer")
         return status if status.state == DONE or status.state in FAILURES else None
-
-    async def _explained(self, number: int) -> str:
-        """Return the payload's own words, which may come a little after a refusal."""
-        with suppress(TimeoutError):
-            async with asyncio.timeout(REASON_TIMEOUT_S):
-                return await self._changed.until(lambda: self._own_words(number))
-        return self._statuses[number].reason
 
     def _own_words(self, number: int) -> str | None:
         reason = self._statuses[number].reason
