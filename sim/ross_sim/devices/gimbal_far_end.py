@@ -22,7 +22,7 @@ from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
 from ross_protocols.mavlink.component_id import NOBODY, ComponentId
 from ross_protocols.mavlink.dialect import common
 from ross_sim.devices.far_end import SLIP, Fault, WireEnd, checked
-from ross_sim.devices.gimbal_device import Device, Servo
+from ross_sim.devices.gimbal_device import EARLY, Device, Servo
 from ross_sim.devices.gimbal_manager import ArduPilot
 
 SYSTEM = 1
@@ -30,7 +30,6 @@ PAYLOAD = ComponentId(SYSTEM, 191)
 STATION = ComponentId(255, 190)
 UP = 37.0  # for how long a second gimbal was on before it came onto the bus [s]
 DELAY, LOSS = 0.6, 0.3  # [s] on a line that others fill, and the share of frames that it drops
-EARLY = 1e-9  # [s], of rounding
 AGAIN = 0.1  # [s] between two set-points of a rival
 MARGIN = math.radians(2)  # between the travel that is asked for and the stops [rad]
 

@@ -21,12 +21,11 @@ from ross_payload.actuators.tb6600.pulse_segments import (
     without_steps,
 )
 from ross_payload.interfaces import Real
-from ross_sim.devices.far_end import Fault, checked
+from ross_sim.devices.far_end import SLIP, Fault, checked
 from ross_sim.devices.step_input import OptoInputs, Violation, Wanted
 from ross_sim.devices.stepper import Motor, Rotor
 
 CROWDED = 0.080  # by which a wire that others fill is late [s]
-SLIP = math.radians(10)  # of what turns on its shaft
 
 
 class Tb6600FarEnd:

@@ -29,7 +29,7 @@ import ross_sim.study
 from ross_payload.atomic_files import replacing
 from ross_payload.bounded_files import parsed_json, read_bounded
 from ross_payload.errors import ConfigError, OutputError, refused_as
-from ross_sim.study.result_rows import Result, columns, decode, encode
+from ross_sim.study.result_rows import Result, columns, decode
 from ross_sim.study.study_design import Study
 
 PACKAGES = ("numpy", "scipy", "scikit-learn", "pyroomacoustics")  # what the numbers depend on
@@ -155,7 +155,7 @@ class Store:
             When the disk is full or gone.
         """
         with refused_as(OutputError, f"{self.folder / 'journal.jsonl'}: cannot be written"):
-            self._file.write(json.dumps(encode(result), allow_nan=False).encode() + b"\n")
+            self._file.write(json.dumps(asdict(result), allow_nan=False).encode() + b"\n")
             self._file.flush()
             os.fsync(self._file.fileno())
         self.results[result.task] = result
