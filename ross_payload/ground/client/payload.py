@@ -209,7 +209,7 @@ class Payload(StreamRequests):
     # ------------------------------------------------------------------------------------------ inside
 
     def _on_packet(self, packet: Packet, at: float) -> None:
-        if (packet.system_id, packet.component_id) != (self.id.system, self.id.component):
+        if packet.sender != self.id:
             return
         before, self._state = self._state, self._station.fleet.payloads.get(self.id, self._state)
         self._commands.on_state(self._state)

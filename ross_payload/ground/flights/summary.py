@@ -48,7 +48,7 @@ class FlightContent:
 
     def _on_packet(self, packet: Packet, at: float) -> None:
         self.commands.on_packet(packet, at, self.payloads)
-        timeline = self.timelines.get(ComponentId(packet.system_id, packet.component_id))
+        timeline = self.timelines.get(packet.sender)
         if timeline is None:
             return
         inner = unwrapped(packet)
