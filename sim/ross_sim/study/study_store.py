@@ -16,12 +16,12 @@ import os
 import platform
 import typing
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, fields
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import ross_payload
 import ross_sim
@@ -87,7 +87,7 @@ def _version(name: str) -> str | None:
         return None
 
 
-class Store:
+class Store(AbstractContextManager["Store"]):
     """The folder of one study, open for one process at a time.
 
     Raises
@@ -177,9 +177,6 @@ class Store:
         there = self.folder / name
         with refused_as(OutputError, f"{there}: cannot be written"), replacing(there) as path:
             yield path
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
         try:
