@@ -238,24 +238,14 @@ class CrowdedLine:
         return arrived
 
 
+@dataclass(slots=True)
 class RivalController:
-    """A station that takes control from a manager, or points a device that another one manages.
+    """A station that takes control from a manager, or points a device that another one manages."""
 
-    Parameters
-    ----------
-    address
-        Its own.
-    whom
-        The manager or the device.
-    at
-        Joint angle [rad] to which it points a device; None: ``whom`` is a manager.
-    """
-
-    def __init__(self, address: ComponentId, whom: ComponentId, at: float | None) -> None:
-        self.address = address
-        self._whom = whom
-        self._at = at
-        self._due = 0.0
+    address: ComponentId  # its own
+    whom: ComponentId  # the manager or the device
+    at: float | None  # joint angle [rad] to which it points a device; None: ``whom`` is a manager
+    _due: float = 0.0
 
     def on_packet(self, packet: Packet, now: float) -> list[Any]:
         """Care for nobody."""
@@ -265,11 +255,11 @@ class RivalController:
         """Return what is due at ``now`` [s]."""
         if now < self._due:
             return []
-        if self._at is not None:
+        if self.at is not None:
             self._due = now + AGAIN
-            return [gimbal_messages.point_device(self._whom, self._at)]
+            return [gimbal_messages.point_device(self.whom, self.at)]
         self._due = float("inf")
-        return [gimbal_messages.configure(self._whom, 0, gimbal_messages.ITSELF)]
+        return [gimbal_messages.configure(self.whom, 0, gimbal_messages.ITSELF)]
 
 
 far_end = GimbalFarEnd
