@@ -29,23 +29,22 @@ def paper_plan(sources: Sequence[SourceEstimate], turn: Turn, unit: float, direc
     limited      the limits exclude it: the reachable heading with the best isolation
     ===========  ==================================================================================
 
-    After K - 1 rejected candidates the last one follows by exclusion: ``checks`` is K - 1. Parameters are those of
-    `alignment.plan`; ``directness`` changes the predicted gains only.
+    In the paper the last candidate follows by exclusion after K - 1 rejected ones; the mission checks all. Parameters
+    are those of `alignment.plan`; ``directness`` changes the predicted gains only.
 
     Examples
     --------
     >>> talkers = [SourceEstimate(np.deg2rad(a), 0.01, 1.0, True) for a in (0, 100, 40)]
     >>> planned = paper_plan(talkers, Turn(base=0.0, joint=0.0, lower=-3.0, upper=3.0), unit=0.05 / 343)
-    >>> [(c.source, c.rule, round(float(np.rad2deg(c.joint)))) for c in planned.candidates], planned.checks
-    ([(1, 'bisector', 20), (2, 'bisector', 50), (0, 'bisector', 70)], 2)
+    >>> [(c.source, c.rule, round(float(np.rad2deg(c.joint)))) for c in planned.candidates]
+    [(1, 'bisector', 20), (2, 'bisector', 50), (0, 'bisector', 70)]
     """
     scene = geometry_of(sources, unit, directness)
     found = []
     for source in range(len(sources)) if turn.lower <= turn.upper else ():
         rule, goal = _goal(source, scene, turn)
         found.append(scene.candidate(source, rule, turn, goal))
-    checks = max(len(found) - 1, 0)
-    return Plan(in_order(found, turn), HEADINGS, scene.isolation(HEADINGS), scene.gain_db(HEADINGS), checks)
+    return Plan(in_order(found, turn), HEADINGS, scene.isolation(HEADINGS), scene.gain_db(HEADINGS))
 
 
 def aliasing_headings(

@@ -36,7 +36,6 @@ class Plan:
     headings: Real  # [rad], (n_headings,), over [0, pi)
     isolation: Real  # [s], (n_sources, n_headings)
     gain_db: Real  # predicted SI-SDRi [dB], (n_sources, n_headings)
-    checks: int  # candidates to check at most: those after them follow by exclusion
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +158,7 @@ def plan(sources: Sequence[SourceEstimate], turn: Turn, unit: float, directness:
     chosen = _best(scene, turn) if sources and turn.lower <= turn.upper else []
     found = [scene.candidate(i, rule, turn, goal) for i, (rule, goal) in enumerate(chosen)]
     useful = in_order((c for c in found if c.isolation >= USELESS * unit), turn)
-    return Plan(useful, HEADINGS, scene.isolation(HEADINGS), scene.gain_db(HEADINGS), len(useful))
+    return Plan(useful, HEADINGS, scene.isolation(HEADINGS), scene.gain_db(HEADINGS))
 
 
 def geometry_of(sources: Sequence[SourceEstimate], unit: float, directness: float | None) -> Geometry:

@@ -190,7 +190,7 @@ class DronecanServo(Driver):
         return ActuatorState(
             angle=angle,
             rate=rate,
-            settled=not fault and self._still(now) and self._arrived(angle, now),
+            settled=not fault and self._still() and self._arrived(angle, now),
             homed=known if self._measured else self._homed,
             healthy=not fault,
             time=client.report.time if self._measured else client.heard_at,
@@ -205,7 +205,7 @@ class DronecanServo(Driver):
         goal = self._options.quantised(self._motion.plan.goal)
         return over and (not self._measured or abs(angle - goal) <= self.capabilities.resolution)
 
-    def _still(self, now: float) -> bool:
+    def _still(self) -> bool:
         """Whether all reports of the last settle_ms are of one place."""
         if not self._measured:
             return self._homed
