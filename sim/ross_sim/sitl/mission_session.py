@@ -99,8 +99,7 @@ def perform(
     wall = SystemClock()
     started = wall.now()
     with ExitStack() as stack, threadpool_limits(limits=1):
-        watching = [view, *([Pace(speed)] if speed else [])]
-        staged = _staged(stack, scenario, company, watching, out, tape=tape, page=page, tracker=tracker)
+        staged = _staged(stack, scenario, company, view, out, speed=speed, tape=tape, page=page, tracker=tracker)
         ready = wall.now()
         with on_signal(lambda _: staged.runner.order(Stop())):
             result = staged.runner.run()
@@ -138,9 +137,10 @@ def _staged(
     stack: ExitStack,
     scenario: Scenario,
     company: TalkerSelection,
-    watching: list[MissionView],
+    view: MissionView,
     out: ResultsFolder | None,
     *,
+    speed: float | None,
     tape: Path | None,
     page: PageObserver | None,
     tracker: type[SourceTracker],
@@ -163,7 +163,7 @@ def _staged(
     looking = stack.enter_context(aside)  # before the telemetry, which then waits for nobody at its end
     tlog = out.staging / "mission.tlog" if out is not None else None
     telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
-    runner.observers = [collector, telemetry, *looking, *watching]
+    runner.observers = [collector, telemetry, *looking, view, *([Pace(speed)] if speed else [])]
     listening = stack.enter_context(listening_of(config, clock, runner, recorder))
     runner.observers += [listening] if recorder is None else [recorder, listening]
     return _Staged(runner, listening, collector, world, cast, far_end)
