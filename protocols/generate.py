@@ -63,13 +63,7 @@ fields are only ever added, as extensions at the end; a test holds the checksum 
 
 def generate(language: str, output: Path, *files: Path) -> None:
     """Run mavgen: MAVLink 2, units checked against the schema's list."""
-    options = Namespace(
-        output=str(output),
-        language=language,
-        wire_protocol="2.0",
-        validate=True,
-        strict_units=True,
-    )
+    options = Namespace(output=str(output), language=language, wire_protocol="2.0", validate=True, strict_units=True)
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
         done = mavgen.mavgen(options, [str(file) for file in files])

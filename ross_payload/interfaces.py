@@ -24,16 +24,22 @@ from ross_payload.pointing import Pointing
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
 Samples = NDArray[np.float32]
+Cancel = Callable[[], None]  # ends a periodic call
+
+
+class Managed(Protocol):
+    """What ``with`` opens and closes."""
+
+    def __enter__(self) -> Self:
+        """Open it."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close it."""
 
 
 # ---------------------------------------------------------------------------------------------------- time
-
-
-class Cancel(Protocol):
-    """Ends a periodic call."""
-
-    def __call__(self) -> None:
-        """Do not call again."""
 
 
 class Clock(Protocol):
@@ -76,8 +82,8 @@ class AudioBlock:
     raw: Samples | None = None  # before gain and polarity, (2, n); None: samples are as they came
 
 
-class AudioSource(Protocol):
-    """Two microphones. A context manager."""
+class AudioSource(Managed, Protocol):
+    """Two microphones; a context manager."""
 
     @property
     def rate(self) -> int:
@@ -92,14 +98,6 @@ class AudioSource(Protocol):
             When the source has ended or broken.
         """
 
-    def __enter__(self) -> Self:
-        """Open the source."""
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the source."""
-
 
 @dataclass(frozen=True, slots=True)
 class VoiceBlock:
@@ -110,8 +108,11 @@ class VoiceBlock:
     time: float  # when that sample was at the microphone, on the Clock [s]
 
 
-class AudioSink(Protocol):
-    """Where a voice goes: a file, headphones, the network. A context manager; no method blocks."""
+class AudioSink(Managed, Protocol):
+    """Where a voice goes: a file, headphones, the network. A context manager; no method blocks.
+
+    It cannot be opened: `AudioError`. Closing it writes what is still waiting, and gives up on who does not take it.
+    """
 
     def write(self, block: VoiceBlock) -> None:
         """Take the next samples. What goes wrong afterwards is told by `fault`, and is nobody else's concern."""
@@ -123,20 +124,6 @@ class AudioSink(Protocol):
     @property
     def lost(self) -> int:
         """Samples that were taken and never got out."""
-
-    def __enter__(self) -> Self:
-        """Open the sink.
-
-        Raises
-        ------
-        AudioError
-            When it cannot be opened.
-        """
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Write what is still waiting and close; gives up on who does not take it."""
 
 
 # ---------------------------------------------------------------------------------------------------- motion
@@ -176,8 +163,8 @@ class ActuatorState:
     fault: str = ""  # in words, empty when healthy
 
 
-class Actuator(Protocol):
-    """Something that turns. A context manager; no method blocks.
+class Actuator(Managed, Protocol):
+    """Something that turns. A context manager: opening it moves nothing, closing it stops it. No method blocks.
 
     It may have an ``identity``: vendor, model, name, version, as its device tells them, in one line; empty while it
     has not.
@@ -214,14 +201,6 @@ class Actuator(Protocol):
 
     def poll(self, now: float) -> None:
         """Drain input and send what is due at ``now`` [s]; never waits."""
-
-    def __enter__(self) -> Self:
-        """Open the actuator; nothing moves."""
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Stop and close."""
 
 
 @runtime_checkable

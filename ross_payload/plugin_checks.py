@@ -75,11 +75,8 @@ class CheckedSeparator:
         PluginError
             When the plug-in raises, or what it returns does not fit.
         """
-        groups: Groups = _called(self._who, "batch", lambda: self._separator.batch(spectrogram, scene))
-        fault = _fault_of_groups(groups, spectrogram.shape[1:], scene)
-        if fault:
-            raise PluginError(f"{self._who}: batch: {fault}")
-        return groups
+        groups = _called(self._who, "batch", lambda: self._separator.batch(spectrogram, scene))
+        return _faultless(self._who, "batch", groups, _fault_of_groups(groups, spectrogram.shape[1:], scene))
 
     def live(self, lookahead: int = 1) -> LiveSeparator:
         """Return the same separator frame by frame, checked as this one is.
@@ -129,9 +126,7 @@ class CheckedLiveSeparator:
         if not isinstance(returned, tuple) or len(returned) != len(("state", "groups")):
             raise PluginError(f"{self._who}: step: expected a state and groups, got {type(returned).__name__}")
         fault = _fault_of_groups(returned[1], (*frame.shape[1:], 1), scene)
-        if fault:
-            raise PluginError(f"{self._who}: step: {fault}")
-        return returned
+        return _faultless(self._who, "step", returned, fault)
 
     def learn(self, window: Complex, scene: Scene, before: Any = None) -> Any:
         """Return what the latest frames (2, n_freqs, n_frames) tell about the sources; raises as `step`."""
@@ -179,10 +174,7 @@ class CheckedExplorer:
             return self._explorer.observe(spectrogram, frequencies, heading, noise_psd, frame_period=frame_period)
 
         seen = _called(self._who, "observe", call)
-        fault = _fault_of_observation(seen)
-        if fault:
-            raise PluginError(f"{self._who}: observe: {fault}")
-        return seen
+        return _faultless(self._who, "observe", seen, _fault_of_observation(seen))
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
         """Estimate K and all azimuths from every orientation heard so far.
@@ -193,10 +185,7 @@ class CheckedExplorer:
             When the plug-in raises, or what it returns does not fit.
         """
         believed = _called(self._who, "estimate", lambda: self._explorer.estimate(observations))
-        fault = _fault_of_estimate(believed)
-        if fault:
-            raise PluginError(f"{self._who}: estimate: {fault}")
-        return believed
+        return _faultless(self._who, "estimate", believed, _fault_of_estimate(believed))
 
 
 def _expect_methods(who: str, plugin: Any, methods: dict[str, tuple[str, ...]]) -> None:
@@ -227,6 +216,12 @@ def _called(who: str, method: str, call: Callable[[], T]) -> T:
     except (Exception, SystemExit) as error:  # of others: it may raise anything
         text = " ".join(str(error).split())[:MOST_TEXT]
         raise PluginError(f"{who}: {method} raised {type(error).__name__}: {text}") from error
+
+
+def _faultless(who: str, method: str, returned: T, fault: str) -> T:
+    if fault:
+        raise PluginError(f"{who}: {method}: {fault}")
+    return returned
 
 
 def _fault_of_groups(groups: Any, shape: tuple[int, ...], scene: Scene) -> str:

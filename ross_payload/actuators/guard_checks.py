@@ -49,11 +49,7 @@ def guarded(hardware: Capabilities, rules: config.Guard) -> Capabilities:
 
 
 def _check_sanity(hardware: Capabilities) -> None:
-    named = {
-        "speed": hardware.max_speed,
-        "acceleration": hardware.max_acceleration,
-        "resolution": hardware.resolution,
-    }
+    named = {"speed": hardware.max_speed, "acceleration": hardware.max_acceleration, "resolution": hardware.resolution}
     for name, value in named.items():
         if not (math.isfinite(value) and value > 0):
             raise ConfigError(f"guard: expected the actuator's {name} to be finite and above 0, got {value:g}")

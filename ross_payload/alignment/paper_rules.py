@@ -11,24 +11,13 @@ from itertools import combinations
 
 import numpy as np
 
-from ross_payload.alignment.plan import SAME, Geometry, Plan, Turn, in_order
+from ross_payload.alignment.plan import HEADINGS, SAME, Geometry, Plan, Turn, geometry_of, in_order
 from ross_payload.alignment.predicted_gain import phasors
 from ross_payload.events import SourceEstimate
 from ross_payload.interfaces import Complex
 
 
-def paper_plan(
-    sources: Sequence[SourceEstimate],
-    *,
-    heading: float,
-    joint: float,
-    lower: float,
-    upper: float,
-    spacing: float,
-    speed_of_sound: float,
-    n_headings: int = 180,
-    directness: float | None = None,
-) -> Plan:
+def paper_plan(sources: Sequence[SourceEstimate], turn: Turn, unit: float, directness: float | None = None) -> Plan:
     """Choose for every source, as the target, the heading that the paper's equations give; in order of travel.
 
     ===========  ==================================================================================
@@ -40,27 +29,22 @@ def paper_plan(
     limited      the limits exclude it: the reachable heading with the best isolation
     ===========  ==================================================================================
 
-    After K - 1 rejected candidates the last one follows by exclusion: ``checks`` is K - 1. Parameters are those of
-    `alignment.plan`; ``directness`` changes the predicted gains only.
+    In the paper the last candidate follows by exclusion after K - 1 rejected ones; the mission checks all. Parameters
+    are those of `alignment.plan`; ``directness`` changes the predicted gains only.
 
     Examples
     --------
     >>> talkers = [SourceEstimate(np.deg2rad(a), 0.01, 1.0, True) for a in (0, 100, 40)]
-    >>> planned = paper_plan(talkers, heading=0.0, joint=0.0, lower=-3.0, upper=3.0, spacing=0.05, speed_of_sound=343.0)
-    >>> [(c.source, c.rule, round(float(np.rad2deg(c.joint)))) for c in planned.candidates], planned.checks
-    ([(1, 'bisector', 20), (2, 'bisector', 50), (0, 'bisector', 70)], 2)
+    >>> planned = paper_plan(talkers, Turn(base=0.0, joint=0.0, lower=-3.0, upper=3.0), unit=0.05 / 343)
+    >>> [(c.source, c.rule, round(float(np.rad2deg(c.joint)))) for c in planned.candidates]
+    [(1, 'bisector', 20), (2, 'bisector', 50), (0, 'bisector', 70)]
     """
-    z = phasors([s.azimuth for s in sources], [s.elevation or 0.0 for s in sources])
-    scene = Geometry(z, spacing / speed_of_sound, directness)
-    turn = Turn(heading - joint, joint, lower, upper)
+    scene = geometry_of(sources, unit, directness)
     found = []
-    for source in range(len(z)) if lower <= upper else ():
+    for source in range(len(sources)) if turn.lower <= turn.upper else ():
         rule, goal = _goal(source, scene, turn)
         found.append(scene.candidate(source, rule, turn, goal))
-    headings = np.pi * np.arange(n_headings) / n_headings
-    return Plan(
-        in_order(found, turn), headings, scene.isolation(headings), scene.gain_db(headings), max(len(found) - 1, 0)
-    )
+    return Plan(in_order(found, turn), HEADINGS, scene.isolation(HEADINGS), scene.gain_db(HEADINGS))
 
 
 def aliasing_headings(

@@ -24,6 +24,7 @@ ENOUGH = 0.25  # [dB] a turn must promise more than this, and limits that cost m
 ALIASED = 0.05  # TDOAs closer than this share of d / v_p count as one
 POSING = 100.0  # [dB] less for a heading at which the target poses with another source
 USELESS = 0.02  # an isolation below this share of d / v_p isolates nothing
+HEADINGS: Real = np.pi * np.arange(180) / 180  # of the curves of a plan [rad]
 SAME = 1e-9  # of angles [rad] and gains [dB]: the nearer heading wins among equals
 
 
@@ -35,7 +36,6 @@ class Plan:
     headings: Real  # [rad], (n_headings,), over [0, pi)
     isolation: Real  # [s], (n_sources, n_headings)
     gain_db: Real  # predicted SI-SDRi [dB], (n_sources, n_headings)
-    checks: int  # candidates to check at most: those after them follow by exclusion
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +44,8 @@ class Turn:
 
     base: float  # heading at joint angle 0
     joint: float
-    lower: float
-    upper: float
+    lower: float  # -inf when the actuator turns without end
+    upper: float  # inf likewise
 
     @property
     def here(self) -> float:
@@ -92,11 +92,7 @@ class Geometry:
 
 
 def isolation(
-    azimuths: ArrayLike,
-    headings: ArrayLike,
-    spacing: float,
-    speed_of_sound: float,
-    elevations: ArrayLike | None = None,
+    azimuths: ArrayLike, headings: ArrayLike, spacing: float, speed_of_sound: float, elevations: ArrayLike | None = None
 ) -> Real:
     """Predict the isolation ``min_k |tau_i - tau_k|`` of every source at every heading, Eq. (alignment_ang_K4).
 
@@ -125,18 +121,7 @@ def isolation(
     return Geometry(phasors(azimuths, elevations), spacing / speed_of_sound, None).isolation(headings)
 
 
-def plan(
-    sources: Sequence[SourceEstimate],
-    *,
-    heading: float,
-    joint: float,
-    lower: float,
-    upper: float,
-    spacing: float,
-    speed_of_sound: float,
-    n_headings: int = 180,
-    directness: float | None = None,
-) -> Plan:
+def plan(sources: Sequence[SourceEstimate], turn: Turn, unit: float, directness: float | None = None) -> Plan:
     """Choose for every source, as the target, the heading with the best predicted gain; in order of travel.
 
     ===========  =======================================================================
@@ -155,32 +140,31 @@ def plan(
     ----------
     sources : sequence of SourceEstimate
         What the explorer believes.
-    heading, joint : float
-        Where the array points and the joint angle there [rad].
-    lower, upper : float
-        Limits of the joint angle [rad]; infinite when the actuator turns without end.
-    spacing, speed_of_sound : float
-        d [m] and v_p [m/s].
-    n_headings : int
-        Resolution of the returned curves.
+    turn : Turn
+        Where the array is, and the limits of its joint.
+    unit : float
+        d / v_p [s].
     directness : float or None
         1 in the open, less in reverberation, which is assumed when it is not known.
 
     Examples
     --------
     >>> talkers = [SourceEstimate(np.deg2rad(a), 0.01, 1.0, True) for a in (0, 100, -120)]
-    >>> planned = plan(talkers, heading=0.0, joint=0.0, lower=-3.0, upper=3.0, spacing=0.05, speed_of_sound=343.0)
+    >>> planned = plan(talkers, Turn(base=0.0, joint=0.0, lower=-3.0, upper=3.0), unit=0.05 / 343)
     >>> [(c.source, c.rule, round(float(np.rad2deg(c.joint)))) for c in planned.candidates]
     [(0, 'stay', 0), (2, 'gain', 53), (1, 'gain', -65)]
     """
-    z = phasors([s.azimuth for s in sources], [s.elevation or 0.0 for s in sources])
-    scene = Geometry(z, spacing / speed_of_sound, directness)
-    turn = Turn(heading - joint, joint, lower, upper)
-    chosen = _best(scene, turn) if len(z) and lower <= upper else []
+    scene = geometry_of(sources, unit, directness)
+    chosen = _best(scene, turn) if sources and turn.lower <= turn.upper else []
     found = [scene.candidate(i, rule, turn, goal) for i, (rule, goal) in enumerate(chosen)]
-    useful = in_order((c for c in found if c.isolation >= USELESS * scene.unit), turn)
-    headings = np.pi * np.arange(n_headings) / n_headings
-    return Plan(useful, headings, scene.isolation(headings), scene.gain_db(headings), len(useful))
+    useful = in_order((c for c in found if c.isolation >= USELESS * unit), turn)
+    return Plan(useful, HEADINGS, scene.isolation(HEADINGS), scene.gain_db(HEADINGS))
+
+
+def geometry_of(sources: Sequence[SourceEstimate], unit: float, directness: float | None) -> Geometry:
+    """What an explorer believes, as a geometry; ``unit`` is d / v_p [s]."""
+    z = phasors([source.azimuth for source in sources], [source.elevation or 0.0 for source in sources])
+    return Geometry(z, unit, directness)
 
 
 def in_order(found: Iterable[AlignmentCandidate], turn: Turn) -> tuple[AlignmentCandidate, ...]:

@@ -23,7 +23,7 @@ def listing(config: Config, path: Path) -> Iterator[str]:
     yield from (f"# {printable(note)}" for note in [*notes, *more])
     origins = {TABLE[name].place: f"{Origin.IN_FLIGHT}, instead of {entry.replaced:g}" for name, entry in held.items()}
     values = {name: getattr(in_force, name) for name in Config.model_fields}
-    yield from _plain(config, {name: value for name, value in values.items() if _is_plain(value)})
+    yield from _plain(config, {name: value for name, value in values.items() if not isinstance(value, (Table, tuple))})
     for name, value in values.items():
         if isinstance(value, Table):
             own = {key: origin for (table, key), origin in origins.items() if table == name}
@@ -38,10 +38,6 @@ def _looked_at(path: Path) -> tuple[dict[str, StoredValue], list[str]]:
         return read(path), []
     except Unusable as unusable:
         return {}, [str(unusable)]
-
-
-def _is_plain(value: Any) -> bool:
-    return not isinstance(value, (Table, tuple))
 
 
 def _plain(options: Table, values: Mapping[str, Any], in_flight: Mapping[str, str] | None = None) -> Iterator[str]:

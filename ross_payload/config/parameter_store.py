@@ -5,9 +5,9 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from enum import StrEnum
 from pathlib import Path
-from typing import Self
 
 from ross_payload.bounded_files import set_aside
 from ross_payload.config import Config
@@ -26,7 +26,7 @@ class Origin(StrEnum):
     IN_FLIGHT = "in flight"
 
 
-class Parameters:
+class Parameters(AbstractContextManager["Parameters"]):
     """What is in force: the configuration with what was set in flight. A context manager.
 
     ``path`` is the file that outlives a restart, None: nothing does. It is written by a thread of its own, since a
@@ -107,10 +107,6 @@ class Parameters:
     def close(self) -> None:
         """Wait until what was set is in the file; idempotent."""
         self._writer.shutdown()
-
-    def __enter__(self) -> Self:
-        """The values are in force from the start."""
-        return self
 
     def __exit__(self, *exception: object) -> None:
         """Wait until what was set is in the file."""

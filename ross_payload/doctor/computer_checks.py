@@ -10,7 +10,7 @@ from ross_payload.config import Config
 from ross_payload.doctor.findings import Finding, fail, ok, warn
 from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ConfigError
-from ross_payload.service.state_folder import state_path
+from ross_payload.service.state_folder import recording_path, state_path
 from ross_payload.voiceprint import VoiceStore
 
 GB = 1e9
@@ -98,7 +98,7 @@ def state(config: Config, machine: Machine) -> Iterator[Finding]:
 
 def recordings(config: Config, machine: Machine) -> Iterator[Finding]:
     """Whether sessions can be recorded, have room, and are read by nobody else."""
-    wanted, folder = config.recording, recording_folder(config, machine)
+    wanted, folder = config.recording, recording_path(config, machine.environment)
     path = machine.path(folder)
     there = _nearest(path)
     if not machine.may_use(there):
@@ -137,12 +137,6 @@ def voice(config: Config, machine: Machine) -> Iterator[Finding]:
         yield warn("voice", found, f"chmod 700 {path.parent}; chmod 600 {path}")
     else:
         yield ok("voice", f"{name} is enrolled")
-
-
-def recording_folder(config: Config, machine: Machine) -> Path:
-    """Return where sessions are recorded."""
-    folder = config.recording.folder
-    return Path(folder).expanduser() if folder else state_path(config, machine.environment) / "recordings"
 
 
 def _nearest(path: Path) -> Path:

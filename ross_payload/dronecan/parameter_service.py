@@ -9,14 +9,7 @@ from ross_payload.config.parameter_store import Parameters
 from ross_payload.config.parameter_table import TABLE, Parameter
 from ross_payload.dronecan.node import Node
 from ross_payload.errors import ConfigError
-from ross_protocols.dronecan.params import (
-    GetSetRequest,
-    GetSetResponse,
-    Opcode,
-    OpcodeRequest,
-    OpcodeResponse,
-    ParameterValue,
-)
+from ross_protocols.dronecan import params
 
 NAMES = tuple(TABLE)
 log = logging.getLogger(__name__)
@@ -44,18 +37,18 @@ class ParameterService:
         self._changed = changed
         self._may_set = may_set
         self._last_warning = ""
-        node.serve(GetSetRequest, self.get_set)
-        node.serve(OpcodeRequest, self.execute)
+        node.serve(params.GetSetRequest, self.get_set)
+        node.serve(params.OpcodeRequest, self.execute)
 
-    def get_set(self, request: GetSetRequest) -> GetSetResponse:
+    def get_set(self, request: params.GetSetRequest) -> params.GetSetResponse:
         """Set a value when there is one and it is allowed; return which one is in force."""
         name = request.name or (NAMES[request.index] if request.index < len(NAMES) else "")
         if name not in TABLE:
-            return GetSetResponse()
+            return params.GetSetResponse()
         if isinstance(request.value, (bool, int, float)):
             self._set(name, float(request.value))
         row = TABLE[name]
-        return GetSetResponse(
+        return params.GetSetResponse(
             name=name,
             value=_typed(row, self._parameters.value(name)),
             default=_typed(row, self._parameters.configured(name)),
@@ -63,11 +56,11 @@ class ParameterService:
             minimum=None if _is_switch(row) else _number(row, row.lower),
         )
 
-    def execute(self, request: OpcodeRequest) -> OpcodeResponse:
+    def execute(self, request: params.OpcodeRequest) -> params.OpcodeResponse:
         """Erase: what the configuration says is in force again. Save: what is set is in a file at once, without it."""
-        if request.opcode == Opcode.ERASE and self._may_set:
-            return OpcodeResponse(self._erase())
-        return OpcodeResponse(request.opcode == Opcode.SAVE and not self._parameters.trouble)
+        if request.opcode == params.Opcode.ERASE and self._may_set:
+            return params.OpcodeResponse(self._erase())
+        return params.OpcodeResponse(request.opcode == params.Opcode.SAVE and not self._parameters.trouble)
 
     def _erase(self) -> bool:
         """Set everything back, in an order in which each step is allowed."""
@@ -104,7 +97,7 @@ def _is_switch(row: Parameter) -> bool:
     return row.whole and (row.lower, row.upper) == (0, 1)
 
 
-def _typed(row: Parameter, value: float) -> ParameterValue:
+def _typed(row: Parameter, value: float) -> params.ParameterValue:
     return bool(value) if _is_switch(row) else _number(row, value)
 
 

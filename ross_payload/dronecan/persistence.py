@@ -6,9 +6,10 @@ import json
 import logging
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ HIGHEST = 127  # node id
 log = logging.getLogger(__name__)
 
 
-class PersistentIds:
+class PersistentIds(AbstractContextManager["PersistentIds"]):
     """A file that is read at the start and written by a thread of its own. A context manager.
 
     Parameters
@@ -66,10 +67,6 @@ class PersistentIds:
         }
         if self._path is not None:
             self._writer.submit(_write, self._path, json.dumps(content, indent=1) + "\n")
-
-    def __enter__(self) -> Self:
-        """All is known from the start."""
-        return self
 
     def __exit__(self, *exception: object) -> None:
         """Wait until all is in the file."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -74,4 +76,9 @@ def directions_of(scene: Scene, who: str) -> tuple[tuple[tuple[int, ...], ...], 
         raise ConfigError(f"{who}: expected the TDOA of every source, got none")
     tau = np.asarray(scene.tau, float)
     members = groups_of(tau, ALIAS * scene.spacing / scene.speed_of_sound)
-    return members, np.array([tau[list(group)].mean() for group in members])
+    return members, delays_of(members, tau)
+
+
+def delays_of(members: Sequence[tuple[int, ...]], tau: Real) -> Real:
+    """Mean TDOA [s] of every group, (n_groups,)."""
+    return np.array([tau[list(group)].mean() for group in members])

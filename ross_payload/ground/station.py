@@ -165,7 +165,7 @@ class Station:
         ]
 
     def _on_packet(self, number: int, peer: Peer, packet: Packet, at: float) -> None:
-        who = ComponentId(packet.system_id, packet.component_id)
+        who = packet.sender
         if self.log is not None:
             self.log.add(self._unix(), packet.frame, number)
         self.fleet.on_packet(packet, at, way=(number, peer))

@@ -7,25 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
 
+from ross_payload import orders
 from ross_payload.angles import difference
 from ross_payload.config import APART_DEG
 from ross_payload.errors import ConfigError
-from ross_payload.orders import (
-    Cancel,
-    Enrol,
-    Explore,
-    Home,
-    Informed,
-    ListenAt,
-    ListenTo,
-    MeasureNoise,
-    Order,
-    Park,
-    Rearm,
-    Seek,
-    Stop,
-    TurnTo,
-)
 from ross_payload.streams import Selection, StreamOrder, What
 from ross_protocols.mavlink import stream_command
 from ross_protocols.mavlink.commands import Command, direction
@@ -48,7 +33,7 @@ class Record:
     on: bool
 
 
-Asked = Order | Record | StreamOrder
+Asked = orders.Order | Record | StreamOrder
 
 
 def asked(command: Command) -> Asked:
@@ -80,16 +65,16 @@ def _direction(command: Command, index: int, name: str) -> float:
     return direction(_number(command, index, name, -360, 360))
 
 
-def _listen(command: Command) -> Order:
+def _listen(command: Command) -> orders.Order:
     mode = _whole(command, 1, "mode", VOICE, AZIMUTH)
     if mode == VOICE:
-        return Seek()
+        return orders.Seek()
     if mode == SOURCE:
-        return ListenTo(_whole(command, 2, "source", 0, 255))
-    return ListenAt(_direction(command, 3, "azimuth"))
+        return orders.ListenTo(_whole(command, 2, "source", 0, 255))
+    return orders.ListenAt(_direction(command, 3, "azimuth"))
 
 
-def _inform(command: Command) -> Order:
+def _inform(command: Command) -> orders.Order:
     told = [not math.isnan(number) for number in command.numbers[1:]]
     count = sum(told)
     if not all(told[:count]) or not count:
@@ -99,15 +84,15 @@ def _inform(command: Command) -> Order:
         if abs(difference(azimuths[i], azimuths[j])) < math.radians(APART_DEG):
             raise ConfigError(f"azimuths {i} and {j} are less than {APART_DEG:g} deg apart")
     first = _whole(command, 1, "first", -1, count - 1)
-    return Informed(azimuths, first=None if first < 0 else first)
+    return orders.Informed(azimuths, first=None if first < 0 else first)
 
 
-def _turn(command: Command) -> Order:
-    return TurnTo(_direction(command, 1, "heading"))
+def _turn(command: Command) -> orders.Order:
+    return orders.TurnTo(_direction(command, 1, "heading"))
 
 
-def _measure(command: Command) -> Order:
-    return MeasureNoise(_number(command, 1, "time", 0, LONGEST_NOISE))
+def _measure(command: Command) -> orders.Order:
+    return orders.MeasureNoise(_number(command, 1, "time", 0, LONGEST_NOISE))
 
 
 def _record(command: Command) -> Record:
@@ -144,12 +129,12 @@ def _selection(told: StreamCommand) -> Selection | None:
     return Selection(what, azimuth=direction(told.azimuth)) if what is What.AZIMUTH else Selection(what)
 
 
-def _enrol(command: Command) -> Order:
+def _enrol(command: Command) -> orders.Order:
     mode = _whole(command, 1, "mode", SOURCE, AZIMUTH)
     if command.numbers[4] != 1:
         raise ConfigError("consent: expected 1, since the talker must have agreed")
     name = _whole(command, 6, "name", 0, MOST_NAMES)
-    return Enrol(
+    return orders.Enrol(
         source=_whole(command, 2, "source", 0, 255) if mode == SOURCE else None,
         azimuth=_direction(command, 3, "azimuth") if mode == AZIMUTH else None,
         seconds=_number(command, 4, "time", 0, LONGEST_ENROLMENT),
@@ -159,17 +144,17 @@ def _enrol(command: Command) -> Order:
 
 
 READERS: dict[int, Callable[[Command], Asked]] = {
-    ross.MAV_CMD_ROSS_EXPLORE: lambda command: Explore(),
+    ross.MAV_CMD_ROSS_EXPLORE: lambda command: orders.Explore(),
     ross.MAV_CMD_ROSS_LISTEN: _listen,
     INFORM: _inform,
     ross.MAV_CMD_ROSS_TURN: _turn,
-    STOP: lambda command: Stop(),
-    ross.MAV_CMD_ROSS_CANCEL: lambda command: Cancel(),
-    ross.MAV_CMD_ROSS_PARK: lambda command: Park(),
+    STOP: lambda command: orders.Stop(),
+    ross.MAV_CMD_ROSS_CANCEL: lambda command: orders.Cancel(),
+    ross.MAV_CMD_ROSS_PARK: lambda command: orders.Park(),
     ross.MAV_CMD_ROSS_MEASURE_NOISE: _measure,
     ross.MAV_CMD_ROSS_RECORD: _record,
-    ross.MAV_CMD_ROSS_REARM: lambda command: Rearm(),
-    ross.MAV_CMD_ROSS_HOME: lambda command: Home(),
+    ross.MAV_CMD_ROSS_REARM: lambda command: orders.Rearm(),
+    ross.MAV_CMD_ROSS_HOME: lambda command: orders.Home(),
     ross.MAV_CMD_ROSS_STREAM: _stream,
     ross.MAV_CMD_ROSS_ENROL: _enrol,
 }

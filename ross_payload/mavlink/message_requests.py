@@ -6,15 +6,9 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ross_payload.mavlink import component_info
 from ross_payload.mavlink.command_server import ACCEPTED, Handler, Verdict
 from ross_payload.mavlink.component import Component, Received
-from ross_payload.mavlink.component_info import (
-    basic_message,
-    files,
-    metadata_message,
-    protocol_message,
-    version_message,
-)
 from ross_payload.mavlink.message_scheduler import MessageScheduler
 from ross_payload.token_bucket import TokenBucket
 from ross_protocols.mavlink.commands import Command, Result
@@ -60,12 +54,12 @@ class MessageRequests:
         }
 
     def _of_the_payload(self) -> Mapping[int, Callable[[], Any]]:
-        content = files()
+        content = component_info.files()
         return {
-            VERSION: version_message,
-            PROTOCOL: protocol_message,
-            BASIC: lambda: basic_message(self._now),
-            METADATA: lambda: metadata_message(content, self._now),
+            VERSION: component_info.version_message,
+            PROTOCOL: component_info.protocol_message,
+            BASIC: lambda: component_info.basic_message(self._now),
+            METADATA: lambda: component_info.metadata_message(content, self._now),
         }
 
     def _limited(self, obey: Callable[[Command, str], Verdict]) -> Handler:

@@ -18,18 +18,9 @@ from ross_payload.config.parameter_table import TABLE, value_of
 from ross_payload.errors import ConfigError
 from ross_payload.mavlink.component import Component, Received
 from ross_payload.token_bucket import TokenBucket
+from ross_protocols.mavlink import params
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
-from ross_protocols.mavlink.params import (
-    REQUESTS,
-    ListRequest,
-    ParamError,
-    ReadRequest,
-    SetRequest,
-    error_message,
-    request_of,
-    value_message,
-)
 from ross_protocols.mavlink.values import Severity
 
 PACE = 0.04  # [s] between two answers: 25 a second, 925 bytes/s
@@ -90,7 +81,7 @@ class ParamServer:
         self._errors = TokenBucket(burst=10, rate=5.0)
         self._greetings = TokenBucket(GREETING_BURST, GREETING_RATE)
         self._stations: OrderedDict[tuple[str, ComponentId], _Station] = OrderedDict()  # who was heard last is last
-        component.subscribe(self.on_packet, common.MAVLINK_MSG_ID_HEARTBEAT, *REQUESTS)
+        component.subscribe(self.on_packet, common.MAVLINK_MSG_ID_HEARTBEAT, *params.REQUESTS)
 
     def on_packet(self, received: Received) -> None:
         """Take a packet; what does not ask about our parameters passes by."""
@@ -100,30 +91,30 @@ class ParamServer:
             and received.packet.message.type == common.MAV_TYPE_GCS
         ):
             self._greet(received)
-        request = request_of(received.packet.message)
+        request = params.request_of(received.packet.message)
         if request is None or not request.target.includes(self._component.id):
             return
         if not received.may_order:
-            if received.refusal and isinstance(request, SetRequest) and self._texts.spend(self._now):
+            if received.refusal and isinstance(request, params.SetRequest) and self._texts.spend(self._now):
                 self._send_text(Severity.WARNING, f"{request.name} not set: {received.refusal}")
             return
         station = self._stations.get(_who(received))
         if station is not None:
             station.left = 0  # it knows us
         match request:
-            case ListRequest():
+            case params.ListRequest():
                 for index in range(len(NAMES)):
                     self._answer(index, received.link)
-            case ReadRequest():
+            case params.ReadRequest():
                 index = NAMES.index(request.name) if request.index < 0 and request.name in TABLE else request.index
                 if 0 <= index < len(NAMES):
                     self._answer(index, received.link)
                 else:
-                    self._refuse(request, ParamError.DOES_NOT_EXIST, received)
-            case SetRequest() if request.name not in TABLE:
-                self._refuse(request, ParamError.DOES_NOT_EXIST, received)
-            case SetRequest() if self._settable.spend(self._now) and not self._set(request.name, request.value):
-                self._refuse(request, ParamError.VALUE_OUT_OF_RANGE, received)
+                    self._refuse(request, params.ParamError.DOES_NOT_EXIST, received)
+            case params.SetRequest() if request.name not in TABLE:
+                self._refuse(request, params.ParamError.DOES_NOT_EXIST, received)
+            case params.SetRequest() if self._settable.spend(self._now) and not self._set(request.name, request.value):
+                self._refuse(request, params.ParamError.VALUE_OUT_OF_RANGE, received)
 
     def tick(self, now: float) -> None:
         """Send the next answer when it is due; tell what there is to tell about the file."""
@@ -133,7 +124,7 @@ class ParamServer:
             self._due = now + PACE
             index, link = self._waiting.popleft()
             name = NAMES[index]
-            self._component.send(value_message(name, self._parameters.value(name), index, len(NAMES)), link)
+            self._component.send(params.value_message(name, self._parameters.value(name), index, len(NAMES)), link)
         if self._notes:
             self._send_text(Severity.WARNING, self._notes.popleft())
         if self._parameters.trouble != self._trouble:
@@ -179,10 +170,12 @@ class ParamServer:
         self._answer(NAMES.index(name), EVERYWHERE)
         return allowed
 
-    def _refuse(self, request: ReadRequest | SetRequest, error: ParamError, received: Received) -> None:
+    def _refuse(
+        self, request: params.ReadRequest | params.SetRequest, error: params.ParamError, received: Received
+    ) -> None:
         """Tell the sender why not, unless it asked everybody or asks too often."""
         if request.target.component == self._component.component_id and self._errors.spend(self._now):
-            self._component.send(error_message(request, error, received.packet.sender), received.link)
+            self._component.send(params.error_message(request, error, received.packet.sender), received.link)
 
     def _answer(self, index: int, link: str | None) -> None:
         """Put an answer in line, unless it waits there already."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
@@ -67,7 +67,7 @@ def _mark(frame: bytes) -> int:
     return hash(frame[HEAD : PAYLOAD + frame[1]])
 
 
-class Router:
+class Router(AbstractContextManager["Router"]):
     """All links of the payload, for one thread. A context manager."""
 
     def __init__(
@@ -192,10 +192,6 @@ class Router:
             link.close()
         if self._signing is not None:
             self._signing.close()
-
-    def __enter__(self) -> Self:
-        """Router are open from the start."""
-        return self
 
     def __exit__(self, *error: object) -> None:
         """Close every link."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ross_payload.alignment.plan import Plan, isolation
+from ross_payload.alignment.plan import Plan, Turn, isolation
 from ross_payload.alignment.predicted_gain import predicted_gain
 from ross_payload.events import AlignmentCandidate, AlignmentPlanned, Estimate
 from ross_payload.mission.context import Context
@@ -17,16 +17,8 @@ ENOUGH_LESS_DB = 1.0  # [dB] that the present heading may promise less than the 
 def planned(context: Context, estimate: Estimate) -> Plan:
     """Plan where to turn, nearest first."""
     settings, here = context.settings, context.pointing
-    return context.tools.plan(
-        estimate.sources,
-        joint=here.joint,
-        heading=here.heading,
-        lower=settings.lower,
-        upper=settings.upper,
-        spacing=settings.spacing,
-        speed_of_sound=settings.speed_of_sound,
-        directness=estimate.directness,
-    )
+    turn = Turn(here.heading - here.joint, here.joint, settings.lower, settings.upper)
+    return context.tools.plan(estimate.sources, turn, settings.spacing / settings.speed_of_sound, estimate.directness)
 
 
 def align(context: Context, estimate: Estimate) -> tuple[AlignmentCandidate, ...]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
-from ross_payload.alignment.plan import Plan, plan
+from ross_payload.alignment.plan import Plan, Turn, plan
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
@@ -24,17 +24,7 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.interfaces import (
-    Complex,
-    Explorer,
-    Input,
-    Observation,
-    Output,
-    Real,
-    Samples,
-    Separator,
-    VoicePrint,
-)
+from ross_payload.interfaces import Complex, Explorer, Input, Observation, Output, Real, Samples, Separator, VoicePrint
 from ross_payload.mission.heading_control import Follower
 from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mission_state import BUSY
@@ -76,22 +66,7 @@ class Settings:
     track: bool = False  # follow sources that move while it listens
 
 
-class Planner(Protocol):
-    """Chooses a heading for every source; see `ross_payload.alignment.plan.plan`."""
-
-    def __call__(
-        self,
-        sources: Sequence[SourceEstimate],
-        *,
-        heading: float,
-        joint: float,
-        lower: float,
-        upper: float,
-        spacing: float,
-        speed_of_sound: float,
-        directness: float | None = None,
-    ) -> Plan:
-        """Return candidates in order of travel."""
+Planner = Callable[[Sequence[SourceEstimate], Turn, float, float | None], Plan]  # as `ross_payload.alignment.plan.plan`
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ross_payload import orders
 from ross_payload.angles import wrap
 from ross_payload.events import Estimate, Outcome, SourceEstimate, SourcesEstimated, State
 from ross_payload.interfaces import Output, Result, Samples
@@ -19,20 +20,6 @@ from ross_payload.mission.manual_pointing import by_hand, unreachable
 from ross_payload.mission.mission_sequence import attempts
 from ross_payload.mission.orientation_scan import matched
 from ross_payload.mission.slip_detection import survey
-from ross_payload.orders import (
-    Enrol,
-    Explore,
-    Home,
-    Informed,
-    ListenAt,
-    ListenTo,
-    MeasureNoise,
-    Park,
-    Point,
-    Seek,
-    Task,
-    TurnTo,
-)
 from ross_payload.pointing import nearest_joint
 
 TOLD_SIGMA = math.radians(2.0)  # of an azimuth that somebody tells [rad]
@@ -40,7 +27,7 @@ LEAST_NOISE = 0.5  # [s] that tell anything about a noise
 HOMING = 120.0  # [s] that finding the zero may take
 OUTSIDE = "this heading is outside the limits of the joint"
 NO_CONSENT = "nobody is enrolled who has not agreed to it"
-STILL_FAULTY = (Home,)  # may be ordered while there is a fault
+STILL_FAULTY = (orders.Home,)  # may be ordered while there is a fault
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,25 +48,26 @@ class TaskRefused(Exception):
     """The task turns out to be impossible; says why."""
 
 
-def refusal(context: Context, memory: Memory, task: Task, *, stopped: bool, fault: str) -> str:
+def refusal(context: Context, memory: Memory, task: orders.Task, *, stopped: bool, fault: str) -> str:
     """Return why a task cannot be begun; empty when it can."""
     known = _known(context, memory)
-    source = task.source if isinstance(task, ListenTo | Enrol) else None
+    source = task.source if isinstance(task, orders.ListenTo | orders.Enrol) else None
     impossible = {
         "stopped: re-arm first": stopped,
         f"fault: {fault}": bool(fault) and not isinstance(task, STILL_FAULTY),
-        "no target voice is enrolled": isinstance(task, (Seek, Informed)) and context.tools.voiceprint is None,
+        "no target voice is enrolled": isinstance(task, (orders.Seek, orders.Informed))
+        and context.tools.voiceprint is None,
         "no source is known: explore first": source is not None and known is None,
         "there is no such source": source is not None and known is not None and not 0 <= source < known.k,
-        NO_CONSENT: isinstance(task, Enrol) and not task.consent,
-        "neither a source nor an azimuth is told": isinstance(task, Enrol) and task.source is task.azimuth,
-        OUTSIDE: isinstance(task, TurnTo) and _joint_for(context, task.heading) is None,
+        NO_CONSENT: isinstance(task, orders.Enrol) and not task.consent,
+        "neither a source nor an azimuth is told": isinstance(task, orders.Enrol) and task.source is task.azimuth,
+        OUTSIDE: isinstance(task, orders.TurnTo) and _joint_for(context, task.heading) is None,
     }
     reasons = (reason for reason, true in impossible.items() if true)
-    return next(reasons, unreachable(task, context.here) if isinstance(task, Point) else "")
+    return next(reasons, unreachable(task, context.here) if isinstance(task, orders.Point) else "")
 
 
-def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
+def perform(context: Context, memory: Memory, task: orders.Task) -> Step[Result]:
     """Perform one task.
 
     Raises
@@ -93,25 +81,25 @@ def perform(context: Context, memory: Memory, task: Task) -> Step[Result]:
     if memory.explored and memory.estimate is not None:
         context.surveyed = memory.estimate, memory.earth
     match task:
-        case Explore():
+        case orders.Explore():
             step = _explore(context)
-        case Seek():
+        case orders.Seek():
             step = _seek(context, _known(context, memory), None)
-        case Informed():
+        case orders.Informed():
             step = _seek(context, _informed_estimate(task.azimuths), task.first)
-        case ListenTo() | ListenAt():
+        case orders.ListenTo() | orders.ListenAt():
             step = _listen(context, *_whom(context, memory, task))
-        case Enrol():
+        case orders.Enrol():
             step = _enrol(context, memory, task)
-        case TurnTo():
+        case orders.TurnTo():
             step = _point(context, task.heading)
-        case Point():
+        case orders.Point():
             step = by_hand(context, task)
-        case Park():
+        case orders.Park():
             step = _park(context)
-        case Home():
+        case orders.Home():
             step = _home(context)
-        case MeasureNoise():
+        case orders.MeasureNoise():
             step = _measure(context, task.seconds)
         case _:
             raise TaskRefused(f"{type(task).__name__} is not a task of this payload")
@@ -151,10 +139,10 @@ def _quiet(context: Context) -> Step[None]:
         yield from lead_in(context)
 
 
-def _whom(context: Context, memory: Memory, task: ListenTo | ListenAt) -> tuple[Estimate, int]:
+def _whom(context: Context, memory: Memory, task: orders.ListenTo | orders.ListenAt) -> tuple[Estimate, int]:
     """Return an estimate and which of its sources is meant."""
     known = _known(context, memory)
-    if isinstance(task, ListenTo):
+    if isinstance(task, orders.ListenTo):
         if known is None:
             raise TaskRefused("no source is known: explore first")
         return known, task.source
@@ -186,9 +174,9 @@ def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
     return Result(Outcome.COMPLETED, f"listened to source {source}")
 
 
-def _enrol(context: Context, memory: Memory, task: Enrol) -> Step[Result]:
+def _enrol(context: Context, memory: Memory, task: orders.Enrol) -> Step[Result]:
     """Enrol whom an order means, who agrees to it."""
-    told = ListenTo(task.source) if task.source is not None else ListenAt(task.azimuth or 0.0)
+    told = orders.ListenTo(task.source) if task.source is not None else orders.ListenAt(task.azimuth or 0.0)
     estimate, source = _whom(context, memory, told)
     context.keep_frame()
     yield from _quiet(context)

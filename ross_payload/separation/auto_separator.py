@@ -26,10 +26,7 @@ def choose(spectrogram: Complex, scene: Scene) -> tuple[Separator, str]:
         against = _against_unmixing(spectrogram, scene)
         if against:
             return INFORMED, f"directions known, {against}"
-        return (
-            UNMIXING,
-            f"two groups wide apart in the open, {_ratio_db(spectrogram, scene):.0f} dB above the noise",
-        )
+        return (UNMIXING, f"two groups wide apart in the open, {_ratio_db(spectrogram, scene):.0f} dB above the noise")
     if scene.n_sources == 2:
         return UNMIXING, "two sources, two microphones, directions unknown"
     return ANY, f"{scene.n_sources} sources, directions unknown"

@@ -22,13 +22,7 @@ EVERY = 2  # frames: neighbours overlap
 
 
 def learn(
-    observed: Real,
-    start: Real,
-    noise_psd: Real,
-    anchor: float,
-    *,
-    before: Real | None = None,
-    prior_count: float = 0.0,
+    observed: Real, start: Real, noise_psd: Real, anchor: float, *, before: Real | None = None, prior_count: float = 0.0
 ) -> tuple[Real, Real]:
     """Covariances of the groups, trace 2, (n_freqs, n_groups, 4), and their shares, (n_freqs, n_groups, n_frames).
 

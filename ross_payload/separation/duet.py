@@ -8,7 +8,7 @@ import numpy as np
 
 from ross_payload.dsp.noise import guessed_psd
 from ross_payload.dsp.smoothing import average
-from ross_payload.dsp.steering import ALIAS, directions_of, steering_vectors
+from ross_payload.dsp.steering import ALIAS, delays_of, directions_of, steering_vectors
 from ross_payload.dsp.stft import aliasing_limit, band
 from ross_payload.interfaces import Complex, Groups, LiveSeparator, Real, Scene
 
@@ -88,19 +88,12 @@ class State:
     goal: Real  # towards which it moves, (n_freqs,)
 
 
+@dataclass(slots=True)
 class LiveDuet:
-    """The live separator: nothing is learnt but the noise, and only when it is not known.
-
-    Parameters
-    ----------
-    lookahead
-        Frames that must be heard after a frame before it is separated.
-    """
+    """The live separator: nothing is learnt but the noise, and only when it is not known."""
 
     name = "duet"
-
-    def __init__(self, lookahead: int = 1) -> None:
-        self.lookahead = lookahead
+    lookahead: int = 1  # frames that must be heard after a frame before it is separated
 
     def start(self, scene: Scene) -> State:
         """Return the state in which nothing was heard yet.
@@ -122,8 +115,7 @@ class LiveDuet:
         state = replace(state, frames=frames, noise_psd=noise)
         if not state.members:
             return state, Groups(np.zeros((0, frame.shape[1], 1), np.complex64), (), self.name)
-        delays = np.asarray(scene.tau, float)
-        tau = np.array([delays[list(group)].mean() for group in state.members])
+        tau = delays_of(state.members, np.asarray(scene.tau, float))
         near = np.ascontiguousarray(np.moveaxis(frames[:3], 0, -1))
         known = noise if scene.noise_psd is None else np.asarray(scene.noise_psd)
         beams, gains = masked_beams(near, scene.frequencies, tau, known)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ross_payload.dsp.covariance import direct, outer
 from ross_payload.dsp.noise import guessed_psd
-from ross_payload.dsp.steering import ALIAS, directions_of
+from ross_payload.dsp.steering import ALIAS, delays_of, directions_of
 from ross_payload.interfaces import Complex, Groups, Real, Scene
 from ross_payload.separation import cacgmm, live_psds
 from ross_payload.separation.directness import astray, geometric_start
@@ -62,19 +62,12 @@ class State:
     psds: Real  # theirs, and before them those of the last one that was separated, (n + 1, n_groups, n_freqs)
 
 
+@dataclass(slots=True)
 class LiveGaussian:
-    """The live separator.
-
-    Parameters
-    ----------
-    lookahead
-        Frames that must be heard after a frame before it is separated.
-    """
+    """The live separator."""
 
     name = "gaussian"
-
-    def __init__(self, lookahead: int = 1) -> None:
-        self.lookahead = lookahead
+    lookahead: int = 1  # frames that must be heard after a frame before it is separated
 
     def start(self, scene: Scene) -> State:
         """Return the state in which nothing was heard yet.
@@ -198,8 +191,7 @@ def followed(covariances: Real, change: Real, frequencies: Real) -> Real:
 
 def _moved(state: State, scene: Scene) -> State:
     """The state with covariances for this frame: they fade, and follow the TDOAs."""
-    delays = np.asarray(scene.tau, float)
-    tau = np.array([delays[list(group)].mean() for group in state.members])
+    tau = delays_of(state.members, np.asarray(scene.tau, float))
     state = _fading(state, scene)
     change, sources, goal, fading = tau - state.tau, state.covariances[:-1], state.goal, state.fading
     if not fading and not change.any():

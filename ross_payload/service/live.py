@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import logging
 import sys
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
-from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -32,7 +32,7 @@ from ross_payload.notify import MISSION, Manager, Watchdog, on_signal
 from ross_payload.orders import Shutdown, Stop
 from ross_payload.service.payload import POLL, Parts, assembled
 from ross_payload.service.runner import Runner
-from ross_payload.service.state_folder import state_folder
+from ross_payload.service.state_folder import recording_path, state_folder
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.sessions.recorder import in_background
 from ross_payload.sessions.session_store import SessionStore
@@ -48,16 +48,6 @@ AGAIN = 75  # exit code: start me again; EX_TEMPFAIL of sysexits.h
 SWITCH = 0.001  # [s] after which a thread that computes lets the pump have its turn
 
 log = logging.getLogger(__name__)
-
-
-class Again:
-    """Whether somebody has asked for a restart; asked on the pump, read when all is over."""
-
-    asked = False
-
-    def ask(self) -> None:
-        """Have the service manager start us again."""
-        self.asked = True
 
 
 def live(config: Config) -> int:
@@ -76,7 +66,7 @@ def live(config: Config) -> int:
         watchdog = Watchdog(manager, clock, {MISSION: COMPUTE_LIMIT * config.audio.buffer_s})
         latch = StopLatch(state_folder(config) / "stopped")
         stack.callback(latch.close)
-        again = Again()
+        again = threading.Event()  # somebody has asked for a restart; asked on the pump, read when all is over
         parts = stack.enter_context(_parts(config, clock, latch, again))
         pumping = Pumping(clock)
         runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, pumping)))
@@ -87,7 +77,7 @@ def live(config: Config) -> int:
         log.info("ross %s: %s on %s", __version__, config.actuator.kind, config.audio.source)
         manager.ready("idle")
         _run(runner, manager)
-    return AGAIN if again.asked else 0
+    return AGAIN if again.is_set() else 0
 
 
 class Pumping:
@@ -112,7 +102,7 @@ class Pumping:
 
 
 @contextmanager
-def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -> Iterator[Parts]:
+def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: threading.Event) -> Iterator[Parts]:
     state = state_folder(config)
     with ExitStack() as stack:
         parameters = stack.enter_context(Parameters(config, state / "params.toml"))
@@ -124,8 +114,8 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
         timebase.attach(links.component(config.telemetry.component_id))
         source = open_source(config, clock, SERVER_START_TIMEOUT_S)
         wires = RetryingOpener(opener(links, config.telemetry.component_id, clock), clock, SERVER_START_TIMEOUT_S)
-        shelf = Path(config.recording.folder).expanduser() if config.recording.folder else state / "recordings"
-        for note in SessionStore(shelf).set_damaged_aside():
+        shelf = SessionStore(recording_path(config))
+        for note in shelf.set_damaged_aside():
             log.warning(note)
         yield Parts(
             clock=clock,
@@ -136,15 +126,15 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: Again) -
             mount=mount_of(config, clock, links, timebase),
             timebase=timebase,
             parameters=parameters,
-            shelf=SessionStore(shelf),
+            shelf=shelf,
             drained=in_background,
             voiceprint=_enrolled(config),
             voices=VoiceStore.default(),
             latch=latch,
             state=state,
-            computer=ComputerReader(shelf),
+            computer=ComputerReader(shelf.folder),
             live=True,
-            restart=again.ask,
+            restart=again.set,
             stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",
         )
 

@@ -126,7 +126,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
 def _mission(parts: Parts, source: AudioSource, actuator: Guard, *, stopped: bool) -> tuple[Recorder, Runner]:
     """Make what records the session and what runs it; the one writes down what the other begins with."""
     config, clock = parts.parameters.config, parts.clock
-    recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator, config), parts.stamp)
+    recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator), parts.stamp)
     voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
     memory = Memory(stopped=stopped, starting=True)
     session = LiveSession(config, maker(actuator, voiceprint), memory, recorder.noting)
@@ -152,7 +152,7 @@ def maker(actuator: Guard, voiceprint: VoicePrint | None) -> Make:
     return make
 
 
-def beginning(session: LiveSession, actuator: Guard, config: Config) -> Beginning | None:
+def beginning(session: LiveSession, actuator: Guard) -> Beginning | None:
     """Return what a replay from here must know; None while a task runs."""
     if session.busy:
         return None

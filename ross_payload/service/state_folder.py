@@ -17,6 +17,12 @@ def state_path(config: Config, environment: Mapping[str, str] = os.environ) -> P
     return Path(named).expanduser() if named else Path.home() / ".local" / "state" / "ross"
 
 
+def recording_path(config: Config, environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the folder of the recorded sessions; it need not be there."""
+    named = config.recording.folder
+    return Path(named).expanduser() if named else state_path(config, environment) / "recordings"
+
+
 def state_folder(config: Config) -> Path:
     """Return the folder of what outlives a restart, made when it is missing, for its owner alone.
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from datetime import UTC, datetime
 from itertools import count
 from queue import SimpleQueue
 from types import TracebackType
-from typing import Self
 
 from ross_payload.errors import ConfigError
 from ross_payload.events import Enrolled, Event
@@ -21,7 +21,7 @@ from ross_payload.voiceprint import VoicePrintModel, VoiceStore
 log = logging.getLogger(__name__)
 
 
-class VoiceKeeper:
+class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
     """An observer that stores every voice print which an order asks for; a context manager.
 
     Parameters
@@ -35,10 +35,6 @@ class VoiceKeeper:
         self._names = set(store.names()) if store is not None else set()
         self._writer = ThreadPoolExecutor(max_workers=1, thread_name_prefix="voices")
         self._troubles: SimpleQueue[str] = SimpleQueue()
-
-    def __enter__(self) -> Self:
-        """Begin; a thread is started with the first voice."""
-        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

@@ -10,9 +10,7 @@ import click
 from ross_payload.bounded_files import printable
 
 FOLDER = click.option(
-    "--folder",
-    type=click.Path(path_type=Path),
-    help="Folder of the sessions; default: that of `ross run`.",
+    "--folder", type=click.Path(path_type=Path), help="Folder of the sessions; default: that of `ross run`."
 )
 
 

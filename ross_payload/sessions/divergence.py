@@ -63,7 +63,7 @@ class Divergence:
         missed = self._next()
         if not self.parted and missed is not None and missed.time <= time - self._early:
             recorded = f"the recorded mission turned to {_joint(missed.joint)} at {missed.time:.2f} s"
-            self._part(f"{recorded}, the replay does not")
+            self.parted = f"{recorded}, the replay does not"
             self._wanted, self._there = here, True
 
     def fit(self, output: Output, hop: Input) -> Input:
@@ -108,12 +108,9 @@ class Divergence:
             return
         ours = f"the replay turns to {_joint(turn.joint)} at {turn.time:.2f} s"
         if recorded is None:
-            self._part(f"{ours}, the recorded mission does not")
+            self.parted = f"{ours}, the recorded mission does not"
         elif abs(turn.time - recorded.time) > self._early or abs(turn.joint - recorded.joint) > SAME:
-            self._part(f"{ours}, the recorded mission to {_joint(recorded.joint)} at {recorded.time:.2f} s")
-
-    def _part(self, words: str) -> None:
-        self.parted = words
+            self.parted = f"{ours}, the recorded mission to {_joint(recorded.joint)} at {recorded.time:.2f} s"
 
 
 def _joint(angle: float) -> str:

@@ -65,7 +65,7 @@ def versions() -> dict[str, str]:
 
 def write(folder: Path, begin: Beginning, started: str) -> None:
     """Write everything that is known at the beginning; session.json comes first: it makes the folder ours."""
-    _write_manifest(folder, begin, started, None)
+    write_manifest(folder, begin, started)
     write_whole(folder / "config.json", json_text(begin.config.model_dump(mode="json")).encode())
     if begin.memory is not None:
         write_whole(folder / "memory.npz", packed(begin.memory))
@@ -73,12 +73,8 @@ def write(folder: Path, begin: Beginning, started: str) -> None:
         write_whole(folder / VOICE_FILE, packed_voice(begin.synthetic))
 
 
-def conclude(folder: Path, begin: Beginning, started: str, reason: str) -> None:
-    """Say that the session has come to its end, and why."""
-    _write_manifest(folder, begin, started, reason)
-
-
-def _write_manifest(folder: Path, begin: Beginning, started: str, end: str | None) -> None:
+def write_manifest(folder: Path, begin: Beginning, started: str, end: str | None = None) -> None:
+    """Write session.json; ``end``: why the session has come to its end."""
     travel = (begin.lower, begin.upper)
     values = {
         "format": FORMAT,

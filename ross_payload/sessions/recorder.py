@@ -10,7 +10,7 @@ from __future__ import annotations
 import errno
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -237,7 +237,7 @@ class Recorder:
         self._status = replace(self._status, state=state, reason=reason)
 
 
-class RecordedVoice:
+class RecordedVoice(AbstractContextManager["RecordedVoice"]):
     """An AudioSink that hands a voice to the recorder, which tells of itself what goes wrong."""
 
     fault = ""
@@ -250,9 +250,6 @@ class RecordedVoice:
     def write(self, block: VoiceBlock) -> None:
         """Have samples recorded."""
         self._recorder.on_voice(self._name, block)
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *exception: object) -> None:
         """The recorder goes on."""

@@ -14,6 +14,7 @@ from ross_payload.atomic_files import json_text, replacing
 from ross_payload.audio.audio_files import write_wav
 from ross_payload.errors import ConfigError, OutputError, refused_as
 from ross_payload.events import Event, GroupScore, Separated, SourceEstimate, SourcesEstimated
+from ross_payload.interfaces import Samples
 from ross_payload.sessions.divergence import Replayed
 from ross_payload.sessions.manifest import versions
 from ross_payload.sessions.session_reader import RecordedSession
@@ -84,8 +85,7 @@ def write(folder: Path, values: dict[str, Any], replay_state: Replayed, rate: in
     OutputError
         When the disk is full or gone.
     """
-    separated = last(replay_state.events, Separated)
-    voices = {} if separated is None else {_name(g, separated): voice for g, voice in enumerate(separated.voices)}
+    voices = voices_of(last(replay_state.events, Separated))
     for name, voice in voices.items():
         write_wav(folder / name, voice, rate)
     with refused_as(OutputError, f"{folder}: cannot be written"):
@@ -102,8 +102,12 @@ def last(events: Sequence[Event], kind: type[E]) -> E | None:
     return next((event for event in reversed(events) if isinstance(event, kind)), None)
 
 
-def _name(index: int, separated: Separated) -> str:
-    return "target.wav" if index == separated.target else f"group-{index}.wav"
+def voices_of(separated: Separated | None) -> dict[str, Samples]:
+    """Return the separated voices by the names of their files."""
+    if separated is None:
+        return {}
+    target, voices = separated.target, enumerate(separated.voices)
+    return {"target.wav" if index == target else f"group-{index}.wav": voice for index, voice in voices}
 
 
 def _source(source: SourceEstimate) -> dict[str, Any]:

@@ -102,7 +102,7 @@ class SessionWriter:
         """Write what waits, say that this is the end, and close everything."""
         try:
             self.flush()
-            manifest.conclude(self.folder, self._begin, self._started, reason)
+            manifest.write_manifest(self.folder, self._begin, self._started, reason)
         finally:
             self.close()
 

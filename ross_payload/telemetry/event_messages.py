@@ -7,44 +7,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ross_payload import events
 from ross_payload.angles import difference, wrap
-from ross_payload.events import (
-    AlignmentPlanned,
-    Checked,
-    Estimate,
-    GroupScore,
-    OrientationHeard,
-    Real,
-    Separated,
-    SourcesTracked,
-    State,
-)
 from ross_payload.health import AudioHealth
 from ross_payload.mission_state import RESTING, MissionState, chosen
 from ross_payload.telemetry.snapshot import Snapshot
+from ross_protocols.mavlink import values
 from ross_protocols.mavlink.field_converters import compass
-from ross_protocols.mavlink.values import (
-    CURVE_POINTS,
-    Alignment,
-    Array,
-    CandidateState,
-    Density,
-    Health,
-    Isolation,
-    Named,
-    Phase,
-    Rule,
-    Separation,
-    Source,
-    Status,
-)
 
 ONE_AXIS = np.radians(1.0)  # headings within this of each other are one axis
 MOVED = np.radians(1.0)  # that a tracked source must have moved to be told at once
 AZIMUTHS = 1  # id of the array of them
 
-RULES = {rule.name.lower(): rule for rule in Rule}
-MEASURING = (State.LEAD_IN, State.NOISE)  # the noise, for what comes later
+RULES = {rule.name.lower(): rule for rule in values.Rule}
+MEASURING = (events.State.LEAD_IN, events.State.NOISE)  # the noise, for what comes later
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,23 +31,23 @@ class Stamp:
     earth: bool
 
 
-def health(state: State | None) -> Health:
+def health(state: events.State | None) -> values.Health:
     """Return the health of a component whose mission is in a state; None: it has not spoken yet."""
     if state is None:
-        return Health.BOOT
-    if state is State.FAULT:
-        return Health.CRITICAL
+        return values.Health.BOOT
+    if state is events.State.FAULT:
+        return values.Health.CRITICAL
     if state in MEASURING:
-        return Health.CALIBRATING
-    return Health.STANDBY if state in RESTING else Health.ACTIVE
+        return values.Health.CALIBRATING
+    return values.Health.STANDBY if state in RESTING else values.Health.ACTIVE
 
 
-def status(mission: MissionState, snapshot: Snapshot) -> Status:
+def status(mission: MissionState, snapshot: Snapshot) -> values.Status:
     """Return the mission at a glance."""
-    return Status(
+    return values.Status(
         time_usec=snapshot.time_usec,
         mission_time=snapshot.mission_time,
-        state=int(mission.state or State.IDLE),
+        state=int(mission.state or events.State.IDLE),
         earth=snapshot.earth,
         outcome=None if mission.outcome is None else int(mission.outcome),
         heading=snapshot.heading,
@@ -99,14 +75,16 @@ def status(mission: MissionState, snapshot: Snapshot) -> Status:
     )
 
 
-def sources(estimate: Estimate, number: int, stamp: Stamp, axis: float | None, final: bool) -> list[Source]:
+def sources(
+    estimate: events.Estimate, number: int, stamp: Stamp, axis: float | None, final: bool
+) -> list[values.Source]:
     """Return one value per source.
 
     ``axis`` [rad] is the only axis heard at so far, or None: a source at azimuth a that is not told from its mirror
     image may be at 2 axis - a instead.
     """
     return [
-        Source(
+        values.Source(
             time_usec=stamp.time_usec,
             estimate=number,
             source=index,
@@ -125,7 +103,7 @@ def sources(estimate: Estimate, number: int, stamp: Stamp, axis: float | None, f
     ]
 
 
-def tracked(known: list[Source], event: SourcesTracked, stamp: Stamp) -> list[Source]:
+def tracked(known: list[values.Source], event: events.SourcesTracked, stamp: Stamp) -> list[values.Source]:
     """Return the sources of the latest estimate where they are by now; the rest of what is known of them stays."""
     return [
         replace(
@@ -147,7 +125,7 @@ def tracked(known: list[Source], event: SourcesTracked, stamp: Stamp) -> list[So
     ]
 
 
-def moved(before: Sequence[Source], now: Sequence[Source]) -> bool:
+def moved(before: Sequence[values.Source], now: Sequence[values.Source]) -> bool:
     """Tell whether a source is elsewhere than before, or begins to be tracked."""
     apart = len(before) != len(now) or any(
         abs(difference(old.azimuth, new.azimuth)) > MOVED or old.tracked != new.tracked
@@ -170,10 +148,10 @@ def common_axis(headings: Sequence[float]) -> float | None:
     return headings[0] if np.all(apart < ONE_AXIS) else None
 
 
-def alignments(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Alignment]:
+def alignments(planned: events.AlignmentPlanned, number: int, stamp: Stamp) -> list[values.Alignment]:
     """Return one value per candidate, none of them tried yet."""
     return [
-        Alignment(
+        values.Alignment(
             time_usec=stamp.time_usec,
             plan=number,
             candidate=index,
@@ -183,8 +161,8 @@ def alignments(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Ali
             joint=candidate.joint,
             isolation=candidate.isolation,
             aliased=tuple(sorted(candidate.aliased)),
-            rule=RULES.get(candidate.rule, Rule.UNKNOWN),
-            state=CandidateState.PLANNED,
+            rule=RULES.get(candidate.rule, values.Rule.UNKNOWN),
+            state=values.CandidateState.PLANNED,
             earth=stamp.earth,
             gain=candidate.gain_db,
         )
@@ -192,17 +170,19 @@ def alignments(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Ali
     ]
 
 
-def separations(event: Checked | Separated, number: int, stamp: Stamp, criterion: float | None) -> list[Separation]:
+def separations(
+    event: events.Checked | events.Separated, number: int, stamp: Stamp, criterion: float | None
+) -> list[values.Separation]:
     """Return one value per separated group."""
-    checked = isinstance(event, Checked)
-    heading = event.candidate.heading if isinstance(event, Checked) else event.heading
+    checked = isinstance(event, events.Checked)
+    heading = event.candidate.heading if isinstance(event, events.Checked) else event.heading
     return [
-        Separation(
+        values.Separation(
             time_usec=stamp.time_usec,
             separation=number,
             group=index,
             count=len(event.groups),
-            phase=Phase.CHECK if checked else Phase.RUN,
+            phase=values.Phase.CHECK if checked else values.Phase.RUN,
             members=tuple(sorted(group.members)),
             method=event.method,
             earth=stamp.earth,
@@ -218,14 +198,16 @@ def separations(event: Checked | Separated, number: int, stamp: Stamp, criterion
     ]
 
 
-def verdict(checked: Checked) -> CandidateState:
+def verdict(checked: events.Checked) -> values.CandidateState:
     """Return what a check makes of its candidate: accepted when the target's group holds the isolated source."""
     if checked.accepted is None or checked.candidate.source not in checked.groups[checked.accepted].members:
-        return CandidateState.REJECTED
-    return CandidateState.ACCEPTED
+        return values.CandidateState.REJECTED
+    return values.CandidateState.ACCEPTED
 
 
-def scored(known: list[Source], groups: tuple[GroupScore, ...], target: int | None) -> list[Source]:
+def scored(
+    known: list[values.Source], groups: tuple[events.GroupScore, ...], target: int | None
+) -> list[values.Source]:
     """Return the sources with what a separation tells: the scores of those with a group of their own, the target."""
     scores = {group.members[0]: group.value for group in groups if len(group.members) == 1}
     return [
@@ -234,12 +216,12 @@ def scored(known: list[Source], groups: tuple[GroupScore, ...], target: int | No
     ]
 
 
-def densities(event: OrientationHeard, number: int, stamp: Stamp) -> list[Density]:
+def densities(event: events.OrientationHeard, number: int, stamp: Stamp) -> list[values.Density]:
     """Return the curve of one orientation of exploration ``number``; none when nothing was heard."""
     if len(event.grid) < 2 or not event.density.max() > 0:
         return []
     return [
-        Density(
+        values.Density(
             time_usec=stamp.time_usec,
             exploration=number,
             rotation=event.index,
@@ -252,13 +234,13 @@ def densities(event: OrientationHeard, number: int, stamp: Stamp) -> list[Densit
     ]
 
 
-def isolations(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Isolation]:
+def isolations(planned: events.AlignmentPlanned, number: int, stamp: Stamp) -> list[values.Isolation]:
     """Return one curve per source over the headings of a plan; none when nothing can be isolated."""
     if len(planned.headings) < 2 or not planned.isolation.max(initial=0.0) > 0:
         return []
     maximum = float(planned.isolation.max())
     return [
-        Isolation(
+        values.Isolation(
             time_usec=stamp.time_usec,
             plan=number,
             source=source,
@@ -272,7 +254,7 @@ def isolations(planned: AlignmentPlanned, number: int, stamp: Stamp) -> list[Iso
     ]
 
 
-def shares(curve: Real, maximum: float, points: int = CURVE_POINTS) -> tuple[float, ...]:
+def shares(curve: events.Real, maximum: float, points: int = values.CURVE_POINTS) -> tuple[float, ...]:
     """Return a curve, (n,), at ``points`` equal steps from its first to its last point, as shares of ``maximum``.
 
     >>> shares(np.array([0.0, 2.0, 1.0]), 4.0, points=5)
@@ -282,7 +264,9 @@ def shares(curve: Real, maximum: float, points: int = CURVE_POINTS) -> tuple[flo
     return tuple((np.interp(places, np.arange(len(curve)), curve) / maximum).tolist())
 
 
-def named(status: Status, sources: Sequence[Source], health: AudioHealth | None, time: float) -> list[Named]:
+def named(
+    status: values.Status, sources: Sequence[values.Source], health: AudioHealth | None, time: float
+) -> list[values.Named]:
     """Return the numbers that are known, for ground stations without our dialect; ``time`` is since boot [s].
 
     Angles are degrees, clockwise from 0 to 360, as on a compass: people read them.
@@ -297,9 +281,9 @@ def named(status: Status, sources: Sequence[Source], health: AudioHealth | None,
         "ross_score": status.score,
         "ross_level": None if health is None else max(health.level_db),
     }
-    return [Named(time, name, number) for name, number in numbers.items() if number is not None]
+    return [values.Named(time, name, number) for name, number in numbers.items() if number is not None]
 
 
-def azimuths(time_usec: int, sources: Sequence[Source]) -> Array:
+def azimuths(time_usec: int, sources: Sequence[values.Source]) -> values.Array:
     """Return K and then the azimuth of every source."""
-    return Array(time_usec, "ross_az", AZIMUTHS, (float(len(sources)), *(compass(s.azimuth) for s in sources)))
+    return values.Array(time_usec, "ross_az", AZIMUTHS, (float(len(sources)), *(compass(s.azimuth) for s in sources)))

@@ -9,34 +9,14 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from ross_payload.events import (
-    AlignmentPlanned,
-    Checked,
-    Event,
-    OrientationHeard,
-    Separated,
-    SourcesEstimated,
-    SourcesTracked,
-    State,
-    StateChanged,
-    TurnStarted,
-)
+from ross_payload import events
 from ross_payload.mavlink.message_board import Board, Rank
 from ross_payload.mission_state import SAME_ANGLE, MissionState, reduce
 from ross_payload.telemetry import event_messages
 from ross_payload.telemetry.event_messages import Stamp
 from ross_payload.telemetry.snapshot import Snapshot
 from ross_payload.telemetry.status_texts import line
-from ross_protocols.mavlink.values import (
-    Alignment,
-    CandidateState,
-    Density,
-    Heartbeat,
-    Separation,
-    Severity,
-    Source,
-    Status,
-)
+from ross_protocols.mavlink import values
 
 TRACKING_PERIOD = 0.5  # [s] at least between two announcements of sources that move
 
@@ -44,22 +24,22 @@ TRACKING_PERIOD = 0.5  # [s] at least between two announcements of sources that 
 class Reporter:
     """Turns a mission into what there is to tell; one that lives through many tasks."""
 
-    def __init__(self, board: Board, send_text: Callable[[Severity, str], None]) -> None:
+    def __init__(self, board: Board, send_text: Callable[[values.Severity, str], None]) -> None:
         self._board = board
         self._send_text = send_text
         self.mission = MissionState()
         self._snapshot = Snapshot()
         self._fault = ""  # that was said
-        self._densities: list[Density] = []
-        self.sources: list[Source] = []  # of the latest estimate
-        self._told: list[Source] = []  # when they were announced last because they had moved
+        self._densities: list[values.Density] = []
+        self.sources: list[values.Source] = []  # of the latest estimate
+        self._told: list[values.Source] = []  # when they were announced last because they had moved
         self._tracked = -math.inf  # when that was, in mission time [s]
-        self._alignments: list[Alignment] = []
-        self._separations: list[Separation] = []
+        self._alignments: list[values.Alignment] = []
+        self._separations: list[values.Separation] = []
         self._beat()
 
     @property
-    def status(self) -> Status:
+    def status(self) -> values.Status:
         """The mission at a glance."""
         return event_messages.status(self.mission, self._snapshot)
 
@@ -68,11 +48,11 @@ class Reporter:
         if snapshot.settled:
             self.mission = replace(self.mission, goal=None)
         if snapshot.fault and snapshot.fault != self._fault:
-            self._send_text(Severity.ERROR, f"fault: {snapshot.fault}")
+            self._send_text(values.Severity.ERROR, f"fault: {snapshot.fault}")
         self._fault, self._snapshot = snapshot.fault, snapshot
         self._board.put(Rank.STATUS, [self.status])
 
-    def handle(self, event: Event, snapshot: Snapshot) -> None:
+    def handle(self, event: events.Event, snapshot: Snapshot) -> None:
         """Take in what the mission has just said."""
         self._snapshot = snapshot
         self.mission = reduce(self.mission, event)
@@ -82,33 +62,33 @@ class Reporter:
             self._send_text(*said)
         self._board.announce(Rank.STATUS, [self.status])
 
-    def _learn(self, event: Event, stamp: Stamp) -> None:
+    def _learn(self, event: events.Event, stamp: Stamp) -> None:
         match event:
-            case StateChanged():
+            case events.StateChanged():
                 self._beat()
-            case OrientationHeard():
+            case events.OrientationHeard():
                 self._orient(event, stamp)
-            case SourcesEstimated():
+            case events.SourcesEstimated():
                 self._estimate(event, stamp)
-            case SourcesTracked():
+            case events.SourcesTracked():
                 self._track(event, stamp)
-            case AlignmentPlanned():
+            case events.AlignmentPlanned():
                 self._alignments = event_messages.alignments(event, self.mission.plans, stamp)
                 self._board.announce(Rank.ALIGNMENT, self._alignments)
                 self._board.announce(Rank.ISOLATION, event_messages.isolations(event, self.mission.plans, stamp))
-            case TurnStarted() if self.mission.state is State.ALIGN_TURN:
+            case events.TurnStarted() if self.mission.state is events.State.ALIGN_TURN:
                 here = [a for a in self._alignments if abs(a.joint - event.joint) < SAME_ANGLE]
-                self._mark(here, CandidateState.TURNING)
-            case Checked() | Separated():
+                self._mark(here, values.CandidateState.TURNING)
+            case events.Checked() | events.Separated():
                 self._separate(event, stamp)
 
-    def _orient(self, event: OrientationHeard, stamp: Stamp) -> None:
+    def _orient(self, event: events.OrientationHeard, stamp: Stamp) -> None:
         if event.index == 0:
             self._densities = []
         self._densities += event_messages.densities(event, self.mission.explorations, stamp)
         self._board.announce(Rank.DENSITY, self._densities)
 
-    def _estimate(self, event: SourcesEstimated, stamp: Stamp) -> None:
+    def _estimate(self, event: events.SourcesEstimated, stamp: Stamp) -> None:
         axis = event_messages.common_axis(self.mission.headings)
         self.sources = event_messages.sources(event.estimate, self.mission.estimates, stamp, axis, event.final)
         self._alignments, self._separations = [], []  # they speak of the sources of an older estimate
@@ -116,7 +96,7 @@ class Reporter:
         for rank in (Rank.ALIGNMENT, Rank.SEPARATION, Rank.ISOLATION):
             self._board.announce(rank, [])
 
-    def _track(self, event: SourcesTracked, stamp: Stamp) -> None:
+    def _track(self, event: events.SourcesTracked, stamp: Stamp) -> None:
         """Tell where the sources are by now: at once when one of them has moved, but not with every event."""
         self.sources = event_messages.tracked(self.sources, event, stamp)
         moved = event_messages.moved(self._told, self.sources)
@@ -126,19 +106,21 @@ class Reporter:
         else:
             self._board.put(Rank.SOURCE, self.sources)
 
-    def _separate(self, event: Checked | Separated, stamp: Stamp) -> None:
+    def _separate(self, event: events.Checked | events.Separated, stamp: Stamp) -> None:
         self.sources = event_messages.scored(self.sources, event.groups, self.mission.target)
         self._board.announce(Rank.SOURCE, self.sources)
-        if isinstance(event, Checked):
+        if isinstance(event, events.Checked):
             tried = [a for a in self._alignments if a.source == event.candidate.source]
             self._mark(tried, event_messages.verdict(event))
         self._separations = event_messages.separations(event, self.mission.separations, stamp, self._snapshot.criterion)
         self._board.announce(Rank.SEPARATION, self._separations)
 
-    def _mark(self, changed: list[Alignment], state: CandidateState) -> None:
+    def _mark(self, changed: list[values.Alignment], state: values.CandidateState) -> None:
         self._alignments = [replace(a, state=state) if a in changed else a for a in self._alignments]
         self._board.announce(Rank.ALIGNMENT, self._alignments)
 
     def _beat(self) -> None:
         state = self.mission.state
-        self._board.announce(Rank.HEARTBEAT, [Heartbeat(event_messages.health(state), int(state or State.IDLE))])
+        self._board.announce(
+            Rank.HEARTBEAT, [values.Heartbeat(event_messages.health(state), int(state or events.State.IDLE))]
+        )

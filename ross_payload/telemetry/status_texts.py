@@ -4,21 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ross_payload.events import (
-    AlignmentPlanned,
-    Checked,
-    Doubted,
-    Event,
-    Finished,
-    GroupScore,
-    NoiseMeasured,
-    Outcome,
-    ScoreDropped,
-    Slipped,
-    SourcesEstimated,
-    State,
-    StateChanged,
-)
+from ross_payload import events
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.token_bucket import TokenBucket
 from ross_protocols.angle_text import rotation
@@ -27,9 +13,9 @@ from ross_protocols.mavlink.values import Severity, Text
 
 PREFIX = "RoSS: "
 SEVERITIES = {
-    Outcome.TARGET_FOUND: Severity.NOTICE,
-    Outcome.COMPLETED: Severity.INFO,
-    Outcome.FAULT: Severity.CRITICAL,
+    events.Outcome.TARGET_FOUND: Severity.NOTICE,
+    events.Outcome.COMPLETED: Severity.INFO,
+    events.Outcome.FAULT: Severity.CRITICAL,
 }
 BURST = 8  # lines
 PERIOD = 2.0  # [s]
@@ -38,30 +24,30 @@ ALWAYS = Severity.ERROR  # this and worse is never held back
 Line = tuple[Severity, str]
 
 
-def line(event: Event) -> Line | None:
+def line(event: events.Event) -> Line | None:
     """Return what to tell an operator about an event; None: nothing."""
     said: Line | None = None
     match event:
-        case StateChanged(state=State.LEAD_IN):
+        case events.StateChanged(state=events.State.LEAD_IN):
             said = Severity.INFO, "mission started"
-        case NoiseMeasured(level_db=None):
+        case events.NoiseMeasured(level_db=None):
             said = Severity.WARNING, "no quiet lead-in: the noise level is unknown"
-        case SourcesEstimated(informed=True):
+        case events.SourcesEstimated(informed=True):
             said = Severity.INFO, f"using {_count(event.estimate.k, 'known source')}, not exploring"
-        case SourcesEstimated(final=True):
+        case events.SourcesEstimated(final=True):
             found = f"{_count(event.estimate.k, 'source')} found after {_count(event.rotations, 'turn')}"
             said = Severity.INFO, found
-        case AlignmentPlanned():
+        case events.AlignmentPlanned():
             said = Severity.INFO, f"{_count(len(event.candidates), 'heading')} to try"
-        case Checked(accepted=int(group)):
+        case events.Checked(accepted=int(group)):
             said = Severity.NOTICE, f"target recognised: {_who(event.groups[group])}"
-        case ScoreDropped():
+        case events.ScoreDropped():
             said = Severity.WARNING, f"target lost, score {event.value:.1f} below {event.criterion:.1f}"
-        case Slipped():
+        case events.Slipped():
             said = Severity.WARNING, f"all azimuths shifted by {rotation(event.shift, 0)}: the array has slipped"
-        case Doubted():
+        case events.Doubted():
             said = Severity.WARNING, f"exploring after all: {event.reason}"
-        case Finished():
+        case events.Finished():
             said = SEVERITIES.get(event.outcome, Severity.WARNING), f"mission over: {event.reason}"
     return said
 
@@ -87,7 +73,7 @@ def recorder_text(before: RecordingStatus, now: RecordingStatus) -> Line | None:
     return Severity.INFO, f"recorded {now.seconds:.0f} s to {now.path}" if now.path else "recording ended"
 
 
-def _who(group: GroupScore) -> str:
+def _who(group: events.GroupScore) -> str:
     who = " or ".join(str(member) for member in group.members) or "unknown"
     return f"source {who}, score {group.value:.1f}"
 

@@ -21,10 +21,7 @@ class StreamReporter:
     """Puts the streams on the board and says what changes; ``streams`` tells how they are."""
 
     def __init__(
-        self,
-        board: Board,
-        send_text: Callable[[Severity, str], None],
-        streams: Callable[[], tuple[StreamStatus, ...]],
+        self, board: Board, send_text: Callable[[Severity, str], None], streams: Callable[[], tuple[StreamStatus, ...]]
     ) -> None:
         self._board = board
         self._send_text = send_text

@@ -10,17 +10,8 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Protocol
 
+from ross_payload.transport import ports
 from ross_payload.transport.async_task import Backoff
-from ross_payload.transport.ports import (
-    DEFAULTS,
-    MAX_READ_BYTES,
-    Counts,
-    Peer,
-    PortOptions,
-    reason,
-    with_failure,
-    with_outcome,
-)
 
 
 class Handle(Protocol):
@@ -139,7 +130,7 @@ class ReconnectingStream:
         opener: Opener,
         now: Callable[[], float],
         handle: Handle | None = None,
-        options: PortOptions = DEFAULTS,
+        options: ports.PortOptions = ports.DEFAULTS,
     ) -> None:
         self._opener = opener
         self._now = now
@@ -148,7 +139,7 @@ class ReconnectingStream:
         self._stream: Stream | None = None
         self._opened = 0
         self._events = select.epoll()
-        self.counts = Counts(up=False)
+        self.counts = ports.Counts(up=False)
         if handle is not None:
             self._begin(handle)
 
@@ -156,7 +147,7 @@ class ReconnectingStream:
         """Return a descriptor that is readable when something has arrived, on this connection and on the next ones."""
         return self._events.fileno()
 
-    def host_of(self, peer: Peer) -> str:
+    def host_of(self, peer: ports.Peer) -> str:
         """Return the address of the other side; empty: it has none, or is gone."""
         return "" if self._stream is None else self._stream.host
 
@@ -170,7 +161,7 @@ class ReconnectingStream:
         except OSError as error:
             self._lose(error)
             return
-        self.counts = with_outcome(self.counts, taken)
+        self.counts = ports.with_outcome(self.counts, taken)
 
     def receive(self) -> list[bytes]:
         """Return what has arrived, finish the frame that is begun, and see to the connection."""
@@ -180,7 +171,7 @@ class ReconnectingStream:
             return []
         try:
             self._stream.flush()
-            data = self._stream.read(MAX_READ_BYTES) if self._events.poll(0) else b""
+            data = self._stream.read(ports.MAX_READ_BYTES) if self._events.poll(0) else b""
         except OSError as error:
             self._lose(error)
             return []
@@ -226,5 +217,5 @@ class ReconnectingStream:
         self._fail(error)
 
     def _fail(self, error: Exception) -> None:
-        self.counts = replace(with_failure(self.counts, error), up=False, error=reason(error))
+        self.counts = replace(ports.with_failure(self.counts, error), up=False, error=ports.reason(error))
         self._retry_at = self._now() + self._backoff.wait()

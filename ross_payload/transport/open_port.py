@@ -18,11 +18,7 @@ OpenPort = UdpPeer | ReconnectingStream | Server
 
 
 def open_port(
-    url: str,
-    now: Callable[[], float],
-    *,
-    patient: bool = False,
-    options: PortOptions = DEFAULTS,
+    url: str, now: Callable[[], float], *, patient: bool = False, options: PortOptions = DEFAULTS
 ) -> OpenPort:
     """Open the port of a URL; a ``patient`` one goes on trying when the other side is not there yet.
 

@@ -14,20 +14,10 @@ from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import Any
 
+from ross_payload.transport import ports
 from ross_payload.transport.async_task import begin
 from ross_payload.transport.byte_stream import Stream
 from ross_payload.transport.link_url import Tcp
-from ross_payload.transport.ports import (
-    DEFAULTS,
-    MAX_READ_BYTES,
-    MAX_WAITING_CLIENTS,
-    Counts,
-    Peer,
-    PortOptions,
-    reason,
-    with_failure,
-    with_outcome,
-)
 from ross_protocols.mavlink.codec import Framer
 
 MIN_READ_BYTES = 128  # of one client in one call
@@ -44,7 +34,7 @@ class TcpOpener:
     baud = 0
     progress = ""
 
-    def __init__(self, address: Tcp, options: PortOptions = DEFAULTS) -> None:
+    def __init__(self, address: Tcp, options: ports.PortOptions = ports.DEFAULTS) -> None:
         self._address = address
         self._options = options
         self._lookup: Future[list[Any]] | None = None
@@ -118,7 +108,7 @@ class TcpServer:
 
     connected = True
 
-    def __init__(self, listeners: Sequence[socket.socket], options: PortOptions = DEFAULTS) -> None:
+    def __init__(self, listeners: Sequence[socket.socket], options: ports.PortOptions = ports.DEFAULTS) -> None:
         self._listeners = {sock.fileno(): sock for sock in listeners}
         self._options = options
         self._events = select.epoll()
@@ -127,11 +117,11 @@ class TcpServer:
         self._clients: dict[int, _Client] = {}  # by their number
         self._numbers = count(1)
         self._admission = False
-        self.counts = Counts()
+        self.counts = ports.Counts()
         self._set_accepting(True)
 
     @property
-    def clients(self) -> tuple[Peer, ...]:
+    def clients(self) -> tuple[ports.Peer, ...]:
         """The clients that are connected."""
         return tuple(self._clients)
 
@@ -139,7 +129,7 @@ class TcpServer:
         """Return a descriptor that is readable when a client has come, or something of one."""
         return self._events.fileno()
 
-    def host_of(self, peer: Peer) -> str:
+    def host_of(self, peer: ports.Peer) -> str:
         """Return the address of a client; empty: it is gone."""
         client = self._clients.get(peer) if isinstance(peer, int) else None
         return "" if client is None else client.host
@@ -154,7 +144,7 @@ class TcpServer:
             if client.admitted or not self._admission:
                 self.send_to(frame, number)
 
-    def send_to(self, frame: bytes, peer: Peer) -> None:
+    def send_to(self, frame: bytes, peer: ports.Peer) -> None:
         """Send one frame to a client, if it is still there and can take it."""
         client = self._clients.get(peer)
         if client is None:
@@ -162,9 +152,9 @@ class TcpServer:
         try:
             taken = client.stream.send(frame)
         except OSError as error:
-            self._lose(peer, reason(error))
+            self._lose(peer, ports.reason(error))
             return
-        self.counts = with_outcome(self.counts, taken)
+        self.counts = ports.with_outcome(self.counts, taken)
 
     def receive(self) -> list[bytes]:
         """Return the frames that clients have completed; let new clients in."""
@@ -174,7 +164,7 @@ class TcpServer:
         frames = (self._clients[number].framer.whole(data) for number, data in arrivals)
         return [whole for whole in frames if whole]
 
-    def receive_from(self, now: float, busy: Collection[Peer]) -> list[tuple[Peer, bytes]]:
+    def receive_from(self, now: float, busy: Collection[ports.Peer]) -> list[tuple[ports.Peer, bytes]]:
         """Return what clients have sent since the last call; let new clients in."""
         if self._events.closed:
             return []
@@ -182,7 +172,7 @@ class TcpServer:
         ready = {descriptor for descriptor, _ in self._events.poll(0)}
         for descriptor in ready & self._listeners.keys():
             ready |= self._accept(self._listeners[descriptor], now)
-        share = max(MAX_READ_BYTES // max(len(ready), 1), MIN_READ_BYTES)
+        share = max(ports.MAX_READ_BYTES // max(len(ready), 1), MIN_READ_BYTES)
         arrivals = [
             (number, data)
             for number in tuple(self._clients)
@@ -191,7 +181,7 @@ class TcpServer:
         self.counts = replace(self.counts, received=self.counts.received + sum(len(data) for _, data in arrivals))
         return arrivals
 
-    def admit(self, peer: Peer) -> None:
+    def admit(self, peer: ports.Peer) -> None:
         """Answer a client; when there are too many, the one unheard for longest has to go."""
         client = self._clients.pop(peer, None)
         if client is None:  # it has left
@@ -232,7 +222,7 @@ class TcpServer:
                 sock, (host, *_) = listener.accept()
             except OSError as error:  # nobody, or somebody who has left again
                 if error.errno in EXHAUSTED:
-                    self.counts = with_failure(self.counts, error)
+                    self.counts = ports.with_failure(self.counts, error)
                     self._accept_at = now + ACCEPT_PAUSE_S
                 break
             stream = Stream(prepared(sock, self._options), empty_is_end=True)
@@ -248,7 +238,11 @@ class TcpServer:
     def _make_room(self) -> None:
         """Close the oldest connection that is not admitted, of the host that has the most of them, when it is full."""
         waiting = [(number, client.host) for number, client in self._clients.items() if not client.admitted]
-        if len(waiting) <= MAX_WAITING_CLIENTS if self._admission else len(self._clients) <= self._options.max_clients:
+        if (
+            len(waiting) <= ports.MAX_WAITING_CLIENTS
+            if self._admission
+            else len(self._clients) <= self._options.max_clients
+        ):
             return
         of_host = Counter(host for _, host in waiting)
         number, _ = max(waiting, key=lambda each: of_host[each[1]])  # the first of the largest is the oldest
@@ -261,7 +255,7 @@ class TcpServer:
             stream.flush()
             return stream.read(most) if stream.fileno() in ready else b""
         except OSError as error:
-            self._lose(number, reason(error))
+            self._lose(number, ports.reason(error))
             return b""
 
     def _lose(self, number: int, why: str) -> None:
@@ -294,7 +288,7 @@ def open_listeners(address: Tcp) -> list[socket.socket]:
     return sockets
 
 
-def prepared(sock: socket.socket, options: PortOptions = DEFAULTS) -> socket.socket:
+def prepared(sock: socket.socket, options: ports.PortOptions = ports.DEFAULTS) -> socket.socket:
     """Make a TCP socket prompt, and quick to notice that the other side has vanished."""
     sock.setblocking(False)
     vanished = options.vanished_after_s

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from itertools import accumulate
 from pathlib import Path
-from typing import Self
 
 from ross_payload.errors import ConfigError, OutputError
 
@@ -43,7 +43,7 @@ def append_records(file: int, records: Sequence[bytes]) -> None:
         raise
 
 
-class TlogRecorder:
+class TlogRecorder(AbstractContextManager["TlogRecorder"]):
     """Writes a .tlog record by record, so that a crash leaves whole records only. A context manager.
 
     Raises
@@ -75,10 +75,6 @@ class TlogRecorder:
     def close(self) -> None:
         """Close the file; idempotent."""
         self._file.close()
-
-    def __enter__(self) -> Self:
-        """The file is open from the start."""
-        return self
 
     def __exit__(self, *error: object) -> None:
         """Close the file."""

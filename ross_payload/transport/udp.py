@@ -8,18 +8,9 @@ from collections.abc import Callable, Collection
 from concurrent.futures import Future
 from dataclasses import replace
 
+from ross_payload.transport import ports
 from ross_payload.transport.async_task import Backoff, begin
 from ross_payload.transport.link_url import Udp
-from ross_payload.transport.ports import (
-    DEFAULTS,
-    MAX_PEERS,
-    MAX_READ_BYTES,
-    Counts,
-    Peer,
-    PortOptions,
-    reason,
-    with_failure,
-)
 
 MAX_DATAGRAM_BYTES = 2048
 MAX_DATAGRAMS = 512  # of one call: 50,000 a second, before the system drops what a flood leaves no room for
@@ -50,7 +41,7 @@ class UdpPeer:
         address: Udp,
         now: Callable[[], float],
         sock: socket.socket | None = None,
-        options: PortOptions = DEFAULTS,
+        options: ports.PortOptions = ports.DEFAULTS,
     ) -> None:
         self._address = address
         self._now = now
@@ -60,7 +51,7 @@ class UdpPeer:
         self._stale = sock is None
         self._socket: socket.socket | None = None
         self._events = select.epoll()
-        self.counts = Counts(up=False)
+        self.counts = ports.Counts(up=False)
         if sock is not None:
             self._begin(sock)
 
@@ -68,7 +59,7 @@ class UdpPeer:
         """Return a descriptor that is readable when something has arrived."""
         return self._events.fileno()
 
-    def host_of(self, peer: Peer) -> str:
+    def host_of(self, peer: ports.Peer) -> str:
         """Return the address of the other side; empty: not known yet."""
         return "" if self._socket is None else str(self._socket.getpeername()[0])
 
@@ -88,7 +79,7 @@ class UdpPeer:
             self._look_up(self._now())
         if self._socket is None or not self._events.poll(0):
             return []
-        datagrams, counts = _received(self._socket, self.counts, MAX_READ_BYTES)
+        datagrams, counts = _received(self._socket, self.counts, ports.MAX_READ_BYTES)
         self._note(counts)
         if datagrams:
             self._backoff.reset()
@@ -103,7 +94,7 @@ class UdpPeer:
             self._socket = None
         self._events.close()
 
-    def _note(self, counts: Counts) -> None:
+    def _note(self, counts: ports.Counts) -> None:
         self._stale = self._stale or counts.failed > self.counts.failed
         self.counts = counts
 
@@ -116,7 +107,7 @@ class UdpPeer:
             try:
                 self._begin(opening.result())
             except (OSError, ValueError) as error:  # a ValueError: a name that cannot be one
-                self.counts = replace(self.counts, error=reason(error), trouble=reason(error))
+                self.counts = replace(self.counts, error=ports.reason(error), trouble=ports.reason(error))
 
     def _begin(self, sock: socket.socket) -> None:
         if self._socket is not None:
@@ -134,15 +125,15 @@ class UdpServer:
 
     def __init__(self, sock: socket.socket) -> None:
         self._socket = sock
-        self._peers: dict[Peer, None] = {}  # the latest heard from is last
+        self._peers: dict[ports.Peer, None] = {}  # the latest heard from is last
         self._admission = False
-        self.counts = Counts()
+        self.counts = ports.Counts()
 
     def fileno(self) -> int:
         """Return a descriptor that is readable when something has arrived."""
         return self._socket.fileno()
 
-    def host_of(self, peer: Peer) -> str:
+    def host_of(self, peer: ports.Peer) -> str:
         """Return the address of a peer."""
         return str(peer[0]) if isinstance(peer, tuple) else ""
 
@@ -155,23 +146,25 @@ class UdpServer:
         for peer in self._peers:
             self.send_to(frame, peer)
 
-    def send_to(self, frame: bytes, peer: Peer) -> None:
+    def send_to(self, frame: bytes, peer: ports.Peer) -> None:
         """Send one datagram."""
         self.counts = _sent(self.counts, lambda: self._socket.sendto(frame, peer))
 
     def receive(self) -> list[bytes]:
         """Return the datagrams that have arrived."""
-        return [data for _, data in self._arrived(MAX_READ_BYTES)]
+        return [data for _, data in self._arrived(ports.MAX_READ_BYTES)]
 
-    def receive_from(self, now: float, busy: Collection[Peer], max_bytes: int = ALL_BYTES) -> list[tuple[Peer, bytes]]:
+    def receive_from(
+        self, now: float, busy: Collection[ports.Peer], max_bytes: int = ALL_BYTES
+    ) -> list[tuple[ports.Peer, bytes]]:
         """Return the datagrams that have arrived and their senders; those of ``busy`` peers are dropped."""
         return [(peer, data) for peer, data in self._arrived(max_bytes) if peer not in busy]
 
-    def admit(self, peer: Peer) -> None:
+    def admit(self, peer: ports.Peer) -> None:
         """Answer a peer; the one unheard for longest makes room."""
         self._peers.pop(peer, None)
         self._peers[peer] = None
-        if len(self._peers) > MAX_PEERS:
+        if len(self._peers) > ports.MAX_PEERS:
             del self._peers[next(iter(self._peers))]
 
     def expire(self, timeout: float, now: float) -> None:
@@ -181,7 +174,7 @@ class UdpServer:
         """Close the socket."""
         self._socket.close()
 
-    def _arrived(self, max_bytes: int) -> list[tuple[Peer, bytes]]:
+    def _arrived(self, max_bytes: int) -> list[tuple[ports.Peer, bytes]]:
         datagrams, self.counts = _received(self._socket, self.counts, max_bytes)
         if not self._admission:
             for peer, _ in datagrams:
@@ -209,9 +202,11 @@ def open_udp(address: Udp) -> socket.socket:
     return sock
 
 
-def _received(sock: socket.socket, counts: Counts, max_bytes: int) -> tuple[list[tuple[Peer, bytes]], Counts]:
+def _received(
+    sock: socket.socket, counts: ports.Counts, max_bytes: int
+) -> tuple[list[tuple[ports.Peer, bytes]], ports.Counts]:
     """Read datagrams until they are ``max_bytes`` or more; return them, and what is counted then."""
-    found: list[tuple[Peer, bytes]] = []
+    found: list[tuple[ports.Peer, bytes]] = []
     size = 0
     while size < max_bytes and len(found) < MAX_DATAGRAMS:
         try:
@@ -219,22 +214,22 @@ def _received(sock: socket.socket, counts: Counts, max_bytes: int) -> tuple[list
         except BlockingIOError:
             break
         except OSError as error:  # an earlier datagram found nobody
-            counts = with_failure(counts, error)
+            counts = ports.with_failure(counts, error)
             break
         found.append((peer, data))
         size += len(data)
     return found, replace(counts, received=counts.received + size, trouble="" if found else counts.trouble)
 
 
-def _sent(counts: Counts, send: Callable[[], int]) -> Counts:
+def _sent(counts: ports.Counts, send: Callable[[], int]) -> ports.Counts:
     """Send one datagram; return what is counted then."""
     for _ in range(2):
         try:
             send()
         except ConnectionRefusedError as error:  # the news is of an earlier datagram; this one was not sent
-            counts = with_failure(counts, error)
+            counts = ports.with_failure(counts, error)
             continue
         except OSError as error:
-            return with_failure(counts, error)
+            return ports.with_failure(counts, error)
         return replace(counts, sent=counts.sent + 1)
     return counts

@@ -206,7 +206,7 @@ class Scenario(Table):
         free = iter([voice for voice in voices if voice not in taken])
         talkers = tuple(next(free) if voice is None else voice for voice in named)
         target = _find(self.target, [*talkers, *free])
-        return Cast(talkers, target, talkers.index(target) if target in talkers else None)
+        return Cast(talkers, target)
 
     def _spec(self, sources: Sequence[tuple[float, ...]]) -> RoomSpec:
         return RoomSpec(
@@ -250,7 +250,6 @@ class Cast:
 
     talkers: tuple[TalkerVoice, ...]
     target: TalkerVoice
-    target_index: int | None  # into talkers; None: the target is not in the room
 
 
 def names() -> tuple[str, ...]:

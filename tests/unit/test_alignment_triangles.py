@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ross_payload.alignment.paper_rules import paper_plan
-from ross_payload.alignment.plan import isolation
+from ross_payload.alignment.plan import Turn, isolation
 from ross_payload.angles import wrap_axis
 from ross_payload.events import SourceEstimate
 from ross_payload.interfaces import Real
@@ -61,7 +61,7 @@ def test_where_the_triangle_with_both_neighbours_is_acute_no_heading_beats_their
 @given(acute_layouts(fewest=1))
 def test_the_paper_plans_for_such_a_target_is_the_bisector(azimuths: Real) -> None:
     sources = [SourceEstimate(float(azimuth), 0.01, 1.0, True) for azimuth in azimuths]
-    planned = paper_plan(sources, heading=0, joint=0, lower=-4, upper=4, spacing=SPACING, speed_of_sound=SPEED)
+    planned = paper_plan(sources, Turn(0, 0, -4, 4), SPACING / SPEED)
     (chosen,) = [candidate for candidate in planned.candidates if candidate.source == 0]
     bisector, _ = isolations(azimuths)
     assert chosen.isolation >= bisector - 1e-9

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 from ross_payload.alignment.paper_rules import paper_plan
-from ross_payload.alignment.plan import plan
+from ross_payload.alignment.plan import Turn, plan
 from ross_payload.events import AlignmentPlanned, Doubted, Estimate, SourceEstimate, SourcesEstimated
 from ross_payload.telemetry.event_messages import Stamp, alignments
 from ross_payload.telemetry.status_texts import line
@@ -39,7 +39,7 @@ def test_the_end_of_belief_is_a_warning_with_its_reason():
 @pytest.mark.parametrize("degrees", [(40,), (30, -30), (0, 100, -120), (0, 70, 100, -120)])
 def test_a_ground_station_knows_every_rule_that_plans(planner, upper, degrees):
     talkers = [SourceEstimate(float(np.deg2rad(a)), 0.01, 1.0, resolved=True) for a in degrees]
-    found = planner(talkers, heading=0.0, joint=0.0, lower=0.0, upper=upper, spacing=0.05, speed_of_sound=343.0)
+    found = planner(talkers, Turn(0.0, 0.0, 0.0, upper), 0.05 / 343.0)
     event = AlignmentPlanned(0.0, found.candidates, found.headings, found.isolation)
     values = alignments(event, 1, Stamp(0, earth=False))
     assert [value.rule.name.lower() for value in values] == [candidate.rule for candidate in found.candidates]

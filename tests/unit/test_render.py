@@ -127,7 +127,7 @@ def test_pauses_start_and_end_are_silent_and_the_speech_loops():
 
 
 def test_motor_is_silent_at_rest_and_fades():
-    motor = MotorNoise(0.1, RATE, np.random.default_rng(1))
+    motor = MotorNoise(0.1, np.random.default_rng(1))
     assert motor.between(0.3, 0.3, QUANTUM) == 0.0
     first = motor.between(0.3, 0.31, QUANTUM)
     assert first[0] == 0.0
@@ -138,7 +138,7 @@ def test_motor_is_silent_at_rest_and_fades():
 
 
 def test_motor_sings_at_the_rate_of_full_steps():
-    motor = MotorNoise(0.1, RATE, np.random.default_rng(1))
+    motor = MotorNoise(0.1, np.random.default_rng(1))
     speed = 100 * FULL_STEP  # 100 steps a second
     angles = speed * np.arange(201) / 100
     heard = np.concatenate([motor.between(a, b, QUANTUM) for a, b in itertools.pairwise(angles)])

@@ -4,13 +4,14 @@ import json
 import math
 import os
 import time
+from dataclasses import asdict
 
 import pytest
 from rich.console import Console
 
 from ross_payload.errors import ConfigError, OutputError
 from ross_sim.study import study_store, task_engine
-from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, columns, decode, encode
+from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, columns, decode
 from ross_sim.study.study_case import Failure
 from ross_sim.study.study_design import Task
 from ross_sim.study.study_run import Lines, measure
@@ -29,7 +30,7 @@ def result(name):
 
 
 def test_results_come_back_as_they_were():
-    assert decode(json.loads(json.dumps(encode(result("a"))))) == result("a")
+    assert decode(json.loads(json.dumps(asdict(result("a"))))) == result("a")
 
 
 def test_a_torn_line_is_dropped_and_the_next_result_follows_the_last_whole_one(tmp_path):

@@ -8,37 +8,22 @@ from dataclasses import dataclass
 from typing import Any
 
 from ross_protocols.can import CanFrame
+from ross_protocols.dronecan import messages, services
 from ross_protocols.dronecan.gimbal_messages import AngularCommand, GimbalStatus
-from ross_protocols.dronecan.messages import (
-    Allocation,
-    ArrayCommand,
-    DroneCanError,
-    LogMessage,
-    NodeStatus,
-    Received,
-    Status,
-)
 from ross_protocols.dronecan.params import GetSetRequest, GetSetResponse, OpcodeRequest, OpcodeResponse
 from ross_protocols.dronecan.ross_types import RossSources, RossStatus
-from ross_protocols.dronecan.services import (
-    NodeInfo,
-    NodeInfoRequest,
-    RestartRequest,
-    RestartResponse,
-    TransportStats,
-    TransportStatsRequest,
-)
 from ross_protocols.dronecan.transfer import REQUEST, SERVICE, Header, Joiner, split
 
 PRIORITY = 20  # of a request
 
 
 MESSAGES = (
-    NodeStatus, ArrayCommand, Status, AngularCommand, GimbalStatus, LogMessage, Allocation, RossStatus, RossSources,
+    messages.NodeStatus, messages.ArrayCommand, messages.Status, messages.LogMessage, messages.Allocation,
+    AngularCommand, GimbalStatus, RossStatus, RossSources,
 )  # fmt: skip
 BROADCASTS: dict[int, Any] = {kind.NUMBER: kind for kind in MESSAGES}
-ASKED = NodeInfoRequest, TransportStatsRequest, RestartRequest, GetSetRequest, OpcodeRequest
-ANSWERED = NodeInfo, TransportStats, RestartResponse, GetSetResponse, OpcodeResponse
+ASKED = services.NodeInfoRequest, services.TransportStatsRequest, services.RestartRequest, GetSetRequest, OpcodeRequest
+ANSWERED = services.NodeInfo, services.TransportStats, services.RestartResponse, GetSetResponse, OpcodeResponse
 REQUESTS = {kind.NUMBER: kind for kind in ASKED}
 RESPONSES = {kind.NUMBER: kind for kind in ANSWERED}
 
@@ -71,7 +56,7 @@ class Encoder:
     def broadcast(self, message: Any) -> list[CanFrame]:
         """Return the frames of a message to everybody; a long transfer begins with its CRC.
 
-        >>> [frame.data.hex() for frame in Encoder(9).broadcast(Status(1, 0.5))]
+        >>> [frame.data.hex() for frame in Encoder(9).broadcast(messages.Status(1, 0.5))]
         ['cd1b010038007e80', '007e7f60']
         """
         header = Header(message.NUMBER, self._node, priority=message.PRIORITY)
@@ -105,22 +90,22 @@ class Decoder:
         """Transfers that came damaged or in part, by node."""
         return self._joiner.broken
 
-    def feed(self, frame: CanFrame) -> Received | Call | Reply | None:
+    def feed(self, frame: CanFrame) -> messages.Received | Call | Reply | None:
         """Return what this frame completes."""
         if not frame.extended:
             return None
         try:
             return self._service(frame) if frame.id & SERVICE else self._broadcast(frame)
-        except (struct.error, DroneCanError):
+        except (struct.error, messages.DroneCanError):
             return None
 
-    def _broadcast(self, frame: CanFrame) -> Received | None:
+    def _broadcast(self, frame: CanFrame) -> messages.Received | None:
         source = frame.id & 0x7F
         kind: Any = BROADCASTS.get(frame.id >> 8 & (0xFFFF if source else 3))
         whole = None if kind is None else self._joiner.feed(frame, kind.SEED)
         if whole is None:
             return None
-        return Received(source, kind.unpack(whole.payload), whole.transfer)
+        return messages.Received(source, kind.unpack(whole.payload), whole.transfer)
 
     def _service(self, frame: CanFrame) -> Call | Reply | None:
         if not self._node or frame.id >> 8 & 0x7F != self._node or not frame.id & 0x7F:

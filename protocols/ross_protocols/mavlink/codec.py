@@ -185,7 +185,14 @@ class Decoder:
             if message is None:
                 self.unknown += 1
             else:
-                yield _packet(message, bytes(frame))
+                yield Packet(
+                    message.get_srcSystem(),
+                    message.get_srcComponent(),
+                    message.get_seq(),
+                    message.get_type(),
+                    message,
+                    bytes(frame),
+                )
         else:
             return
         self.behind = False
@@ -214,14 +221,3 @@ def chunks(severity: Severity, text: str, number: int) -> list[Text]:
         return [Text(severity, text)]
     parts = [text[start : start + TEXT_SIZE] for start in range(0, len(text) + 1, TEXT_SIZE)]
     return [Text(severity, part, number, index) for index, part in enumerate(parts)]
-
-
-def _packet(message: Any, frame: bytes) -> Packet:
-    return Packet(
-        message.get_srcSystem(),
-        message.get_srcComponent(),
-        message.get_seq(),
-        message.get_type(),
-        message,
-        frame,
-    )

@@ -82,10 +82,7 @@ def limited(lower: int, upper: int, scale: float = 1.0) -> Pair:
     >>> pair.there(0.1), pair.there(1.0), pair.back(100)
     (100, 254, 0.1)
     """
-    return Pair(
-        lambda number: round(min(max(scale * number, lower), upper)),
-        lambda wire: wire / scale,
-    )
+    return Pair(lambda number: round(min(max(scale * number, lower), upper)), lambda wire: wire / scale)
 
 
 def member(kind: type) -> Pair:

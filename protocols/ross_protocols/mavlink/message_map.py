@@ -169,10 +169,7 @@ SEPARATION = Layout(
     | _same(c.MAYBE_DIRECTION, "heading")
     | _same(c.MAYBE_NUMBER, "score", "criterion", "si_sdr")
     | _same(c.text(16), "method")
-    | {
-        "si_sdr_improvement": Field("si_sdri", c.MAYBE_NUMBER),
-        "flags": {"accepted": 1, "target": 2},
-    },
+    | {"si_sdr_improvement": Field("si_sdri", c.MAYBE_NUMBER), "flags": {"accepted": 1, "target": 2}},
 )
 
 AUDIO = Layout(

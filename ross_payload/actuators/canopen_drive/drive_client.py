@@ -6,36 +6,12 @@ import logging
 import math
 from dataclasses import dataclass
 
-from ross_payload.actuators.canopen_drive.drive_setup import (
-    HEARTBEAT_MS,
-    RPDO1_ITEMS,
-    RPDO2_ITEMS,
-    TPDO1_ITEMS,
-    TPDO2_ITEMS,
-)
+from ross_payload.actuators.canopen_drive import drive_setup
 from ross_payload.actuators.canopen_drive.options import Options
 from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S
 from ross_payload.interfaces import Port
 from ross_protocols.can import CanFrame
-from ross_protocols.canopen import cia402
-from ross_protocols.canopen.frames import (
-    EMERGENCY,
-    HEARTBEAT,
-    NMT,
-    RPDO,
-    SDO_REPLY,
-    SDO_REQUEST,
-    TPDO,
-    Emergency,
-    NmtCommand,
-    NmtState,
-    emergency_of,
-    heartbeat,
-    nmt,
-    packed,
-    state_of,
-    unpacked,
-)
+from ross_protocols.canopen import cia402, frames
 from ross_protocols.canopen.sdo import Abort, Read, Value, Write, Written, reply_of, request, request_of
 
 SILENCE_TIMEOUT_S = 0.35  # without any word of the drive [s]
@@ -80,7 +56,7 @@ class DriveClient:
         self.running = False  # the drive is set up and has been started
         self.report = DriveReport()
         self.velocity = 0  # [counts/s]
-        self.emergency: Emergency | None = None
+        self.emergency: frames.Emergency | None = None
         self.answers: list[Value | Written | Abort] = []
         self.event = ""  # what went wrong and does not mend itself; whoever reads it clears it
         self.restarted = False  # it must be set up anew
@@ -109,8 +85,8 @@ class DriveClient:
     def send_heartbeat(self, now: float) -> None:
         """Tell the drive that we live; when that ends it stops by itself."""
         if now >= self._next_heartbeat - TIME_TOLERANCE_S:
-            self._next_heartbeat = now + HEARTBEAT_MS * 1e-3
-            self._port.send(heartbeat(self._own, NmtState.OPERATIONAL))
+            self._next_heartbeat = now + drive_setup.HEARTBEAT_MS * 1e-3
+            self._port.send(frames.heartbeat(self._own, frames.NmtState.OPERATIONAL))
 
     def send_sdo(self, wanted: Read | Write) -> None:
         """Read or write an entry of the drive's dictionary."""
@@ -120,20 +96,20 @@ class DriveClient:
     def enter_pre_operational(self) -> None:
         """Let the drive talk and be set up, but send and obey no process data."""
         self.running, self.restarted, self._started = False, False, math.inf
-        self._port.send(nmt(NmtCommand.PRE_OPERATIONAL, self._node))
+        self._port.send(frames.nmt(frames.NmtCommand.PRE_OPERATIONAL, self._node))
 
     def start(self, now: float) -> None:
         """Let the drive send and obey process data; from here on it is missed when it is silent."""
         self.running, self.heard_at, self._booted, self._started = True, now, None, now
-        self._port.send(nmt(NmtCommand.START, self._node))
+        self._port.send(frames.nmt(frames.NmtCommand.START, self._node))
 
     def send_order(self, word: int, target: int, mode: int) -> None:
         """Send controlword, target and mode."""
-        self._send(RPDO[0], packed(RPDO1_ITEMS, (word, target, mode)))
+        self._send(frames.RPDO[0], frames.packed(drive_setup.RPDO1_ITEMS, (word, target, mode)))
 
     def send_speed_limit(self, speed: int) -> None:
         """Send the speed of the next set-point [counts/s]."""
-        self._send(RPDO[1], packed(RPDO2_ITEMS, (speed,)))
+        self._send(frames.RPDO[1], frames.packed(drive_setup.RPDO2_ITEMS, (speed,)))
 
     def stop_heartbeat_watch(self) -> None:
         """Let the drive hear from us no more, and not mind."""
@@ -159,41 +135,41 @@ class DriveClient:
 
     def _on_frame(self, frame: CanFrame, now: float) -> None:
         kind, node = frame.id & 0x780, frame.id & 0x7F
-        if frame.id == NMT:
+        if frame.id == frames.NMT:
             if len(frame.data) == 2 and frame.data[1] in (0, self._node):
                 whom = f"node {self._node}" if frame.data[1] else "all nodes"
-                self._set_event(f"another master on the bus orders {whom}: {NmtCommand.says(frame.data[0])}")
-        elif frame.id == HEARTBEAT + self._own:
+                self._set_event(f"another master on the bus orders {whom}: {frames.NmtCommand.says(frame.data[0])}")
+        elif frame.id == frames.HEARTBEAT + self._own:
             self._set_event(f"another node on the bus has our node id {self._own}")
         elif node != self._node:
             self._crowd += 1
-        elif kind in (*RPDO, SDO_REQUEST):
+        elif kind in (*frames.RPDO, frames.SDO_REQUEST):
             self._on_master_frame(kind, frame.data)
         else:
             self.heard_at, self._crowd = now, 0
             self._on_drive_frame(kind, frame.data, now)
 
     def _on_master_frame(self, kind: int, data: bytes) -> None:
-        asked = request_of(data) if kind == SDO_REQUEST else None
+        asked = request_of(data) if kind == frames.SDO_REQUEST else None
         if isinstance(asked, Read):
             self._owed += 1
-        elif kind != SDO_REQUEST or isinstance(asked, Write):
+        elif kind != frames.SDO_REQUEST or isinstance(asked, Write):
             self._set_event(f"another master on the bus commands node {self._node}")
 
     def _on_drive_frame(self, kind: int, data: bytes, now: float) -> None:
-        if kind == TPDO[0]:
+        if kind == frames.TPDO[0]:
             self._on_position(data, now)
-        elif kind == TPDO[1]:
+        elif kind == frames.TPDO[1]:
             self._on_velocity(data)
-        elif kind == SDO_REPLY:
+        elif kind == frames.SDO_REPLY:
             self._on_sdo_answer(data)
-        elif kind == HEARTBEAT:
+        elif kind == frames.HEARTBEAT:
             self._on_nmt_state(data, now)
-        elif kind == EMERGENCY:
+        elif kind == frames.EMERGENCY:
             self._on_emergency(data)
 
     def _on_position(self, data: bytes, now: float) -> None:
-        values = unpacked(TPDO1_ITEMS, data)
+        values = frames.unpacked(drive_setup.TPDO1_ITEMS, data)
         if values is None:
             self._damaged(f"a report of {len(data)} bytes")
         elif self._booted is not None:
@@ -204,7 +180,7 @@ class DriveClient:
             self.report = DriveReport(status, position, mode, now)
 
     def _on_velocity(self, data: bytes) -> None:
-        values = unpacked(TPDO2_ITEMS, data)
+        values = frames.unpacked(drive_setup.TPDO2_ITEMS, data)
         if values is None:
             self._damaged(f"a report of {len(data)} bytes")
         else:
@@ -221,17 +197,21 @@ class DriveClient:
             self.answers.append(answer)
 
     def _on_nmt_state(self, data: bytes, now: float) -> None:
-        state = state_of(data)
+        state = frames.state_of(data)
         if state is None:
             self._damaged(f"an invalid heartbeat: {data.hex()}")
-        elif state is NmtState.BOOT_UP:
+        elif state is frames.NmtState.BOOT_UP:
             self.restarted, self._booted = True, now if self.running else None
-        elif self._booted is None and now > self._started + SILENCE_TIMEOUT_S and state is not NmtState.OPERATIONAL:
+        elif (
+            self._booted is None
+            and now > self._started + SILENCE_TIMEOUT_S
+            and state is not frames.NmtState.OPERATIONAL
+        ):
             self.restarted = True
             self._set_event(f"the drive at node {self._node} is {state.words} and accepts no set-points")
 
     def _on_emergency(self, data: bytes) -> None:
-        emergency = emergency_of(data)
+        emergency = frames.emergency_of(data)
         if emergency is None:
             self._damaged(f"an emergency of {len(data)} bytes")
         else:

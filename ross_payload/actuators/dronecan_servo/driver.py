@@ -15,14 +15,7 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ross_payload.actuators.driver_shell import (
-    TIME_TOLERANCE_S,
-    Driver,
-    DriverBackend,
-    Move,
-    Request,
-    capabilities_of,
-)
+from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Driver, DriverBackend, Move, Request, capabilities_of
 from ross_payload.actuators.dronecan_servo.diagnostics import MAX_NOISE_RAD, PositionNoise
 from ross_payload.actuators.dronecan_servo.options import Options
 from ross_payload.actuators.dronecan_servo.servo_client import PositionReport, ServoClient
@@ -197,7 +190,7 @@ class DronecanServo(Driver):
         return ActuatorState(
             angle=angle,
             rate=rate,
-            settled=not fault and self._still(now) and self._arrived(angle, now),
+            settled=not fault and self._still() and self._arrived(angle, now),
             homed=known if self._measured else self._homed,
             healthy=not fault,
             time=client.report.time if self._measured else client.heard_at,
@@ -212,7 +205,7 @@ class DronecanServo(Driver):
         goal = self._options.quantised(self._motion.plan.goal)
         return over and (not self._measured or abs(angle - goal) <= self.capabilities.resolution)
 
-    def _still(self, now: float) -> bool:
+    def _still(self) -> bool:
         """Whether all reports of the last settle_ms are of one place."""
         if not self._measured:
             return self._homed

@@ -19,17 +19,8 @@ from ross_payload.dronecan.node import Node
 from ross_payload.dronecan.shared_bus import node_of
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import Port
+from ross_protocols.dronecan import messages
 from ross_protocols.dronecan.gimbal_messages import AngularCommand, GimbalStatus
-from ross_protocols.dronecan.messages import (
-    ArrayCommand,
-    Health,
-    LogMessage,
-    Message,
-    Mode,
-    NodeStatus,
-    Received,
-    Status,
-)
 from ross_protocols.dronecan.node_messages import Decoder
 
 ALIVE_TIMEOUT_S = 2.5  # since the last NodeStatus of the servo, and it still lives [s]
@@ -91,7 +82,7 @@ class ServoClient:
         self._own = own_node(options, self._shared_port, now)
         self._decoder = Decoder(0)
         self._traffic = BusTraffic()
-        self._duplicates: defaultdict[type[Message], DuplicateIdDetector] = defaultdict(DuplicateIdDetector)
+        self._duplicates: defaultdict[type[messages.Message], DuplicateIdDetector] = defaultdict(DuplicateIdDetector)
         self._start = now
         self._uptime: int | None = None  # of the servo [s]
         self._alive = -math.inf  # its last NodeStatus [s]
@@ -132,7 +123,7 @@ class ServoClient:
             self._own.poll(now)
         for frame in frames:
             received = self._decoder.feed(frame)
-            if isinstance(received, Received):
+            if isinstance(received, messages.Received):
                 self._on_message(received, now)
         self._info_query.on_frames(frames)
         if not math.isinf(self.heard_at):
@@ -173,9 +164,9 @@ class ServoClient:
         else:
             self._port.close()
 
-    def _on_message(self, received: Received, now: float) -> None:
+    def _on_message(self, received: messages.Received, now: float) -> None:
         node, message, number = received.node, received.message, self._options.number
-        if isinstance(message, ArrayCommand | AngularCommand):
+        if isinstance(message, messages.ArrayCommand | AngularCommand):
             if self._commands_ours(message):
                 self.event, self.lost = f"node {node} commands actuator {number} too", True
         elif node == self._options.node_id:
@@ -187,43 +178,43 @@ class ServoClient:
                 f"actuator {number}: expected reports of node {self._options.node_id} alone, got node {node}'s too"
             )
 
-    def _commands_ours(self, message: ArrayCommand | AngularCommand) -> bool:
+    def _commands_ours(self, message: messages.ArrayCommand | AngularCommand) -> bool:
         gimbal, number = self._options.command == "gimbal", self._options.number
         if isinstance(message, AngularCommand):
             return gimbal and message.gimbal_id == number
         return not gimbal and any(command.actuator_id == number for command in message.commands)
 
-    def _is_report(self, message: Message) -> bool:
+    def _is_report(self, message: messages.Message) -> bool:
         gimbal, number = self._options.command == "gimbal", self._options.number
         if isinstance(message, GimbalStatus):
             return gimbal and message.gimbal_id == number
-        return isinstance(message, Status) and not gimbal and message.actuator_id == number
+        return isinstance(message, messages.Status) and not gimbal and message.actuator_id == number
 
-    def _on_servo_message(self, message: Message, count: int, now: float) -> None:
-        if isinstance(message, Status | GimbalStatus):
+    def _on_servo_message(self, message: messages.Message, count: int, now: float) -> None:
+        if isinstance(message, messages.Status | GimbalStatus):
             if self._is_report(message):
                 self.report, self.heard_at = PositionReport(self._joint(message), now, count), now
-        elif isinstance(message, NodeStatus):
+        elif isinstance(message, messages.NodeStatus):
             self._on_node_status(message)
             self.heard_at = self._alive = now
-        elif isinstance(message, LogMessage) and message.text != self._last_log:
+        elif isinstance(message, messages.LogMessage) and message.text != self._last_log:
             self._last_log = message.text
             log.log(LOG_LEVELS[min(message.level, 3)], "servo: %s: %s", message.source, message.text)
 
-    def _joint(self, report: Status | GimbalStatus) -> float:
+    def _joint(self, report: messages.Status | GimbalStatus) -> float:
         """Return the joint angle of a report [rad]; a gimbal counts no turns, so the nearest one is meant."""
-        if isinstance(report, Status):
+        if isinstance(report, messages.Status):
             return self._options.joint_at(report.position) if math.isfinite(report.position) else math.nan
         before = 0.0 if math.isnan(self.report.joint) else self.report.joint
         return before + wrap(self._options.joint_at(report.yaw) - before)
 
-    def _on_node_status(self, status: NodeStatus) -> None:
+    def _on_node_status(self, status: messages.NodeStatus) -> None:
         if self._uptime is not None and status.uptime < self._uptime:
             what = f"the servo restarted after {self._uptime} s, or another node has the servo's id"
             self.event, self.lost = f"{what}: its position is uncertain", True
         self._uptime = status.uptime
         self.condition = ""
-        if status.mode is not Mode.OPERATIONAL or status.health >= Health.ERROR:
+        if status.mode is not messages.Mode.OPERATIONAL or status.health >= messages.Health.ERROR:
             health, mode = (word.name.lower().replace("_", " ") for word in (status.health, status.mode))
             code = f", code {status.vendor_code}" if status.vendor_code else ""
             self.condition = f"the servo reports: health {health}, mode {mode}{code}"

@@ -11,25 +11,7 @@ from ross_payload.actuators.grbl.options import Options, complaint, slower
 from ross_payload.actuators.grbl.position_tracker import PositionTracker
 from ross_payload.errors import ActuatorFault
 from ross_payload.interfaces import Port
-from ross_protocols.grbl.protocol import (
-    ACCELERATION,
-    HOLD,
-    JOG_CANCEL,
-    MAX_RATE,
-    RESET,
-    SOFT_LIMITS,
-    TRAVEL,
-    Alarm,
-    Banner,
-    Error,
-    Info,
-    Message,
-    Report,
-    Setting,
-    State,
-    jog,
-    rate,
-)
+from ross_protocols.grbl import protocol
 
 Script = Generator[None, None, None]
 log = logging.getLogger(__name__)
@@ -67,7 +49,7 @@ class GrblClient:
         self.position_known = False  # whether the counter still means what it did
 
     @property
-    def doing(self) -> State | None:
+    def doing(self) -> protocol.State | None:
         """What grbl does, by its last report."""
         return self._line.report.state if self._line.report is not None else None
 
@@ -99,10 +81,10 @@ class GrblClient:
 
     def allows(self, count: int) -> bool:
         """Whether a counter is within grbl's soft limits, where they are on; they end at machine position 0."""
-        if not self._settings.get(SOFT_LIMITS):
+        if not self._settings.get(protocol.SOFT_LIMITS):
             return True
         place = math.degrees(count * self._options.resolution)
-        return -self._settings.get(TRAVEL + self._options.index, 0.0) <= place <= 0
+        return -self._settings.get(protocol.TRAVEL + self._options.index, 0.0) <= place <= 0
 
     def forget(self) -> None:
         """Start anew: the line was lost."""
@@ -141,7 +123,7 @@ class GrblClient:
         wrong = complaint(self._settings, self._options)
         if wrong:
             raise ActuatorFault(wrong)
-        self.tracker.acceleration = math.radians(self._settings[ACCELERATION + self._options.index])
+        self.tracker.acceleration = math.radians(self._settings[protocol.ACCELERATION + self._options.index])
         for note in slower(self._settings, self._options):
             log.warning("%s: moves take longer", note)
         yield from self._fresh_report()
@@ -158,19 +140,19 @@ class GrblClient:
             self.tracker.ours = True
             if self._now >= again:
                 again = self._now + CANCEL_PERIOD_S
-                self._line.send_byte(HOLD if self.doing is State.RUN else JOG_CANCEL)
+                self._line.send_byte(protocol.HOLD if self.doing is protocol.State.RUN else protocol.JOG_CANCEL)
             yield
         self.tracker.rest()
 
     def jog(self, count: int, speed: float) -> Script:
         """Go to a counter [steps] at most at ``speed`` [rad/s], until grbl is idle there."""
         self.tracker.begin(count, self._now)
-        yield from self._send_line(jog(self._options.axis, count * self._options.resolution, speed))
+        yield from self._send_line(protocol.jog(self._options.axis, count * self._options.resolution, speed))
         while not self._at_rest():
             yield
         self.tracker.rest()
         here = self.tracker.count
-        if here is None or abs(here - count) > GOAL_TOLERANCE_STEPS or self.doing is not State.IDLE:
+        if here is None or abs(here - count) > GOAL_TOLERANCE_STEPS or self.doing is not protocol.State.IDLE:
             found, wanted = (math.degrees((each or 0) * self._options.resolution) for each in (here, count))
             raise ActuatorFault(
                 f"another controller stopped grbl: {self.doing} at machine position {found:.2f} deg, not {wanted:.2f}"
@@ -202,23 +184,23 @@ class GrblClient:
         """Reset grbl: wakes it, ends its homing, a hold, a program."""
         self._starting, self.homing = True, False
         self._line.forget()
-        self._line.send_byte(RESET)
+        self._line.send_byte(protocol.RESET)
         yield from self._fresh_report()
         self._starting = False
 
     # ------------------------------------------------------------------------------------------ words
 
-    def _on_message(self, message: Message) -> str:
-        if isinstance(message, Setting):
+    def _on_message(self, message: protocol.Message) -> str:
+        if isinstance(message, protocol.Setting):
             self._settings[message.number] = message.value
-        elif isinstance(message, Info):
+        elif isinstance(message, protocol.Info):
             self._version = message.text if message.key == "VER" else self._version
-        elif isinstance(message, Alarm):
+        elif isinstance(message, protocol.Alarm):
             self.position_known = self.homing = False
             return f"grbl: {message.words}"
-        elif isinstance(message, Banner):
+        elif isinstance(message, protocol.Banner):
             return self._on_banner()
-        elif isinstance(message, Report):
+        elif isinstance(message, protocol.Report):
             return self._on_report(message)
         return ""
 
@@ -230,8 +212,8 @@ class GrblClient:
         self.forget()
         return "grbl has restarted: the position is lost"
 
-    def _on_report(self, report: Report) -> str:
-        fastest = rate(self._settings.get(MAX_RATE + self._options.index, math.inf))
+    def _on_report(self, report: protocol.Report) -> str:
+        fastest = protocol.rate(self._settings.get(protocol.MAX_RATE + self._options.index, math.inf))
         before = self._line.time
         if self.identified and not self.tracker.possible(report, self._now - before, fastest):
             self._line.on_damage(self._now, "a position out of reach")
@@ -253,7 +235,7 @@ class GrblClient:
                 raise ActuatorFault(f"grbl does not answer to '{line.decode().strip()}'")
             yield
         answer = self._line.answer
-        if isinstance(answer, Error) and not refused:
+        if isinstance(answer, protocol.Error) and not refused:
             raise ActuatorFault(f"grbl refuses '{line.decode().strip()}': {answer.words}")
 
     def _fresh_report(self) -> Script:

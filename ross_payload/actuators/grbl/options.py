@@ -8,17 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ross_payload.config import Degrees, Positive, Table
-from ross_protocols.grbl.protocol import (
-    ACCELERATION,
-    HOMING,
-    IDLE_DELAY,
-    INCHES,
-    MAX_RATE,
-    REPORT_MASK,
-    STEPS,
-    per_degree,
-    rate,
-)
+from ross_protocols.grbl import protocol
 
 SETTING_ROUNDING = 0.0006  # of a setting, which is told with three decimals
 MIN_SETTING = 1e-6  # least of what must be above 0
@@ -57,41 +47,43 @@ def complaint(settings: dict[int, float], options: Options) -> str:
     >>> complaint(good, Options()), complaint(good | {120: 500}, Options())
     ('', "grbl's $120 is 500, above the acceleration of 112.5 deg/s^2 that is allowed: set $120=112.5")
     """
-    steps, speed, acceleration = (first + options.index for first in (STEPS, MAX_RATE, ACCELERATION))
-    needed = (IDLE_DELAY, REPORT_MASK, INCHES, HOMING, steps, speed, acceleration)
+    steps, speed, acceleration = (
+        first + options.index for first in (protocol.STEPS, protocol.MAX_RATE, protocol.ACCELERATION)
+    )
+    needed = (protocol.IDLE_DELAY, protocol.REPORT_MASK, protocol.INCHES, protocol.HOMING, steps, speed, acceleration)
     for number in needed:
         if number not in settings:
             return f"grbl does not report ${number}: does it have an axis {options.axis}, and is it version 1.1?"
     for number in (steps, speed, acceleration):
         if settings[number] < MIN_SETTING:
             return f"grbl's ${number} is {settings[number]:g}: expected a value above 0"
-    scale, cap = per_degree(options.resolution), options.max_acceleration_deg_s2
+    scale, cap = protocol.per_degree(options.resolution), options.max_acceleration_deg_s2
     if abs(settings[steps] - scale) > SETTING_ROUNDING:
         return f"grbl's ${steps} is {settings[steps]:g} steps per degree: motor and gear need ${steps}={scale:.3f}"
     if settings[acceleration] > cap + SETTING_ROUNDING:
         found = f"grbl's ${acceleration} is {settings[acceleration]:g}"
         return f"{found}, above the acceleration of {cap:g} deg/s^2 that is allowed: set ${acceleration}={cap:g}"
-    if options.zero == "switch" and not settings[HOMING]:
+    if options.zero == "switch" and not settings[protocol.HOMING]:
         return "zero is 'switch', but grbl's $22 is 0: set $22=1"
     return _complaint_of_modes(settings)
 
 
 def _complaint_of_modes(settings: dict[int, float]) -> str:
-    if settings[IDLE_DELAY] != 255:
-        found = f"grbl's $1 is {settings[IDLE_DELAY]:g}"
+    if settings[protocol.IDLE_DELAY] != 255:
+        found = f"grbl's $1 is {settings[protocol.IDLE_DELAY]:g}"
         return f"{found}: the motor would lose its torque at rest and the position with it: set $1=255"
-    if not int(settings[REPORT_MASK]) & 1:
-        return f"grbl's $10 is {settings[REPORT_MASK]:g}: it would not report machine positions: set $10=1"
-    if settings[INCHES]:
+    if not int(settings[protocol.REPORT_MASK]) & 1:
+        return f"grbl's $10 is {settings[protocol.REPORT_MASK]:g}: it would not report machine positions: set $10=1"
+    if settings[protocol.INCHES]:
         return "grbl's $13 is 1: it would report in inches: set $13=0"
     return ""
 
 
 def slower(settings: dict[int, float], options: Options) -> list[str]:
     """Say what grbl does more slowly than the options allow; moves then take longer."""
-    speed, acceleration = MAX_RATE + options.index, ACCELERATION + options.index
+    speed, acceleration = protocol.MAX_RATE + options.index, protocol.ACCELERATION + options.index
     notes = []
-    if rate(settings[speed]) < math.radians(options.max_speed_deg_s) * 0.999:
+    if protocol.rate(settings[speed]) < math.radians(options.max_speed_deg_s) * 0.999:
         found = f"grbl's ${speed} is {settings[speed]:g}, {settings[speed] / 60:g} deg/s"
         notes.append(f"{found}: slower than max_speed_deg_s = {options.max_speed_deg_s:g}")
     if settings[acceleration] < options.max_acceleration_deg_s2 * 0.999:

@@ -13,14 +13,8 @@ from __future__ import annotations
 import math
 
 from ross_payload.actuators.driver_shell import Driver, DriverBackend, DriverShell, Move, Request, capabilities_of
+from ross_payload.actuators.mavlink_gimbal import diagnostics
 from ross_payload.actuators.mavlink_gimbal.component_port import ReceivedPacket
-from ross_payload.actuators.mavlink_gimbal.diagnostics import (
-    STALE_REPORT_S,
-    contradiction,
-    failures,
-    following_error,
-    silence,
-)
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
 from ross_payload.actuators.mavlink_gimbal.gimbal_device_client import GimbalDeviceClient, PeerSearch
 from ross_payload.actuators.mavlink_gimbal.gimbal_manager_client import GimbalManagerClient
@@ -112,7 +106,7 @@ class MavlinkGimbal(Driver):
         if not peer.ready or peer.trouble() or self._options.travel_trouble(peer.travel):
             self._stand_aside(peer, now)
             return
-        stale = now - self._feedback.time > STALE_REPORT_S
+        stale = now - self._feedback.time > diagnostics.STALE_REPORT_S
         self._blind = self._blind or stale
         if not stale and (self._blind or self._plan.motion is None):
             self._begin(now)
@@ -131,7 +125,7 @@ class MavlinkGimbal(Driver):
         seen, trouble = self._feedback, self._trouble(now)
         rate, resting = self._plan.rest(seen, self.capabilities.resolution, now)
         rested = resting >= self._options.settle_ms * 1e-3 - ROUNDING_S
-        settled = rested and now - seen.time <= STALE_REPORT_S and not trouble
+        settled = rested and now - seen.time <= diagnostics.STALE_REPORT_S and not trouble
         self._settled = settled and (self._plan.motion is not None or not self._held)  # not before we control it
         return ActuatorState(
             seen.angle, rate, self._settled, homed=True, healthy=not trouble, time=seen.time, fault=trouble
@@ -183,7 +177,7 @@ class MavlinkGimbal(Driver):
         """Brake what somebody else turns, without taking control from them."""
         peer = self._peer
         others = self._plan.motion is None and isinstance(peer, GimbalManagerClient) and peer.travel is not None
-        if others and now - self._feedback.time <= STALE_REPORT_S:
+        if others and now - self._feedback.time <= diagnostics.STALE_REPORT_S:
             self._plan.brake(self._feedback, now)
 
     # ------------------------------------------------------------------------------------------ leading
@@ -220,11 +214,11 @@ class MavlinkGimbal(Driver):
         """Decelerate when nobody knows where the gimbal is; hold it where it is when it does not follow."""
         if self._plan.motion is None or self._fault:
             return
-        self._fault = contradiction(self._feedback)
+        self._fault = diagnostics.contradiction(self._feedback)
         if self._fault:
             self._plan.halt(now)
             return
-        self._fault = following_error(self._feedback, self._plan.motion, now)
+        self._fault = diagnostics.following_error(self._feedback, self._plan.motion, now)
         self._feedback.restarted = False
         if self._fault:
             self._plan.hold(self._feedback.angle, now)
@@ -239,8 +233,8 @@ class MavlinkGimbal(Driver):
             or peer.trouble()
             or peer.missing(now)
             or self._options.travel_trouble(peer.travel)
-            or silence(seen, now, peer.heard_at if isinstance(peer, GimbalManagerClient) else None)
-            or failures(seen, now - self._found_at)
+            or diagnostics.silence(seen, now, peer.heard_at if isinstance(peer, GimbalManagerClient) else None)
+            or diagnostics.failures(seen, now - self._found_at)
         )
 
 

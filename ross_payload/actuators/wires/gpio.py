@@ -18,15 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ross_payload.actuators.tb6600.pulse_segments import (
-    Level,
-    Played,
-    PulseLine,
-    RanOut,
-    Report,
-    Segment,
-    without_steps,
-)
+from ross_payload.actuators.tb6600 import pulse_segments
 from ross_payload.errors import ConfigError, LinkError, PluginError
 from ross_payload.interfaces import Clock
 from ross_payload.plugins import install_line
@@ -72,7 +64,7 @@ def pins_of(url: str) -> Pins:
     return Pins(int(chip), *map(int, numbers))
 
 
-def wave(segment: Segment, origin: float, written: int) -> tuple[list[Pulse], int]:
+def wave(segment: pulse_segments.Segment, origin: float, written: int) -> tuple[list[Pulse], int]:
     """Turn a segment into the pulses of a wave; also where it ends, in whole microseconds since ``origin`` [s].
 
     Every time is rounded by itself, so that errors do not add up; ``written`` is where the wave before has ended. Two
@@ -111,7 +103,7 @@ class GpioPulses:
         self._gpio, self._pins, self._clock = gpio, pins, clock
         self._waiting: deque[tuple[float, list[Pulse]]] = deque()  # ends [s], waves for which there was no room
         self._playing: deque[float] = deque()  # ends of the waves that the library has [s]
-        self._reports: list[Report] = []
+        self._reports: list[pulse_segments.Report] = []
         self._capacity = 0  # waves, once claimed
         self._origin = 0.0  # of the microseconds of this stream [s]
         self._written = 0  # where the stream ends [us]
@@ -132,7 +124,7 @@ class GpioPulses:
         LinkError
             When the library refuses.
         """
-        segment: Segment = frame
+        segment: pulse_segments.Segment = frame
         if self._handle is None:
             raise LinkError(f"{self._name}: closed")
         if not self._capacity:
@@ -142,8 +134,8 @@ class GpioPulses:
         continues = abs(segment.start - self._end) < 1e-9
         self._end = segment.end
         if dry and continues and len(segment.edges) and self._clock.now() > segment.start + LATE:
-            self._reports.append(RanOut(segment.end))
-            segment = without_steps(segment)
+            self._reports.append(pulse_segments.RanOut(segment.end))
+            segment = pulse_segments.without_steps(segment)
         if dry:
             self._origin, self._written = segment.start, 0
         pulses, self._written = wave(segment, self._origin, self._written)
@@ -158,7 +150,7 @@ class GpioPulses:
         self._hand_over()
         if self._pins.home is not None:
             high = bool(self._call(self._gpio.gpio_read, self._handle, self._pins.home))
-            self._reports.append(Level(PulseLine.HOME, high, self._clock.now()))
+            self._reports.append(pulse_segments.Level(pulse_segments.PulseLine.HOME, high, self._clock.now()))
         reports, self._reports = self._reports, []
         return reports
 
@@ -182,9 +174,9 @@ class GpioPulses:
         except LinkError as error:
             raise LinkError(f"{error}: does it exist, and is this user in its group (gpio)?") from error
 
-    def _claim(self, segment: Segment) -> None:
+    def _claim(self, segment: pulse_segments.Segment) -> None:
         """Take the outputs; STEP and DIRECTION low."""
-        switches = segment.edges[segment.edges["line"] == PulseLine.ENABLE]
+        switches = segment.edges[segment.edges["line"] == pulse_segments.PulseLine.ENABLE]
         levels = [0, 0, int(len(switches) > 0 and bool(switches["level"][0]))]
         outputs = [self._pins.step, self._pins.direction, self._pins.enable]  # bits 0 to 2: the order of Line
         self._call(self._gpio.group_claim_output, self._handle, outputs, levels)
@@ -198,7 +190,7 @@ class GpioPulses:
         if self._playing:
             there = self._capacity - self._room()
             while len(self._playing) > there:
-                self._reports.append(Played(self._playing.popleft()))
+                self._reports.append(pulse_segments.Played(self._playing.popleft()))
 
     def _hand_over(self) -> None:
         while self._waiting and len(self._playing) < self._capacity:

@@ -34,12 +34,7 @@ from ross_payload.ground.client.command_status import (
     CommandStatus,
     reason_in,
 )
-from ross_payload.ground.client.command_types import (
-    Cancel,
-    Order,
-    Rearm,
-    Stop,
-)
+from ross_payload.ground.client.command_types import Cancel, Order, Rearm, Stop
 from ross_payload.ground.model.payload_state import PayloadState, StatusText
 from ross_payload.ground.model.status_text import EXPLANATION_S, RecentTexts
 from ross_protocols.mavlink.codec import Packet

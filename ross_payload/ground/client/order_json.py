@@ -6,19 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ross_payload.ground.client.command_types import (
-    Cancel,
-    Explore,
-    Home,
-    Listen,
-    Noise,
-    Order,
-    Park,
-    Rearm,
-    Record,
-    Stop,
-    Turn,
-)
+from ross_payload.ground.client import command_types
 from ross_payload.ground.client.stream_orders import SELECTIONS, Enrol, StopStream, Stream
 from ross_protocols.mavlink.stream_command import MOST_DB, MOST_NUMBER, MUTED_DB
 
@@ -26,17 +14,17 @@ LONGEST_NOISE = 60.0  # [s]
 LONGEST_ENROLMENT = 300.0  # [s]
 MOST_NAMES = 9999
 
-PLAIN: dict[str, type[Order]] = {
-    "explore": Explore,
-    "stop": Stop,
-    "cancel": Cancel,
-    "park": Park,
-    "home": Home,
-    "rearm": Rearm,
+PLAIN: dict[str, type[command_types.Order]] = {
+    "explore": command_types.Explore,
+    "stop": command_types.Stop,
+    "cancel": command_types.Cancel,
+    "park": command_types.Park,
+    "home": command_types.Home,
+    "rearm": command_types.Rearm,
 }
 
 
-def order_of(mapping: Mapping[str, Any]) -> Order:
+def order_of(mapping: Mapping[str, Any]) -> command_types.Order:
     """Return the order that a JSON object asks for.
 
     >>> order_of({"kind": "turn", "heading": 40}), order_of({"kind": "listen"}).words
@@ -53,23 +41,27 @@ def order_of(mapping: Mapping[str, Any]) -> Order:
     return READERS[kind](mapping)
 
 
-def _listen(mapping: Mapping[str, Any]) -> Order:
+def _listen(mapping: Mapping[str, Any]) -> command_types.Order:
     source, azimuth = mapping.get("source"), mapping.get("azimuth")
     if source is not None and azimuth is not None:
         raise ValueError("listen: expected a source or an azimuth, got both")
     if source is not None:
-        return Listen(source=_whole(mapping, "source", 0, 255))
-    return Listen() if azimuth is None else Listen(azimuth=_number(mapping, "azimuth", -360, 360))
+        return command_types.Listen(source=_whole(mapping, "source", 0, 255))
+    return (
+        command_types.Listen()
+        if azimuth is None
+        else command_types.Listen(azimuth=_number(mapping, "azimuth", -360, 360))
+    )
 
 
-def _record(mapping: Mapping[str, Any]) -> Order:
+def _record(mapping: Mapping[str, Any]) -> command_types.Order:
     on = mapping.get("on")
     if not isinstance(on, bool):
         raise ValueError(f"on: expected true or false, got {_short(on)}")
-    return Record(on)
+    return command_types.Record(on)
 
 
-def _stream(mapping: Mapping[str, Any]) -> Order:
+def _stream(mapping: Mapping[str, Any]) -> command_types.Order:
     what = mapping.get("what")
     if what is not None and what not in SELECTIONS:
         raise ValueError(f"what: expected one of {', '.join(SELECTIONS)}, got {_short(what)}")
@@ -93,7 +85,7 @@ def _stream_number(mapping: Mapping[str, Any]) -> int | None:
     return None if mapping.get("stream") is None else _whole(mapping, "stream", 0, MOST_NUMBER)
 
 
-def _enrol(mapping: Mapping[str, Any]) -> Order:
+def _enrol(mapping: Mapping[str, Any]) -> command_types.Order:
     return Enrol(
         source=None if mapping.get("source") is None else _whole(mapping, "source", 0, 255),
         azimuth=None if mapping.get("azimuth") is None else _number(mapping, "azimuth", -360, 360),
@@ -130,12 +122,12 @@ def _short(value: Any) -> str:
     return repr(value)[:40]
 
 
-READERS: dict[str, Callable[[Mapping[str, Any]], Order]] = {
+READERS: dict[str, Callable[[Mapping[str, Any]], command_types.Order]] = {
     **{kind: lambda mapping, plain=plain: plain() for kind, plain in PLAIN.items()},  # type: ignore[misc]
     "listen": _listen,
-    "turn": lambda mapping: Turn(_number(mapping, "heading", -360, 360)),
+    "turn": lambda mapping: command_types.Turn(_number(mapping, "heading", -360, 360)),
     "record": _record,
-    "noise": lambda mapping: Noise(_number(mapping, "seconds", 0, LONGEST_NOISE)),
+    "noise": lambda mapping: command_types.Noise(_number(mapping, "seconds", 0, LONGEST_NOISE)),
     "stream": _stream,
     "stop_stream": lambda mapping: StopStream(_stream_number(mapping)),
     "enrol": _enrol,

@@ -15,19 +15,10 @@ from typing import Any
 from ross_payload.ground.client.component_metadata import MOST_PARAMETERS, Metadata, ParameterDescription
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.model.status_text import EXPLANATION_S, PREFIX, RecentTexts
+from ross_protocols.mavlink import params
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.field_converters import FLOAT32_MAX
-from ross_protocols.mavlink.params import (
-    ParamError,
-    Refused,
-    Told,
-    answer_of,
-    list_message,
-    read_message,
-    same_on_the_wire,
-    set_message,
-)
 
 ANSWER_TIMEOUT_S = 1.0  # [s] without an answer until something is asked for again
 LIST_TIMEOUT_S = 5.0  # [s] between two requests for a list that nobody answers
@@ -37,11 +28,11 @@ KNOWN, SENDING, SET, REFUSED, NO_ANSWER = "known", "sending", "set", "refused", 
 NOT_ANSWERED = "no answer: is it in range, and may this station set it ([[links]] accept)?"
 UNSTEADY = "its parameters keep changing: do two payloads use the same id?"
 ERRORS: dict[int, str] = {
-    ParamError.DOES_NOT_EXIST: "there is no such parameter",
-    ParamError.VALUE_OUT_OF_RANGE: "out of range",
-    ParamError.PERMISSION_DENIED: "not permitted for this station",
-    ParamError.COMPONENT_NOT_FOUND: "there is no such component",
-    ParamError.READ_ONLY: "it cannot be changed",
+    params.ParamError.DOES_NOT_EXIST: "there is no such parameter",
+    params.ParamError.VALUE_OUT_OF_RANGE: "out of range",
+    params.ParamError.PERMISSION_DENIED: "not permitted for this station",
+    params.ParamError.COMPONENT_NOT_FOUND: "there is no such component",
+    params.ParamError.READ_ONLY: "it cannot be changed",
 }
 
 
@@ -138,10 +129,10 @@ class ParamClient:
         if packet.sender != self.who:
             return
         self._metadata.on_packet(packet, now)
-        answer = answer_of(packet.message)
-        if isinstance(answer, Told):
+        answer = params.answer_of(packet.message)
+        if isinstance(answer, params.Told):
             self._on_value(answer)
-        elif isinstance(answer, Refused):
+        elif isinstance(answer, params.Refused):
             ours = answer.target.includes(self._us)
             if ours and (setting := self._settings.get(answer.name)) is not None and setting.state == SENDING:
                 self._refuse(answer.name, ERRORS.get(answer.error, "refused"))
@@ -166,15 +157,15 @@ class ParamClient:
 
     def _ask(self) -> None:
         if self._count is None:
-            self._give(list_message(self.who), self.who)
+            self._give(params.list_message(self.who), self.who)
             self._due = self._now + LIST_TIMEOUT_S
             return
         missing = [index for index in range(self._count) if index not in self._names]
         for index in missing[:READS_AT_ONCE]:
-            self._give(read_message(index, self.who), self.who)
+            self._give(params.read_message(index, self.who), self.who)
         self._due = self._now + ANSWER_TIMEOUT_S
 
-    def _on_value(self, answer: Told) -> None:
+    def _on_value(self, answer: params.Told) -> None:
         named = answer.name.isascii() and answer.name.isprintable() and answer.name != ""
         if not math.isfinite(answer.value) or not named:
             self.note = "a parameter was left out: invalid value or name"
@@ -200,14 +191,14 @@ class ParamClient:
             return _Parameter(value)
         if before.state != SENDING:
             return replace(before, value=value) if before.value == value else _Parameter(value)
-        if same_on_the_wire(value, before.wanted):
+        if params.same_on_the_wire(value, before.wanted):
             return _Parameter(value, SET, at=self._now)
         return replace(before, value=value, kept=True)
 
     def _send_value(self, name: str) -> None:
         setting = self._settings[name]
         self._settings[name] = replace(setting, at=self._now, sent=setting.sent + 1)
-        self._give(set_message(name, setting.wanted, self.who), self.who)
+        self._give(params.set_message(name, setting.wanted, self.who), self.who)
 
     def _refuse(self, name: str, reason: str) -> None:
         self._settings[name] = replace(self._settings[name], state=REFUSED, reason=reason, at=self._now)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Coroutine
-from contextlib import suppress
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -113,7 +112,8 @@ class Parameters:
         if state == NO_ANSWER:
             raise LinkLost(request, reason)
         if state == REFUSED:
-            raise RefusedByPayload(request, await self._explained(name, reason))
+            own_words = await self._changed.within(REASON_TIMEOUT_S, lambda: self._own_words(name))  # a little later
+            raise RefusedByPayload(request, own_words or reason)
         return self.settings.values[name]
 
     async def _value(self, name: str) -> float:
@@ -137,13 +137,6 @@ class Parameters:
             return NO_ANSWER, RESTARTED
         state, reason = self.settings.state_of(name)
         return None if state == SENDING else (state, reason)
-
-    async def _explained(self, name: str, reason: str) -> str:
-        """Return the payload's own words, which may come a little after the refusal."""
-        with suppress(TimeoutError):
-            async with asyncio.timeout(REASON_TIMEOUT_S):
-                return await self._changed.until(lambda: self._own_words(name))
-        return reason
 
     def _own_words(self, name: str) -> str | None:
         _, reason = self._ended(name) or ("", "")

@@ -17,23 +17,9 @@ from contextlib import suppress
 from typing import Self
 from weakref import WeakSet
 
+from ross_payload.ground.client import command_types
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_status import CANCELLED, DONE, ENDS, FAILED, NO_ANSWER, REFUSED, CommandStatus
-from ross_payload.ground.client.command_types import (
-    MOST_AZIMUTHS,
-    Cancel,
-    Explore,
-    Home,
-    Inform,
-    Listen,
-    Noise,
-    Order,
-    Park,
-    Rearm,
-    Record,
-    Stop,
-    Turn,
-)
 from ross_payload.ground.client.events import (
     ContactLost,
     ContactRestored,
@@ -46,12 +32,7 @@ from ross_payload.ground.client.param_client import ParamClient
 from ross_payload.ground.client.parameters import REASON_TIMEOUT_S, Parameters
 from ross_payload.ground.client.stream_requests import StreamRequests
 from ross_payload.ground.client.streams import EventStream, Found
-from ross_payload.ground.errors import (
-    LinkLost,
-    RefusedByPayload,
-    TaskCancelled,
-    TaskFailed,
-)
+from ross_payload.ground.errors import LinkLost, RefusedByPayload, TaskCancelled, TaskFailed
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.model.view import Section, view
 from ross_payload.ground.station import Station
@@ -111,19 +92,17 @@ class Payload(StreamRequests):
 
     async def explore(self) -> tuple[SourceEstimate, ...]:
         """Find the number of sources and every azimuth; return them."""
-        await self.request(Explore())
-        with suppress(TimeoutError):
-            async with asyncio.timeout(ESTIMATE_TIMEOUT_S):
-                await self._changed.until(lambda: len(self._state.sources) >= self._state.announced)
+        await self.request(command_types.Explore())
+        await self._changed.within(ESTIMATE_TIMEOUT_S, lambda: len(self._state.sources) >= self._state.announced)
         return self.sources
 
     async def listen_to(self, source: int | SourceEstimate) -> None:
         """Turn so that a source of the latest estimate can be separated, and listen to it until cancelled."""
-        await self.request(Listen(source=source if isinstance(source, int) else source.source))
+        await self.request(command_types.Listen(source=source if isinstance(source, int) else source.source))
 
     async def listen_at(self, azimuth_deg: float) -> None:
         """Turn so that whoever is at an azimuth can be separated, and listen until cancelled."""
-        await self.request(Listen(azimuth=azimuth_deg))
+        await self.request(command_types.Listen(azimuth=azimuth_deg))
 
     async def find_voice(self, azimuths_deg: Sequence[float] = (), first: int | None = None) -> None:
         """Find the enrolled voice and listen to it until cancelled.
@@ -135,43 +114,43 @@ class Payload(StreamRequests):
         ValueError
             When there are more azimuths.
         """
-        if len(azimuths_deg) > MOST_AZIMUTHS:
-            raise ValueError(f"azimuths_deg: expected at most {MOST_AZIMUTHS}, got {len(azimuths_deg)}")
-        await self.request(Inform(tuple(azimuths_deg), first) if azimuths_deg else Listen())
+        if len(azimuths_deg) > command_types.MOST_AZIMUTHS:
+            raise ValueError(f"azimuths_deg: expected at most {command_types.MOST_AZIMUTHS}, got {len(azimuths_deg)}")
+        await self.request(command_types.Inform(tuple(azimuths_deg), first) if azimuths_deg else command_types.Listen())
 
     async def turn(self, heading_deg: float) -> None:
         """Point the axis from microphone 1 to microphone 2 to a heading and stay there."""
-        await self.request(Turn(heading_deg))
+        await self.request(command_types.Turn(heading_deg))
 
     async def park(self) -> None:
         """Turn to the parking position of the payload's configuration."""
-        await self.request(Park())
+        await self.request(command_types.Park())
 
     async def home(self) -> None:
         """Find the zero of the joint."""
-        await self.request(Home())
+        await self.request(command_types.Home())
 
     async def measure_noise(self, duration_s: float = 0.0) -> None:
         """Measure the noise while nobody talks; 0: as long as the lead-in of the payload's configuration."""
-        await self.request(Noise(duration_s))
+        await self.request(command_types.Noise(duration_s))
 
     async def stop(self) -> None:
         """Decelerate now, end the task, and refuse to move until `rearm`."""
-        await self.request(Stop())
+        await self.request(command_types.Stop())
 
     async def rearm(self) -> None:
         """Accept moves again after a stop or a fault."""
-        await self.request(Rearm())
+        await self.request(command_types.Rearm())
 
     async def cancel(self) -> None:
         """End the task, and be ready for the next one."""
-        await self.request(Cancel())
+        await self.request(command_types.Cancel())
 
     async def record(self, on: bool = True) -> None:
         """Start, or end, recording a session on the payload's disk."""
-        await self.request(Record(on))
+        await self.request(command_types.Record(on))
 
-    async def request(self, order: Order) -> CommandStatus:
+    async def request(self, order: command_types.Order) -> CommandStatus:
         """Send a command, again until it is answered, and wait until it is done.
 
         Raises
@@ -185,7 +164,8 @@ class Payload(StreamRequests):
         status = await self._changed.until(lambda: self._over(number))
         if status.state == DONE:
             return status
-        reason = await self._explained(number) if status.reason in DEFAULT_REASONS else status.reason
+        own_words = await self._changed.within(REASON_TIMEOUT_S, lambda: self._own_words(number))  # a little later
+        reason = own_words or self._statuses[number].reason
         if status.state == NO_ANSWER and (advice := self._station.advice()):
             reason = f"{reason} ({advice})"
         raise FAILURES[status.state](status.words, reason)
@@ -229,7 +209,7 @@ class Payload(StreamRequests):
     # ------------------------------------------------------------------------------------------ inside
 
     def _on_packet(self, packet: Packet, at: float) -> None:
-        if (packet.system_id, packet.component_id) != (self.id.system, self.id.component):
+        if packet.sender != self.id:
             return
         before, self._state = self._state, self._station.fleet.payloads.get(self.id, self._state)
         self._commands.on_state(self._state)
@@ -278,13 +258,6 @@ class Payload(StreamRequests):
         if status is None:
             raise LinkLost("a request", "too many later ones: it is not followed any longer")
         return status if status.state == DONE or status.state in FAILURES else None
-
-    async def _explained(self, number: int) -> str:
-        """Return the payload's own words, which may come a little after a refusal."""
-        with suppress(TimeoutError):
-            async with asyncio.timeout(REASON_TIMEOUT_S):
-                return await self._changed.until(lambda: self._own_words(number))
-        return self._statuses[number].reason
 
     def _own_words(self, number: int) -> str | None:
         reason = self._statuses[number].reason

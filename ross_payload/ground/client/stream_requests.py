@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 from ross_payload.ground.client.audio_streams import AudioStream
@@ -76,10 +75,7 @@ class StreamRequests(ABC):
         )
         async with self._one_stream_order:
             await self.request(order)
-        with suppress(TimeoutError):
-            async with asyncio.timeout(STREAM_TIMEOUT_S):
-                return await self._changed.until(lambda: self._showing(order))
-        return None
+        return await self._changed.within(STREAM_TIMEOUT_S, lambda: self._showing(order))
 
     def _showing(self, order: Order) -> AudioStream | None:
         """Return the stream that is as it was ordered; None: there is none yet."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Self, TypeVar
 
 from ross_payload.ground.client.events import Event
@@ -44,6 +45,13 @@ class Wakeup:
                 raise LinkLost("what is awaited", "the client is closed")
             await self._event.wait()
         return found
+
+    async def within(self, seconds: float, find: Callable[[], Found | None]) -> Found | None:
+        """Return what ``find`` returns as soon as that is true; None when it is not for so long."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                return await self.until(find)
+        return None
 
 
 class EventStream:

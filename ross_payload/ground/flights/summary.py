@@ -10,17 +10,10 @@ from typing import Any
 import numpy as np
 
 from ross_payload.ground.errors import GroundError
+from ross_payload.ground.flights import mission_timeline
 from ross_payload.ground.flights.bookmarks import TEXT
 from ross_payload.ground.flights.command_log import COMMAND_MESSAGES, CommandLog, LoggedCommand
 from ross_payload.ground.flights.frame_stats import FrameStats, tallies
-from ross_payload.ground.flights.mission_timeline import (
-    TIMELINE_MESSAGES,
-    Exploration,
-    MissionTimeline,
-    StreamSpan,
-    TimedSeparation,
-    TriedCandidate,
-)
 from ross_payload.ground.flights.reading import Flight
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.payload_state import StatusText
@@ -39,7 +32,7 @@ class FlightContent:
 
     def __init__(self, flight: Flight, payloads: tuple[ComponentId, ...]) -> None:
         self.flight, self.payloads = flight, payloads
-        self.timelines = {who: MissionTimeline(who) for who in payloads}
+        self.timelines = {who: mission_timeline.MissionTimeline(who) for who in payloads}
         self.texts: dict[ComponentId, list[StatusText]] = {who: [] for who in payloads}
         self.commands = CommandLog()
         self._fleet = Fleet()  # puts texts together
@@ -48,7 +41,7 @@ class FlightContent:
 
     def _on_packet(self, packet: Packet, at: float) -> None:
         self.commands.on_packet(packet, at, self.payloads)
-        timeline = self.timelines.get(ComponentId(packet.system_id, packet.component_id))
+        timeline = self.timelines.get(packet.sender)
         if timeline is None:
             return
         inner = unwrapped(packet)
@@ -107,7 +100,7 @@ def _rounded(part: Any) -> Any:
 def _worth_reading(flight: Flight, payloads: tuple[ComponentId, ...]) -> Any:
     index = flight.index
     mine = np.isin(index.sender, [256 * who.system + who.component for who in payloads])
-    telling = mine & np.isin(index.message, [*TIMELINE_MESSAGES, TEXT])
+    telling = mine & np.isin(index.message, [*mission_timeline.TIMELINE_MESSAGES, TEXT])
     return np.flatnonzero(telling | np.isin(index.message, COMMAND_MESSAGES))
 
 
@@ -142,7 +135,7 @@ def _counts(counted: FrameStats) -> dict[str, Any]:
     return {**asdict(counted), "who": str(counted.who), "kinds": kinds, "gaps": [asdict(gap) for gap in counted.gaps]}
 
 
-def _exploration(explored: Exploration) -> dict[str, Any]:
+def _exploration(explored: mission_timeline.Exploration) -> dict[str, Any]:
     return {
         "at": explored.at,
         "duration": explored.until - explored.at,
@@ -161,13 +154,13 @@ def _source(source: Source) -> dict[str, Any]:
     return _part(source_row(source), "source azimuth mirror sigma confidence score resolved target")
 
 
-def _tried(tried: TriedCandidate) -> dict[str, Any]:
+def _tried(tried: mission_timeline.TriedCandidate) -> dict[str, Any]:
     row = candidate_row(tried.candidate)
     shown = "candidate source heading isolation_us gain aliased rule state"
     return {"at": tried.at, "plan": tried.candidate.plan, **_part(row, shown)}
 
 
-def _separated(separated: TimedSeparation) -> dict[str, Any]:
+def _separated(separated: mission_timeline.TimedSeparation) -> dict[str, Any]:
     groups = [each for _, each in sorted(separated.groups.items())]
     rows = [group_row(group) for group in groups]
     return {
@@ -178,7 +171,7 @@ def _separated(separated: TimedSeparation) -> dict[str, Any]:
     }
 
 
-def _stream(span: StreamSpan) -> dict[str, Any]:
+def _stream(span: mission_timeline.StreamSpan) -> dict[str, Any]:
     shown = "number whom place sink codec words lost packets_lost records"
     return {"at": span.at, "duration": span.until - span.at, **_part(stream_row(span.stream), shown)}
 

@@ -118,11 +118,7 @@ def _link(link: LinkReport) -> dict[str, Any]:
         words = f"{share:.0%} of the messages to the payload lost"
     if not link.up:
         words = "not connected"
-    return {
-        "level": level,
-        "words": words,
-        **{name: getattr(link, name) for name in LINK_FIELDS},
-    }
+    return {"level": level, "words": words, **{name: getattr(link, name) for name in LINK_FIELDS}}
 
 
 def _share(lost: int | None, received: int) -> float | None:

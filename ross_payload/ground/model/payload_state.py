@@ -8,22 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ross_protocols.mavlink import values
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.computer import Computer
 from ross_protocols.mavlink.stream_values import StreamReport
-from ross_protocols.mavlink.values import (
-    Alignment,
-    Audio,
-    Density,
-    Heartbeat,
-    Information,
-    Isolation,
-    LinkReport,
-    Recording,
-    Separation,
-    Source,
-    Status,
-)
 
 
 def twins(who: ComponentId) -> str:
@@ -54,7 +42,7 @@ class Moment:
     heading: float | None  # [rad]
 
     @classmethod
-    def of(cls, status: Status, at: float) -> Moment:
+    def of(cls, status: values.Status, at: float) -> Moment:
         """Return the moment of a status that came ``at`` a time [s]."""
         return cls(at, status.mission_time, status.state, status.k, status.score, status.criterion, status.heading)
 
@@ -97,20 +85,20 @@ class PayloadState:
     tunnelled: bool = False  # its messages came inside TUNNEL
     twin: bool = False  # two senders share this id
     counts: Counts = field(default_factory=Counts)
-    heartbeat: Heartbeat | None = None
-    information: Information | None = None
-    status: Status | None = None
+    heartbeat: values.Heartbeat | None = None
+    information: values.Information | None = None
+    status: values.Status | None = None
     status_at: float | None = None  # when it came [s]
-    sources: tuple[Source, ...] = ()  # of the latest estimate, by index
+    sources: tuple[values.Source, ...] = ()  # of the latest estimate, by index
     announced: int = 0  # sources that the latest estimate announces, shown or not
     trails: tuple[SourceTrack, ...] = ()
-    alignments: tuple[Alignment, ...] = ()  # of the latest plan, by index
-    separations: tuple[Separation, ...] = ()  # of the latest separation, by index
-    densities: tuple[Density, ...] = ()  # of the latest exploration, by rotation
-    isolations: tuple[Isolation, ...] = ()  # of the latest plan, by source
-    audio: Audio | None = None
-    recording: Recording | None = None
-    links: tuple[LinkReport, ...] = ()  # by index
+    alignments: tuple[values.Alignment, ...] = ()  # of the latest plan, by index
+    separations: tuple[values.Separation, ...] = ()  # of the latest separation, by index
+    densities: tuple[values.Density, ...] = ()  # of the latest exploration, by rotation
+    isolations: tuple[values.Isolation, ...] = ()  # of the latest plan, by source
+    audio: values.Audio | None = None
+    recording: values.Recording | None = None
+    links: tuple[values.LinkReport, ...] = ()  # by index
     streams: tuple[StreamReport, ...] = ()  # of live listening, by number; also those that have ended
     computer: Computer | None = None
     texts: tuple[StatusText, ...] = ()  # oldest first

@@ -11,26 +11,11 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from ross_payload.ground.model.payload_state import Moment, PayloadState, SourceTrack, StatusText
+from ross_protocols.mavlink import values
 from ross_protocols.mavlink.computer import Computer
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.field_converters import wrap
 from ross_protocols.mavlink.stream_values import StreamReport
-from ross_protocols.mavlink.values import (
-    Alignment,
-    Array,
-    Audio,
-    Density,
-    Heartbeat,
-    Information,
-    Isolation,
-    LinkReport,
-    Named,
-    Recording,
-    Separation,
-    Source,
-    Status,
-    Value,
-)
 
 MOST_SOURCES = 32  # that are kept; bitmasks of the dialect have no more
 MOST_TEXTS = 200
@@ -61,40 +46,40 @@ class IndexedList:
 
 
 LATEST: dict[type, str] = {
-    Heartbeat: "heartbeat",
-    Information: "information",
-    Audio: "audio",
-    Recording: "recording",
+    values.Heartbeat: "heartbeat",
+    values.Information: "information",
+    values.Audio: "audio",
+    values.Recording: "recording",
 }
 SOURCES = IndexedList("sources", "estimate", "source", "count", MOST_SOURCES)
 LISTS: dict[type, IndexedList] = {
-    Alignment: IndexedList("alignments", "plan", "candidate", "count", MOST_SOURCES),
-    Separation: IndexedList("separations", "separation", "group", "count", MOST_SOURCES),
-    Density: IndexedList("densities", "exploration", "rotation", "", MOST_ROTATIONS),
-    Isolation: IndexedList("isolations", "plan", "source", "", MOST_SOURCES),
-    LinkReport: IndexedList("links", "count", "link", "count", MOST_LINKS),
+    values.Alignment: IndexedList("alignments", "plan", "candidate", "count", MOST_SOURCES),
+    values.Separation: IndexedList("separations", "separation", "group", "count", MOST_SOURCES),
+    values.Density: IndexedList("densities", "exploration", "rotation", "", MOST_ROTATIONS),
+    values.Isolation: IndexedList("isolations", "plan", "source", "", MOST_SOURCES),
+    values.LinkReport: IndexedList("links", "count", "link", "count", MOST_LINKS),
     StreamReport: IndexedList("streams", "count", "number", "count", MOST_STREAMS),
 }
 
 
-def is_sane(value: Value) -> bool:
+def is_sane(value: values.Value) -> bool:
     """Whether every number of a value is one: what is not known is None, and a NaN is nobody's meaning.
 
-    >>> is_sane(Named(time=1.0, name="ross_k", value=math.nan)), is_sane(Named(time=1.0, name="ross_k", value=3.0))
-    (False, True)
+    >>> [is_sane(values.Named(time=1.0, name="ross_k", value=value)) for value in (math.nan, 3.0)]
+    [False, True]
     """
     return all(_finite(getattr(value, each.name)) for each in fields(value))
 
 
-def learn(known: PayloadState, value: Value, at: float) -> PayloadState:
+def learn(known: PayloadState, value: values.Value, at: float) -> PayloadState:
     """Return what is known after a value that came ``at`` a time [s]; `is_sane` values only."""
     known = replace(known, last=at)
     match value:
-        case Status():
+        case values.Status():
             return _status(known, value, at)
-        case Source():
+        case values.Source():
             return _source(known, value, at)
-        case Named() | Array():
+        case values.Named() | values.Array():
             return _mirror(known, value)
     if type(value) in LISTS:
         return _listed(known, value, LISTS[type(value)])
@@ -133,7 +118,7 @@ def _finite(value: Any) -> bool:
     return all(map(_finite, value)) if isinstance(value, tuple) else True
 
 
-def _status(known: PayloadState, status: Status, at: float) -> PayloadState:
+def _status(known: PayloadState, status: values.Status, at: float) -> PayloadState:
     moment = Moment.of(status, at)
     history = known.history
     if not history or _telling(history[-1], moment):
@@ -143,7 +128,7 @@ def _status(known: PayloadState, status: Status, at: float) -> PayloadState:
     return replace(known, sources=(), announced=0) if status.k == 0 else known  # of no sources none tells
 
 
-def _span(known: PayloadState, status: Status) -> tuple[float | None, float | None]:
+def _span(known: PayloadState, status: values.Status) -> tuple[float | None, float | None]:
     """When the latest mission began and ended, in mission time [s]."""
     before, rests = known.status, status.state in RESTING
     rested = status.mission_time < JUST_BEGUN_S if before is None else before.state in RESTING
@@ -160,7 +145,7 @@ def _telling(before: Moment, now: Moment) -> bool:
     return not same or now.at - before.at >= MOMENT_SPACING_S or now.at < before.at
 
 
-def _source(known: PayloadState, source: Source, at: float) -> PayloadState:
+def _source(known: PayloadState, source: values.Source, at: float) -> PayloadState:
     before = known.sources
     if _is_late(before, source, SOURCES):
         return known
@@ -172,7 +157,7 @@ def _source(known: PayloadState, source: Source, at: float) -> PayloadState:
     return replace(_listed(known, source, SOURCES), trails=followed(known.trails, source, at))
 
 
-def _of_this_estimate(known: PayloadState, source: Source) -> PayloadState:
+def _of_this_estimate(known: PayloadState, source: values.Source) -> PayloadState:
     """Forget what speaks of the sources of an older estimate."""
     since = source.time_usec
     return replace(
@@ -212,15 +197,15 @@ def _azimuths(numbers: Sequence[float]) -> tuple[float, ...]:
     return tuple([*numbers[1 : count + 1], *[0.0] * count][:count])
 
 
-def _mirror(known: PayloadState, named: Named | Array) -> PayloadState:
-    if isinstance(named, Array):
+def _mirror(known: PayloadState, named: values.Named | values.Array) -> PayloadState:
+    if isinstance(named, values.Array):
         return replace(known, azimuths=_azimuths(named.numbers)) if named.name == AZIMUTHS else known
     if not named.name.startswith(MIRROR):
         return known
     return replace(known, mirrors=tuple(sorted({**dict(known.mirrors), named.name: named.value}.items())))
 
 
-def followed(trails: Sequence[SourceTrack], source: Source, at: float) -> tuple[SourceTrack, ...]:
+def followed(trails: Sequence[SourceTrack], source: values.Source, at: float) -> tuple[SourceTrack, ...]:
     """Return the trails after a source of an estimate came ``at`` a time [s].
 
     It goes on with the nearest trail that nobody else of this estimate goes on with. One that nobody goes on with stays
@@ -238,6 +223,6 @@ def followed(trails: Sequence[SourceTrack], source: Source, at: float) -> tuple[
     return tuple(sorted([*kept, fresh], key=lambda trail: -trail.at)[:MOST_TRACKS])
 
 
-def _apart(trail: SourceTrack, source: Source) -> float:
+def _apart(trail: SourceTrack, source: values.Source) -> float:
     """Return how far a source is from the end of a trail [rad]; infinite: they count from different zeros."""
     return abs(wrap(trail.points[-1][1] - source.azimuth)) if trail.earth == source.earth else math.inf

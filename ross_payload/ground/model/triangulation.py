@@ -23,7 +23,6 @@ from ross_payload.ground.model.jpda import marginals
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.field_converters import clockwise
-from ross_protocols.mavlink.values import Source
 
 POSITION_SIGMA = 2.0  # of a payload's place, as satellites tell it [m]
 MOST_SOURCES = 6  # of one payload that are crossed: those with the greatest weights
@@ -100,7 +99,7 @@ def bearings_of(
                     payload.who, source.source, latitude, longitude, azimuth + turned, source.sigma, position_sigma,
                     source.weight, source.score, source.target,
                 )
-                for azimuth in _azimuths(source)
+                for azimuth in ((source.azimuth,) if source.mirror is None else (source.azimuth, source.mirror))
             ]  # fmt: skip
     return found
 
@@ -205,10 +204,6 @@ def _line(bearing: Bearing, plane: Plane) -> BearingLine:
     east, north = plane.place(bearing.latitude, bearing.longitude)
     azimuth = bearing.azimuth + plane.turned(bearing.longitude)
     return BearingLine(east, north, azimuth, bearing.sigma, bearing.position_sigma)
-
-
-def _azimuths(source: Source) -> tuple[float, ...]:
-    return (source.azimuth,) if source.mirror is None else (source.azimuth, source.mirror)
 
 
 def _strongest(bearings: list[Bearing]) -> list[Bearing]:

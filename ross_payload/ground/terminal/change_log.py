@@ -175,11 +175,7 @@ def _groups(view: View) -> list[str]:
 
 
 def _streams(view: View) -> list[str]:
-    return [_stream_words(each) for each in view["streams"]]
-
-
-def _stream_words(stream: dict[str, Any]) -> str:
-    return f"stream {stream['number']}: {stream['whom']} to {stream['place']}, {stream['words']}"
+    return [f"stream {each['number']}: {each['whom']} to {each['place']}, {each['words']}" for each in view["streams"]]
 
 
 def _health(view: View) -> list[str]:

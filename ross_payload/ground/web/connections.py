@@ -77,11 +77,7 @@ class Connections:
     """
 
     def __init__(
-        self,
-        *,
-        most: int = MOST,
-        most_per_address: int = MOST_PER_ADDRESS,
-        header_timeout: float = HEADER_TIMEOUT,
+        self, *, most: int = MOST, most_per_address: int = MOST_PER_ADDRESS, header_timeout: float = HEADER_TIMEOUT
     ) -> None:
         soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
         self._most = most if soft == resource.RLIM_INFINITY else max(min(most, soft - RESERVED), 16)

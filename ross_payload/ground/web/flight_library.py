@@ -8,6 +8,7 @@ import struct
 import tempfile
 import time
 from collections.abc import AsyncIterator, Iterator
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import chain, count
 from pathlib import Path
@@ -44,17 +45,13 @@ class _Look:
     row: dict[str, Any]
 
 
-class FlightLibrary:
+class FlightLibrary(AbstractContextManager["FlightLibrary"]):
     """Context manager; ``folder`` None: only what browsers upload."""
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
         self._uploaded: tempfile.TemporaryDirectory[str] | None = None
         self._looks: dict[Path, _Look] = {}
-
-    def __enter__(self) -> FlightLibrary:
-        """Return itself."""
-        return self
 
     def __exit__(self, *error: object) -> None:
         """Delete what browsers uploaded."""

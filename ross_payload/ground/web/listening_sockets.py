@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
@@ -17,7 +16,7 @@ from ross_payload.ground.audio.voice_relay import VoiceRelay
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.web.faults import report, write_line
 from ross_payload.ground.web.page_state import PageState
-from ross_payload.ground.web.websocket_sessions import PING_PERIOD_S, browser_name
+from ross_payload.ground.web.websocket_sessions import browser_name, close_all, opened
 from ross_protocols.mavlink.component_id import ComponentId
 
 MAX_LISTENERS = 16
@@ -59,8 +58,7 @@ class ListeningSockets:
         """End all streams, and tell the browsers."""
         for relay in self._relays.values():
             relay.end()
-        closing = [socket.close(code=WSCloseCode.GOING_AWAY, message=b"ross ground ends") for socket in self._sockets]
-        await asyncio.gather(*closing, return_exceptions=True)
+        await close_all(self._sockets)
         if self._relays:
             await asyncio.sleep(END_S)
         for relay in self._relays.values():
@@ -68,14 +66,7 @@ class ListeningSockets:
 
     async def serve(self, request: web.Request) -> web.StreamResponse:
         """Let one browser listen until it goes."""
-        socket = web.WebSocketResponse(
-            heartbeat=PING_PERIOD_S,
-            compress=False,
-            max_msg_size=MAX_MESSAGE_BYTES,
-            writer_limit=WRITE_BUFFER_BYTES,
-            timeout=0.5,
-        )
-        await socket.prepare(request)
+        socket = await opened(request, MAX_MESSAGE_BYTES, WRITE_BUFFER_BYTES)
         listener = Listener(browser_name(request))
         if len(self._sockets) >= MAX_LISTENERS:
             await _refuse(socket, f"{MAX_LISTENERS} browsers listen already: no more are served")
@@ -141,7 +132,7 @@ async def _write(listener: Listener, socket: web.WebSocketResponse, request: web
             messages, frames = listener.due()
             async with asyncio.timeout(STALLED_S):
                 for message in messages:
-                    await socket.send_str(_text(message))
+                    await socket.send_str(json.dumps(message, separators=(",", ":")))
                 for frame in frames:
                     await socket.send_bytes(frame)
     except ConnectionError:
@@ -152,7 +143,3 @@ async def _write(listener: Listener, socket: web.WebSocketResponse, request: web
         report(error)
     if request.transport is not None:
         request.transport.abort()
-
-
-def _text(message: dict[str, Any]) -> str:
-    return json.dumps(message, separators=(",", ":"))

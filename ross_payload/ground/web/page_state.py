@@ -129,7 +129,7 @@ class CommandClient:
 
     def on_packet(self, packet: Packet, payload: PayloadState | None, now: float) -> None:
         """Take a packet, and what is known of its sender."""
-        settings = self._settings.get(ComponentId(packet.system_id, packet.component_id))
+        settings = self._settings.get(packet.sender)
         if payload is not None:
             self.orders.on_state(payload)
             if settings is not None:
@@ -209,6 +209,6 @@ class PageState:
         return states, links, self.control.version, self.client.orders.doing, dict(self.positions.typed), self.over
 
     def _on_packet(self, packet: Packet, at: float) -> None:
-        who = ComponentId(packet.system_id, packet.component_id)
+        who = packet.sender
         self.client.on_packet(packet, self.station.fleet.payloads.get(who), at)
         self.wake(who)

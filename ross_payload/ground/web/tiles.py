@@ -7,6 +7,7 @@ import math
 import re
 import sqlite3
 import threading
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,7 @@ class Tile:
     content_type: str
 
 
-class Tiles:
+class Tiles(AbstractContextManager["Tiles"]):
     """The tiles of a file, by zoom level, column and row; rows count from the north. A context manager.
 
     Raises
@@ -47,10 +48,6 @@ class Tiles:
             self.about = self._look(path)
         except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
             raise GroundError(f"--map {path}: {EXPECTED}, got: {error}") from error
-
-    def __enter__(self) -> Tiles:
-        """Return itself."""
-        return self
 
     def __exit__(self, *error: object) -> None:
         """Close the file."""

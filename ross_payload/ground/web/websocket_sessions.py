@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 import secrets
+from collections.abc import Iterable
 from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
@@ -52,14 +53,7 @@ class WebSocketSessions:
         """Talk with one browser until it goes."""
         if len(self.sessions) >= MAX_SESSIONS:
             raise web.HTTPServiceUnavailable(text=f"{MAX_SESSIONS} browsers are connected, no more are served\n")
-        socket = web.WebSocketResponse(
-            heartbeat=PING_PERIOD_S,
-            compress=False,
-            max_msg_size=MAX_MESSAGE_BYTES,
-            writer_limit=WRITE_BUFFER_BYTES,
-            timeout=0.5,
-        )
-        await socket.prepare(request)
+        socket = await opened(request, MAX_MESSAGE_BYTES, WRITE_BUFFER_BYTES)
         session = self._session(request)
         self._sockets.add(socket)
         writer = asyncio.create_task(_write(session, socket, request))
@@ -92,8 +86,7 @@ class WebSocketSessions:
 
     async def close(self) -> None:
         """Tell all browsers that the page ends."""
-        closing = [socket.close(code=WSCloseCode.GOING_AWAY, message=b"ross ground ends") for socket in self._sockets]
-        await asyncio.gather(*closing, return_exceptions=True)
+        await close_all(self._sockets)
 
     def _session(self, request: web.Request) -> BrowserSession:
         """Begin a session, with the id that a browser says it had, unless another one has it."""
@@ -115,6 +108,21 @@ class WebSocketSessions:
         self.state.control.on_disconnect(session.id, self.state.station.now())
         writer.cancel()
         await asyncio.gather(writer, session.close(), return_exceptions=True)
+
+
+async def opened(request: web.Request, most: int, waiting: int) -> web.WebSocketResponse:
+    """Open the socket of a browser, which may say ``most`` bytes at once and let ``waiting`` bytes wait for it."""
+    socket = web.WebSocketResponse(
+        heartbeat=PING_PERIOD_S, compress=False, max_msg_size=most, writer_limit=waiting, timeout=0.5
+    )
+    await socket.prepare(request)
+    return socket
+
+
+async def close_all(sockets: Iterable[web.WebSocketResponse]) -> None:
+    """Close sockets because this process ends."""
+    closing = [socket.close(code=WSCloseCode.GOING_AWAY, message=b"ross ground ends") for socket in sockets]
+    await asyncio.gather(*closing, return_exceptions=True)
 
 
 async def _write(session: BrowserSession, socket: web.WebSocketResponse, request: web.Request) -> None:

@@ -16,10 +16,7 @@ from ross_sim.devices.gimbal_manager import ArduPilot
 TICK = 2 * STEP  # [s] in which it lives
 LATENCY, JITTER = 0.001, 0.002  # of the line between gimbal and autopilot [s]
 SERVO = Servo(
-    lower=math.radians(-202),
-    upper=math.radians(202),
-    max_speed=math.radians(108),
-    max_acceleration=math.radians(225),
+    lower=math.radians(-202), upper=math.radians(202), max_speed=math.radians(108), max_acceleration=math.radians(225)
 )  # a little more than the driver's defaults ask for
 
 

@@ -35,7 +35,7 @@ class RoutingTable:
 
     def way(self, link: str, packet: Packet) -> Way:
         """Learn from a message that was heard on a link; return where it goes."""
-        sender = (packet.system_id, packet.component_id)
+        sender = packet.sender
         number = packet.message.get_msgId()
         if number not in KNOWN or sender == self._own:
             return Way()

@@ -8,7 +8,7 @@ import termios
 import tty
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from ross_payload.actuators.registry import checked_options
@@ -55,38 +55,26 @@ class Connection:
     used: Callable[[], bool]  # whether a payload was ever there
 
 
+@dataclass(slots=True)
 class JoinedCoupling:
-    """Passes frames on between a far end and something that is there already; they take effect when they arrived.
+    """Passes frames on between a far end and something that is there already; they take effect when they arrived."""
 
-    Parameters
-    ----------
-    outside
-        A bus, a line or a link.
-    far_end
-        The payload's end of the simulated wire.
-    clock
-        Tells when something arrives.
-    epoch
-        Time 0 of the far end on that clock [s].
-    """
-
-    def __init__(self, outside: Exchange, far_end: Exchange, clock: Clock, epoch: float) -> None:
-        self._outside = outside
-        self._far_end = far_end
-        self._clock = clock
-        self._epoch = epoch
-        self._waiting: list[tuple[float, Any]] = []
-        self.used = False
+    outside: Exchange  # a bus, a line or a link
+    far_end: Exchange  # the payload's end of the simulated wire
+    clock: Clock  # tells when something arrives
+    epoch: float  # time 0 of the far end on that clock [s]
+    used: bool = False
+    _waiting: list[tuple[float, Any]] = field(default_factory=list)
 
     def exchange(self, begin: float) -> None:
         """Pass frames on, both ways."""
-        arrived = self._clock.now() - self._epoch
-        self._waiting += [(arrived, frame) for frame in self._outside.receive()]
+        arrived = self.clock.now() - self.epoch
+        self._waiting += [(arrived, frame) for frame in self.outside.receive()]
         self.used = self.used or bool(self._waiting)
         while self._waiting and self._waiting[0][0] <= begin:
-            self._far_end.send(self._waiting.pop(0)[1])
-        for frame in self._far_end.receive():
-            self._outside.send(frame)
+            self.far_end.send(self._waiting.pop(0)[1])
+        for frame in self.far_end.receive():
+            self.outside.send(frame)
 
 
 class EncodedWire:

@@ -32,13 +32,7 @@ of JSON. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended by the user, 2 bad input
 @click.option("--fault", "faults", multiple=True, metavar='"FAULT at S [for S]"', help="Inject a fault.")
 @click.option("--json", "as_json", is_flag=True, help="Print the address as one line of JSON.")
 def command(
-    *,
-    kind: str,
-    wire: str | None,
-    options: Sequence[str],
-    file: Path | None,
-    faults: Sequence[str],
-    as_json: bool,
+    *, kind: str, wire: str | None, options: Sequence[str], file: Path | None, faults: Sequence[str], as_json: bool
 ) -> int:
     """Simulate one device with real dynamics, in real time, for a driver of RoSS or of others.
 

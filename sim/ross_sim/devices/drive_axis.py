@@ -134,7 +134,7 @@ class Axis:
     def _proceed(self, now: float) -> None:
         over = now >= self._motion.end
         if self.state is State.OPERATION_ENABLED:
-            self._seek(over)
+            self._seek()
             near = abs(self._motion.plan.goal - self.position) <= self._objects[cia402.POSITION_WINDOW]
             held = now >= self._motion.end + self._objects[cia402.POSITION_TIME] * 1e-3
             self._reached = over and held and (near or bool(self._word & cia402.HALT)) and self._search is None
@@ -247,7 +247,7 @@ class Axis:
         """Turn without an end, as far as 32 bits go."""
         self._go(direction * 2**31, self._objects[speed], self._objects[cia402.HOMING_ACCELERATION])
 
-    def _seek(self, over: bool) -> None:
+    def _seek(self) -> None:
         if self._search is None:
             return
         side = SEARCHES[self._objects[cia402.HOMING_METHOD]]

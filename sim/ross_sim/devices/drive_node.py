@@ -5,20 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ross_protocols.can import CanFrame
-from ross_protocols.canopen import cia402
-from ross_protocols.canopen.frames import (
-    HEARTBEAT,
-    NMT,
-    NOT_VALID,
-    SDO_REQUEST,
-    SYNC,
-    Emergency,
-    NmtCommand,
-    NmtState,
-    heartbeat,
-    mapped,
-    state_of,
-)
+from ross_protocols.canopen import cia402, frames
 from ross_protocols.canopen.sdo import UNKNOWN_COMMAND, Abort, Read, Write, reply, request_of
 from ross_sim.devices.bus_nodes import EARLY
 from ross_sim.devices.drive_axis import Axis
@@ -27,9 +14,9 @@ from ross_sim.devices.drive_servo import STEP
 
 PDOS = (0, 1)  # numbers of process data, either way
 STATES = {
-    NmtCommand.START: NmtState.OPERATIONAL,
-    NmtCommand.STOP: NmtState.STOPPED,
-    NmtCommand.PRE_OPERATIONAL: NmtState.PRE_OPERATIONAL,
+    frames.NmtCommand.START: frames.NmtState.OPERATIONAL,
+    frames.NmtCommand.STOP: frames.NmtState.STOPPED,
+    frames.NmtCommand.PRE_OPERATIONAL: frames.NmtState.PRE_OPERATIONAL,
 }
 
 
@@ -58,8 +45,8 @@ class DriveNode:
         self.objects.reset()
         self.axis = self._power_up(self.objects)
         self.axis.step(self._now)
-        self.nmt = NmtState.PRE_OPERATIONAL
-        self._outgoing = [heartbeat(self.node, NmtState.BOOT_UP)]
+        self.nmt = frames.NmtState.PRE_OPERATIONAL
+        self._outgoing = [frames.heartbeat(self.node, frames.NmtState.BOOT_UP)]
         self._next_beat = self._now
         self._next_report = [self._now for _ in PDOS]
         self._syncs = [0 for _ in PDOS]
@@ -70,17 +57,17 @@ class DriveNode:
         """Obey a frame."""
         if frame.extended:
             return
-        if frame.id == NMT and len(frame.data) == 2 and frame.data[1] in (0, self.node):
+        if frame.id == frames.NMT and len(frame.data) == 2 and frame.data[1] in (0, self.node):
             self._manage(frame.data[0])
-        elif frame.id == SDO_REQUEST + self.node and self.nmt is not NmtState.STOPPED:
+        elif frame.id == frames.SDO_REQUEST + self.node and self.nmt is not frames.NmtState.STOPPED:
             self._serve(frame.data)
-        elif frame.id == SYNC and self.nmt is NmtState.OPERATIONAL:
+        elif frame.id == frames.SYNC and self.nmt is frames.NmtState.OPERATIONAL:
             self._synchronise()
-        elif frame.id > HEARTBEAT:
-            self._on_heartbeat(frame.id - HEARTBEAT, frame.data)
-        elif self.nmt is NmtState.OPERATIONAL:
+        elif frame.id > frames.HEARTBEAT:
+            self._on_heartbeat(frame.id - frames.HEARTBEAT, frame.data)
+        elif self.nmt is frames.NmtState.OPERATIONAL:
             for number in PDOS:
-                if frame.id == self.objects.at(0x1400 + number, 1) & (NOT_VALID | 0x7FF):
+                if frame.id == self.objects.at(0x1400 + number, 1) & (frames.NOT_VALID | 0x7FF):
                     self._take_process_data(number, frame.data)
 
     def live(self, until: float) -> list[CanFrame]:
@@ -105,28 +92,28 @@ class DriveNode:
     # ------------------------------------------------------------------------------------------ network
 
     def _manage(self, command: int) -> None:
-        if command in (NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION):
+        if command in (frames.NmtCommand.RESET_NODE, frames.NmtCommand.RESET_COMMUNICATION):
             self.boot()
         elif command in STATES:
-            self.nmt = STATES[NmtCommand(command)]
+            self.nmt = STATES[frames.NmtCommand(command)]
             self._sent_status = -1
 
     def _on_heartbeat(self, node: int, data: bytes) -> None:
         """Expect the master's next heartbeat; from the first one on it is missed."""
         whom = self.objects[cia402.CONSUMER_HEARTBEAT]
-        if whom >> 16 == node and whom & 0xFFFF and state_of(data) is not None:
+        if whom >> 16 == node and whom & 0xFFFF and frames.state_of(data) is not None:
             self._master_until = self._now + (whom & 0xFFFF) * 1e-3
 
     def _beat(self, now: float) -> None:
         period = self.objects[cia402.PRODUCER_HEARTBEAT] * 1e-3
         if period and now >= self._next_beat - EARLY:
             self._next_beat = now + period
-            self._outgoing.append(heartbeat(self.node, self.nmt))
+            self._outgoing.append(frames.heartbeat(self.node, self.nmt))
 
-    def _say_emergency(self, emergency: Emergency) -> None:
+    def _say_emergency(self, emergency: frames.Emergency) -> None:
         self.objects.write(0x603F, 0, emergency.code)
         self.objects.write(0x1001, 0, emergency.register)
-        if self.nmt is not NmtState.STOPPED:
+        if self.nmt is not frames.NmtState.STOPPED:
             self._outgoing.append(emergency.frame(self.node))
 
     # ------------------------------------------------------------------------------------------ dictionary
@@ -149,13 +136,13 @@ class DriveNode:
     # ------------------------------------------------------------------------------------------ process data
 
     def _mapping(self, parameter: int) -> list[tuple[int, int, int]]:
-        return [mapped(self.objects.at(parameter, sub)) for sub in range(1, self.objects.at(parameter, 0) + 1)]
+        return [frames.mapped(self.objects.at(parameter, sub)) for sub in range(1, self.objects.at(parameter, 0) + 1)]
 
     def _take_process_data(self, number: int, data: bytes) -> None:
         """Write what is mapped; the controlword comes last, so that it finds its target."""
         mapping = self._mapping(0x1600 + number)
         if len(data) < sum(size for *_, size in mapping):
-            self._say_emergency(Emergency(0x8210, 0x11))
+            self._say_emergency(frames.Emergency(0x8210, 0x11))
             return
         values = []
         for index, sub, size in mapping:
@@ -166,7 +153,7 @@ class DriveNode:
 
     def _report(self, now: float) -> None:
         """Send the process data whose time has come, or whose statusword is news."""
-        if self.nmt is not NmtState.OPERATIONAL:
+        if self.nmt is not frames.NmtState.OPERATIONAL:
             return
         status = self.objects[cia402.STATUSWORD]
         for number in PDOS:
@@ -189,6 +176,6 @@ class DriveNode:
 
     def _send(self, number: int) -> None:
         cob = self.objects.at(0x1800 + number, 1)
-        if not cob & NOT_VALID:
+        if not cob & frames.NOT_VALID:
             data = b"".join(self.objects.data(index, sub) for index, sub, _ in self._mapping(0x1A00 + number))
             self._outgoing.append(CanFrame(cob & 0x7FF, data, extended=False))

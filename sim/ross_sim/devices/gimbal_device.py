@@ -105,7 +105,7 @@ class Device:
     def move(self, now: float) -> None:
         """Let the servo loop run until ``now`` [s]."""
         if self._locked is not None:
-            self._aim(self._locked - self._vehicle(now), now)
+            self._aim(self._locked - self._vehicle(now))
         if self._rests():
             self._now = now
         for _ in range(round((now - self._now) / STEP)):
@@ -156,9 +156,9 @@ class Device:
             return
         earth = gimbal_messages.in_earth_frame(message.flags)
         self._locked = clockwise(yaw) if earth else None
-        self._aim(clockwise(yaw) - (self._vehicle(now) if earth else 0.0), now)
+        self._aim(clockwise(yaw) - (self._vehicle(now) if earth else 0.0))
 
-    def _aim(self, angle: float, now: float) -> None:
+    def _aim(self, angle: float) -> None:
         """Take a set-point: the nearest turn inside the travel."""
         servo, before = self.servo, self._goal
         share = min((self._now - self._since) / GLIDE, 1.0)

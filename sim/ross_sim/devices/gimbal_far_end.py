@@ -22,7 +22,7 @@ from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
 from ross_protocols.mavlink.component_id import NOBODY, ComponentId
 from ross_protocols.mavlink.dialect import common
 from ross_sim.devices.far_end import SLIP, Fault, WireEnd, checked
-from ross_sim.devices.gimbal_device import Device, Servo
+from ross_sim.devices.gimbal_device import EARLY, Device, Servo
 from ross_sim.devices.gimbal_manager import ArduPilot
 
 SYSTEM = 1
@@ -30,7 +30,6 @@ PAYLOAD = ComponentId(SYSTEM, 191)
 STATION = ComponentId(255, 190)
 UP = 37.0  # for how long a second gimbal was on before it came onto the bus [s]
 DELAY, LOSS = 0.6, 0.3  # [s] on a line that others fill, and the share of frames that it drops
-EARLY = 1e-9  # [s], of rounding
 AGAIN = 0.1  # [s] between two set-points of a rival
 MARGIN = math.radians(2)  # between the travel that is asked for and the stops [rad]
 
@@ -239,24 +238,14 @@ class CrowdedLine:
         return arrived
 
 
+@dataclass(slots=True)
 class RivalController:
-    """A station that takes control from a manager, or points a device that another one manages.
+    """A station that takes control from a manager, or points a device that another one manages."""
 
-    Parameters
-    ----------
-    address
-        Its own.
-    whom
-        The manager or the device.
-    at
-        Joint angle [rad] to which it points a device; None: ``whom`` is a manager.
-    """
-
-    def __init__(self, address: ComponentId, whom: ComponentId, at: float | None) -> None:
-        self.address = address
-        self._whom = whom
-        self._at = at
-        self._due = 0.0
+    address: ComponentId  # its own
+    whom: ComponentId  # the manager or the device
+    at: float | None  # joint angle [rad] to which it points a device; None: ``whom`` is a manager
+    _due: float = 0.0
 
     def on_packet(self, packet: Packet, now: float) -> list[Any]:
         """Care for nobody."""
@@ -266,11 +255,11 @@ class RivalController:
         """Return what is due at ``now`` [s]."""
         if now < self._due:
             return []
-        if self._at is not None:
+        if self.at is not None:
             self._due = now + AGAIN
-            return [gimbal_messages.point_device(self._whom, self._at)]
+            return [gimbal_messages.point_device(self.whom, self.at)]
         self._due = float("inf")
-        return [gimbal_messages.configure(self._whom, 0, gimbal_messages.ITSELF)]
+        return [gimbal_messages.configure(self.whom, 0, gimbal_messages.ITSELF)]
 
 
 far_end = GimbalFarEnd

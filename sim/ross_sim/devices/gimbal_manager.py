@@ -14,7 +14,7 @@ from ross_protocols.mavlink.component_id import NOBODY, ComponentId
 from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.field_converters import clockwise
 from ross_protocols.mavlink.vehicle import VehicleAttitude
-from ross_sim.devices.gimbal_device import EARLY, Servo
+from ross_sim.devices.gimbal_device import EARLY, STAMP_LAGS, Servo
 
 HEARTBEAT, ATTITUDE, SET_ATTITUDE = 0, 30, 284  # message ids
 PITCH_YAW = 1000  # command, in degrees
@@ -26,7 +26,6 @@ ADJUSTABLE = (gimbal_messages.DEVICE_ATTITUDE, ATTITUDE)
 STATUS_PERIOD = 30.0  # [s] between two manager statuses that nobody asked for and nothing caused
 DEVICE_ID = 1  # of its first gimbal, whatever its component id is
 BOOTING = 1.0  # [s] of a restart
-STAMP_LAGS = (0.003, 0.001, 0.004, 0.002)  # by which a time stamp is older than its message, in turn [s]
 SILENT = 1.0  # [s] after which a device is not healthy and its attitude not passed on
 
 

@@ -10,14 +10,13 @@ import numpy as np
 from ross_payload.actuators.grbl.options import Options
 from ross_payload.interfaces import Real
 from ross_protocols.grbl.protocol import ACCELERATION, HOMING, IDLE_DELAY, MAX_RATE, STEPS, TRAVEL, State, per_degree
-from ross_sim.devices.far_end import Fault, WireEnd, checked
+from ross_sim.devices.far_end import SLIP, Fault, WireEnd, checked
 from ross_sim.devices.grbl_firmware import Firmware
 from ross_sim.devices.grbl_planner import PIECE
 from ross_sim.devices.stepper import Motor, Rotor
 
 BYTES_PER_SECOND = 11520  # of a line at 115200 baud
 NOISE = 0.03  # share of the bytes that arrive damaged on a noisy line
-SLIPPED = math.radians(10)
 PULL_OFF = 1.0  # from the limit switch [deg]
 
 
@@ -72,7 +71,7 @@ class GrblFarEnd:
         """Let a fault begin or end."""
         match checked(fault, self.faults), on:
             case Fault.SLIP, True:
-                self._slipped += SLIPPED
+                self._slipped += SLIP
             case Fault.REBOOT, True:
                 self.firmware.boot()
             case Fault.TAKEN, True:

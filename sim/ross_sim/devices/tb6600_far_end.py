@@ -9,24 +9,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ross_payload.actuators.tb6600 import pulse_segments
 from ross_payload.actuators.tb6600.options import Options
-from ross_payload.actuators.tb6600.pulse_segments import (
-    EDGE,
-    Edges,
-    Level,
-    PulseLine,
-    RanOut,
-    RecordingPulses,
-    Segment,
-    without_steps,
-)
 from ross_payload.interfaces import Real
-from ross_sim.devices.far_end import Fault, checked
+from ross_sim.devices.far_end import SLIP, Fault, checked
 from ross_sim.devices.step_input import OptoInputs, Violation, Wanted
 from ross_sim.devices.stepper import Motor, Rotor
 
 CROWDED = 0.080  # by which a wire that others fill is late [s]
-SLIP = math.radians(10)  # of what turns on its shaft
 
 
 class Tb6600FarEnd:
@@ -47,13 +37,13 @@ class Tb6600FarEnd:
     faults = frozenset({Fault.STALL, Fault.STUCK, Fault.SLIP, Fault.SILENT, Fault.SATURATED})
 
     def __init__(self, options: Options, motor: Motor, wanted: Wanted, home: HomeSwitch | None = None) -> None:
-        self.port = RecordingPulses()
+        self.port = pulse_segments.RecordingPulses()
         self.rotor = Rotor(motor)
         self._options = options
         self._inputs = OptoInputs(wanted)
         self._seen = 0  # segments of the port
-        self._underway: deque[tuple[float, Segment]] = deque()  # arrival [s], segment
-        self._edges: Edges = np.empty(0, dtype=EDGE)  # not yet played, times on the Clock [s]
+        self._underway: deque[tuple[float, pulse_segments.Segment]] = deque()  # arrival [s], segment
+        self._edges: pulse_segments.Edges = np.empty(0, pulse_segments.EDGE)  # not yet played, times on the Clock [s]
         self._count = 0
         self._on = self._means_on(False)
         self._now = 0.0
@@ -121,13 +111,13 @@ class Tb6600FarEnd:
         while self._underway and self._underway[0][0] <= now:
             self._arrived(*self._underway.popleft())
 
-    def _arrived(self, arrival: float, segment: Segment) -> None:
+    def _arrived(self, arrival: float, segment: pulse_segments.Segment) -> None:
         """Line up the edges; a segment that comes after its time takes no step, and is reported."""
         late = arrival - segment.start - float(segment.edges["time"][0]) if len(segment.edges) else 0.0
         if late > 1e-9:
             self._inputs.late(late, arrival)
-            self.port.report(RanOut(segment.end))
-            segment = without_steps(segment)
+            self.port.report(pulse_segments.RanOut(segment.end))
+            segment = pulse_segments.without_steps(segment)
         edges = segment.edges.copy()
         edges["time"] = np.maximum(edges["time"] + segment.start, arrival if late > 1e-9 else -math.inf)
         self._edges = np.concatenate([self._edges, edges])
@@ -135,14 +125,14 @@ class Tb6600FarEnd:
     def _live(self, now: float) -> None:
         """Play the edges that are due by ``now`` [s], and let the rotor follow."""
         due, self._edges = _split(self._edges, now)
-        for switch in due[due["line"] == PulseLine.ENABLE]:
+        for switch in due[due["line"] == pulse_segments.PulseLine.ENABLE]:
             time = float(switch["time"])
             before, due = _split(due, time)
             self._play(before, time)
             self._switch(bool(switch["level"]), time)
         self._play(due, now)
 
-    def _play(self, edges: Edges, until: float) -> None:
+    def _play(self, edges: pulse_segments.Edges, until: float) -> None:
         """Count steps and let the rotor follow; no ENABLE edge within."""
         times, levels = self._inputs.on_edges(edges, self._on) if len(edges) else (np.empty(0), np.empty(0, dtype=bool))
         self.rotor.live(until - self._now, times - self._now, self._electrical(levels), self._on)
@@ -167,11 +157,7 @@ class Tb6600FarEnd:
 
     @classmethod
     def make(
-        cls,
-        config: Options,
-        motor: Motor | None = None,
-        wanted: Wanted | None = None,
-        home: HomeSwitch | None = None,
+        cls, config: Options, motor: Motor | None = None, wanted: Wanted | None = None, home: HomeSwitch | None = None
     ) -> Tb6600FarEnd:
         """Make a module wired as the driver's options say, at joint angle 0; a motor of its own may be heavier."""
         motor = motor or replace(Motor(), teeth=config.full_steps // 4)
@@ -180,7 +166,7 @@ class Tb6600FarEnd:
         return cls(config, motor, wanted or Wanted(), home)
 
 
-def _split(edges: Edges, time: float) -> tuple[Edges, Edges]:
+def _split(edges: pulse_segments.Edges, time: float) -> tuple[pulse_segments.Edges, pulse_segments.Edges]:
     """Edges up to and including ``time`` [s], and the rest."""
     n = int(np.searchsorted(edges["time"], time, side="right"))
     return edges[:n], edges[n:]
@@ -220,7 +206,7 @@ class HomeSwitch:
         self._changed = -math.inf
         self._shown = False
 
-    def look(self, angle: float, now: float) -> Level:
+    def look(self, angle: float, now: float) -> pulse_segments.Level:
         """Return the level of its line with the array at ``angle`` [rad]; a chatter alternates from look to look."""
         within = self._sign * (angle - self._closes)
         slack = self.HYSTERESIS if self._closed else 0.0
@@ -228,7 +214,7 @@ class HomeSwitch:
         if closed != self._closed:
             self._closed, self._changed = closed, now
         self._shown = not self._shown if now - self._changed < self._bounce else closed
-        return Level(PulseLine.HOME, self._shown == self._high, now)
+        return pulse_segments.Level(pulse_segments.PulseLine.HOME, self._shown == self._high, now)
 
 
 far_end = Tb6600FarEnd

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from contextlib import ExitStack
-from typing import Any, Self
+from contextlib import AbstractContextManager, ExitStack
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from ross_sim.sitl.world import Rendered
 STILL = 1e-6  # a quantum that turns by less is not worth a line [rad]
 
 
-class TruthWriter:
+class TruthWriter(AbstractContextManager["TruthWriter"]):
     """Writes `mixture.wav`, one `image-K.wav` per talker and, in the end, `truth.json`. A context manager.
 
     Parameters
@@ -65,9 +65,6 @@ class TruthWriter:
                 write_azimuths(self._out, scenario, self._samples)
             told = values | {"samples": self._samples, "headings_deg": self._turns.points()}
             self._out.write_json("truth.json", told)
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *exception: object) -> None:
         self._files.close()

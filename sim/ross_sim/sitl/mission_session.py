@@ -34,6 +34,7 @@ from ross_payload.service.runner import Observer, Runner
 from ross_payload.sessions import event_json
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.recorder import Recorder
+from ross_payload.sessions.replay_results import voices_of
 from ross_payload.telemetry.component import Telemetry
 from ross_payload.timebase import Timebase
 from ross_sim.autopilot import simulated_autopilot as simulated
@@ -97,46 +98,75 @@ def perform(
     """
     wall = SystemClock()
     started = wall.now()
-    config = scenario.payload
-    clock = SimClock()
     with ExitStack() as stack, threadpool_limits(limits=1):
-        links = stack.enter_context(Router.open(config.links, clock, system_id=config.telemetry.system_id))
-        far_end = far_end_of(config)
-        cast = scenario.cast(company.voices)
-        world = World(scenario, cast.talkers, far_end, clock, config.seed)
-        collector = Collector(_wav(stack, out, config))
-        actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
-        _find(actuator, far_end, clock, config.guard)
-        stack.enter_context(world.source)
-        mount, _ = aboard(scenario, clock, links)
-        clock.every(POLL, links.poll)
-        recorder = stack.enter_context(recorded(tape, _beginning(scenario, company, actuator), clock, links))
-        runner = _runner(scenario, company, world, actuator, mount, recorder=recorder, tracker=tracker)
-        aside: Looking = nullcontext([]) if page is None else page.aboard(config, clock, actuator, runner.order)
-        looking = stack.enter_context(aside)  # before the telemetry, which then waits for nobody at its end
-        tlog = out.staging / "mission.tlog" if out is not None else None
-        telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
-        runner.observers = [collector, telemetry, *looking, view, *([Pace(speed)] if speed else [])]
-        listening = stack.enter_context(listening_of(config, clock, runner, recorder))
-        runner.observers += [listening] if recorder is None else [recorder, listening]
+        staged = _staged(stack, scenario, company, view, out, speed=speed, tape=tape, page=page, tracker=tracker)
         ready = wall.now()
-        with on_signal(lambda _: runner.order(Stop())):
-            result = runner.run()
-        listening.close()
-        _expect_whole(listening)
+        with on_signal(lambda _: staged.runner.order(Stop())):
+            result = staged.runner.run()
+        staged.listening.close()
+        _expect_whole(staged.listening)
         done = wall.now()
-    truth = _truth(scenario, world, cast, company.target)
-    values = report(collector.story, truth, result, _configuration(scenario, config))
-    values |= moving_report(collector.story, truth)
-    if far_end.complaints():
-        values["complaints"] = far_end.complaints()
-    timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": clock.now()}
-    timing["times_real_time"] = clock.now() / max(done - ready, 1e-9)
+    story, simulated = staged.collector.story, staged.world.clock.now()
+    truth = _truth(scenario, staged.world, staged.cast, company.target)
+    values = report(story, truth, result, _configuration(scenario)) | moving_report(story, truth)
+    complaints = staged.far_end.complaints()
+    if complaints:
+        values["complaints"] = complaints
+    timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": simulated}
+    timing["times_real_time"] = simulated / max(done - ready, 1e-9)
     if out is not None:
-        _write(out, collector.story, truth, values, scenario)
+        _write(out, story, truth, values, scenario)
         timing["results_s"] = wall.now() - done
         out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
-    return Finished(result, values, timing, tuple(far_end.complaints()))
+    return Finished(result, values, timing, tuple(complaints))
+
+
+@dataclass(frozen=True, slots=True)
+class _Staged:
+    """A mission that is ready to run."""
+
+    runner: Runner
+    listening: Listening
+    collector: Collector
+    world: World
+    cast: Cast
+    far_end: FarEnd
+
+
+def _staged(
+    stack: ExitStack,
+    scenario: Scenario,
+    company: TalkerSelection,
+    view: MissionView,
+    out: ResultsFolder | None,
+    *,
+    speed: float | None,
+    tape: Path | None,
+    page: PageObserver | None,
+    tracker: type[SourceTracker],
+) -> _Staged:
+    """Open everything that a mission needs; ``stack`` closes it."""
+    config, clock = scenario.payload, SimClock()
+    links = stack.enter_context(Router.open(config.links, clock, system_id=config.telemetry.system_id))
+    far_end = far_end_of(config)
+    cast = scenario.cast(company.voices)
+    world = World(scenario, cast.talkers, far_end, clock, config.seed)
+    collector = Collector(_wav(stack, out, config))
+    actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
+    _find(actuator, far_end, clock, config.guard)
+    stack.enter_context(world.source)
+    mount, _ = aboard(scenario, clock, links)
+    clock.every(POLL, links.poll)
+    recorder = stack.enter_context(recorded(tape, _beginning(scenario, company, actuator), clock, links))
+    runner = _runner(scenario, company, world, actuator, mount, recorder=recorder, tracker=tracker)
+    aside: Looking = nullcontext([]) if page is None else page.aboard(config, clock, actuator, runner.order)
+    looking = stack.enter_context(aside)  # before the telemetry, which then waits for nobody at its end
+    tlog = out.staging / "mission.tlog" if out is not None else None
+    telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
+    runner.observers = [collector, telemetry, *looking, view, *([Pace(speed)] if speed else [])]
+    listening = stack.enter_context(listening_of(config, clock, runner, recorder))
+    runner.observers += [listening] if recorder is None else [recorder, listening]
+    return _Staged(runner, listening, collector, world, cast, far_end)
 
 
 def _expect_whole(listening: Listening) -> None:
@@ -243,9 +273,9 @@ def _truth(scenario: Scenario, world: World, cast: Cast, target: str) -> Truth:
     )
 
 
-def _configuration(scenario: Scenario, config: Config) -> dict[str, Any]:
+def _configuration(scenario: Scenario) -> dict[str, Any]:
     values: dict[str, Any] = scenario.model_dump(mode="json", exclude={"payload": {"links", "listening"}})
-    return values | {"seed": config.seed}
+    return values | {"seed": scenario.payload.seed}
 
 
 def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, Any], scenario: Scenario) -> None:
@@ -254,11 +284,8 @@ def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, 
     out.write_json("report.json", values)
     out.write_text("events.jsonl", "".join(map(event_json.line, story.events)))
     write_azimuths(out, scenario, truth.mixture.size)
-    separated: Separated | None = story.last(Separated)
-    if separated is not None:
-        for index, voice in enumerate(separated.voices):
-            name = "target.wav" if index == separated.target else f"group-{index}.wav"
-            write_wav(out.staging / name, voice, rate)
+    for name, voice in voices_of(story.last(Separated)).items():
+        write_wav(out.staging / name, voice, rate)
     unit = config.array.spacing_m / config.array.speed_of_sound_m_s
     from ross_sim.sitl.mission_figure import draw  # noqa: PLC0415  matplotlib, where a picture is wanted
 

@@ -14,23 +14,8 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+from ross_payload import events
 from ross_payload.bounded_files import printable
-from ross_payload.events import (
-    AlignmentPlanned,
-    Checked,
-    Doubted,
-    Event,
-    Finished,
-    NoiseMeasured,
-    OrientationHeard,
-    ScoreDropped,
-    Separated,
-    Slipped,
-    SourcesEstimated,
-    State,
-    StateChanged,
-    TurnStarted,
-)
 from ross_payload.interfaces import Input, Real
 from ross_protocols.angle_text import bearing, bearings, frame, rotation
 
@@ -46,7 +31,7 @@ class MissionView:
     def on_input(self, hop: Input) -> None:
         """Follow one hop."""
 
-    def on_event(self, event: Event, hop: Input) -> None:
+    def on_event(self, event: events.Event, hop: Input) -> None:
         """Follow what the mission says."""
 
     def on_log(self, words: str) -> None:
@@ -67,7 +52,7 @@ class PlainLines(MissionView):
         """Follow the time."""
         self._time = hop.block.time
 
-    def on_event(self, event: Event, hop: Input) -> None:
+    def on_event(self, event: events.Event, hop: Input) -> None:
         """Print the event in words."""
         words = in_words(event, earth=hop.pointing.earth)
         if words:
@@ -90,10 +75,10 @@ class LiveView(MissionView):
         self._level = -100.0
         self._heading = 0.0
         self._earth = False
-        self._state = State.IDLE
+        self._state = events.State.IDLE
         self._detail = ""
         self._density = ""
-        self._sources: SourcesEstimated | None = None
+        self._sources: events.SourcesEstimated | None = None
         self._log: list[str] = []
         self._live = Live(self, console=console, refresh_per_second=REFRESH, transient=False)
         self._live.start()
@@ -106,13 +91,13 @@ class LiveView(MissionView):
         self._heading, self._earth = hop.pointing.heading, hop.pointing.earth
         self._time = hop.block.time
 
-    def on_event(self, event: Event, hop: Input) -> None:
+    def on_event(self, event: events.Event, hop: Input) -> None:
         """Take the event into the picture."""
-        if isinstance(event, StateChanged):
+        if isinstance(event, events.StateChanged):
             self._state, self._detail = event.state, event.detail
-        elif isinstance(event, OrientationHeard):
+        elif isinstance(event, events.OrientationHeard):
             self._density = sparkline(event.density)
-        elif isinstance(event, SourcesEstimated):
+        elif isinstance(event, events.SourcesEstimated):
             self._sources = event
         words = in_words(event, earth=hop.pointing.earth)
         if words:
@@ -204,37 +189,37 @@ def sparkline(values: Real, width: int = 60) -> str:
     return "".join(BARS[int(height * (len(BARS) - 1))] for height in heights)
 
 
-def in_words(event: Event, *, earth: bool) -> str:  # noqa: PLR0911, PLR0912 - one line for each kind of event
+def in_words(event: events.Event, *, earth: bool) -> str:  # noqa: PLR0911, PLR0912 - one line for each kind of event
     """Tell an event in words; empty when it is not worth a line. ``earth``: its headings count from north."""
     match event:
-        case NoiseMeasured(level_db=None):
+        case events.NoiseMeasured(level_db=None):
             return "no quiet lead-in: the noise level is assumed"
-        case NoiseMeasured(level_db=level, seconds=seconds):
+        case events.NoiseMeasured(level_db=level, seconds=seconds):
             return f"quiet lead-in of {seconds:g} s: noise at {level:.1f} dBFS"
-        case SourcesEstimated(estimate=estimate, rotations=rotations, final=final, informed=informed):
+        case events.SourcesEstimated(estimate=estimate, rotations=rotations, final=final, informed=informed):
             where = bearings((source.azimuth for source in estimate.sources), earth=earth)
             found = f"K = {estimate.k}{' at ' + where if where else ''}"
             if informed:
                 return f"known without exploring: {found}"
             return f"rotation {rotations}: {found}{'; exploration complete' if final else ''}"
-        case AlignmentPlanned(candidates=candidates):
+        case events.AlignmentPlanned(candidates=candidates):
             plans = ", ".join(f"{bearing(c.heading)} deg for source {c.source} ({c.rule})" for c in candidates)
             return f"headings to try, {frame(earth)}: {plans}" if plans else "no alignment is within the joint's limits"
-        case TurnStarted(heading=heading, reason=reason):
+        case events.TurnStarted(heading=heading, reason=reason):
             return f"turning to {bearings([heading], earth=earth)}: {reason}" if "alignment" in reason else ""
-        case Checked(groups=groups, method=method, accepted=accepted):
+        case events.Checked(groups=groups, method=method, accepted=accepted):
             scores = ", ".join(f"{'+'.join(map(str, g.members))}: {g.value:+.1f}" for g in groups)
             verdict = "no target here" if accepted is None else f"group {accepted} is the target"
             return f"voice scores by {method} ({scores}): {verdict}"
-        case Separated(groups=groups, target=target, method=method, why=why):
+        case events.Separated(groups=groups, target=target, method=method, why=why):
             return f"separated by {method}, score {groups[target].value:+.1f}" + (f": {why}" if why else "")
-        case ScoreDropped(value=value, criterion=criterion):
+        case events.ScoreDropped(value=value, criterion=criterion):
             return f"the score dropped to {value:+.1f}, below {criterion:.1f}: starting again"
-        case Slipped(shift=shift):
+        case events.Slipped(shift=shift):
             return f"all azimuths shifted by {rotation(shift)}: the array has slipped; corrected"
-        case Doubted(reason=reason):
+        case events.Doubted(reason=reason):
             return f"exploring after all: {reason}"
-        case Finished(reason=reason):
+        case events.Finished(reason=reason):
             return reason
         case _:
             return ""

@@ -7,9 +7,9 @@ import re
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from ross_payload.atomic_files import json_text
 from ross_payload.errors import ConfigError, OutputError, refused_as
@@ -19,7 +19,7 @@ OURS = re.compile(
 )
 
 
-class ResultsFolder:
+class ResultsFolder(AbstractContextManager["ResultsFolder"]):
     """Collects results in a hidden folder beside its place and moves them there when closed.
 
     What has the name of a result is taken for an earlier mission's and replaced; other files are left alone.
@@ -69,9 +69,6 @@ class ResultsFolder:
             raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
         finally:
             shutil.rmtree(self.staging, ignore_errors=True)
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
         self.close(complete=kind is None)

@@ -91,7 +91,7 @@ class World:
         self._noise_rms, motor_rms = _noise_levels(scenario)
         sensor, motor = np.random.SeedSequence(seed).spawn(2)
         self._sensor = np.random.Generator(np.random.PCG64(sensor))
-        self._motor = MotorNoise(motor_rms, self.rate, np.random.Generator(np.random.PCG64(motor)))
+        self._motor = MotorNoise(motor_rms, np.random.Generator(np.random.PCG64(motor)))
         self._talkers = talkers_heard(scenario, voices, cache)
         self._spacing = scenario.payload.array.spacing_m
         self._microphones: Microphones | None = None

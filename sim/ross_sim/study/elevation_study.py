@@ -22,7 +22,7 @@ from scipy.optimize import linear_sum_assignment
 from threadpoolctl import threadpool_limits
 
 from ross_payload import plugins
-from ross_payload.alignment.plan import plan
+from ross_payload.alignment.plan import Turn, plan
 from ross_payload.angles import difference
 from ross_payload.dsp.steering import tdoa
 from ross_payload.events import Estimate, SourceEstimate
@@ -122,15 +122,7 @@ def aligned(explored: ExploredField, seed: int) -> Iterator[tuple[float, ...]]:
 
 
 def _improvement(explored: ExploredField, belief: Sequence[SourceEstimate], target: int, seed: int) -> float:
-    planned = plan(
-        belief,
-        heading=0.0,
-        joint=0.0,
-        lower=-np.inf,
-        upper=np.inf,
-        spacing=SPACING,
-        speed_of_sound=SPEED_OF_SOUND,
-    )
+    planned = plan(belief, Turn(base=0.0, joint=0.0, lower=-np.inf, upper=np.inf), SPACING / SPEED_OF_SOUND)
     heading = next((c.heading for c in planned.candidates if c.source == target), 0.0)
     voices = [np.resize(voice, round(RUN * RATE)) for voice in explored.voices]
     rng = np.random.default_rng([seed, target])

@@ -24,7 +24,7 @@ from ross_payload.errors import ConfigError, RossError
 from ross_payload.interfaces import LiveSeparator, Real, Scene
 from ross_payload.plugin_checks import load_separator
 from ross_sim.study.live_tables import Row, appended, read_rows, tables, with_tables
-from ross_sim.study.mixtures import VOICES, Mixture, aligned_heading, layouts, record
+from ross_sim.study.mixtures import VOICES, Mixture, aligned_heading, layouts, record, scene_of
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
 from ross_sim.talkers.speech import load_folder
 
@@ -119,10 +119,7 @@ def measured(recording: Mixture, earlier: Mixture, blank: Row) -> Iterator[Row]:
     """Rows about one mixture: every variant against its separator on the whole recording."""
     stft = Stft(blank.rate, BATCH_FRAME, BATCH_FRAME // 4)
     n, settled, first = recording.mixture.shape[1], round(SETTLED * blank.rate), round(FIRST * blank.rate)
-    spectrogram = stft.analyse(recording.mixture)
-    psd = quiet_psd(stft.analyse(recording.lead_in), spectrogram)
-    tau = recording.tau
-    scene = Scene(stft.frequencies, SPACING, SPEED_OF_SOUND, tau.size, tau, psd, hop=stft.hop)
+    spectrogram, scene = stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=True)
     whole: dict[str, tuple[Real, tuple[tuple[int, ...], ...]]] = {}
     for name, latency in VARIANTS:
         base = "auto" if name == "gaussian" else name

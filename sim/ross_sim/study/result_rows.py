@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -104,16 +104,11 @@ class Result:
     timings: tuple[Timing, ...] = ()
 
 
-def encode(result: Result) -> dict[str, Any]:
-    """Turn a result into plain values for JSON."""
-    return asdict(result)
-
-
 def decode(values: dict[str, Any]) -> Result:
-    """Turn plain values back into a result.
+    """Turn the plain values of `dataclasses.asdict` back into a result.
 
     >>> result = Result("t", timings=(Timing("t", "S1", 3, "duet", 10.0, 0.1),))
-    >>> decode(encode(result)) == result
+    >>> decode(dataclasses.asdict(result)) == result
     True
     """
     return Result(

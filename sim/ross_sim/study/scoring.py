@@ -10,10 +10,9 @@ import numpy as np
 
 from ross_payload.alignment.plan import isolation
 from ross_payload.dsp.metrics import si_sdr
-from ross_payload.dsp.noise import quiet_psd
-from ross_payload.interfaces import Real, Scene, Separator
+from ross_payload.interfaces import Real, Separator
 from ross_payload.plugin_checks import load_separator
-from ross_sim.study.mixtures import Mixture
+from ross_sim.study.mixtures import Mixture, scene_of
 from ross_sim.study.oracle_separators import ORACLES
 from ross_sim.study.result_rows import DIGITS, Separation, degrees, number
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
@@ -71,9 +70,8 @@ def separations(
     """What every separator makes of a recording."""
     stft, n = study.stft, recording.mixture.shape[1]
     mixture = stft.analyse(recording.mixture)
-    psd = quiet_psd(stft.analyse(recording.lead_in), mixture)
-    tau = belief.tau
-    scene = Scene(stft.frequencies, SPACING, SPEED_OF_SOUND, tau.size, tau, psd, study.seed, stft.hop)
+    known, tau = scene_of(recording, stft, known_noise=True), belief.tau
+    scene = replace(known, n_sources=tau.size, tau=tau, seed=study.seed)
     for name, noise in columns(study, oracles=belief.true):
         began, told = time.process_time(), scene if noise == "known" else replace(scene, noise_psd=None)
         members: tuple[tuple[int, ...], ...] = tuple((k,) for k in range(tau.size))

@@ -15,26 +15,16 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload import __version__, plugins
 from ross_payload.alignment.paper_rules import paper_plan
-from ross_payload.alignment.plan import plan
+from ross_payload.alignment.plan import Turn, plan
 from ross_payload.angles import difference
 from ross_payload.dsp.steering import tdoa
 from ross_payload.errors import RossError
 from ross_payload.events import AlignmentCandidate, Estimate, SourceEstimate
 from ross_payload.interfaces import Explorer, Real, Separator
 from ross_payload.localization.joint import Joint
+from ross_sim.study import result_rows
 from ross_sim.study.exploration import NEAR_DEG, matched, observed, render
 from ross_sim.study.mixtures import Mixture, record
-from ross_sim.study.result_rows import (
-    ALIGNED,
-    ESTIMATED,
-    UNALIGNED,
-    Exploration,
-    Result,
-    Separation,
-    Timing,
-    degrees,
-    number,
-)
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.scoring import Belief, Separated, columns, scored, separations, tools_of
 from ross_sim.study.study_design import STOP, Study, Task, explorer_named
@@ -52,24 +42,26 @@ class _Case:
     task: Task
     stage: TalkerPlacement
     tools: Mapping[str, Separator]
-    rows: list[Separation] = field(default_factory=list)
-    explorations: list[Exploration] = field(default_factory=list)
-    timings: list[Timing] = field(default_factory=list)
+    rows: list[result_rows.Separation] = field(default_factory=list)
+    explorations: list[result_rows.Exploration] = field(default_factory=list)
+    timings: list[result_rows.Timing] = field(default_factory=list)
 
     def timed(self, step: str, seconds: float, cpu: float) -> None:
         """Write down the CPU time of a step."""
-        self.timings.append(Timing(self.task.id, self.task.setting, self.task.k, step, seconds, round(cpu, 6)))
+        self.timings.append(
+            result_rows.Timing(self.task.id, self.task.setting, self.task.k, step, seconds, round(cpu, 6))
+        )
 
-    def blank(self, target: int, how: str) -> Separation:
+    def blank(self, target: int, how: str) -> result_rows.Separation:
         """A row about a target with nothing measured yet."""
-        task, azimuth = self.task, degrees(float(self.stage.azimuths[target]))
-        row = Separation(
+        task, azimuth = self.task, result_rows.degrees(float(self.stage.azimuths[target]))
+        row = result_rows.Separation(
             task.id, task.setting, task.k, task.layout, self.study.seed, __version__,
             how, target, self.stage.names[target], azimuth, explorer=task.explorer, unit_s=task.unit,
         )  # fmt: skip
-        if how == ALIGNED:
+        if how == result_rows.ALIGNED:
             return row
-        return replace(row, start=task.start, start_heading_deg=degrees(self.study.start(task.start)))
+        return replace(row, start=task.start, start_heading_deg=result_rows.degrees(self.study.start(task.start)))
 
     def record(self, target: int, heading: float, *seed: int) -> Mixture:
         """What is heard for T_run at a heading [rad]."""
@@ -83,8 +75,8 @@ class _Case:
             yield separated
 
     def scored(
-        self, row: Separation, recording: Mixture, separated: Separated, source: int, heading: float
-    ) -> Separation:
+        self, row: result_rows.Separation, recording: Mixture, separated: Separated, source: int, heading: float
+    ) -> result_rows.Separation:
         """Complete a row with what a separator made of a recording."""
         return scored(row, recording, separated, source=source, heading=heading, azimuths=self.stage.azimuths)
 
@@ -97,7 +89,7 @@ class Failure:
     reason: str
 
 
-def attempt(task: Task, study: Study, source: Source) -> Result | Failure:
+def attempt(task: Task, study: Study, source: Source) -> result_rows.Result | Failure:
     """Measure one task; one that fails does not take the others with it."""
     try:
         return perform(task, study, source)
@@ -107,7 +99,7 @@ def attempt(task: Task, study: Study, source: Source) -> Result | Failure:
         return Failure(task.id, repr(error))
 
 
-def perform(task: Task, study: Study, source: Source) -> Result:
+def perform(task: Task, study: Study, source: Source) -> result_rows.Result:
     """Measure one task, on one numeric thread."""
     began, tools = time.process_time(), tools_of(study)
     with threadpool_limits(1):
@@ -119,7 +111,7 @@ def perform(task: Task, study: Study, source: Source) -> Result:
         else:
             _unaligned(case)
     case.timed("task", 0.0, time.process_time() - began)
-    return Result(task.id, tuple(case.rows), tuple(case.explorations), tuple(case.timings))
+    return result_rows.Result(task.id, tuple(case.rows), tuple(case.explorations), tuple(case.timings))
 
 
 def _explorer(study: Study, name: str) -> Explorer:
@@ -134,7 +126,7 @@ def _aligned(case: _Case, target: int) -> None:
     """Separate one target at its own alignment, with true azimuths; the open is told from reverberation."""
     truth = [SourceEstimate(float(azimuth), 0.0, 1.0, True) for azimuth in case.stage.azimuths]
     known = Estimate(tuple(truth), directness=float(case.stage.setting.t60 == 0))
-    row, candidate = case.blank(target, ALIGNED), _candidates(case.study, known, 0.0, 0.0).get(target)
+    row, candidate = case.blank(target, result_rows.ALIGNED), _candidates(case.study, known, 0.0, 0.0).get(target)
     if candidate is None:
         case.rows.extend(_missed(case.study, row, oracles=True))
         return
@@ -149,7 +141,7 @@ def _unaligned(case: _Case) -> None:
     recording = case.record(0, heading, case.task.start, ANYWHERE)
     for separated in case.separations(recording, Belief(recording.tau)):
         for target in range(case.task.k):
-            aimed, row = replace(recording, target=target), case.blank(target, UNALIGNED)
+            aimed, row = replace(recording, target=target), case.blank(target, result_rows.UNALIGNED)
             case.rows.append(case.scored(row, aimed, separated, target, heading))
 
 
@@ -159,7 +151,7 @@ def _explored(case: _Case, explorer: Explorer) -> None:
     estimates = list(_estimates(case, explorer, headings))
     for r, estimate in enumerate(estimates):
         case.explorations.append(_exploration(case, r, float(headings[r]), estimate))
-    found: dict[int, list[Separation]] = {}
+    found: dict[int, list[result_rows.Separation]] = {}
     for schedule in case.study.rotations if case.tools else ():
         r = stopped([estimate.certain for estimate in estimates]) if schedule == STOP else int(schedule)
         if r not in found:
@@ -191,36 +183,36 @@ def _estimates(case: _Case, explorer: Explorer, headings: Real) -> Iterator[Esti
     case.timed(explorer.name, unit * len(headings), time.process_time() - began)
 
 
-def _exploration(case: _Case, rotations: int, heading: float, estimate: Estimate) -> Exploration:
+def _exploration(case: _Case, rotations: int, heading: float, estimate: Estimate) -> result_rows.Exploration:
     task, errors = case.task, matched(case.stage.azimuths, estimate)[0]
-    return Exploration(
+    return result_rows.Exploration(
         task.id, task.setting, task.k, task.layout, case.study.seed, __version__,
-        task.start, degrees(case.study.start(task.start)), str(task.explorer), float(task.unit or 0.0),
-        rotations, degrees(heading), case.stage.names,
-        azimuths_true_deg=tuple(degrees(float(azimuth)) for azimuth in case.stage.azimuths),
-        azimuths_deg=tuple(degrees(source.azimuth) for source in estimate.sources),
-        sigmas_deg=tuple(degrees(source.sigma) for source in estimate.sources),
+        task.start, result_rows.degrees(case.study.start(task.start)), str(task.explorer), float(task.unit or 0.0),
+        rotations, result_rows.degrees(heading), case.stage.names,
+        azimuths_true_deg=tuple(result_rows.degrees(float(azimuth)) for azimuth in case.stage.azimuths),
+        azimuths_deg=tuple(result_rows.degrees(source.azimuth) for source in estimate.sources),
+        sigmas_deg=tuple(result_rows.degrees(source.sigma) for source in estimate.sources),
         errors_deg=tuple(round(float(error), 6) for error in errors),
         k_estimated=estimate.k, all_found=bool(errors.max() <= NEAR_DEG),
-        certain=estimate.certain, directness=number(estimate.directness),
+        certain=estimate.certain, directness=result_rows.number(estimate.directness),
     )  # fmt: skip
 
 
-def _end_to_end(case: _Case, estimate: Estimate, rotations: int, heading: float) -> Iterator[Separation]:
+def _end_to_end(case: _Case, estimate: Estimate, rotations: int, heading: float) -> Iterator[result_rows.Separation]:
     """Align with estimated azimuths and separate every target that is found; the missed ones count as 0 dB."""
     joint = heading - case.study.start(case.task.start)
     candidates = _candidates(case.study, estimate, heading, joint)
     owners = owners_of(case.stage.azimuths, estimate)
     for target, owner in enumerate(owners):
         row = replace(
-            case.blank(target, ESTIMATED), rotations=rotations, k_estimated=estimate.k,
-            all_found=None not in owners, directness=number(estimate.directness),
+            case.blank(target, result_rows.ESTIMATED), rotations=rotations, k_estimated=estimate.k,
+            all_found=None not in owners, directness=result_rows.number(estimate.directness),
         )  # fmt: skip
         candidate = None if owner is None else candidates.get(owner)
         if owner is None or candidate is None:
             yield from _missed(case.study, row, oracles=False)
             continue
-        row = replace(row, azimuth_deg=degrees(estimate.sources[owner].azimuth), rule=candidate.rule)
+        row = replace(row, azimuth_deg=result_rows.degrees(estimate.sources[owner].azimuth), rule=candidate.rule)
         recording = case.record(target, candidate.heading, target)
         belief = Belief(_tau(estimate, candidate.heading), true=False)
         for separated in case.separations(recording, belief):
@@ -237,10 +229,8 @@ def owners_of(azimuths: Real, estimate: Estimate) -> list[int | None]:
 def _candidates(study: Study, estimate: Estimate, heading: float, joint: float) -> dict[int, AlignmentCandidate]:
     """Where to turn for every source, as the mission plans it."""
     limit = float(np.deg2rad(study.limit_deg))
-    planned = PLANS[study.rules](
-        estimate.sources, heading=heading, joint=joint, lower=-limit, upper=limit,
-        spacing=SPACING, speed_of_sound=SPEED_OF_SOUND, directness=estimate.directness,
-    )  # fmt: skip
+    turn = Turn(heading - joint, joint, -limit, limit)
+    planned = PLANS[study.rules](estimate.sources, turn, SPACING / SPEED_OF_SOUND, estimate.directness)
     return {candidate.source: candidate for candidate in planned.candidates}
 
 
@@ -250,7 +240,7 @@ def _tau(estimate: Estimate, heading: float) -> Real:
     return tdoa(azimuths, heading, SPACING, SPEED_OF_SOUND, elevations)
 
 
-def _missed(study: Study, row: Separation, *, oracles: bool) -> Iterator[Separation]:
+def _missed(study: Study, row: result_rows.Separation, *, oracles: bool) -> Iterator[result_rows.Separation]:
     """A row of 0 dB for every separator that would have been asked."""
     for name, noise in columns(study, oracles=oracles):
         yield replace(row, separator=name, noise=noise, missed=True)

@@ -16,12 +16,12 @@ import os
 import platform
 import typing
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, fields
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import ross_payload
 import ross_sim
@@ -29,7 +29,7 @@ import ross_sim.study
 from ross_payload.atomic_files import replacing
 from ross_payload.bounded_files import parsed_json, read_bounded
 from ross_payload.errors import ConfigError, OutputError, refused_as
-from ross_sim.study.result_rows import Result, columns, decode, encode
+from ross_sim.study.result_rows import Result, columns, decode
 from ross_sim.study.study_design import Study
 
 PACKAGES = ("numpy", "scipy", "scikit-learn", "pyroomacoustics")  # what the numbers depend on
@@ -87,7 +87,7 @@ def _version(name: str) -> str | None:
         return None
 
 
-class Store:
+class Store(AbstractContextManager["Store"]):
     """The folder of one study, open for one process at a time.
 
     Raises
@@ -155,7 +155,7 @@ class Store:
             When the disk is full or gone.
         """
         with refused_as(OutputError, f"{self.folder / 'journal.jsonl'}: cannot be written"):
-            self._file.write(json.dumps(encode(result), allow_nan=False).encode() + b"\n")
+            self._file.write(json.dumps(asdict(result), allow_nan=False).encode() + b"\n")
             self._file.flush()
             os.fsync(self._file.fileno())
         self.results[result.task] = result
@@ -177,9 +177,6 @@ class Store:
         there = self.folder / name
         with refused_as(OutputError, f"{there}: cannot be written"), replacing(there) as path:
             yield path
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
         try:
