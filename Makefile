@@ -11,7 +11,7 @@ BENCH := --settings S1,S2,S3 --talkers ls3005,ls3331,ls2414,ls3080,ls533 --speec
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 COMPILED := PYTHONDONTWRITEBYTECODE=  # hundreds of processes are started
 
-HASHED := --extra capture --extra serial --extra can --extra gpio --extra ground --extra stream
+HASHED := --extra capture --extra serial --extra can --extra gpio --extra ground --extra stream --extra voice
 .PHONY: demo test check bench soak docs protocols hashes clean
 .DELETE_ON_ERROR:
 

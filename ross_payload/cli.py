@@ -90,13 +90,15 @@ def show(file: Path) -> None:
 @click.argument("name")
 @click.argument("file", metavar="[AUDIO]", type=click.Path(path_type=Path), required=False)
 @click.option("--forget", is_flag=True, help="Delete the voice print of NAME instead.")
-def enroll(name: str, file: Path | None, forget: bool) -> None:
+@click.option("--model", default="auto", help="As [voice_print] model of the payload; see ross voice-model.")
+def enroll(name: str, file: Path | None, forget: bool, model: str) -> None:
     """Make the voice print of NAME from a file of AUDIO with a few seconds of clean speech.
 
     A voice print is personal data: it is kept on this computer only, readable by you alone, until you --forget it.
     """
     from ross_payload.audio.audio_files import read_mono
     from ross_payload.voiceprint import VoiceStore, enrol
+    from ross_payload.voiceprint.model_folder import ModelFolder
 
     store = VoiceStore.default()
     if forget:
@@ -106,7 +108,7 @@ def enroll(name: str, file: Path | None, forget: bool) -> None:
     if file is None:
         raise click.UsageError("AUDIO: expected an audio file with a few seconds of speech, got none")
     voice, rate = read_mono(file)
-    store.save(name, enrol(voice, rate))
+    store.save(name, enrol(voice, rate, ModelFolder.default().in_use(model)))
     click.echo(f"enrolled {name}; 'ross enroll {name} --forget' deletes the voice print")
 
 

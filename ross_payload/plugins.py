@@ -68,6 +68,8 @@ EXTRA_OF = {  # by the module that an optional part imports
     "foxglove": "mcap",
     "aiortc": "stream",
     "av": "stream",
+    "kaldi_native_fbank": "voice",
+    "onnxruntime": "voice",
 }
 
 

@@ -72,3 +72,13 @@ def speech():
     if not folder.is_dir():
         pytest.skip(f"needs the recordings in ../shared/speech (or ROSS_SPEECH); {folder.name} is missing")
     return folder
+
+
+@pytest.fixture
+def shared_model():
+    """A published network of speakers, which is not in the repository."""
+    folder = Path(os.environ.get("ROSS_MODELS", ROOT.parent / "shared" / "models"))
+    found = sorted(folder.glob("*.onnx"))
+    if not found:
+        pytest.skip(f"needs the network in ../shared/models (or ROSS_MODELS); {folder.name} is missing")
+    return found[0]

@@ -11,14 +11,14 @@ from pydantic import Field, model_validator
 from ross_payload.config.communication_options import Dronecan, Gimbal, Link, Recording, Service, Telemetry
 from ross_payload.config.hardware_options import Actuator, Array, Audio, Guard, Mount
 from ross_payload.config.listening_options import Listening, Stream
-from ross_payload.config.mission_options import APART_DEG, Exploit, Explore, Informed
+from ross_payload.config.mission_options import APART_DEG, Exploit, Explore, Informed, VoicePrints
 from ross_payload.config.table import Degrees, Model, Positive, Table, read_toml, validated
 
 __all__ = [
     "APART_DEG", "Actuator", "Array", "Audio", "Config", "Degrees", "Dronecan", "Exploit", "Explore",
     "Gimbal", "Guard",
     "Informed", "Link", "Listening", "Model", "Mount", "Positive", "Recording", "Service", "Stream",
-    "Table", "Telemetry", "as_in_paper", "load", "read_toml", "validated",
+    "Table", "Telemetry", "VoicePrints", "as_in_paper", "load", "read_toml", "validated",
 ]  # fmt: skip
 
 
@@ -33,6 +33,7 @@ class Config(Table):
     explore: Explore = Explore()
     informed: Informed | None = None
     exploit: Exploit = Exploit()
+    voice_print: VoicePrints = VoicePrints()
     links: tuple[Link, ...] = ()
     telemetry: Telemetry = Telemetry()
     gimbal: Gimbal = Gimbal()

@@ -64,6 +64,12 @@ class Informed(Table):
         return self
 
 
+class VoicePrints(Table):
+    """[voice_print]: how voices are compared."""
+
+    model: str = "auto"  # built-in, or a network that `ross voice-model add` keeps; auto: that network, if there is one
+
+
 class Exploit(Table):
     """[exploit]: turn, separate, recognise, keep listening."""
 

@@ -12,6 +12,7 @@ from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ConfigError
 from ross_payload.service.state_folder import recording_path, state_path
 from ross_payload.voiceprint import VoiceStore
+from ross_payload.voiceprint.model_folder import ModelFolder
 
 GB = 1e9
 PRIVATE = 0o077  # nobody else's bits
@@ -127,7 +128,7 @@ def voice(config: Config, machine: Machine) -> Iterator[Finding]:
         return
     store = VoiceStore.default(machine.environment)
     try:
-        store.load(name)
+        store.load(name, ModelFolder.default(machine.environment).in_use(config.voice_print.model))
     except ConfigError as error:
         yield fail("voice", str(error), f"as the user of the service: ross enroll {name} FILE.wav")
         return

@@ -30,6 +30,7 @@ from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mission_state import BUSY
 from ross_payload.orders import Cancel, Order, Set, Shutdown, Stop, Task
 from ross_payload.pointing import Pointing
+from ross_payload.voiceprint import VoiceModel
 
 FOUND = "the vehicle's attitude is now known"
 LOST = "the vehicle's attitude is no longer known"
@@ -79,6 +80,7 @@ class Tools:
     stft: Stft
     voiceprint: VoicePrint | None  # of the target, None: nobody is sought
     plan: Planner = plan
+    voice_model: VoiceModel | None = None  # enrols on the way; None: the built-in one
     tracker: type[SourceTracker] = SourceTracker
 
 

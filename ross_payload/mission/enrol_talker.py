@@ -46,7 +46,7 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
         groups, voices = separate(context, estimate, heard)
         voice = np.concatenate([voice, _alone(source, groups, voices)])
         try:
-            model = enrol(voice, context.settings.rate, separated=True)
+            model = enrol(voice, context.settings.rate, context.tools.voice_model, separated=True)
         except AudioError as error:
             why = str(error)
             continue

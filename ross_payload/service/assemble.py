@@ -15,6 +15,7 @@ from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Attitude, Explorer, VoicePrint
 from ross_payload.mission.context import Planner, Settings, Tools
 from ross_payload.plugin_checks import checked_explorer, load_separator
+from ross_payload.voiceprint.model_folder import ModelFolder
 
 EXPLORER_FRAME = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
 PLANNERS: dict[str, Planner] = {"best": plan, "paper": paper_plan}
@@ -100,4 +101,5 @@ def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
         stft=Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap))),
         voiceprint=voiceprint,
         plan=PLANNERS[config.exploit.rules],
+        voice_model=ModelFolder.default().in_use(config.voice_print.model),
     )

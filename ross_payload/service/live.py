@@ -40,6 +40,7 @@ from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.timebase import Timebase
 from ross_payload.voiceprint import VoiceStore
 from ross_payload.voiceprint.features import at_rate
+from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_payload.voiceprint.store import Damaged
 
 COMPUTE_LIMIT = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
@@ -144,7 +145,7 @@ def _enrolled(config: Config) -> VoicePrint | None:
         return None
     store = VoiceStore.default()
     try:
-        voice = store.load(config.service.target)
+        voice = store.load(config.service.target, ModelFolder.default().in_use(config.voice_print.model))
     except Damaged as error:  # whoever flies it can still turn, listen and stop
         where = set_aside(store.path(config.service.target), "unreadable")
         log.error("%s; %s; there is no target until the voice is enrolled again", error, where)

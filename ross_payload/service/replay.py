@@ -22,6 +22,7 @@ from ross_payload.sessions.divergence import Divergence, Replayed, replay, turns
 from ross_payload.sessions.recorded_voiceprint import target_voice
 from ross_payload.sessions.session_reader import RecordedSession
 from ross_payload.voiceprint import VoiceStore
+from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_protocols.angle_text import bearings
 
 
@@ -68,7 +69,8 @@ def _played(
     rate, memory = config.audio.rate_hz, session.memory(Memory) or Memory()
     told = Replayed(start=memory.samples / rate)
     course = Divergence(turns_of(session.events()), early=config.audio.hop_ms / 2000)
-    who = target_voice(session, VoiceStore.default(), lambda: told.inputs, same=not config_changes.matters(differing))
+    same, model = not config_changes.matters(differing), ModelFolder.default().in_use(config.voice_print.model)
+    who = target_voice(session, VoiceStore.default(), lambda: told.inputs, same=same, model=model)
     anew = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differing)
     with threadpool_limits(limits=1):
         inputs = session.inputs(config.audio, anew=anew)

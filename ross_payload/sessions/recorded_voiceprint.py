@@ -9,7 +9,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real, Score, VoicePrint
 from ross_payload.sessions.npz_memory import VOICE_FILE, restored_voice
 from ross_payload.sessions.session_reader import RecordedSession
-from ross_payload.voiceprint import VoiceStore
+from ross_payload.voiceprint import VoiceModel, VoiceStore
 
 
 class Unanswered(Exception):
@@ -45,8 +45,17 @@ class RecordedAnswers:
         return score
 
 
-def target_voice(session: RecordedSession, store: VoiceStore, inputs: Callable[[], int], *, same: bool) -> TargetVoice:
+def target_voice(
+    session: RecordedSession,
+    store: VoiceStore,
+    inputs: Callable[[], int],
+    *,
+    same: bool,
+    model: VoiceModel | None = None,
+) -> TargetVoice:
     """Find whom a session looks for; ``same``: in the recorded configuration, where recorded answers serve.
+
+    Prints that are enrolled here are those of ``model``, None: the built-in one.
 
     Raises
     ------
@@ -58,7 +67,7 @@ def target_voice(session: RecordedSession, store: VoiceStore, inputs: Callable[[
     if not name:
         return TargetVoice(None, "")
     if name in store.names() and not synthetic:
-        return TargetVoice(store.load(name), f"the voice '{name}' as it is enrolled here")
+        return TargetVoice(store.load(name, model), f"the voice '{name}' as it is enrolled here")
     if same:
         why = f"'{name}' is synthetic" if synthetic else f"no voice '{name}' is enrolled here"
         return TargetVoice(RecordedAnswers(iter(session.scores()), inputs), f"recorded answers: {why}")

@@ -9,8 +9,11 @@
 It serves to pick one voice out of a few that were just separated. It is no proof of identity.
 """
 
-from ross_payload.voiceprint.background import Background, shipped_background
-from ross_payload.voiceprint.speaker_model import VoicePrintModel, enrol
+from ross_payload.voiceprint.background import Background, VoicePrintModel, shipped_background
+from ross_payload.voiceprint.speaker_model import EnrolledVoice, VoiceModel, enrol
 from ross_payload.voiceprint.store import VoiceStore, load, save
 
-__all__ = ["Background", "VoicePrintModel", "VoiceStore", "enrol", "load", "save", "shipped_background"]
+__all__ = [
+    "Background", "EnrolledVoice", "VoiceModel", "VoicePrintModel", "VoiceStore", "enrol", "load", "save",
+    "shipped_background",
+]  # fmt: skip

@@ -12,14 +12,15 @@ from __future__ import annotations
 
 import hashlib
 import io
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields, replace
 from importlib.resources import files
+from typing import Any
 
 import numpy as np
 
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Real
-from ross_payload.voiceprint.features import Features
+from ross_payload.interfaces import Real, Score
+from ross_payload.voiceprint.features import Features, analyse
 
 COHORT_STEP = 1 / 64  # of the offsets of the cohort, which are kept as bytes [standard deviations]
 RIVALS = 3  # of the cohort, the nearest to the recording, are what the enrolled voice must beat
@@ -28,6 +29,8 @@ ENOUGH = (
 )
 PITCH_RELEVANCE = 20.0  # frames of pitch that the background counts for
 HALF_TIME = 1.0  # voiced speech after which half of the evidence is believed [s]
+SCORE_SECONDS = 0.3  # with less voiced speech a recording tells nothing [s]
+SEPARATED_CRITERION = 4.0  # [nat]: what a separator leaves of one voice is like what it leaves of another
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,9 +59,33 @@ class Background:
     def fingerprint(self) -> str:
         """Sixteen hexadecimal digits that tell this model from another."""
         digest = hashlib.sha256()
-        for field in fields(self):
-            digest.update(np.ascontiguousarray(getattr(self, field.name), dtype="<f4").tobytes())
+        for each in fields(self):
+            digest.update(np.ascontiguousarray(getattr(self, each.name), dtype="<f4").tobytes())
         return digest.hexdigest()[:16]
+
+    def enrolled(self, samples: Real, features: Features, *, separated: bool) -> VoicePrintModel:
+        """Return the print of a voice; one that was ``separated`` from others is compared with separated ones alone."""
+        criterion = SEPARATED_CRITERION if separated else 0.0
+        return VoicePrintModel(self.adapt(features), features.seconds, self, criterion)
+
+    def restored(self, values: dict[str, Any], seconds: float, consent: str) -> VoicePrintModel:
+        """Make a print again from its `VoicePrintModel.values`.
+
+        Raises
+        ------
+        ValueError
+            When they are not those of a print of this model.
+        """
+        offsets, pitch, criterion = (
+            np.array(values[name], dtype=np.float64) for name in ("offsets", "pitch_weights", "criterion")
+        )
+        if offsets.shape != self.means.shape or pitch.shape != self.pitch_weights.shape or criterion.shape:
+            raise ValueError(
+                f"expected {self.means.size} + {self.pitch_weights.size} numbers, got {offsets.size} + {pitch.size}"
+            )
+        if not all(np.isfinite(each).all() for each in (offsets, pitch, criterion)) or (pitch < 0).any():
+            raise ValueError("not finite, or negative weights")
+        return VoicePrintModel(Adapted(offsets, pitch), seconds, self, float(criterion), consent)
 
     def adapt(self, features: Features) -> Adapted:
         """Adapt the model to a voice: mean <- (sum_t p_t x_t + r mean) / (sum_t p_t + r)."""
@@ -105,6 +132,50 @@ class Background:
     def _pitch_likelihoods(self, features: Features) -> Real:
         deviation = (features.pitch[:, None] - self.pitch_means) / self.pitch_deviations
         return np.asarray(np.exp(-(deviation**2) / 2) / self.pitch_deviations + np.finfo(float).tiny)
+
+
+@dataclass(frozen=True, slots=True)
+class VoicePrintModel:
+    """One enrolled voice, an ``interfaces.VoicePrint``, by the built-in model."""
+
+    voice: Adapted
+    seconds: float  # voiced speech that it was enrolled from [s]
+    background: Background = field(repr=False)
+    criterion: float = 0.0  # evidence [nat] at which this print is undecided
+    consent: str = ""  # how the talker agreed, in words; empty: the file does not say
+
+    def score(self, voice: Real, rate: int) -> Score:
+        """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice.
+
+        A recording with hardly any voiced speech has the score 0, undecided, and is not accepted.
+
+        Raises
+        ------
+        AudioError
+            When the recording is empty, not one channel, not finite, or sampled below 16 kHz.
+        """
+        features = analyse(voice, rate)
+        if features.seconds < SCORE_SECONDS:
+            return Score(0.0, accepted=False)
+        value = self.background.compare(self.voice, features) - self.criterion
+        return Score(value, accepted=value > 0.0)
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the model that made it."""
+        return self.background.fingerprint
+
+    def agreed(self, consent: str) -> VoicePrintModel:
+        """Return the same with how the talker agreed."""
+        return replace(self, consent=consent)
+
+    def values(self) -> dict[str, Any]:
+        """Return what a file keeps, ready for JSON."""
+        return {
+            "criterion": self.criterion,
+            "offsets": np.round(self.voice.offsets, 4).tolist(),
+            "pitch_weights": np.round(self.voice.pitch_weights, 6).tolist(),
+        }
 
 
 def reliability(features: Features) -> float:

@@ -2,50 +2,63 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real, Score
-from ross_payload.voiceprint.background import Adapted, Background, shipped_background
-from ross_payload.voiceprint.features import analyse, checked
+from ross_payload.voiceprint.background import shipped_background
+from ross_payload.voiceprint.features import Features, analyse, at_rate, checked
 
 ENROL_SECONDS = 1.5  # least voiced speech to enrol from [s]
-SCORE_SECONDS = 0.3  # with less voiced speech a recording tells nothing [s]
-SEPARATED_CRITERION = 4.0  # [nat]: what a separator leaves of one voice is like what it leaves of another
 CLIPPED_SHARE = 5e-4  # of the samples, from which a recording counts as clipped
 
 
-@dataclass(frozen=True, slots=True)
-class VoicePrintModel:
-    """One enrolled voice, an ``interfaces.VoicePrint``."""
+@runtime_checkable
+class EnrolledVoice(Protocol):
+    """An ``interfaces.VoicePrint`` that can be kept."""
 
-    voice: Adapted
-    seconds: float  # voiced speech that it was enrolled from [s]
-    background: Background = field(repr=False)
-    criterion: float = 0.0  # evidence [nat] at which this print is undecided
-    consent: str = ""  # how the talker agreed, in words; empty: the file does not say
+    @property
+    def seconds(self) -> float:
+        """Voiced speech that it was enrolled from [s]."""
+
+    @property
+    def consent(self) -> str:
+        """How the talker agreed, in words; empty: nothing is known of it."""
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the model that made it."""
 
     def score(self, voice: Real, rate: int) -> Score:
-        """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice.
+        """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice."""
 
-        A recording with hardly any voiced speech has the score 0, undecided, and is not accepted.
+    def agreed(self, consent: str) -> EnrolledVoice:
+        """Return the same with how the talker agreed."""
 
-        Raises
-        ------
-        AudioError
-            When the recording is empty, not one channel, not finite, or sampled below 16 kHz.
-        """
-        features = analyse(voice, rate)
-        if features.seconds < SCORE_SECONDS:
-            return Score(0.0, accepted=False)
-        value = self.background.compare(self.voice, features) - self.criterion
-        return Score(value, accepted=value > 0.0)
+    def values(self) -> dict[str, Any]:
+        """Return what a file keeps of it, ready for JSON."""
 
 
-def enrol(voice: Real, rate: int, background: Background | None = None, *, separated: bool = False) -> VoicePrintModel:
+class VoiceModel(Protocol):
+    """Makes prints of voices."""
+
+    @property
+    def fingerprint(self) -> str:
+        """Sixteen hexadecimal digits that tell this model from another."""
+
+    def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EnrolledVoice:
+        """Return the print of a voice: samples (n,) at `features.RATE`, and what is measured of them."""
+
+    def restored(self, values: dict[str, Any], seconds: float, consent: str) -> EnrolledVoice:
+        """Make a print again from its values; ValueError, KeyError or TypeError when they are damaged."""
+
+
+def enrol(voice: Real, rate: int, model: VoiceModel | None = None, *, separated: bool = False) -> EnrolledVoice:
     """Enrol a talker from a recording (n_samples,) at ``rate`` [Hz]; 4 s of clean speech are enough.
+
+    The ``model`` is the built-in one unless another is given.
 
     A voice that was ``separated`` from others makes a print that is compared with separated voices alone.
 
@@ -68,9 +81,7 @@ def enrol(voice: Real, rate: int, background: Background | None = None, *, separ
             f"enrolment: expected at least {ENROL_SECONDS} s of voiced speech, "
             f"got {features.seconds:.1f} s in {len(samples) / rate:.1f} s"
         )
-    model = background or shipped_background()
-    criterion = SEPARATED_CRITERION if separated else 0.0
-    return VoicePrintModel(model.adapt(features), features.seconds, model, criterion)
+    return (model or shipped_background()).enrolled(at_rate(samples, rate), features, separated=separated)
 
 
 def clipped_share(samples: Real) -> float:

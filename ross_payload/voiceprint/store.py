@@ -15,8 +15,8 @@ import numpy as np
 from ross_payload.atomic_files import write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
 from ross_payload.errors import ConfigError, near, shown
-from ross_payload.voiceprint.background import Adapted, Background, shipped_background
-from ross_payload.voiceprint.speaker_model import VoicePrintModel
+from ross_payload.voiceprint.background import shipped_background
+from ross_payload.voiceprint.speaker_model import EnrolledVoice, VoiceModel
 
 FORMAT = "ross-voice-print"
 VERSION = 1
@@ -28,7 +28,7 @@ class Damaged(ConfigError):
     """A file that is no voice print at all, whoever's it was."""
 
 
-def save(model: VoicePrintModel, path: Path) -> None:
+def save(voice: EnrolledVoice, path: Path) -> None:
     """Write a voice print as JSON, readable by its owner only; the file is whole or not there at all.
 
     Missing folders are made with mode 0700.
@@ -41,12 +41,10 @@ def save(model: VoicePrintModel, path: Path) -> None:
     content = {
         "format": FORMAT,
         "version": VERSION,
-        "background": model.background.fingerprint,
-        "seconds": model.seconds,
-        "criterion": model.criterion,
-        "consent": model.consent,
-        "offsets": np.round(model.voice.offsets, 4).tolist(),
-        "pitch_weights": np.round(model.voice.pitch_weights, 6).tolist(),
+        "background": voice.fingerprint,
+        "seconds": voice.seconds,
+        "consent": voice.consent,
+        **voice.values(),
     }
     try:
         write_whole(path, (json.dumps(content) + "\n").encode())
@@ -54,15 +52,14 @@ def save(model: VoicePrintModel, path: Path) -> None:
         raise ConfigError(f"{path}: the voice print cannot be written: {error.strerror}") from error
 
 
-def load(path: Path, background: Background | None = None) -> VoicePrintModel:
-    """Read a voice print.
+def load(path: Path, model: VoiceModel | None = None) -> EnrolledVoice:
+    """Read a voice print that a model made, the built-in one unless another is given.
 
     Raises
     ------
     ConfigError
-        When the file is missing or damaged, or was made with another background model.
+        When the file is missing or damaged, or was made with another model.
     """
-    model = background or shipped_background()
     try:
         content = parsed_json(read_bounded(path, LARGEST))
     except OSError as error:
@@ -70,7 +67,7 @@ def load(path: Path, background: Background | None = None) -> VoicePrintModel:
         raise kind(f"{path}: no voice print can be read: {error.strerror}") from error
     except ValueError as error:
         raise Damaged(f"{path}: damaged voice print: expected JSON: {error}") from error
-    return _decoded(content, model, path)
+    return _decoded(content, model or shipped_background(), path)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,14 +101,14 @@ class VoiceStore:
         """Return who is enrolled, sorted."""
         return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
 
-    def save(self, name: str, model: VoicePrintModel) -> Path:
+    def save(self, name: str, voice: EnrolledVoice) -> Path:
         """Keep a voice print under a name, in place of an earlier one; returns the file."""
         path = self.path(name)
-        save(model, path)
+        save(voice, path)
         self.folder.chmod(0o700)
         return path
 
-    def load(self, name: str, background: Background | None = None) -> VoicePrintModel:
+    def load(self, name: str, model: VoiceModel | None = None) -> EnrolledVoice:
         """Return the voice print of a name.
 
         Raises
@@ -120,7 +117,7 @@ class VoiceStore:
             When nobody of that name is enrolled, or the file is damaged.
         """
         self.check(name)
-        return load(self.path(name), background)
+        return load(self.path(name), model)
 
     def check(self, name: str) -> None:
         """Refuse a name that is none, or of nobody here.
@@ -150,22 +147,17 @@ class VoiceStore:
             raise ConfigError(f"{self.path(name)}: cannot be deleted: {error.strerror}") from error
 
 
-def _decoded(content: Any, background: Background, path: Path) -> VoicePrintModel:
+def _decoded(content: Any, model: VoiceModel, path: Path) -> EnrolledVoice:
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise Damaged(f"{path}: expected a voice print, got something else")
     if content.get("version") != VERSION:
         raise ConfigError(f"{path}: expected a voice print of version {VERSION}, got {content.get('version')!r}")
-    if content.get("background") != background.fingerprint:
+    if content.get("background") != model.fingerprint:
         raise ConfigError(f"{path}: made with another background model: enrol this voice again")
     try:
-        offsets = np.array(content["offsets"], dtype=np.float64)
-        pitch = np.array(content["pitch_weights"], dtype=np.float64)
-        seconds, criterion = float(content["seconds"]), float(content["criterion"])
+        seconds = float(content["seconds"])
+        if not np.isfinite(seconds):
+            raise ValueError("not finite")
+        return model.restored(content, seconds, str(content.get("consent", ""))[:200])
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise Damaged(f"{path}: damaged voice print: {error!r}") from error
-    if offsets.shape != background.means.shape or pitch.shape != background.pitch_weights.shape:
-        raise Damaged(f"{path}: damaged voice print: {offsets.size} + {pitch.size} numbers")
-    if not all(np.isfinite(values).all() for values in (offsets, pitch, seconds, criterion)) or (pitch < 0).any():
-        raise Damaged(f"{path}: damaged voice print: not finite, or negative weights")
-    consent = str(content.get("consent", ""))[:200]
-    return VoicePrintModel(Adapted(offsets, pitch), seconds, background, criterion, consent)

@@ -9,7 +9,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).parents[2]
-EXTRAS = ("", "capture", "serial", "can", "gpio", "ground")  # what a payload is installed with
+EXTRAS = ("", "capture", "serial", "can", "gpio", "ground", "stream", "voice")  # what a payload is installed with
 PIN = re.compile(
     r"(?P<name>[\w.-]+)==(?P<version>[^\s;]+)(?P<marker> ;[^\\]*)?(?P<hashes>(?: \\\n    --hash=sha256:[0-9a-f]{64})+)"
 )

@@ -12,7 +12,8 @@ from ross_payload.audio.sinks import checked_options
 from ross_payload.config import Informed, Link, Listening, Stream, as_in_paper, validated
 from ross_payload.errors import ConfigError, refused_as, unknown
 from ross_payload.interfaces import VoicePrint
-from ross_payload.voiceprint import VoicePrintModel, VoiceStore, enrol
+from ross_payload.voiceprint import VoiceModel, VoicePrintModel, VoiceStore, enrol
+from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_sim.scenario import Scenario, load
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of
@@ -94,25 +95,27 @@ def talkers_of(scenario: Scenario, speech: Path | None, target: str | None) -> T
         When there are too few voices, or nobody knows the target.
     """
     rate = scenario.payload.audio.rate_hz
-    voices = voices_of(speech, rate)
+    voices, model = voices_of(speech, rate), ModelFolder.default().in_use(scenario.payload.voice_print.model)
     if target is None:
         voice = scenario.cast(voices).target
     else:
         found = next((voice for voice in voices if voice.name == target), None)
         if found is None:
-            return TalkerSelection(voices, target, _enrolled(target, voices))
+            return TalkerSelection(voices, target, _enrolled(target, voices, model))
         voice = found
         voices = (voice, *(other for other in voices if other is not voice))
-    voiceprint = enrol(voice.enrolment, voice.rate)
-    return TalkerSelection(voices, voice.name, voiceprint, voiceprint if speech is None else None)
+    voiceprint = enrol(voice.enrolment, voice.rate, model)
+    if speech is None and isinstance(voiceprint, VoicePrintModel):
+        return TalkerSelection(voices, voice.name, voiceprint, voiceprint)
+    return TalkerSelection(voices, voice.name, voiceprint)  # what a network made is replayed by its recorded answers
 
 
-def _enrolled(target: str, voices: tuple[TalkerVoice, ...]) -> VoicePrint:
+def _enrolled(target: str, voices: tuple[TalkerVoice, ...], model: VoiceModel) -> VoicePrint:
     store = VoiceStore.default()
     if target not in store.names():
         known = sorted({voice.name for voice in voices} | set(store.names()))
         raise ConfigError(f"--target: {unknown('voice', target, known)}")
-    return store.load(target)
+    return store.load(target, model)
 
 
 def _with(model: Any, **changes: Any) -> Any:

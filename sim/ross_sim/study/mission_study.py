@@ -20,6 +20,7 @@ from ross_payload.config import validated
 from ross_payload.interfaces import Real
 from ross_payload.sessions.config_changes import assign
 from ross_payload.voiceprint import enrol
+from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_sim.scenario import Scenario, load
 from ross_sim.sitl.mission_session import Finished, perform
 from ross_sim.sitl.mission_view import MissionView
@@ -76,7 +77,8 @@ def draw(scenario: Scenario, voices: Sequence[TalkerVoice], seed: int, same_layo
     target = chosen[int(rng.integers(len(chosen)))]
     payload = scenario.payload.model_copy(update={"seed": seed})
     staged = scenario.model_copy(update={"talkers": talkers, "payload": payload})
-    company = TalkerSelection(tuple(chosen), target.name, enrol(target.enrolment, target.rate))
+    model = ModelFolder.default().in_use(payload.voice_print.model)
+    company = TalkerSelection(tuple(chosen), target.name, enrol(target.enrolment, target.rate, model))
     return _judged(perform(staged, company, MissionView(), None, None), company, np.rad2deg(azimuths), seed)
 
 

@@ -28,6 +28,7 @@ from ross_payload.events import Event, OrientationHeard
 from ross_payload.interfaces import Input, Real
 from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.voiceprint import enrol
+from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.mission_session import Finished, perform
 from ross_sim.sitl.mission_view import MissionView
@@ -139,7 +140,8 @@ def row(setting: str, speed: float, k: int, seed: int, voices: Sequence[TalkerVo
     chosen = tuple(voices[int(i)] for i in rng.choice(len(voices), k, replace=False))
     payload = scenario.payload.model_copy(update={"seed": seed})
     scenario = scenario.model_copy(update={"payload": payload})
-    company = TalkerSelection(chosen, chosen[0].name, enrol(chosen[0].enrolment, chosen[0].rate))
+    model = ModelFolder.default().in_use(payload.voice_print.model)
+    company = TalkerSelection(chosen, chosen[0].name, enrol(chosen[0].enrolment, chosen[0].rate, model))
 
     def truth(time: float) -> Real:
         return np.array([wrap(float(azimuth)) for azimuth in scenario.azimuths_at(np.array([time]))[:, 0]])

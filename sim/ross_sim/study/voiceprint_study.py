@@ -20,8 +20,9 @@ from ross_payload.alignment.predicted_gain import best_headings
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Real
 from ross_payload.separation.auto_separator import separator
-from ross_payload.voiceprint import Background, VoicePrintModel, enrol, shipped_background
+from ross_payload.voiceprint import EnrolledVoice, VoiceModel, enrol
 from ross_payload.voiceprint.background import read_background
+from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_sim.study.mixtures import FRAME, HOP, RATE, excerpt, layouts, record, scene_of
 from ross_sim.study.room_settings import SETTINGS, Setting
 from ross_sim.talkers.speech import TalkerVoice
@@ -61,19 +62,19 @@ def equal_error_rate(targets: Real, strangers: Real) -> float:
 
 
 def trials(
-    voices: Sequence[TalkerVoice], background: Background, room: str, draws: int, seed: int, *, pointed: bool = False
+    voices: Sequence[TalkerVoice], model: VoiceModel, room: str, draws: int, seed: int, *, pointed: bool = False
 ) -> Iterator[Trial]:
     """Draw mixtures of three talkers in a room and score every talker, clean and separated, against every print."""
     rng = np.random.default_rng(seed)
-    prints = {voice.name: enrol(voice.enrolment, voice.rate, background) for voice in voices}
+    prints = {voice.name: enrol(voice.enrolment, voice.rate, model) for voice in voices}
     if pointed:
         own = np.random.default_rng([seed, 1])  # the mixtures to be scored are those of clean prints
-        prints = {voice.name: pointed_print(voices, voice, room, background, own) for voice in voices}
+        prints = {voice.name: pointed_print(voices, voice, room, model, own) for voice in voices}
     for scene in range(draws):
         for seconds, separated, chosen, talker, signal in scenes(voices, room, rng):
-            for name, model in prints.items():
+            for name, one in prints.items():
                 present = any(other.name == name for other in chosen)
-                value = model.score(signal, RATE).value
+                value = one.score(signal, RATE).value
                 yield Trial(room, scene, seconds, separated, talker, name, present, value)
 
 
@@ -92,15 +93,15 @@ def scenes(
 
 
 def pointed_print(
-    voices: Sequence[TalkerVoice], talker: TalkerVoice, room: str, background: Background, rng: np.random.Generator
-) -> VoicePrintModel:
+    voices: Sequence[TalkerVoice], talker: TalkerVoice, room: str, model: VoiceModel, rng: np.random.Generator
+) -> EnrolledVoice:
     """Enrol a talker among two others in a room: the clip of a clean enrolment, separated at the best heading."""
     others = [voice for voice in voices if voice.name != talker.name]
     chosen = [others[int(i)] for i in rng.choice(len(others), TALKERS - 1, replace=False)]
     size = min(len(talker.enrolment), round(max(DURATIONS) * RATE))
     clips = [talker.enrolment[:size], *(excerpt(voice.speech, size, rng) for voice in chosen)]
     azimuths = layouts(TALKERS, 1, rng)[1]
-    return enrol(separated_voice(clips, azimuths, 0, SETTINGS[room], rng), RATE, background, separated=True)
+    return enrol(separated_voice(clips, azimuths, 0, SETTINGS[room], rng), RATE, model, separated=True)
 
 
 def summary(found: Sequence[Trial]) -> list[str]:
@@ -146,6 +147,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--speech", type=Path, help="folder of talkers; default: the synthetic voices")
     parser.add_argument("--talkers", nargs="*", default=list(OUTSIDE), help="of that folder; default: all")
     parser.add_argument("--background", type=Path, help="another background model (.npz) than the one shipped")
+    parser.add_argument("--model", default="built-in", help="a network that `ross voice-model add` keeps")
     parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S1"], help=f"such as {' '.join(ROOMS)}")
     parser.add_argument("--enrol", choices=("clean", "pointed"), default="clean", help="what prints are made from")
     parser.add_argument("--draws", type=int, default=20, help="mixtures in every room")
@@ -154,7 +156,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     voices = voices_of(asked.speech, RATE)
     if asked.speech and asked.talkers:
         voices = tuple(voice for voice in voices if voice.name in asked.talkers)
-    model = shipped_background()
+    model = ModelFolder.default().in_use(asked.model)
     if asked.background:
         model = read_background(asked.background.read_bytes(), asked.background.name)
     pointed = asked.enrol == "pointed"

@@ -1,0 +1,50 @@
+"""``ross voice-model``: add a network that tells voices apart better than the built-in model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ross_payload.voiceprint.model_folder import ModelFolder
+
+
+@click.group(short_help="Add or remove a network that compares voices.")
+def command() -> None:
+    """Networks that compare voices: ONNX files, as they are published for speaker verification.
+
+    The one that was added is used by itself; [voice_print] model chooses where there are several. Prints that
+    another model made are enrolled again.
+    """
+
+
+@command.command("add")
+@click.argument("file", metavar="FILE.onnx", type=click.Path(path_type=Path))
+@click.option(
+    "--calibration", type=click.Path(path_type=Path), help="How its cosines are read; else as those of CAM++."
+)
+def add(file: Path, calibration: Path | None) -> None:
+    """Check FILE.onnx and keep a copy: from 80 Kaldi filter banks at 16 kHz to one embedding."""
+    model = ModelFolder.default().add(file, calibration)
+    click.echo(f"added {file.stem}: {file.stat().st_size / 1e6:.1f} MB, {model.size} numbers for each voice")
+    click.echo(f"licence: {model.licence or 'the file names none: see where it was published'}")
+    click.echo(f"calibration: {model.calibration.source or 'none of its own: as measured on CAM++'}")
+    click.echo("voices that were enrolled with another model have to be enrolled again: ross enroll NAME FILE.wav")
+
+
+@command.command("list")
+def show() -> None:
+    """List the models, the one that is used by itself with a star."""
+    folder = ModelFolder.default()
+    names = folder.names()
+    for name in ("built-in", *names):
+        used = name == names[0] if len(names) == 1 else name == "built-in" and not names
+        click.echo(f"{'*' if used else ' '} {name}")
+
+
+@command.command("remove")
+@click.argument("name")
+def remove(name: str) -> None:
+    """Delete the copy of a network."""
+    ModelFolder.default().remove(name)
+    click.echo(f"removed {name}")

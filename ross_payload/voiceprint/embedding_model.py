@@ -1,0 +1,186 @@
+"""Voice prints by a network that the user adds: an ONNX file that turns filter banks into a speaker embedding.
+
+The networks that are published for speaker verification share one form: log energies of 80 mel bands as Kaldi makes
+them (16 kHz, frames of 25 ms every 10 ms, Povey window, no dither), their mean over time removed, give one vector,
+and two recordings are compared by the cosine of theirs. A print is the mean of the vectors of the enrolment and of
+disturbed copies of it ("multi-condition"), since what it is compared with was separated from others in a room.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Real, Score
+from ross_payload.plugins import install_line
+from ross_payload.voiceprint.disturbed_copies import disturbed
+from ross_payload.voiceprint.features import RATE, Features, at_rate, checked
+
+BANDS = 80
+FULL_SCALE = 32768.0  # Kaldi's samples are those of 16 bits
+LEAST_FRAMES = 30  # 0.3 s of speech: with less a recording tells nothing
+SHORT_S, LONG_S = 3.0, 10.0  # durations at which a network is calibrated [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """From a cosine to a log-likelihood ratio, by the duration of what is scored.
+
+    The ratio [nat] is slope * (cosine - threshold); both are those of `SHORT_S` and `LONG_S`, between them they follow
+    the logarithm of the duration, beyond them they stay.
+    """
+
+    slopes: tuple[float, float]  # [nat]
+    thresholds: tuple[float, float]
+    source: str = ""  # how it was measured, in words; empty: it was not, these are another network's
+
+    def ratio(self, cosine: float, seconds: float) -> float:
+        """Return the log-likelihood ratio [nat] of a cosine that was measured on so many seconds."""
+        where = np.log(np.clip(seconds, SHORT_S, LONG_S) / SHORT_S) / np.log(LONG_S / SHORT_S)
+        slope, threshold = (first + where * (last - first) for first, last in (self.slopes, self.thresholds))
+        return float(slope * (cosine - threshold))
+
+
+class EmbeddingModel:
+    """A network as a model of voices.
+
+    Parameters
+    ----------
+    content
+        Of the ONNX file.
+    name
+        Of the file, for messages.
+    calibration
+        How cosines are read.
+
+    Raises
+    ------
+    ConfigError
+        When a package is missing, or this is no network of that form.
+    """
+
+    def __init__(self, content: bytes, name: str, calibration: Calibration) -> None:
+        self.name = name
+        self.calibration = calibration
+        self.fingerprint = hashlib.sha256(content).hexdigest()[:16]
+        self._session, self._input = _opened(content, name)
+        told = self._session.get_modelmeta().custom_metadata_map
+        self.licence: str = told.get("license", told.get("licence", ""))  # empty: the file names none
+        self.size = len(self._run(np.zeros((LEAST_FRAMES, BANDS), np.float32)))  # numbers of an embedding
+
+    def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EmbeddingPrint:
+        """Return the print of a voice (n,) at `RATE`: of its recording and, unless it was ``separated``, of copies."""
+        clips = [samples] if separated else [samples, *disturbed(samples)]
+        embedding = _unit(np.sum([self.embed(clip) for clip in clips], axis=0))
+        return EmbeddingPrint(embedding, features.seconds, self)
+
+    def restored(self, values: dict[str, Any], seconds: float, consent: str) -> EmbeddingPrint:
+        """Make a print again from its `EmbeddingPrint.values`.
+
+        Raises
+        ------
+        ValueError
+            When they are not those of a print of this network.
+        """
+        embedding = np.array(values["embedding"], np.float64)
+        if embedding.shape != (self.size,) or not np.isfinite(embedding).all() or not embedding.any():
+            raise ValueError(f"expected {self.size} numbers, got {embedding.size}, or none that is finite and not 0")
+        return EmbeddingPrint(_unit(embedding), seconds, self, consent)
+
+    def embed(self, samples: Real) -> Real:
+        """Return the embedding of a recording (n,) at `RATE`, of length 1, (size,)."""
+        return _unit(self._run(filter_banks(samples)))
+
+    def _run(self, features: Real) -> Real:
+        return np.asarray(self._session.run(None, {self._input: features[None]})[0][0], np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class EmbeddingPrint:
+    """One enrolled voice, an ``interfaces.VoicePrint``."""
+
+    embedding: Real = field(repr=False)  # of length 1, (size,)
+    seconds: float  # voiced speech that it was enrolled from [s]
+    model: EmbeddingModel = field(repr=False)
+    consent: str = ""  # how the talker agreed, in words; empty: the file does not say
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the model that made it."""
+        return self.model.fingerprint
+
+    def score(self, voice: Real, rate: int) -> Score:
+        """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice.
+
+        A recording of less than 0.3 s, or of silence, has the score 0, undecided, and is not accepted.
+
+        Raises
+        ------
+        AudioError
+            When the recording is empty, not one channel, not finite, or sampled below 16 kHz.
+        """
+        samples = at_rate(checked(voice, rate), rate)
+        seconds = len(samples) / RATE
+        if seconds < LEAST_FRAMES / 100 or not samples.any():
+            return Score(0.0, accepted=False)
+        value = self.model.calibration.ratio(float(self.embedding @ self.model.embed(samples)), seconds)
+        return Score(value, accepted=value > 0.0)
+
+    def agreed(self, consent: str) -> EmbeddingPrint:
+        """Return the same with how the talker agreed."""
+        return replace(self, consent=consent)
+
+    def values(self) -> dict[str, Any]:
+        """Return what a file keeps, ready for JSON."""
+        return {"embedding": np.round(self.embedding, 6).tolist()}
+
+
+def filter_banks(samples: Real) -> Real:
+    """Return log energies of 80 mel bands, their mean over time removed, float32 (n_frames, BANDS)."""
+    import kaldi_native_fbank  # noqa: PLC0415  of the extra `voice`
+
+    options = kaldi_native_fbank.FbankOptions()
+    options.frame_opts.dither = 0.0
+    options.frame_opts.samp_freq = RATE
+    options.mel_opts.num_bins = BANDS
+    computer = kaldi_native_fbank.OnlineFbank(options)
+    computer.accept_waveform(RATE, (samples * FULL_SCALE).astype(np.float32))
+    computer.input_finished()
+    frames = np.array([computer.get_frame(index) for index in range(computer.num_frames_ready)], np.float32)
+    return np.asarray(frames - frames.mean(axis=0))
+
+
+def _opened(content: bytes, name: str) -> tuple[Any, str]:
+    """Open a network and check that it is one of speakers; returns it and the name of its input."""
+    try:
+        import kaldi_native_fbank  # noqa: F401, PLC0415
+        import onnxruntime  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        raise ConfigError(f"{name}: needs the package {error.name}: {install_line('voice')}") from error
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.log_severity_level = 4
+    try:
+        session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+    except Exception as error:  # onnxruntime has a class of its own for each way to be damaged
+        raise ConfigError(f"{name}: expected an ONNX file: {str(error).splitlines()[0]}") from error
+    inputs, outputs = session.get_inputs(), session.get_outputs()
+    shapes = ", ".join(f"{each.name} {each.shape}" for each in (*inputs, *outputs))
+    if len(inputs) != 1 or len(inputs[0].shape) != len(("batch", "frames", "bands")):
+        raise ConfigError(f"{name}: expected one input (batch, frames, {BANDS}), got {shapes}")
+    try:
+        found = session.run(None, {inputs[0].name: np.zeros((1, LEAST_FRAMES, BANDS), np.float32)})[0]
+    except Exception as error:
+        told = str(error).splitlines()[0]
+        raise ConfigError(f"{name}: expected float32 (batch, frames, {BANDS}), got {shapes}: {told}") from error
+    if np.ndim(found) != len(("batch", "size")):
+        raise ConfigError(f"{name}: expected one embedding (batch, size), got {shapes}")
+    return session, inputs[0].name
+
+
+def _unit(vector: Real) -> Real:
+    return np.asarray(vector / max(np.linalg.norm(vector), np.finfo(float).tiny))

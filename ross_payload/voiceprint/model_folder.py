@@ -1,0 +1,148 @@
+"""The networks that a user has added, and which model of voices is in use."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ross_payload.atomic_files import write_whole
+from ross_payload.bounded_files import MB, parsed_json, read_bounded
+from ross_payload.errors import ConfigError, near, shown, unknown
+from ross_payload.voiceprint.background import shipped_background
+from ross_payload.voiceprint.embedding_model import Calibration, EmbeddingModel
+from ross_payload.voiceprint.speaker_model import VoiceModel
+
+LARGEST = 512 * MB
+BUILT_IN, AUTO = "built-in", "auto"
+SUFFIX = ".onnx"
+
+ANY = Calibration((21.0, 40.0), (0.34, 0.44))
+"""Of CAM++ (Wang et al., Interspeech 2023) with 192 numbers, trained on 200,000 talkers of two languages.
+
+Measured on LibriSpeech's readers, separated by `auto` in S2 and A0.45: see `ross_sim.study.calibrate_voice_model`. The
+cosines of other networks that were trained with additive margins are alike, but not the same.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class ModelFolder:
+    """A folder of networks, one ONNX file per name, with its calibration beside it where it has one of its own."""
+
+    folder: Path
+
+    @classmethod
+    def default(cls, environment: Mapping[str, str] = os.environ) -> ModelFolder:
+        """Return that of this user: ``$XDG_DATA_HOME/ross/voice-models``, or below ``~/.local/share``."""
+        home = environment.get("XDG_DATA_HOME", "")
+        base = Path(home) if Path(home).is_absolute() else Path.home() / ".local" / "share"
+        return cls(base / "ross" / "voice-models")
+
+    def names(self) -> tuple[str, ...]:
+        """Return what was added, sorted."""
+        return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
+
+    def path(self, name: str) -> Path:
+        """Return the file of a name."""
+        return self.folder / (name + SUFFIX)
+
+    def add(self, source: Path, calibration: Path | None = None) -> EmbeddingModel:
+        """Check a network and keep a copy of it under the name of its file, in place of an earlier one.
+
+        Raises
+        ------
+        ConfigError
+            When it cannot be read or kept, is no network of speakers, or its name or calibration is wrong.
+        """
+        name = source.name.removesuffix(SUFFIX)
+        if not re.fullmatch(r"\w[\w.-]{0,63}", name) or name in (BUILT_IN, AUTO) or source.suffix != SUFFIX:
+            expected = "at most 64 letters, digits, '_', '-' and '.' and then .onnx as the name of a file"
+            raise ConfigError(f"expected {expected}, got {shown(source.name)}")
+        content = _read(source)
+        read = _calibration(calibration) if calibration is not None else ANY
+        model = EmbeddingModel(content, str(source), read)
+        try:
+            write_whole(self.path(name), content)
+            beside = self._calibration_path(name)
+            if calibration is None:
+                beside.unlink(missing_ok=True)
+            else:
+                write_whole(beside, json.dumps(asdict(read)).encode())
+        except OSError as error:
+            raise ConfigError(f"{self.folder}: the model cannot be kept: {error.strerror}") from error
+        return model
+
+    def load(self, name: str) -> EmbeddingModel:
+        """Return a network.
+
+        Raises
+        ------
+        ConfigError
+            When there is none of that name, or it cannot be used.
+        """
+        path = self.path(name)
+        if name not in self.names():
+            raise ConfigError(unknown("voice model", name, (AUTO, BUILT_IN, *self.names())))
+        beside = self._calibration_path(name)
+        return EmbeddingModel(_read(path), str(path), _calibration(beside) if beside.exists() else ANY)
+
+    def remove(self, name: str) -> None:
+        """Delete a network.
+
+        Raises
+        ------
+        ConfigError
+            When there is none of that name, or it cannot be deleted.
+        """
+        try:
+            self.path(name).unlink()
+            self._calibration_path(name).unlink(missing_ok=True)
+        except FileNotFoundError as error:
+            raise ConfigError(f"no voice model '{name}' was added{near(name, self.names())}") from error
+        except OSError as error:
+            raise ConfigError(f"{self.path(name)}: cannot be deleted: {error.strerror}") from error
+
+    def in_use(self, choice: str = AUTO) -> VoiceModel:
+        """Return the model of a configuration's choice: ``auto`` is the network that was added, if there is one.
+
+        Raises
+        ------
+        ConfigError
+            When the choice is unknown, cannot be used, or ``auto`` could be any of several networks.
+        """
+        names = self.names()
+        if choice == AUTO and len(names) > 1:
+            raise ConfigError(f"voice_print.model: expected one of {', '.join(names)} or {BUILT_IN}, got '{AUTO}'")
+        if choice == BUILT_IN or (choice == AUTO and not names):
+            return shipped_background()
+        return self.load(names[0] if choice == AUTO else choice)
+
+    def _calibration_path(self, name: str) -> Path:
+        return self.folder / (name + ".json")
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return read_bounded(path, LARGEST)
+    except OSError as error:
+        raise ConfigError(f"{path}: no voice model can be read: {error.strerror}") from error
+
+
+def _calibration(path: Path) -> Calibration:
+    """Read a calibration: slopes and thresholds at 3 and 10 s, and how they were measured."""
+    try:
+        content: Any = parsed_json(read_bounded(path))
+        slopes, thresholds = (tuple(float(number) for number in content[key]) for key in ("slopes", "thresholds"))
+        (short, long), (low, high) = slopes, thresholds
+        if not all(slope > 0 for slope in slopes) or not all(-1 < threshold < 1 for threshold in thresholds):
+            raise ValueError("slopes above 0 and thresholds between -1 and 1")
+        return Calibration((short, long), (low, high), str(content["source"]))
+    except OSError as error:
+        raise ConfigError(f"{path}: no calibration can be read: {error.strerror}") from error
+    except (KeyError, TypeError, ValueError) as error:
+        expected = "{'slopes': [at 3 s, at 10 s], 'thresholds': [at 3 s, at 10 s], 'source': 'how'}"
+        raise ConfigError(f"{path}: expected a calibration {expected}, got {error}") from error

@@ -1,0 +1,73 @@
+"""`ross voice-model`: a network that compares voices, from the file to a mission."""
+
+import json
+
+import pytest
+import soundfile
+
+from ross_payload.voiceprint import VoiceStore
+from ross_payload.voiceprint.features import RATE
+from ross_payload.voiceprint.model_folder import ModelFolder
+from speaker_network import speaker_network, vowel
+
+
+@pytest.fixture
+def file(tmp_path, monkeypatch):
+    """A network's file; what is kept is kept for this test alone."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "own"))
+    path = tmp_path / "small.onnx"
+    path.write_bytes(speaker_network())
+    return path
+
+
+def test_the_command_adds_lists_enrols_and_removes(run, file, tmp_path):
+    voice = tmp_path / "voice.wav"
+    soundfile.write(voice, vowel(), RATE)
+    assert run("voice-model", "list")[:2] == (0, "* built-in\n")
+    code, out, _ = run("voice-model", "add", str(file))
+    assert code == 0
+    assert "added small: 0.0 MB, 16 numbers for each voice\nlicence: CC0-1.0\n" in out
+    assert run("voice-model", "list")[1] == "  built-in\n* small\n"
+    assert run("enroll", "ann", str(voice))[0] == 0
+    model = ModelFolder.default().in_use()
+    assert VoiceStore.default().load("ann", model).fingerprint == model.fingerprint
+    assert run("voice-model", "remove", "small")[0] == 0
+    code, _, err = run("voice-model", "remove", "small")
+    assert (code, err) == (2, "ross: no voice model 'small' was added\n")
+
+
+def test_a_mission_recognises_by_the_network_that_was_added(run, file, tmp_path):
+    scores = {}
+    assert run("voice-model", "add", str(file))[0] == 0
+    for model in ("auto", "built-in"):
+        scenario = tmp_path / f"{model}.toml"
+        scenario.write_text(SHORT + f'[payload.voice_print]\nmodel = "{model}"\n')
+        code, _, err = run("sitl", "--scenario", str(scenario), "--out", str(tmp_path / model))
+        assert code in (0, 3), err
+        scores[model] = json.loads((tmp_path / model / "report.json").read_text())["groups"]
+    assert scores["auto"] != scores["built-in"]
+
+
+def test_a_model_that_is_not_there_is_one_line(run, tmp_path):
+    scenario = tmp_path / "scenario.toml"
+    scenario.write_text(SHORT + '[payload.voice_print]\nmodel = "ecapa"\n')
+    code, _, err = run("sitl", "--scenario", str(scenario))
+    assert (code, err) == (2, "ross: voice model 'ecapa' is unknown; there are: auto, built-in\n")
+
+
+SHORT = """
+title = "two talkers"
+[payload.explore]
+lead_in_s = 1.0
+unit_s = 1.0
+min_rotations = 2
+max_rotations = 2
+[payload.exploit]
+check_s = 1.0
+run_s = 2.0
+max_restarts = 0
+[[talkers]]
+azimuth_deg = 40
+[[talkers]]
+azimuth_deg = 155
+"""

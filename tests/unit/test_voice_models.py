@@ -1,0 +1,175 @@
+"""Networks that a user adds to compare voices."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ross_payload.audio.audio_files import read_mono
+from ross_payload.errors import ConfigError
+from ross_payload.voiceprint import VoiceStore, enrol, shipped_background
+from ross_payload.voiceprint.disturbed_copies import COPIES, disturbed
+from ross_payload.voiceprint.embedding_model import Calibration, EmbeddingModel
+from ross_payload.voiceprint.features import RATE
+from ross_payload.voiceprint.model_folder import ANY, ModelFolder
+from speaker_network import SIZE, speaker_network, vowel
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return ModelFolder(tmp_path / "data" / "voice-models")
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "small.onnx"
+    path.write_bytes(speaker_network())
+    return path
+
+
+@pytest.fixture(scope="module")
+def network():
+    return EmbeddingModel(speaker_network(), "small.onnx", Calibration((20.0, 40.0), (0.3, 0.5)))
+
+
+def test_a_network_is_kept_used_by_itself_and_removed(folder, file):
+    assert folder.in_use().fingerprint == shipped_background().fingerprint
+    added = folder.add(file)
+    assert (added.size, added.licence, added.calibration) == (SIZE, "CC0-1.0", ANY)
+    assert folder.names() == ("small",)
+    assert folder.in_use().fingerprint == folder.in_use("small").fingerprint == added.fingerprint
+    assert folder.in_use("built-in").fingerprint == shipped_background().fingerprint
+    folder.remove("small")
+    assert folder.names() == ()
+    with pytest.raises(ConfigError, match="no voice model 'small' was added"):
+        folder.remove("small")
+
+
+def test_of_several_networks_one_has_to_be_chosen(folder, file, tmp_path):
+    folder.add(file)
+    other = tmp_path / "other.onnx"
+    other.write_bytes(speaker_network(seed=1))
+    folder.add(other)
+    with pytest.raises(ConfigError, match=r"voice_print.model: expected one of other, small or built-in, got 'auto'"):
+        folder.in_use()
+    assert folder.in_use("other").fingerprint != folder.in_use("small").fingerprint
+    with pytest.raises(ConfigError, match="smal"):
+        folder.in_use("smal")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"no network", "expected an ONNX file"),
+        (speaker_network(bands=40), r"expected float32 \(batch, frames, 80\), got feats"),
+        (speaker_network(over_time=False), r"expected one embedding \(batch, size\)"),
+    ],
+    ids=["text", "40 bands", "an embedding per frame"],
+)
+def test_what_is_no_network_of_speakers_is_refused_and_replaces_nothing(folder, file, content, words):
+    kept = folder.add(file).fingerprint
+    file.write_bytes(content)
+    with pytest.raises(ConfigError, match=words):
+        folder.add(file)
+    assert folder.load("small").fingerprint == kept
+
+
+@pytest.mark.parametrize("name", ["a b.onnx", ".onnx", "auto.onnx", "built-in.onnx", "small.pt"])
+def test_names_that_would_mislead_are_refused(folder, tmp_path, name):
+    (tmp_path / name).write_bytes(speaker_network())
+    with pytest.raises(ConfigError, match="as the name of a file"):
+        folder.add(tmp_path / name)
+
+
+def test_a_calibration_is_kept_beside_its_network(folder, file, tmp_path):
+    own = tmp_path / "own.json"
+    own.write_text(json.dumps({"slopes": [10, 20], "thresholds": [0.2, 0.4], "source": "twelve readers"}))
+    folder.add(file, own)
+    assert folder.load("small").calibration == Calibration((10.0, 20.0), (0.2, 0.4), "twelve readers")
+    folder.add(file)
+    assert folder.load("small").calibration == ANY
+
+
+@pytest.mark.parametrize(
+    "content", ['{"slopes": [1], "thresholds": [0, 0], "source": ""}', "{}", "[", '{"slopes": [-1, 1]}']
+)
+def test_a_wrong_calibration_is_refused(folder, file, tmp_path, content):
+    (tmp_path / "own.json").write_text(content)
+    with pytest.raises(ConfigError, match=r"own.json: expected a calibration|own.json: no calibration"):
+        folder.add(file, tmp_path / "own.json")
+    assert folder.names() == ()
+
+
+def test_ratios_follow_the_duration():
+    calibration = Calibration((20.0, 40.0), (0.3, 0.5))
+    assert calibration.ratio(0.4, 1.0) == calibration.ratio(0.4, 3.0) == pytest.approx(2.0)
+    assert calibration.ratio(0.4, 10.0) == calibration.ratio(0.4, 60.0) == pytest.approx(-4.0)
+    between = calibration.ratio(0.4, np.sqrt(30.0))
+    assert between == pytest.approx(0.0)
+
+
+def test_a_voice_scores_higher_against_its_own_print(network):
+    print_ = enrol(vowel(seed=1), RATE, network)
+    own, other = (print_.score(vowel(formant=formant, seed=2), RATE).value for formant in (700.0, 2500.0))
+    assert own > other
+    assert np.linalg.norm(print_.embedding) == pytest.approx(1.0)
+    assert print_.score(vowel(seed=2).repeat(3), 3 * RATE).value == pytest.approx(own, abs=0.5)  # another rate
+
+
+def test_silence_and_a_moment_say_nothing(network):
+    print_ = enrol(vowel(), RATE, network)
+    for voice in (np.zeros(RATE), vowel(seconds=0.2)):
+        assert (print_.score(voice, RATE).value, print_.score(voice, RATE).accepted) == (0.0, False)
+
+
+def test_a_print_is_of_many_conditions_unless_it_was_separated(network):
+    clean, separated = (enrol(vowel(), RATE, network, separated=flag) for flag in (False, True))
+    assert separated.embedding == pytest.approx(network.embed(vowel()))
+    assert float(clean.embedding @ separated.embedding) < 0.99999
+
+
+def test_disturbed_copies_are_the_same_every_time_and_as_long():
+    voice = vowel(seconds=1.0)
+    copies, again = list(disturbed(voice)), list(disturbed(voice))
+    assert len(copies) == COPIES
+    for one, same in zip(copies, again, strict=True):
+        assert (one == same).all()
+        assert len(one) == len(voice)
+        assert np.corrcoef(one, voice)[0, 1] > 0.3  # still this voice
+        assert np.corrcoef(one, voice)[0, 1] < 0.99
+
+
+def test_prints_are_kept_and_are_of_one_model_alone(network, tmp_path):
+    store = VoiceStore(tmp_path / "voices")
+    print_ = enrol(vowel(), RATE, network).agreed("asked")
+    path = store.save("ann", print_)
+    assert path.stat().st_mode & 0o077 == 0
+    again = store.load("ann", network)
+    assert (again.consent, again.seconds) == ("asked", print_.seconds)
+    voice = vowel(seed=3)
+    assert again.score(voice, RATE).value == pytest.approx(print_.score(voice, RATE).value, abs=1e-3)
+    with pytest.raises(ConfigError, match="made with another background model: enrol this voice again"):
+        store.load("ann")
+    other = EmbeddingModel(speaker_network(seed=1), "other.onnx", ANY)
+    with pytest.raises(ConfigError, match="enrol this voice again"):
+        store.load("ann", other)
+
+
+@pytest.mark.parametrize("wrong", [[0.1] * (SIZE - 1), [0.0] * SIZE, [float("nan")] * SIZE, "x"])
+def test_a_damaged_print_is_refused(network, tmp_path, wrong):
+    store = VoiceStore(tmp_path / "voices")
+    path = store.save("ann", enrol(vowel(), RATE, network))
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"embedding": wrong}))
+    with pytest.raises(ConfigError, match="damaged voice print"):
+        store.load("ann", network)
+
+
+def test_a_published_network_tells_readers_apart(shared_model, speech):
+    model = EmbeddingModel(shared_model.read_bytes(), shared_model.name, ANY)
+    names = ("ls3005", "ls3331", "ls2414")
+    clips = {(name, part): read_mono(speech / name / f"{part}.flac") for name in names for part in ("enrol", "speech")}
+    prints = {name: enrol(*clips[name, "enrol"], model) for name in names}
+    for name in names:
+        voice, rate = clips[name, "speech"]
+        scores = {other: one.score(voice[: 6 * rate], rate) for other, one in prints.items()}
+        assert [other for other, score in scores.items() if score.accepted] == [name]
