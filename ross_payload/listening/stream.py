@@ -32,6 +32,7 @@ class StreamSettings:
     options: dict[str, Any] = field(default_factory=dict)  # of the sink
     keeps: bool = False  # what is heard stays on a disk
     ordered: bool = False  # not of the configuration: its number may be given to another when it is off
+    ended: str = ""  # why it is off although nobody ordered that, in words
     voice: str = ""  # name of a voice in a recording, which no order changes; empty: it is an ordinary stream
     wanted: Callable[[], bool] | None = None  # whether anybody takes it at present; None: while it is on
 
@@ -163,7 +164,9 @@ def resting(settings: StreamSettings, rate: int = 0) -> StreamStatus:
         codec=str(settings.options.get("codec", "")),
         address=str(settings.options.get("address", "")),
         port=int(settings.options.get("port", 0)),
+        listeners=0 if settings.ended else None,
         keeps=settings.keeps,
         gain_db=settings.gain_db,
         muted=settings.muted,
+        detail=settings.ended,
     )

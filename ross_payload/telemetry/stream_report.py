@@ -106,7 +106,7 @@ def line(before: StreamStatus | None, now: StreamStatus) -> Line | None:
     if now.on and (before is None or not before.on or whom(before) != whom(now) or way(before) != way(now)):
         return Severity.NOTICE, f"{name} on: {whom(now)} to {way(now)}"
     if before is not None and before.on and not now.on:
-        return Severity.NOTICE, f"{name} off"
+        return Severity.NOTICE, ": ".join(filter(None, (f"{name} off", now.detail)))
     if before is not None and before.fault and not now.fault:
         return Severity.NOTICE, f"{name} recovered"
     return None

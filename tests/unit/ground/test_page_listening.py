@@ -12,6 +12,7 @@ import pytest
 from ground_page import page
 from ports import free_port
 from ross_payload.ground.audio.sound_queue import HEAD, MOST_FRAMES, Listener, frame_of
+from ross_payload.ground.audio.voice_relay import STOP_PERIOD_S
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.station import Station, local_address
 from ross_payload.ground.web import listening_sockets
@@ -211,6 +212,33 @@ async def test_a_stream_that_goes_on_unheard_is_stopped_again():
         await wait_for_async(lambda: not payload.stream.on)
         payload.resume()  # as if the order had never come
         await wait_for_async(lambda: not payload.stream.on)
+
+
+async def test_a_stream_that_the_payload_has_given_up_is_ordered_again_for_who_listens():
+    async with heard() as (payload, _, served), ear(served.url) as one:
+        await one.choose(what="target")
+        await one.hears(1000.0)
+        payload.give_up()  # as after a link that was down
+        await one.until(
+            lambda: (one.told[-1].get("state"), one.told[-1].get("why")) == ("waiting", "no listener for 25 s")
+        )
+        before = len(one.samples)
+        await one.until(lambda: len(one.samples) > before + RATE)
+        await one.hears(1000.0)
+        assert payload.stream.on
+        assert len({each.port for each in payload.orders}) == 1
+        await one.until(lambda: one.told[-1].get("state") == "playing")
+
+
+async def test_a_stream_that_somebody_ended_is_not_ordered_again():
+    async with heard() as (payload, station, served), ear(served.url) as one:
+        await one.choose(what="target")
+        await one.hears(1000.0)
+        payload.stop()
+        await one.until(lambda: one.told[-1].get("state") == "ended")
+        orders, now = len(payload.orders), station.now()
+        await one.until(lambda: station.now() > now + 2 * STOP_PERIOD_S)
+        assert len(payload.orders) == orders
 
 
 async def test_another_origin_gets_nothing():

@@ -32,7 +32,7 @@ export function listenPanel(page, told) {
     ${loudness(listening)} ${levelBar("level", ...Object.values(listening.level))}
     <canvas class="spectrogram" width="300" height="96" role="img" aria-label=${spectrumOf(listening)}></canvas>
     <dl class="facts listening-facts">${facts(listening).map(fact)}</dl>
-    ${others(told.sections.streams ?? [])}
+    ${others(page, told)}
   </section>`;
 }
 
@@ -108,8 +108,9 @@ function facts(listening) {
 }
 
 /** Who else gets sound: whoever talks to a payload can know it. */
-function others(streams) {
-  const going = streams.filter((each) => each.on || each.fault);
+function others(page, told) {
+  const going = (told.sections.streams ?? []).filter((each) => each.on || each.fault);
+  const end = ({ address, port }) => page.order(told.id, { kind: "stop_stream", address, port });
   if (!going.length) return nothing;
   return html`<h3>Streams of the payload</h3>
     <ul class="streams">
@@ -117,6 +118,13 @@ function others(streams) {
         (each) =>
           html`<li class=${each.fault ? "bad" : ""}>
             ${capital(each.whom)} to ${each.place} (${each.sink}${known(each.delay) ? `, ${number(1000 * each.delay, 0, " ms")}` : ""}): ${each.words}
+            ${
+              each.on && each.sink === "rtp"
+                ? html`<button type="button" ?disabled=${page.commandsBlocked !== null} @click=${() => end(each)}>
+                    End<span class="unseen"> the stream to ${each.place}</span>
+                  </button>`
+                : nothing
+            }
           </li>`,
       )}
     </ul>`;
