@@ -2,11 +2,14 @@
 
 from itertools import groupby
 
+import pytest
+
 from browsing import eventually
 from fleet_bench import FleetThread
-from flight_sound import HEARD_FROM, simulated
+from flight_sound import HEARD_FROM, session, simulated
 from page_eyes import sees, violations, watch
 from ports import free_port
+from ross_payload.ground.flights.reading import open_flight
 from ross_payload.ground.web.page_thread import in_background
 from ross_protocols.mavlink.stream_values import Selection
 from voice_payload import RATE, VoicePayload
@@ -165,6 +168,25 @@ def test_a_mission_that_is_over_is_heard_before_and_after_with_one_click(tmp_pat
         assert not violations(page)
         page.get_by_role("button", name="Target").click()
         eventually(page, lambda: page.evaluate(RECORDED)["paused"])
+        page.close()
+
+
+def test_an_mcap_file_that_is_uploaded_is_heard_beside_its_telemetry(tmp_path, window, open_page):
+    pytest.importorskip("foxglove", reason="needs the extra 'mcap'")
+    from ross_payload.ground.flights.mcap import export
+
+    flight = open_flight(session(tmp_path / "flown"))
+    export(flight, flight.payloads, tmp_path / "flown.mcap")
+    with in_background([f"udpin:127.0.0.1:{free_port()}"]) as served:
+        page = open_page(f"{served.url}#/flights")
+        page.get_by_label("Drop a telemetry log").set_input_files(tmp_path / "flown.mcap")
+        page.get_by_role("button", name="Mixture").wait_for()
+        page.evaluate(TAP)
+        page.get_by_role("button", name="Mixture").click()
+        page.get_by_role("button", name="Play", exact=True).click()
+        eventually(page, lambda: heard_of(page, "mixture", 500.0))
+        page.locator("section[aria-label='Flight flown.mcap'] section[aria-label='Mission']").wait_for()
+        assert not violations(page)
         page.close()
 
 
