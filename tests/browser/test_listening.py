@@ -34,6 +34,10 @@ RECORDED = """() => {
   const { audio } = globalThis.rossSound.recorded;
   return { at: audio.currentTime, paused: audio.paused };
 }"""
+ANOTHER = """() => {
+  const socket = globalThis.rossOther = new WebSocket(`ws://${location.host}/listen?id=1-191`);
+  socket.addEventListener("open", () => socket.send(JSON.stringify({ type: "choose", what: "mixture" })));
+}"""
 DRIFT = """async () => {
   const { PlayoutBuffer } = await import("/assets/audio/playout-buffer.js");
   const rate = 16000, block = 320, quantum = 128, fast = 1 + 3e-4;
@@ -121,8 +125,17 @@ def test_somebody_listens_chooses_and_stops(window, open_page):
         hears(page, 500.0)
         page.locator(PANEL).get_by_role("combobox", name="What is heard").select_option("source 1")
         hears(page, 1750.0)
+        page.evaluate(ANOTHER)
+        sees(page, "1 other browser listens: what is heard is chosen for all.", PANEL)
+        hears(page, 500.0)
+        chosen = page.locator(PANEL).get_by_role("combobox", name="What is heard")
+        eventually(page, lambda: chosen.input_value() == "mixture")
+        page.evaluate("() => globalThis.rossOther.close()")
+        eventually(page, lambda: "other browser" not in page.locator(PANEL).text_content())
+        chosen.select_option("source 1")
+        hears(page, 1750.0)
         asked = [selection for selection, _ in groupby(order.selection for order in payload.orders)]
-        assert asked == [Selection.TARGET, Selection.MIXTURE, Selection.SOURCE]
+        assert asked == [Selection.TARGET, Selection.MIXTURE, Selection.SOURCE, Selection.MIXTURE, Selection.SOURCE]
         button.click()
         sees(page, "Silent", PANEL)
         eventually(page, lambda: not payload.stream.on)
@@ -131,6 +144,20 @@ def test_somebody_listens_chooses_and_stops(window, open_page):
         assert page.evaluate(PLAYED)["rate"] == RATE
         page.get_by_role("link", name="Map").click()
         eventually(page, lambda: not payload.stream.on)
+        page.close()
+
+
+def test_a_stream_to_somebody_else_is_ended_by_its_address(window, open_page):
+    port = free_port()
+    with in_background([f"udpin:127.0.0.1:{port}"]) as served, VoicePayload(port) as payload:
+        payload.go_to("192.0.2.7", 5004)
+        page = watch(open_page, served.url)
+        page.get_by_role("button", name="End the stream to 192.0.2.7:5004").click()
+        eventually(page, lambda: payload.orders)
+        order = payload.orders[0]
+        assert (order.selection, order.number) == (Selection.NONE, None)
+        assert (order.address, order.port) == ("192.0.2.7", 5004)
+        page.get_by_role("button", name="End the stream to 192.0.2.7:5004").wait_for(state="hidden")
         page.close()
 
 

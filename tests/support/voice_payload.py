@@ -62,6 +62,10 @@ class VoicePayload:
         self._socket.close()
         self._rtp.close()
 
+    def go_to(self, address, port):
+        """Tell of a stream of the target that somebody else has ordered."""
+        self.stream = replace(self.stream, on=True, selection=Selection.TARGET, address=address, port=port)
+
     def give_up(self):
         """End the stream since nobody was heard to take it."""
         self.stream = replace(self.stream, on=False, listeners=0, detail="no listener for 25 s")

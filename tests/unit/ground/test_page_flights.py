@@ -21,7 +21,6 @@ from ross_payload.ground.web.flight_library import FlightLibrary
 from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.dialect import common
 
-
 NAMES = "name: expected that of a telemetry log (.tlog) or of an MCAP file (.mcap)"
 
 

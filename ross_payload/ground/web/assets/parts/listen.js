@@ -29,7 +29,7 @@ export function listenPanel(page, told) {
       </button>
       ${choices(listening, told)}
     </div>
-    ${loudness(listening)} ${levelBar("level", ...Object.values(listening.level))}
+    ${shared(listening)} ${loudness(listening)} ${levelBar("level", ...Object.values(listening.level))}
     <canvas class="spectrogram" width="300" height="96" role="img" aria-label=${spectrumOf(listening)}></canvas>
     <dl class="facts listening-facts">${facts(listening).map(fact)}</dl>
     ${others(page, told)}
@@ -50,7 +50,7 @@ function choices(listening, told) {
   if (choice.what === "source") sources.add(choice.source);
   const value = choice.what === "source" ? `source ${choice.source}` : choice.what;
   const choose = ({ target }) => listening.choose(chosen(target.value, listening));
-  const option = (key, words) => html`<option value=${key} ?selected=${key === value}>${words}</option>`;
+  const option = (key, words) => html`<option value=${key} .selected=${key === value}>${words}</option>`;
   return html`<label
       >What is heard
       <select @change=${choose}>
@@ -67,6 +67,14 @@ const chosen = (value, { choice }) => {
   if (what === "azimuth") return { what, azimuth: choice.azimuth ?? 0 };
   return what === "source" ? { what, source: Number(source) } : { what };
 };
+
+/** One stream goes to this ground station, whoever listens. */
+function shared({ state: { told } }) {
+  const rest = (told?.listeners ?? 1) - 1;
+  if (rest < 1) return nothing;
+  const who = rest === 1 ? "1 other browser listens" : `${rest} other browsers listen`;
+  return html`<p class="soft shared" role="status">${who}: what is heard is chosen for all.</p>`;
+}
 
 function direction(listening) {
   const turn = ({ target }) => {
@@ -103,7 +111,7 @@ function facts(listening) {
     ["Delay", number(listening.delay, 0, " ms"), "from the microphone to here, by the clocks of both computers"],
     ["Lost packets", told ? number(told.lost) : DASH, sent ? `${number((100 * told.lost) / sent, 1, " %")} of ${sent}` : ""],
     ["Interruptions", played ? number(played.gaps) : DASH, told?.dropped ? `${plural(told.dropped, "frame")} too late` : ""],
-    ["Listeners", told ? number(told.listeners) : DASH, "browsers of this page; all hear the same"],
+    ["Listeners", told ? number(told.listeners) : DASH, "browsers of this page"],
   ];
 }
 
