@@ -204,7 +204,7 @@ class ListeningStage:
             group = next((place for place, members in enumerate(groups.members) if source in members), None)
             if group is not None:
                 return Portion(groups.signals[group, :, 0], source, group, self._tracker.azimuth(source))
-            nobody = f"the separator cannot tell source {source} from the others"
+            nobody = f"source {source} not separable"
         silent = self._config.listening.otherwise == "silence"
         return Portion(mixture * np.float32(0) if silent else mixture, detail=why or nobody)
 
