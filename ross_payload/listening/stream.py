@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -39,8 +40,11 @@ class StreamSettings:
     @property
     def title(self) -> str:
         """What it is, for the log."""
-        named = (str(self.options[name]) for name in ("path", "device", "address", "port") if name in self.options)
-        sink = " ".join([self.sink, *filter(None, [":".join(named)])])
+        told = {name: str(self.options[name]) for name in ("path", "device", "address", "port") if name in self.options}
+        told |= (
+            {"path": str(Path(told["path"]))} if "path" in told else {}
+        )  # without the ./ of a name that is no folder's
+        sink = " ".join([self.sink, *filter(None, [":".join(told.values())])])
         return f"stream {self.number} ({selection_text(self.selection)} to {sink})"
 
 

@@ -119,7 +119,8 @@ class VoicePayload:
         if self._refuse:
             return
         if command.selection is Selection.NONE:
-            self.stream = replace(self.stream, on=False)
+            if not command.address or (command.address, command.port) == (self.stream.address, self.stream.port):
+                self.stream = replace(self.stream, on=False)
         else:
             place = {"address": command.address, "port": command.port} if command.address else {}
             new = not self.stream.on or place.get("port", self.stream.port) != self.stream.port

@@ -161,7 +161,7 @@ class VoiceRelay:
             ended = self._places.get(place)
             if stream.on and place != here and ended is not None and now - ended >= STOP_PERIOD_S:
                 self._places[place] = now
-                self._orders.order(self.who, StopStream(stream.number))
+                self._orders.order(self.who, StopStream(None, *place))  # its number may be another's when this comes
 
     def end(self) -> None:
         """End the stream, whoever listens."""

@@ -236,6 +236,20 @@ async def test_a_stream_that_the_payload_has_given_up_is_ordered_again_for_who_l
         await one.until(lambda: one.told[-1].get("state") == "playing")
 
 
+async def test_an_end_that_comes_late_ends_no_stream_that_was_begun_since():
+    async with heard() as (payload, _, served):
+        async with ear(served.url) as one:
+            await one.choose(what="target")
+            await one.hears(1000.0)
+        await wait_for_async(lambda: not payload.stream.on)
+        end = next(each for each in payload.orders if each.selection is Selection.NONE)
+        async with ear(served.url) as one:
+            await one.choose(what="target")
+            await one.hears(1000.0)
+            assert (end.number, end.address) == (None, "127.0.0.1")
+            assert end.port != payload.stream.port, "said once more, it would mean nobody"
+
+
 async def test_a_stream_that_somebody_ended_is_not_ordered_again():
     async with heard() as (payload, station, served), ear(served.url) as one:
         await one.choose(what="target")
