@@ -115,7 +115,13 @@ class AudioSink(Managed, Protocol):
     """
 
     def write(self, block: VoiceBlock) -> None:
-        """Take the next samples. What goes wrong afterwards is told by `fault`, and is nobody else's concern."""
+        """Take the next samples. What goes wrong afterwards is told by `fault`, and is nobody else's concern.
+
+        Raises
+        ------
+        AudioError
+            When it can take no more as it is open now: it is closed, and opened again after a while.
+        """
 
     @property
     def fault(self) -> str:

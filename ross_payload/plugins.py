@@ -66,6 +66,7 @@ EXTRA_OF = {  # by the module that an optional part imports
     "pyarrow": "study",
     "aiohttp": "ground",
     "foxglove": "mcap",
+    "mcap": "mcap",
     "aiortc": "stream",
     "av": "stream",
     "kaldi_native_fbank": "voice",

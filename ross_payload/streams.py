@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 MAX_STREAMS = 16  # at once
+LISTENER_TIMEOUT_S = 25.0  # of who is silent: five times the 5 s between reports, RFC 3550, 6.2.1 and 6.3.5
 
 
 class What(StrEnum):
@@ -40,7 +41,7 @@ class StreamOrder:
     """
 
     on: bool
-    number: int | None = None  # None: the one that goes to this address and port, else a new one; of an end: all
+    number: int | None = None  # None: the one that goes to this address and port, else a new one; of an end: or all
     selection: Selection | None = None  # None, of a new one: the target
     gain_db: float | None = None  # None, of a new one: 0
     muted: bool | None = None  # None, of a new one: not muted

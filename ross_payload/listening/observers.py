@@ -112,7 +112,9 @@ class Listening:
         self.close()
 
     def _obey(self) -> None:
-        """Have the streams that are wanted now."""
+        """Have the streams that are wanted now; those that were ordered end when nobody takes them."""
+        for number in self._stage.unheard():
+            self._orders.give_up(number)
         wanted = self._orders.changed(self._stage.n_sources)
         if wanted is not None:
             self._stage.want(wanted)

@@ -14,7 +14,7 @@ from ross_payload.config.listening_options import MOST_SOURCES
 from ross_payload.errors import RossError
 from ross_payload.listening.stage import configured
 from ross_payload.listening.stream import StreamSettings
-from ross_payload.streams import MAX_STREAMS, Selection, StreamOrder, What
+from ross_payload.streams import LISTENER_TIMEOUT_S, MAX_STREAMS, Selection, StreamOrder, What
 
 RECORDED = 200  # number of the recorder's first stream; those of orders are lower
 RECORDER = "recording"  # stands for the sink of these
@@ -66,15 +66,21 @@ class OrderBook:
         with self._lock:
             return self._start(order) if order.on else self._stop(order)
 
+    def give_up(self, number: int) -> None:
+        """End a stream that nobody takes, if it was ordered: those of the configuration wait for a listener."""
+        with self._lock:
+            stream = self._streams.get(number)
+            if stream is not None and stream.ordered and stream.on:
+                ended = f"no listener for {LISTENER_TIMEOUT_S:g} s"
+                self._put(self._streams | {number: replace(stream, on=False, ended=ended)})
+
     def _stop(self, order: StreamOrder) -> str:
         if order.number is not None and (why := self._no_such(order.number)):
             return why
-        self._put(
-            {
-                each.number: replace(each, on=False) if order.number in (None, each.number) and not each.voice else each
-                for each in self._streams.values()
-            }
-        )
+        meant = [each for each in self._streams.values() if not each.voice and _ends(each, order)]
+        if order.address and not meant:
+            return f"there is no stream to {order.address}:{order.port}"
+        self._put(self._streams | {each.number: replace(each, on=False, ended="") for each in meant})
         return ""
 
     def _start(self, order: StreamOrder) -> str:
@@ -92,6 +98,7 @@ class OrderBook:
                 order.number: replace(
                     before,
                     on=True,
+                    ended="",
                     selection=before.selection if order.selection is None else order.selection,
                     gain_db=before.gain_db if order.gain_db is None else order.gain_db,
                     muted=before.muted if order.muted is None else order.muted,
@@ -155,6 +162,13 @@ class OrderBook:
 
     def _put(self, streams: dict[int, StreamSettings]) -> None:
         self._streams, self._news = streams, True
+
+
+def _ends(settings: StreamSettings, order: StreamOrder) -> bool:
+    """Tell whether an order to end streams means this one: by its number, by where it goes, or as one of all."""
+    if order.number is not None:
+        return settings.number == order.number
+    return not order.address or _goes_to(settings, order)
 
 
 def _goes_to(settings: StreamSettings, order: StreamOrder) -> bool:

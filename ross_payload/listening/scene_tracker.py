@@ -94,7 +94,7 @@ class SceneTracker:
         elif estimate is None or not estimate.k:
             self._why = "nobody is known"
         elif earth != self._earth:
-            self._why = "the frame of the azimuths has changed"
+            self._why = "azimuths: frame changed"
         if self._why or estimate is None:
             self._heading = None
             return None
@@ -153,5 +153,5 @@ def _nearest(estimate: Estimate, azimuth: float) -> tuple[int | None, str]:
     away = [abs(wrap(source.azimuth - azimuth)) for source in estimate.sources]
     nearest = int(np.argmin(away))
     if away[nearest] > NEAR:
-        return None, "nobody is known at this azimuth"
+        return None, "nobody at this azimuth"
     return nearest, ""

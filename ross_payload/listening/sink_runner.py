@@ -68,6 +68,7 @@ class DirectRunner:
         self._due = -1.0
         self._lost = 0  # by sinks that were closed, or never opened
         self._fault = ""
+        self._well = (0.0, 0)  # when nothing was wrong the last time [s], and samples lost until then
         self._info = SinkInfo()
 
     @property
@@ -140,10 +141,14 @@ class DirectRunner:
     def _fail(self, fault: str) -> None:
         """Log what changes, not what goes on."""
         before, self._fault = self._fault, fault
+        now, lost = self._clock.now(), self.lost
         if fault and fault != before:
             log.warning("%s: %s", self._name, fault)
         elif before and not fault:
-            log.info("%s: works again", self._name)
+            since, count = self._well
+            log.warning("%s: works again after %.1f s; %d samples are missing", self._name, now - since, lost - count)
+        if not fault:
+            self._well = (now, lost)
 
 
 class ThreadedRunner:

@@ -22,7 +22,7 @@ from ross_payload.listening.sink_runner import SinkRunner
 from ross_payload.listening.stream import Portion, Stream, StreamSettings, resting
 from ross_payload.listening.voice_separation import VoiceSeparation
 from ross_payload.pointing import Pointing
-from ross_payload.streams import StreamStatus, What
+from ross_payload.streams import LISTENER_TIMEOUT_S, StreamStatus, What
 
 STATUS_S = 0.1  # between two times that the streams are told
 
@@ -91,11 +91,18 @@ class ListeningStage:
             before = self._wanted.get(number)
             same = before is not None and (before.sink, before.options) == (settings.sink, settings.options)
             if not settings.on or not same:
-                self._end(number, why)
+                self._end(number, settings.ended or why)
             if number in self._streams:
                 self._streams[number].change(settings)
         self._wanted = dict(wanted)
         self._tell()
+
+    def unheard(self) -> tuple[int, ...]:
+        """Return the numbers of streams that nobody has taken for `LISTENER_TIMEOUT_S`; none in simulated time."""
+        if self._clock is None:
+            return ()
+        streams = self._streams.items()
+        return tuple(number for number, each in streams if each.runner.info.unheard_s >= LISTENER_TIMEOUT_S)
 
     def on_event(self, event: Event, *, earth: bool) -> None:
         """Take what the mission says; ``earth`` tells the frame of its angles."""
@@ -197,7 +204,7 @@ class ListeningStage:
             group = next((place for place, members in enumerate(groups.members) if source in members), None)
             if group is not None:
                 return Portion(groups.signals[group, :, 0], source, group, self._tracker.azimuth(source))
-            nobody = f"the separator cannot tell source {source} from the others"
+            nobody = f"source {source} not separable"
         silent = self._config.listening.otherwise == "silence"
         return Portion(mixture * np.float32(0) if silent else mixture, detail=why or nobody)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,14 +33,18 @@ class StreamSettings:
     options: dict[str, Any] = field(default_factory=dict)  # of the sink
     keeps: bool = False  # what is heard stays on a disk
     ordered: bool = False  # not of the configuration: its number may be given to another when it is off
+    ended: str = ""  # why it is off although nobody ordered that, in words
     voice: str = ""  # name of a voice in a recording, which no order changes; empty: it is an ordinary stream
     wanted: Callable[[], bool] | None = None  # whether anybody takes it at present; None: while it is on
 
     @property
     def title(self) -> str:
         """What it is, for the log."""
-        named = (str(self.options[name]) for name in ("path", "device", "address", "port") if name in self.options)
-        sink = " ".join([self.sink, *filter(None, [":".join(named)])])
+        told = {name: str(self.options[name]) for name in ("path", "device", "address", "port") if name in self.options}
+        told |= (
+            {"path": str(Path(told["path"]))} if "path" in told else {}
+        )  # without the ./ of a name that is no folder's
+        sink = " ".join([self.sink, *filter(None, [":".join(told.values())])])
         return f"stream {self.number} ({selection_text(self.selection)} to {sink})"
 
 
@@ -163,7 +168,9 @@ def resting(settings: StreamSettings, rate: int = 0) -> StreamStatus:
         codec=str(settings.options.get("codec", "")),
         address=str(settings.options.get("address", "")),
         port=int(settings.options.get("port", 0)),
+        listeners=0 if settings.ended else None,
         keeps=settings.keeps,
         gain_db=settings.gain_db,
         muted=settings.muted,
+        detail=settings.ended,
     )

@@ -105,7 +105,7 @@ def _stream(command: Command) -> StreamOrder:
     except ValueError as error:
         raise ConfigError(str(error)) from error
     if told.selection is Selected.NONE:
-        return StreamOrder(on=False, number=told.number)
+        return StreamOrder(on=False, number=told.number, address=told.address, port=told.port)
     if told.number is None and not told.address:
         raise ConfigError("address: expected one for a new stream, got 0.0.0.0")
     return StreamOrder(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -14,6 +15,9 @@ from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 from ross_protocols.mavlink.values import Severity
 
 OVER_A_NETWORK = ("rtp", "tcp")  # sinks that have an address
+DETAIL_LENGTH = 24  # of the field
+PLACE = re.compile(r"[\d/']")  # what names of files, devices and addresses have
+QUOTED = re.compile(r"'[^']*'")
 CODECS = {codec.name.lower(): codec for codec in Codec}
 
 
@@ -83,7 +87,7 @@ def reports(streams: Sequence[StreamStatus], time_usec: int, *, earth: bool) -> 
             delay=status.delay,
             lost=status.lost,
             packets_lost=status.packets_lost,
-            detail=status.fault or status.detail,
+            detail=brief(status.fault or status.detail),
             fault=bool(status.fault),
             muted=status.muted,
             records=status.keeps,
@@ -91,6 +95,30 @@ def reports(streams: Sequence[StreamStatus], time_usec: int, *, earth: bool) -> 
         )
         for status in streams
     ]
+
+
+def brief(text: str, most: int = DETAIL_LENGTH) -> str:
+    """Return what of a text says most in so many characters: the cause, since place and kind have fields of their own.
+
+    >>> brief("tcp:127.0.0.1:5010: cannot listen: Address already in use")
+    'Address already in use'
+    >>> brief("the sink hangs: what it does not take is lost")
+    'the sink hangs'
+    >>> brief("the sound output 'USB Headphones' was disconnected")
+    '..was disconnected'
+    """
+    if len(text) <= most:
+        return text
+    clauses = text.partition(";")[0].split(": ")
+    ends = (": ".join(clauses[first:]) for first in range(len(clauses)))
+    others = (clause for clause in reversed(clauses[:-1]) if " " in clause and not PLACE.search(clause))
+    fitting = next((each for each in (*ends, *others) if len(each) <= most), None)
+    if fitting is not None:
+        return fitting
+    words = QUOTED.sub("", clauses[-1]).split()
+    while len(words) > 1 and len(" ".join(words)) > most - 2:
+        del words[0]
+    return f"..{' '.join(words)}"[:most]
 
 
 def line(before: StreamStatus | None, now: StreamStatus) -> Line | None:
@@ -103,7 +131,7 @@ def line(before: StreamStatus | None, now: StreamStatus) -> Line | None:
     if now.on and (before is None or not before.on or whom(before) != whom(now) or way(before) != way(now)):
         return Severity.NOTICE, f"{name} on: {whom(now)} to {way(now)}"
     if before is not None and before.on and not now.on:
-        return Severity.NOTICE, f"{name} off"
+        return Severity.NOTICE, ": ".join(filter(None, (f"{name} off", now.detail)))
     if before is not None and before.fault and not now.fault:
         return Severity.NOTICE, f"{name} recovered"
     return None

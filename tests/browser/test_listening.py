@@ -2,11 +2,14 @@
 
 from itertools import groupby
 
+import pytest
+
 from browsing import eventually
 from fleet_bench import FleetThread
-from flight_sound import HEARD_FROM, simulated
+from flight_sound import HEARD_FROM, session, simulated
 from page_eyes import sees, violations, watch
 from ports import free_port
+from ross_payload.ground.flights.reading import open_flight
 from ross_payload.ground.web.page_thread import in_background
 from ross_protocols.mavlink.stream_values import Selection
 from voice_payload import RATE, VoicePayload
@@ -30,6 +33,10 @@ TAP = """() => {
 RECORDED = """() => {
   const { audio } = globalThis.rossSound.recorded;
   return { at: audio.currentTime, paused: audio.paused };
+}"""
+ANOTHER = """() => {
+  const socket = globalThis.rossOther = new WebSocket(`ws://${location.host}/listen?id=1-191`);
+  socket.addEventListener("open", () => socket.send(JSON.stringify({ type: "choose", what: "mixture" })));
 }"""
 DRIFT = """async () => {
   const { PlayoutBuffer } = await import("/assets/audio/playout-buffer.js");
@@ -118,8 +125,17 @@ def test_somebody_listens_chooses_and_stops(window, open_page):
         hears(page, 500.0)
         page.locator(PANEL).get_by_role("combobox", name="What is heard").select_option("source 1")
         hears(page, 1750.0)
+        page.evaluate(ANOTHER)
+        sees(page, "1 other browser listens: what is heard is chosen for all.", PANEL)
+        hears(page, 500.0)
+        chosen = page.locator(PANEL).get_by_role("combobox", name="What is heard")
+        eventually(page, lambda: chosen.input_value() == "mixture")
+        page.evaluate("() => globalThis.rossOther.close()")
+        eventually(page, lambda: "other browser" not in page.locator(PANEL).text_content())
+        chosen.select_option("source 1")
+        hears(page, 1750.0)
         asked = [selection for selection, _ in groupby(order.selection for order in payload.orders)]
-        assert asked == [Selection.TARGET, Selection.MIXTURE, Selection.SOURCE]
+        assert asked == [Selection.TARGET, Selection.MIXTURE, Selection.SOURCE, Selection.MIXTURE, Selection.SOURCE]
         button.click()
         sees(page, "Silent", PANEL)
         eventually(page, lambda: not payload.stream.on)
@@ -128,6 +144,20 @@ def test_somebody_listens_chooses_and_stops(window, open_page):
         assert page.evaluate(PLAYED)["rate"] == RATE
         page.get_by_role("link", name="Map").click()
         eventually(page, lambda: not payload.stream.on)
+        page.close()
+
+
+def test_a_stream_to_somebody_else_is_ended_by_its_address(window, open_page):
+    port = free_port()
+    with in_background([f"udpin:127.0.0.1:{port}"]) as served, VoicePayload(port) as payload:
+        payload.go_to("192.0.2.7", 5004)
+        page = watch(open_page, served.url)
+        page.get_by_role("button", name="End the stream to 192.0.2.7:5004").click()
+        eventually(page, lambda: payload.orders)
+        order = payload.orders[0]
+        assert (order.selection, order.number) == (Selection.NONE, None)
+        assert (order.address, order.port) == ("192.0.2.7", 5004)
+        page.get_by_role("button", name="End the stream to 192.0.2.7:5004").wait_for(state="hidden")
         page.close()
 
 
@@ -165,6 +195,25 @@ def test_a_mission_that_is_over_is_heard_before_and_after_with_one_click(tmp_pat
         assert not violations(page)
         page.get_by_role("button", name="Target").click()
         eventually(page, lambda: page.evaluate(RECORDED)["paused"])
+        page.close()
+
+
+def test_an_mcap_file_that_is_uploaded_is_heard_beside_its_telemetry(tmp_path, window, open_page):
+    pytest.importorskip("foxglove", reason="needs the extra 'mcap'")
+    from ross_payload.ground.flights.mcap import export
+
+    flight = open_flight(session(tmp_path / "flown"))
+    export(flight, flight.payloads, tmp_path / "flown.mcap")
+    with in_background([f"udpin:127.0.0.1:{free_port()}"]) as served:
+        page = open_page(f"{served.url}#/flights")
+        page.get_by_label("Drop a telemetry log").set_input_files(tmp_path / "flown.mcap")
+        page.get_by_role("button", name="Mixture").wait_for()
+        page.evaluate(TAP)
+        page.get_by_role("button", name="Mixture").click()
+        page.get_by_role("button", name="Play", exact=True).click()
+        eventually(page, lambda: heard_of(page, "mixture", 500.0))
+        page.locator("section[aria-label='Flight flown.mcap'] section[aria-label='Mission']").wait_for()
+        assert not violations(page)
         page.close()
 
 

@@ -1,13 +1,16 @@
 """A payload in a process of its own, and what stands between it and its clients."""
 
 import json
+import os
 import random
 import re
+import shutil
 import socket
 import threading
 import time
 import tomllib
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +19,11 @@ from pymavlink import mavutil
 from pymavlink.dialects.v20 import ardupilotmega
 
 import ports
+from loudspeaker import Loudspeaker
 from processes import ROSS, program
 from waiting import wait_for
 
+PULSE_PLUGIN = "alsa-lib/libasound_module_pcm_pulse.so"
 LOOPBACK = "127.0.0.1"
 RATE = 16000
 CONFIG = """
@@ -268,3 +273,15 @@ def guide(request):
     page = request.config.rootpath / "docs" / "how-to" / "interoperate.md"
     programs = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
     return lambda word: next(program for program in programs if word in program)
+
+
+@pytest.fixture
+def loudspeaker(tmp_path):
+    if shutil.which("pulseaudio") is None:
+        pytest.skip("needs the package pulseaudio")
+    if not any(Path("/usr/lib").glob(f"*/{PULSE_PLUGIN}")):
+        pytest.skip("needs the package libasound2-plugins")
+    folder = Path(os.path.realpath(tmp_path)) / "p"  # a socket's path is short
+    folder.mkdir(mode=0o700)
+    with Loudspeaker(folder) as server:
+        yield server

@@ -62,6 +62,18 @@ class VoicePayload:
         self._socket.close()
         self._rtp.close()
 
+    def go_to(self, address, port):
+        """Tell of a stream of the target that somebody else has ordered."""
+        self.stream = replace(self.stream, on=True, selection=Selection.TARGET, address=address, port=port)
+
+    def give_up(self):
+        """End the stream since nobody was heard to take it."""
+        self.stream = replace(self.stream, on=False, listeners=0, detail="no listener for 25 s")
+
+    def stop(self):
+        """End the stream as if another ground station had ordered that."""
+        self.stream = replace(self.stream, on=False)
+
     def resume(self):
         """Stream again to where it was, unasked."""
         self.stream = replace(self.stream, on=True)
@@ -107,13 +119,15 @@ class VoicePayload:
         if self._refuse:
             return
         if command.selection is Selection.NONE:
-            self.stream = replace(self.stream, on=False)
+            if not command.address or (command.address, command.port) == (self.stream.address, self.stream.port):
+                self.stream = replace(self.stream, on=False)
         else:
             place = {"address": command.address, "port": command.port} if command.address else {}
             new = not self.stream.on or place.get("port", self.stream.port) != self.stream.port
             self.stream = replace(
-                self.stream, on=True, selection=command.selection, source=command.source, delay=0.05, **place
-            )
+                self.stream, on=True, selection=command.selection, source=command.source, delay=0.05,
+                listeners=None, detail="", **place,
+            )  # fmt: skip
             if new:
                 self._sender = RtpSender(RATE, Media.of("opus", RATE), BIT_RATE)
         self._say(self.stream)

@@ -132,7 +132,7 @@ def test_nobody_known_nobody_there_and_no_such_source_are_told():
     bench.know()
     bench.hear(0.3)
     details = [status.detail for status in bench.stage.streams]
-    assert details == ["there is no source 3", "nobody is known at this azimuth", "there is no target yet"]
+    assert details == ["there is no source 3", "nobody at this azimuth", "there is no target yet"]
 
 
 def test_a_separator_begins_anew_at_another_heading_and_not_while_it_follows_one():

@@ -1,5 +1,6 @@
 """Live listening on a thread of its own: neither a mission that computes nor a sink that hangs holds up the voice."""
 
+import itertools
 import threading
 from types import SimpleNamespace
 
@@ -17,6 +18,7 @@ from ross_payload.interfaces import AudioBlock
 from ross_payload.listening.observers import LiveListening, LockstepListening
 from ross_payload.pointing import Pointing
 from ross_payload.streams import StreamOrder
+from voice_sender import ear
 from waiting import wait_for
 
 GRID = 2.0**-23
@@ -131,6 +133,35 @@ def test_a_failure_is_logged_and_the_next_hop_is_heard(tmp_path, caplog):
         wait_for(lambda: length(tmp_path) > 3.0 * RATE)
     assert np.array_equal(heard(tmp_path)[-RATE:], MIXTURE[0, -RATE:])
     assert "live listening has failed" in caplog.text
+
+
+def test_an_ordered_stream_ends_when_its_listener_is_gone_and_a_configured_one_goes_on(tmp_path, caplog, monkeypatch):
+    caplog.set_level("INFO")
+    monkeypatch.setattr("ross_payload.listening.stage.LISTENER_TIMEOUT_S", 0.3)
+    with ear() as configured, ear() as ordered:
+        ports = [sock.getsockname()[1] for sock in (configured, ordered)]
+    streams = [{"sink": "rtp", "what": "mixture", "options": {"address": "127.0.0.1", "port": ports[0]}}]
+    configuration = Config.model_validate({"listening": {"streams": streams}})
+    with live(configuration, tmp_path) as listening:
+        assert listening.order(StreamOrder(True, address="127.0.0.1", port=ports[1])) == ""
+        hops = itertools.chain.from_iterable(map(always, itertools.count()))
+
+        def ended():
+            feed(listening, itertools.islice(hops, 10))
+            told = listening.streams()
+            return len(told) == 2 and told[1].detail.startswith("no listener") and "no receiver" in told[0].fault
+
+        wait_for(ended)
+        waits, over = listening.streams()
+    assert (waits.on, "no receiver at this port" in waits.fault) == (True, True)
+    assert (over.listeners, over.detail) == (0, "no listener for 25 s")
+    assert f"stream 1 (target to rtp 127.0.0.1:{ports[1]}) ends: no listener for 25 s" in caplog.text
+
+
+def always(turn):
+    """The mixture once more, behind itself."""
+    for block in blocks():
+        yield AudioBlock(block.samples, block.index + turn * 4 * RATE, block.time + turn * 4.0)
 
 
 class Hanging:

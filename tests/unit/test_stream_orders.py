@@ -7,7 +7,7 @@ from listening_bench import MIXTURE, azimuth, source
 from ross_payload.config import Config
 from ross_payload.config.listening_options import selection_of, selection_text
 from ross_payload.listening.order_book import RECORDED, OrderBook
-from ross_payload.streams import MAX_STREAMS, Selection, StreamOrder, What
+from ross_payload.streams import LISTENER_TIMEOUT_S, MAX_STREAMS, Selection, StreamOrder, What
 
 FILE = {"sink": "file", "what": "source 1", "options": {"path": "a.flac"}}
 HERE = {"address": "127.0.0.1", "port": 5004}
@@ -66,6 +66,33 @@ def test_one_or_all_of_them_can_be_stopped_and_started_again():
     streams.take(StreamOrder(True, number=2))
     assert streams.changed(0)[2].on
     assert streams.wanted[2].options["port"] == 5004
+
+
+def test_a_stream_is_stopped_by_where_it_goes():
+    streams = book(FILE)
+    streams.take(StreamOrder(True, **HERE))
+    streams.take(StreamOrder(True, address="127.0.0.1", port=6000))
+    assert streams.take(StreamOrder(False, **HERE)) == ""
+    assert [each.on for each in streams.changed(0).values()] == [True, False, True]
+    assert streams.take(StreamOrder(False, **HERE)) == "", "networks double frames"
+    assert streams.take(StreamOrder(False, address="127.0.0.1", port=7000)) == "there is no stream to 127.0.0.1:7000"
+
+
+def test_what_nobody_takes_ends_when_it_was_ordered_and_waits_when_it_was_configured():
+    streams = book({"sink": "rtp", "options": HERE})
+    streams.take(StreamOrder(True, address="127.0.0.1", port=6000))
+    for number in (0, 1, 7):
+        streams.give_up(number)
+    configured, ordered = streams.changed(0).values()
+    assert (configured.on, configured.ended) == (True, "")
+    assert (ordered.on, ordered.ended) == (False, f"no listener for {LISTENER_TIMEOUT_S:g} s")
+    streams.give_up(1)
+    assert streams.changed(0) is None
+    streams.take(StreamOrder(True, address="127.0.0.1", port=6000))
+    assert (streams.changed(0)[1].on, streams.wanted[1].ended) == (True, "")
+    streams.give_up(1)
+    streams.take(StreamOrder(False))
+    assert streams.changed(0)[1].ended == "", "somebody wants it off"
 
 
 def test_the_number_of_an_ordered_stream_is_given_again_when_it_is_off_and_no_other_is_free():

@@ -23,8 +23,11 @@ LONGEST_DELAY_MS = 1000.0
     help="Time in milliseconds that packets wait for later ones; 0, the default: as short as the network allows.",
 )
 @click.option("--duration", type=click.FloatRange(0, min_open=True), metavar="S", help="Stop after so many seconds.")
-def command(url: str, out: Path | None, device: str, delay_ms: float, duration: float | None) -> None:
+@click.option("--wait", "waits", is_flag=True, help="Go on when the sender has ended or is silent. RTP alone.")
+def command(url: str, out: Path | None, device: str, delay_ms: float, duration: float | None, *, waits: bool) -> None:
     """Play what a payload streams to this computer, and tell once a second how loud, how late and how much was lost.
+
+    It ends when the sender ends, and with exit code 2 when nothing has come for 25 s.
 
     URL is rtp://ADDRESS:PORT (an address of this computer; 0.0.0.0 for any; with ?codec=L16&rate=16000 unless it is
     Opus), a session description (a file or an http address that ends in .sdp), or tcp://HOST:PORT.
@@ -35,6 +38,7 @@ def command(url: str, out: Path | None, device: str, delay_ms: float, duration: 
     from ross_payload.audio.listener.pcm_feed import PcmFeed
     from ross_payload.audio.listener.playback import Meter, checked_file, listen, to_device, to_file
     from ross_payload.clock import SystemClock
+    from ross_payload.errors import ConfigError
     from ross_payload.transport.rtp.session_description import Session
 
     path = checked_file(out) if out is not None else None
@@ -45,7 +49,9 @@ def command(url: str, out: Path | None, device: str, delay_ms: float, duration: 
 
         feed = RtpFeed(source, clock, delay_ms / 1000)
     else:
+        if waits:
+            raise ConfigError(f"--wait: expected a stream of RTP, got {url}: a connection that has ended is over")
         feed = PcmFeed(source)
     with feed:
         place = to_file(feed, path, meter, clock) if path is not None else to_device(feed, device, meter)
-        listen(feed, place, meter=meter, clock=clock, wall=time.time, tell=click.echo, duration=duration)
+        listen(feed, place, meter=meter, clock=clock, wall=time.time, tell=click.echo, duration=duration, waits=waits)

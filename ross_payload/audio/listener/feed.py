@@ -30,7 +30,9 @@ class Progress:
     playing: bool  # something is heard at the moment
     heard: bool  # something came at all
     words: str  # about delay and losses
-    ended: bool = False  # nothing can come any more
+    ended: bool = False  # the sender said that it is over
+    final: bool = False  # nothing can come any more
+    silent_s: float = 0.0  # since anything came from the sender
 
 
 class Feed(Protocol):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import socket
 import threading
+import time
 from typing import Self
 
 import numpy as np
@@ -42,7 +43,7 @@ class PcmFeed(Feed):
         self._guard = threading.Lock()  # of what waits, and counts
         self._flowing = False
         self._received = self._lost = self._made_up = self._since = 0
-        self._over = ""
+        self._over, self._heard_at = "", 0.0
         self._socket: socket.socket | None = None
         self._thread: threading.Thread | None = None
 
@@ -106,7 +107,9 @@ class PcmFeed(Feed):
             delay, rate = len(self._waiting) / self.rate, self.rate
             words = f"delay {1000 * delay:.0f} ms here, lost {1000 * self._lost / rate:.0f} ms"
             words += f", silent {1000 * self._made_up / rate:.0f} ms" + (f", {self._over}" if self._over else "")
-            return Progress(self._flowing, self._received > 0, words, bool(self._over) and not len(self._waiting))
+            over = bool(self._over) and not len(self._waiting)
+            silent = 0.0 if self._over else time.monotonic() - self._heard_at
+            return Progress(self._flowing, self._received > 0, words, ended=over, final=over, silent_s=silent)
 
     def _correct(self, n: int) -> None:
         """Shorten or lengthen what is played next by a period, when what waits has become more or less."""
@@ -120,6 +123,7 @@ class PcmFeed(Feed):
 
     def _keep(self, frames: Samples) -> None:
         with self._guard:
+            self._heard_at = time.monotonic()
             samples = frames[:, 0] if frames.size else np.zeros(0, np.float32)
             self._received += len(samples)
             waiting = np.concatenate([self._waiting, samples])

@@ -12,10 +12,11 @@ import numpy as np
 import soundfile
 
 from ross_payload.atomic_files import create
-from ross_payload.audio.listener.feed import Feed
+from ross_payload.audio.listener.feed import Feed, Progress
 from ross_payload.audio.sound_devices import device_named, portaudio
 from ross_payload.errors import AudioError, ConfigError, OutputError, refused_as
 from ross_payload.interfaces import Clock, Samples
+from ross_payload.streams import LISTENER_TIMEOUT_S
 
 SUFFIXES = (".wav", ".flac")
 LATENCY_S = 0.04  # asked of a sound output
@@ -145,31 +146,49 @@ def listen(
     wall: Callable[[], float],
     tell: Callable[[str], None],
     duration: float | None,
+    waits: bool = False,
 ) -> None:
-    """Play until the feed ends or ``duration`` [s] is over, and tell once a second how it goes.
+    """Play until the sender ends or ``duration`` [s] is over, and tell once a second how it goes.
+
+    Parameters
+    ----------
+    waits
+        Go on when the sender has ended or is silent: it may begin again.
 
     Raises
     ------
     AudioError
-        When nothing came at all.
+        When nothing came at all, or nothing came any more for `LISTENER_TIMEOUT_S` though the sender did not end.
     """
     began = told = clock.now()
+    progress = feed.progress(wall())
     with place as pump:
-        while not feed.progress(wall()).ended and (duration is None or clock.now() < began + duration):
+        while not _is_over(progress, waits=waits) and (duration is None or clock.now() < began + duration):
             clock.sleep(TICK_S)
             pump()
+            before, progress = progress, feed.progress(wall())
+            if progress.ended and not before.ended:
+                tell(f"{clock.now() - began:6.0f} s  {progress.words}")
             if clock.now() >= told + LINE_S:
                 told += LINE_S
                 tell(_line(feed, meter, told - began, wall()))
-        progress = feed.progress(wall())
     if not progress.heard:
         raise AudioError(f"nothing came to {feed.where} in {clock.now() - began:.0f} s")
-    if progress.ended:
-        tell(progress.words)
+    if _is_lost(progress) and not waits:
+        raise AudioError(f"nothing has come to {feed.where} for {progress.silent_s:.0f} s, and no end was said")
+
+
+def _is_over(progress: Progress, *, waits: bool) -> bool:
+    return progress.final or (not waits and (progress.ended or _is_lost(progress)))
+
+
+def _is_lost(progress: Progress) -> bool:
+    return progress.heard and not progress.ended and progress.silent_s >= LISTENER_TIMEOUT_S
 
 
 def _line(feed: Feed, meter: Meter, time: float, wall: float) -> str:
     progress, level = feed.progress(wall), meter.level()
     if not progress.heard:
         return f"{time:6.0f} s  waits on {feed.where}"
-    return f"{time:6.0f} s  {level:6.1f} dB  {progress.words}" + ("" if progress.playing else "; nothing comes")
+    quiet = "" if progress.playing else "; waits for the next" if progress.ended else "; nothing comes"
+    return f"{time:6.0f} s  {level:6.1f} dB  {progress.words}{quiet}"

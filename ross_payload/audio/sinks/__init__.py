@@ -44,6 +44,7 @@ class SinkInfo:
     rate: int = 0  # of what goes out [Hz]; 0: that of the blocks
     listeners: int = 0  # that take it; 1 for a file or a device that is open
     packets_lost: int | None = None  # on the way, as who listens reports; None: not known
+    unheard_s: float = 0.0  # for how long nobody has taken it, as far as it can tell
     sdp: str = ""  # session description (RFC 8866) for who wants to listen; empty: there is none
 
 

@@ -6,9 +6,9 @@ sample more or less in a block, interpolated. A device that is gone is opened ag
 
 from __future__ import annotations
 
-import logging
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -24,8 +24,8 @@ from ross_payload.interfaces import Clock, Real, Samples, VoiceBlock
 RETRY_S = 1.0  # between two attempts to open a device that is gone
 RING_S = 1.0  # of audio that can wait
 NEAR = 0.5  # share of the wanted filling by which the ring may differ before it is corrected
-
-log = logging.getLogger(__name__)
+LATE = 2.0  # times the wanted filling, beyond which the oldest is left out when the card begins to play
+LATE_S = 0.2  # beyond the wanted filling, from which on the oldest is left out while it plays: a card had stopped
 
 
 class DeviceOptions(Table):
@@ -38,15 +38,17 @@ class DeviceOptions(Table):
 class PlaybackRing:
     """Samples between the thread that writes and the callback that plays: one writer, one reader, no lock.
 
-    It plays when it has been filled to ``wanted`` samples, and again after it has run dry.
+    It plays when it has been filled to ``wanted`` samples, and again after it has run dry. More than ``most`` do not
+    wait long: the oldest are left out, so that what a card did not take in time is no delay for good.
     """
 
-    def __init__(self, capacity: int, wanted: int) -> None:
+    def __init__(self, capacity: int, wanted: int, most: int) -> None:
         self._samples = np.zeros(capacity, np.float32)
-        self._wanted = wanted
+        self._wanted, self._most = wanted, most
         self._written = self._played = 0
         self._flowing = False
         self.underrun = 0  # samples of silence played because there was nothing
+        self.skipped = 0  # samples left out because there were too many
 
     @property
     def waiting(self) -> int:
@@ -66,6 +68,9 @@ class PlaybackRing:
         if not self._flowing and self.waiting < self._wanted:
             out[:] = 0
             return
+        if self.waiting > (self._most if self._flowing else LATE * self._wanted):
+            self.skipped += self.waiting - self._wanted
+            self._played = self._written - self._wanted
         count = min(len(out), self.waiting)
         places = (self._played + np.arange(count)) % len(self._samples)
         out[:count] = self._samples[places, None]
@@ -121,8 +126,8 @@ class DeviceSink:
 
     @property
     def lost(self) -> int:
-        """Samples that found no room, and moments of silence because the next ones came too late."""
-        return self._lost + self._ring.underrun
+        """Samples that found no room or were left out, and moments of silence because the next ones came too late."""
+        return self._lost + self._ring.underrun + self._ring.skipped
 
     @property
     def info(self) -> SinkInfo:
@@ -180,7 +185,8 @@ class DeviceSink:
         self._name, self.fault = device.name, ""
 
     def _new_ring(self) -> PlaybackRing:
-        return PlaybackRing(round(RING_S * self._rate), round(self._options.latency_ms / 1000 * self._rate))
+        wanted = round(self._options.latency_ms / 1000 * self._rate)
+        return PlaybackRing(wanted + round(RING_S * self._rate), wanted, wanted + round(LATE_S * self._rate))
 
     @staticmethod
     def _callback(ring: PlaybackRing) -> Callable[[Real, int, Any, Any], None]:
@@ -193,9 +199,7 @@ class DeviceSink:
         """Open a device again that is gone, beside who writes, and not too often."""
         if self._busy.is_set() or self._clock.now() < self._due:
             return
-        if not self.fault:
-            self.fault = f"the sound output '{self._name}' was disconnected"
-            log.warning("%s", self.fault)
+        self.fault = f"the sound output '{self._name}' was disconnected"
         self._lost, self._ring = self.lost, self._new_ring()
         self._busy.set()
         self._worker = self._start(self._attempt)
@@ -203,10 +207,8 @@ class DeviceSink:
     def _attempt(self) -> None:
         try:
             self._close()
-            self._open()
-            log.info("the sound output '%s' is back", self._name)
-        except RossError as error:
-            self.fault = str(error)
+            with suppress(RossError):  # it stays disconnected
+                self._open()
         finally:
             self._due = self._clock.now() + RETRY_S
             self._busy.clear()

@@ -1,7 +1,12 @@
-"""The sink ``file``: one voice into a FLAC or WAV file, for its owner alone, readable up to a crash."""
+"""The sink ``file``: one voice into a FLAC or WAV file, for its owner alone, readable up to a crash.
+
+When the disk is full the file ends; opened again, the sink goes on in another one as soon as there is room.
+"""
 
 from __future__ import annotations
 
+import errno
+import os
 from itertools import count
 from pathlib import Path
 from typing import Self
@@ -13,6 +18,9 @@ from ross_payload.audio.track_files import AlignedTrack, checked_suffix
 from ross_payload.config.table import Table
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import VoiceBlock
+
+ROOM_S = 60.0  # of audio for which there must be room: a disk that is full again at once would be full of short files
+WIDTH = 3  # [bytes] of a sample in a file that does not shrink it
 
 
 class FileOptions(Table):
@@ -44,7 +52,8 @@ class FileSink:
     """
 
     def __init__(self, options: FileOptions, services: SinkServices) -> None:
-        named = Path(options.path).expanduser()
+        self._told = Path(options.path)  # as others shall read it: not where on this computer
+        named = self._told.expanduser()
         self._wanted = named if named.parent != Path() or options.path.startswith(".") else services.folder / named
         self._rate = services.rate
         self._path = self._wanted
@@ -57,10 +66,21 @@ class FileSink:
     def info(self) -> SinkInfo:
         """Where it writes, and what."""
         codec = {".flac": "flac", ".wav": "pcm"}[self._path.suffix.lower()]
-        return SinkInfo(str(self._path), codec=codec, listeners=int(self._track is not None))
+        return SinkInfo(self._name, codec=codec, listeners=int(self._track is not None))
+
+    @property
+    def _name(self) -> str:
+        """The file as the configuration names it, with the number that it got."""
+        return str(self._told.with_name(self._path.name))
 
     def write(self, block: VoiceBlock) -> None:
-        """Write samples at their place."""
+        """Write samples at their place.
+
+        Raises
+        ------
+        AudioError
+            When the disk is full or gone: the file has ended.
+        """
         if self._track is None:
             self.lost += len(block.samples)
             return
@@ -69,8 +89,11 @@ class FileSink:
         try:
             self._track.write(block.index - self._first, block.samples)
         except OSError as error:
-            self.lost += len(block.samples)
-            self._end(f"{self._path}: cannot be written: {error.strerror}")
+            empty = not self._track.length
+            self._end(f"{self._name}: cannot be written: {error.strerror}")
+            if empty:
+                self._path.unlink(missing_ok=True)
+            raise AudioError(self.fault) from error
 
     def __enter__(self) -> Self:
         """Make the file, and its folder.
@@ -78,13 +101,14 @@ class FileSink:
         Raises
         ------
         AudioError
-            When it cannot be made.
+            When it cannot be made, or there is no room for it.
         """
         try:
             self._wanted.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            _check_room(self._wanted.parent, round(ROOM_S * self._rate) * WIDTH)
             self._path, self._track = _created(self._wanted, self._rate)
         except OSError as error:
-            raise AudioError(f"{self._wanted}: cannot be made: {error.strerror}") from error
+            raise AudioError(f"{self._told}: cannot be made: {error.strerror}") from error
         self._first, self.fault = None, ""
         return self
 
@@ -98,7 +122,14 @@ class FileSink:
             if track is not None:
                 track.close()
         except OSError as error:
-            self.fault = self.fault or f"{self._path}: cannot be written: {error.strerror}"
+            self.fault = self.fault or f"{self._name}: cannot be written: {error.strerror}"
+
+
+def _check_room(folder: Path, size: int) -> None:
+    """Raise OSError when so many bytes do not fit into a folder."""
+    disk = os.statvfs(folder)
+    if disk.f_bavail * disk.f_frsize < size:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def _created(wanted: Path, rate: int) -> tuple[Path, AlignedTrack]:

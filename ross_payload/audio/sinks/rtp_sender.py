@@ -27,6 +27,7 @@ from aiortc.rtp import (
     RtpPacket,
 )
 
+from ross_payload.audio.sinks.listener_watch import ListenerWatch
 from ross_payload.interfaces import Samples, VoiceBlock
 from ross_payload.transport.rtp.session_description import OPUS, Media
 
@@ -105,7 +106,7 @@ class RtpSender:
         self._packets = self._bytes = 0
         self._allowed = 0.0  # packets that may be sent once more
         self._report_at = -np.inf
-        self.heard_back: float | None = None  # when the receiver reported for the latest time [s]
+        self.listener = ListenerWatch()  # told of reports here, of all else by who sends
         self.packets_lost: int | None = None  # on the way, as it reports
 
     # ------------------------------------------------------------------------------------------- packets
@@ -200,11 +201,11 @@ class RtpSender:
         again: list[bytes] = []
         for report in reports:
             if isinstance(report, RtcpRrPacket):
-                self.heard_back = now
+                self.listener.reported(now)
                 for block in report.reports:
                     self.packets_lost = block.packets_lost if block.ssrc == self._ssrc else self.packets_lost
             elif isinstance(report, RtcpByePacket):
-                self.heard_back = None
+                self.listener.left(now)
             elif isinstance(report, RtcpRtpfbPacket) and (report.fmt, report.media_ssrc) == (
                 RTCP_RTPFB_NACK,
                 self._ssrc,

@@ -30,8 +30,7 @@ from ross_payload.transport.rtp.session_description import L16, OPUS, Media, Ses
 
 KEPT_S = 1.0  # of samples that wait for the thread; beyond that they are lost
 IDLE_S = 0.25  # between two looks, with nothing to do
-REFUSED_S = 3.0  # after the system said that nobody listens there, it still holds
-LISTENS_S = 5.0  # after a listener's report, it still listens
+FAILED_S = 3.0  # after the system could not send, it still holds
 LEAVE_S = 1.0  # for what waits, in the end
 log = logging.getLogger(__name__)
 CODECS = {name.lower(): name for name in (L16, OPUS)}
@@ -102,7 +101,7 @@ class RtpSink:
         self._waiting = 0  # samples of them
         self._guard = threading.Condition()  # of the two above: there is room again
         self._leaving = threading.Event()
-        self._refused_at = self._failed_at = -1e9
+        self._failed_at = -1e9
         self._failure = ""
         self._broken = ""  # why the thread has ended
         self._sdp = ""
@@ -114,23 +113,22 @@ class RtpSink:
         now = self._clock.now()
         if self._broken:
             return f"{self._where}: {self._broken}"
-        if now < self._failed_at + REFUSED_S:
+        if now < self._failed_at + FAILED_S:
             return f"{self._where}: {self._failure}"
-        return f"{self._where}: no receiver at this port" if now < self._refused_at + REFUSED_S else ""
+        return f"{self._where}: no receiver at this port" if self._sender.listener.is_refused(now) else ""
 
     @property
     def info(self) -> SinkInfo:
         """Where it goes, and who takes it: who reports, or may take it without a word since nobody refuses it."""
         sender, now = self._sender, self._clock.now()
-        refused = now < self._refused_at + REFUSED_S
-        reported = sender.heard_back is not None and now < sender.heard_back + LISTENS_S
         return SinkInfo(
             self._options.address,
             self._options.port,
             sender.media.codec,
             sender.media.rate,
-            listeners=int(self._thread is not None and (reported or not refused)),
+            listeners=int(self._thread is not None and sender.listener.may_listen(now)),
             packets_lost=sender.packets_lost,
+            unheard_s=sender.listener.unheard(now),
             sdp=self._sdp,
         )
 
@@ -247,20 +245,22 @@ class RtpSink:
             try:
                 said = sock.recv(MAX_READ_BYTES)
             except ConnectionRefusedError:
-                self._refused_at = self._clock.now()
+                self._sender.listener.refused(self._clock.now())
                 return
             for packet in self._sender.on_report(said, self._clock.now()):
                 self._send(sock, packet)
 
     def _send(self, sock: socket.socket, packet: bytes) -> bool:
+        self._sender.listener.sent(self._clock.now())
         for _ in range(2):
             try:
                 sock.send(packet)
             except ConnectionRefusedError:  # the news is of an earlier packet; this one was not sent
-                self._refused_at = self._clock.now()
+                self._sender.listener.refused(self._clock.now())
                 continue
             except OSError as error:
                 self._failed_at, self._failure = self._clock.now(), reason(error)
+                self._sender.listener.refused(self._failed_at)
                 return False
             return True
         return False

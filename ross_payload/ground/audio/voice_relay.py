@@ -81,6 +81,7 @@ class VoiceRelay:
         self._playing: asyncio.Task[None] | None = None
         self._order: int | None = None  # number of the latest order to stream
         self._boots = 0  # of the payload, when it was ordered
+        self._ordered_at = -STOP_PERIOD_S  # [s]
         self._ending: dict[RtpPort, float] = {}  # that wait for the end of their stream, since when [s]
         self._places: dict[tuple[str, int], float] = {}  # that were ordered ever, and when their end was [s]
 
@@ -141,7 +142,7 @@ class VoiceRelay:
         known = self._known
         self._choice, self._boots = choice, 0 if known is None else known.boots
         self._places[address, port] = -STOP_PERIOD_S
-        self._order = self._orders.order(self.who, order)
+        self._order, self._ordered_at = self._orders.order(self.who, order), self._station.now()
         self._tell()
 
     def tick(self) -> None:
@@ -152,14 +153,15 @@ class VoiceRelay:
         if known is None:
             return
         here = None if self._port is None else self._port.place
-        if here is not None and known.boots != self._boots:
+        given_up = _given_up(self._stream) and now - self._ordered_at >= STOP_PERIOD_S
+        if here is not None and (known.boots != self._boots or given_up):
             self.choose(self._choice)
         for stream in known.streams:
             place = stream.address, stream.port
             ended = self._places.get(place)
             if stream.on and place != here and ended is not None and now - ended >= STOP_PERIOD_S:
                 self._places[place] = now
-                self._orders.order(self.who, StopStream(stream.number))
+                self._orders.order(self.who, StopStream(None, *place))  # its number may be another's when this comes
 
     def end(self) -> None:
         """End the stream, whoever listens."""
@@ -263,9 +265,16 @@ def _state(doing: CommandStatus | None, stream: StreamReport | None, *, playing:
         return "refused", doing.reason
     if stream is not None and stream.fault:
         return "fault", words_of(stream)
+    if _given_up(stream) and stream is not None:
+        return "waiting", stream.detail
     if ended or (stream is not None and not stream.on and doing is not None and not playing):
         return "ended", "the payload has ended the stream"
     return ("playing" if playing else "waiting"), stream.detail if stream is not None else ""
+
+
+def _given_up(stream: StreamReport | None) -> bool:
+    """Tell whether the payload has ended a stream since it did not hear from us: not because anybody wanted it."""
+    return stream is not None and not stream.on and stream.listeners == 0
 
 
 def _lost(port: RtpPort | None) -> str:

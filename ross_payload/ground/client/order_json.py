@@ -68,17 +68,23 @@ def _stream(mapping: Mapping[str, Any]) -> command_types.Order:
     muted = mapping.get("muted")
     if muted is not None and not isinstance(muted, bool):
         raise ValueError(f"muted: expected true or false, got {_short(muted)}")
+    address, port = _place(mapping)
     return Stream(
         stream=_stream_number(mapping),
         what=what,
         source=_whole(mapping, "source", 0, 255) if what == "source" else 0,
         azimuth=_number(mapping, "azimuth", -360, 360) if what == "azimuth" else 0.0,
-        address=_text(mapping, "address"),
-        port=_whole(mapping, "port", 1, 65535) if mapping.get("port") is not None else 0,
+        address=address,
+        port=port,
         codec=_text(mapping, "codec"),
         gain=None if mapping.get("gain") is None else _number(mapping, "gain", MUTED_DB, MOST_DB),
         muted=muted,
     )
+
+
+def _place(mapping: Mapping[str, Any]) -> tuple[str, int]:
+    port = _whole(mapping, "port", 1, 65535) if mapping.get("port") is not None else 0
+    return _text(mapping, "address"), port
 
 
 def _stream_number(mapping: Mapping[str, Any]) -> int | None:
@@ -129,6 +135,6 @@ READERS: dict[str, Callable[[Mapping[str, Any]], command_types.Order]] = {
     "record": _record,
     "noise": lambda mapping: command_types.Noise(_number(mapping, "seconds", 0, LONGEST_NOISE)),
     "stream": _stream,
-    "stop_stream": lambda mapping: StopStream(_stream_number(mapping)),
+    "stop_stream": lambda mapping: StopStream(_stream_number(mapping), *_place(mapping)),
     "enrol": _enrol,
 }

@@ -84,26 +84,42 @@ def is_shown(order: Stream, stream: AudioStream) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class StopStream(Order):
-    """End a stream, or all of them."""
+    """End a stream, by its number or by where it goes, or all of them."""
 
     number = ross.MAV_CMD_ROSS_STREAM
     name = "stream"
     task = False
-    stream: int | None = None  # None: all
+    stream: int | None = None  # None: the one that goes there, or all
+    address: str = ""  # IPv4, of one computer
+    port: int = 0
+
+    def __post_init__(self) -> None:
+        """Find out what cannot be meant before it is sent."""
+        if self.stream is not None and self.address:
+            raise ValueError("stop: expected the number of a stream or where it goes, got both")
+        stream_command.command_of(self.numbers)
 
     @property
     def numbers(self) -> tuple[float, ...]:
         """As `stream_command` lays them out."""
-        return stream_command.numbers_of(StreamCommand(self.stream, Selection.NONE))
+        return stream_command.numbers_of(
+            StreamCommand(self.stream, Selection.NONE, address=self.address, port=self.port)
+        )
 
     @property
     def words(self) -> str:
         """Which."""
+        if self.address:
+            return f"stop the stream to {self.address}:{self.port}"
         return "stop all streams" if self.stream is None else f"stop stream {self.stream}"
 
     def replaces(self, other: Order) -> bool:
         """Whether it may have begun what this ends: said again, it would begin anew."""
-        return isinstance(other, Stream) and (self.stream is None or other.stream in (None, self.stream))
+        if not isinstance(other, Stream):
+            return False
+        if self.address:
+            return other.stream is not None or (other.address, other.port) == (self.address, self.port)
+        return self.stream is None or other.stream in (None, self.stream)
 
 
 @dataclass(frozen=True, slots=True)

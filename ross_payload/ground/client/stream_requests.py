@@ -81,10 +81,16 @@ class StreamRequests(ABC):
         """Return the stream that is as it was ordered; None: there is none yet."""
         return next((each for each in self.streams if isinstance(order, Stream) and is_shown(order, each)), None)
 
-    async def stop_stream(self, number: int | None = None) -> None:
-        """End a stream, or all of them."""
+    async def stop_stream(self, number: int | None = None, *, to: tuple[str, int] | None = None) -> None:
+        """End a stream, by its number or by the address and port that it goes ``to``; without either, all of them.
+
+        Raises
+        ------
+        ValueError
+            When both are given, or the address is no unicast address.
+        """
         async with self._one_stream_order:
-            await self.request(StopStream(number))
+            await self.request(StopStream(number, *(to or ())))
 
     async def enrol(
         self,

@@ -1,6 +1,7 @@
 """A flight as an MCAP file: Foxglove's standard messages, and our own as JSON. Nothing is sent anywhere.
 
-Of our own messages it has the fields as they are on the wire, and JSON Schemas that say what they mean.
+Of our own messages it has the fields as they are on the wire, and JSON Schemas that say what they mean. The frames
+themselves are attached as a telemetry log, so that the page plays the file as it plays the flight.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import math
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
+import numpy as np
 from foxglove import Channel, Context, Schema, open_mcap
 from foxglove.channels import (
     FrameTransformChannel,
@@ -41,6 +43,7 @@ LEVELS = {2: LogLevel.Fatal, 3: LogLevel.Error, 4: LogLevel.Warning, 7: LogLevel
 OUR_LAYOUTS: dict[str, Layout] = {
     layout.message.msgname: layout for layout in LAYOUTS if layout.message.msgname.startswith(OURS)
 }  # by message name
+LOG_NAME, LOG_TYPE = "telemetry.tlog", "application/octet-stream"
 KINDS = {"char": "string", "float": "number", "double": "number"}
 
 
@@ -118,7 +121,23 @@ def export(flight: Flight, payloads: tuple[ComponentId, ...], path: Path) -> Non
                 sound.until(at)
                 exported.on_packet(packet, at)
             sound.until(math.inf)
+            when = round((flight.start or 0.0) * 1e9)
+            writer.attach(
+                log_time=when, create_time=when, name=LOG_NAME, media_type=LOG_TYPE, data=_log_of(flight, payloads)
+            )
         file.check()
+
+
+def _log_of(flight: Flight, payloads: tuple[ComponentId, ...]) -> bytes:
+    """Return what the page knows payloads by, as a telemetry log; its first frame is that of the flight."""
+    which = np.union1d([0], relevant_frames(flight, payloads))
+    index = flight.index
+    return b"".join(
+        usec.to_bytes(8, "big") + flight.file.read(start, size)
+        for usec, start, size in zip(
+            index.usec[which].tolist(), index.start[which].tolist(), index.size[which].tolist(), strict=True
+        )
+    )
 
 
 class _File:

@@ -5,6 +5,7 @@ Blocks of all tracks have the same times where they overlap in a session, since 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import suppress
 
@@ -36,7 +37,8 @@ class RecordedSound:
     def __init__(self, flight: Flight, context: Context) -> None:
         self._start = flight.start or 0.0
         self._tracks = [
-            _Playing(track, RawAudioChannel(f"/sound/{track.name}", context=context)) for track in tracks_of(flight)
+            _Playing(track, RawAudioChannel(f"/sound/{track.name}", context=context), -self._start)
+            for track in tracks_of(flight)
         ]
 
     def until(self, at: float) -> None:
@@ -50,9 +52,9 @@ class RecordedSound:
 class _Playing:
     """A track, and its next block."""
 
-    def __init__(self, track: Track, channel: RawAudioChannel) -> None:
+    def __init__(self, track: Track, channel: RawAudioChannel, earliest: float) -> None:
         self._track, self._channel = track, channel
-        self._blocks = _blocks(track)
+        self._blocks = _blocks(track, earliest)
         self.next: Block | None = next(self._blocks, None)
 
     def write(self, start: float) -> None:
@@ -61,7 +63,7 @@ class _Playing:
             return
         at, samples = self.next
         self.next = next(self._blocks, None)
-        time = max(round((start + at) * 1e9), 0)
+        time = round((start + at) * 1e9)
         message = RawAudio(
             timestamp=Timestamp(sec=time // 10**9, nsec=time % 10**9),
             data=samples,
@@ -76,10 +78,12 @@ def _begin(playing: _Playing) -> float:
     return np.inf if playing.next is None else playing.next[0]
 
 
-def _blocks(track: Track) -> Iterator[Block]:
-    """Yield a track block by block; where it is damaged it ends."""
+def _blocks(track: Track, earliest: float) -> Iterator[Block]:
+    """Yield a track block by block, from the ``earliest`` time on that can be written; where it is damaged it ends."""
     size = round(BLOCK_S * track.rate)
+    left_out = max(math.ceil((earliest - track.begin) * track.rate), 0)
     with suppress(OSError, RuntimeError), soundfile.SoundFile(track.path) as file:
+        file.seek(min(left_out, file.frames))
         for number, block in enumerate(file.blocks(size, dtype="float32", always_2d=True)):
             whole = (np.clip(block, -1, 1) * 32767).round().astype("<i2")
-            yield track.begin + number * size / track.rate, whole.tobytes()
+            yield track.begin + (left_out + number * size) / track.rate, whole.tobytes()

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.bookmarks import Bookmark, marks_of
-from ross_payload.ground.flights.log_file import EXPECTED, LogFile, is_simulated, seconds_of
+from ross_payload.ground.flights.log_file import CALENDAR_FROM_US, EXPECTED, LogFile, is_simulated, seconds_of
 from ross_payload.ground.flights.tlog_index import Damage, Index, scan
 from ross_protocols.mavlink.codec import Decoder, Packet
 from ross_protocols.mavlink.component_id import ComponentId
@@ -23,6 +23,7 @@ from ross_protocols.mavlink.dialect import MESSAGES, common
 from ross_protocols.mavlink.tunnel import OURS
 
 LOGS = ("telemetry.tlog", "mission.tlog")  # of a session folder, of the results of a simulation
+UNPACKED, SOUND = "unpacked.tlog", "sound.json"  # of an MCAP file
 MANIFEST = 1 << 16  # [bytes] that a session.json has at most
 MIRRORS = (common.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, common.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY)
 SAMPLE = 500  # mirrors that are looked at to know a payload without our dialect
@@ -36,6 +37,16 @@ LOOKS = (
     (b"\xd4\xc3\xb2\xa1", "a network capture"),
     (b"\n\r\r\n", "a network capture"),
 )  # by how a file begins
+
+
+@dataclass(frozen=True, slots=True)
+class UnpackedSound:
+    """What lies beside the log of an MCAP file; times are those of the file [s]."""
+
+    begins: dict[str, float]  # of the tracks
+    origin: float | None  # of the times in the flight; None: its first frame
+    duration: float  # from there to the last end
+    notes: list[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +67,7 @@ class Flight:
     @property
     def simulated(self) -> bool:
         """Whether its times are those of a simulation, and no time of day is known."""
-        return self.start is None and is_simulated(int(self.index.usec[0]))
+        return self.start is None and len(self.index) > 0 and is_simulated(int(self.index.usec[0]))
 
     def packets(self, which: NDArray[np.int64]) -> Iterator[tuple[float, Packet]]:
         """Yield times and packets of the frames with these numbers, in their order."""
@@ -74,16 +85,39 @@ def open_flight(path: Path) -> Flight:
     log = _find(path)
     file = LogFile(log)
     index, damage = scan(file)
-    if not len(index):
+    unpacked = unpacked_sound(log)
+    if not len(index) and unpacked is None:
         raise GroundError(f"{log}: {EXPECTED}, got {_kind(file)}")
+    if unpacked is not None and not len(index):
+        return _sound_alone(path, log, index, file, unpacked)
     at, start, steps = seconds_of(index.usec)
     payloads = _payloads(file, index, at)
     manifest, odd = _manifest(log)
     marks = marks_of(index, payloads, lambda which: _packets(file, index, at, which))
+    odd += [] if unpacked is None else unpacked.notes
     notes = (*_damaged(damage), *_strange(index, payloads), *_clock(steps), *odd)
     name = log.parent.resolve().name if log != path or log.name == LOGS[0] else log.name
     started = start if start is not None else _unix(manifest.get("started"))
     return Flight(name, log, started, float(at[-1]), payloads, notes, marks, index, at, file)
+
+
+def unpacked_sound(log: Path) -> UnpackedSound | None:
+    """Read what lies beside the log of an MCAP file; None: it is another log."""
+    if log.name != UNPACKED:
+        return None
+    try:
+        told = json.loads((log.parent / SOUND).read_bytes())
+        return UnpackedSound(**told)
+    except (OSError, ValueError, TypeError) as error:
+        raise GroundError(f"{log.parent / SOUND}: cannot be read: {error}") from error
+
+
+def _sound_alone(path: Path, log: Path, index: Index, file: LogFile, sound: UnpackedSound) -> Flight:
+    """Return a flight without a frame."""
+    origin = sound.origin or 0.0
+    start = origin if origin * 1e6 > CALENDAR_FROM_US else None
+    nothing = np.zeros(0)
+    return Flight(path.name, log, start, sound.duration, (), tuple(sound.notes), (), index, nothing, file)
 
 
 def who_of(sender: int) -> ComponentId:
@@ -105,7 +139,7 @@ def _find(path: Path) -> Path:
     try:
         if not path.is_dir():
             return path
-        log = next((path / name for name in LOGS if (path / name).exists()), None)
+        log = next((path / name for name in (*LOGS, UNPACKED) if (path / name).exists()), None)
     except OSError as error:
         raise GroundError(f"{path}: cannot be read: {error.strerror}") from error
     if log is None:

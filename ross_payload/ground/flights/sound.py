@@ -2,12 +2,14 @@
 
 A session folder has ``audio.wav`` and, where voices were recorded, FLAC files that go with it sample by sample. The
 results of a simulation have ``mixture.wav``, from its start on, and ``target.wav``, from the moment that the report
-tells. Samples have the payload's time; the log has that of whoever wrote it, and ROSS_STATUS tells both.
+tells. Samples have the payload's time; the log has that of whoever wrote it, and ROSS_STATUS tells both. What was
+unpacked from an MCAP file has WAV files, and tells when they begin on the clock of the file.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +17,7 @@ import numpy as np
 import soundfile
 
 from ross_payload.bounded_files import read_bounded
-from ross_payload.ground.flights.reading import LOGS, Flight
+from ross_payload.ground.flights.reading import LOGS, UNPACKED, Flight, unpacked_sound
 from ross_protocols.mavlink.dialect import MESSAGES, common
 from ross_protocols.mavlink.tunnel import unwrapped
 from ross_protocols.mavlink.values import Status
@@ -45,13 +47,15 @@ class Track:
 
 def sound_files(log: Path) -> dict[str, Path]:
     """Return the files with sound that go with a log, or with a folder that has one, by the names of their tracks."""
-    log = next((log / name for name in LOGS if (log / name).is_file()), log) if log.is_dir() else log
+    log = next((log / name for name in (*LOGS, UNPACKED) if (log / name).is_file()), log) if log.is_dir() else log
     folder = log.parent
     if log.name == SESSION:
         voices = {path.stem: path for path in sorted(folder.glob("*.flac"))}
         found = {MIXTURE: folder / "audio.wav", **voices}
     elif log.name == SIMULATION:
         found = {MIXTURE: folder / "mixture.wav", TARGET: folder / "target.wav"}
+    elif log.name == UNPACKED:
+        found = {path.stem: path for path in sorted(folder.glob("*.wav"))}
     else:
         return {}
     return {name: path for name, path in found.items() if path.is_file() and not path.is_symlink()}
@@ -60,20 +64,28 @@ def sound_files(log: Path) -> dict[str, Path]:
 def tracks_of(flight: Flight) -> tuple[Track, ...]:
     """Return the recordings of a flight; what cannot be read is left out."""
     files = sound_files(flight.path)
+    unpacked = unpacked_sound(flight.path)
+    if unpacked is not None:
+        origin = flight.start or 0.0 if unpacked.origin is None else unpacked.origin
+        return tuple(_tracks(files, {name: begin - origin for name, begin in unpacked.begins.items()}))
     ahead = _clock_difference(flight) if files else None
     if ahead is None:
         return ()
     begins = _begins(flight.path)
-    tracks = []
+    if flight.path.name == SESSION and MIXTURE in begins:
+        begins = dict.fromkeys(files, begins[MIXTURE])
+    return tuple(_tracks(files, {name: begin + ahead for name, begin in begins.items()}))
+
+
+def _tracks(files: Mapping[str, Path], begins: Mapping[str, float]) -> Iterator[Track]:
+    """Yield those that can be read and whose begin is known."""
     for name, path in files.items():
-        begin = begins.get(name, begins.get(MIXTURE) if flight.path.name == SESSION else None)
         try:
             about = soundfile.info(path)
         except (OSError, RuntimeError):  # soundfile's own errors are RuntimeErrors
             continue
-        if begin is not None:
-            tracks.append(Track(name, path, begin + ahead, about.duration, about.samplerate, about.channels))
-    return tuple(tracks)
+        if name in begins:
+            yield Track(name, path, begins[name], about.duration, about.samplerate, about.channels)
 
 
 def _clock_difference(flight: Flight) -> float | None:

@@ -33,7 +33,7 @@ ross noise [SECONDS]                  measure the noise while no one talks
 ross streams                          live listening: what goes where
 ross stream WHOM ADDRESS:PORT         listen, live: opus, or /L16 behind the port, by RTP
 ross stream NUMBER WHOM|GAIN|mute     change a stream: whom, or its gain in dB
-ross stream off [NUMBER]              end a stream, or all of them
+ross stream off [NUMBER|ADDRESS:PORT] end a stream, or all of them
 ross enrol WHOM consent [N] [SECONDS] enrol a talker who has agreed, as talker-N
 ross payload [ID]                     list payloads, or choose one, such as 2-191
 ross help                             show this text
@@ -191,6 +191,9 @@ def stream_of_words(rest: list[str]) -> dict[str, Any] | None:
     {'kind': 'stream', 'what': 'source', 'source': 2.0, 'address': '127.0.0.1', 'port': 5004, 'codec': 'L16'}
     """
     match rest:
+        case ["off", place] if ":" in place:
+            address, port, _ = place_of(place)
+            return {"kind": "stop_stream", "address": address, "port": port}
         case ["off", *number] if len(number) < 2:
             return {"kind": "stop_stream", **({"stream": _number(number[0])} if number else {})}
         case [*whom, place] if ":" in place and (selection := _selection(whom)):

@@ -78,7 +78,7 @@ def words(stream: StreamReport) -> str:
     if stream.fault:
         return f"fault: {stream.detail or 'see the events'}"
     if not stream.on:
-        return "off"
+        return ", ".join(filter(None, ("off", stream.detail)))
     heard = "recording" if stream.records else "on" if stream.listeners is None else _listeners(stream.listeners)
     return ", ".join(filter(None, (heard, "muted" if stream.muted else "", stream.detail)))
 

@@ -49,12 +49,12 @@ class BrowserSession:
             When there is no such flight.
         """
         try:
-            path = self.state.flights.path(flight)
+            self.state.flights.path(flight)
         except GroundError as error:
             raise ValueError(error.message) from error
         self.close_flight(name)
         slot = self.slots[name] = PlaybackSession(name, flight, self.wake.set)
-        slot.start(path, lambda why: self.refuse("flight", why))
+        slot.start(lambda: self.state.flights.readable(flight), lambda why: self.refuse("flight", why))
 
     def close_flight(self, name: str) -> None:
         """Empty a slot."""

@@ -46,9 +46,9 @@ class PlaybackSession:
         self._fixed = ""  # what does not change, as text
         self._task: asyncio.Task[None] | None = None
 
-    def start(self, path: Path, refuse: Callable[[str], None]) -> None:
-        """Open a flight and play it; ``refuse`` is called with why that cannot be."""
-        self._task = asyncio.create_task(self._run(path, refuse))
+    def start(self, find: Callable[[], Path], refuse: Callable[[str], None]) -> None:
+        """Open the flight that ``find`` finds and play it; ``refuse`` is called with why that cannot be."""
+        self._task = asyncio.create_task(self._run(find, refuse))
 
     async def close(self) -> None:
         """End."""
@@ -94,9 +94,9 @@ class PlaybackSession:
         head = f'{{"type":"payload","slot":"{self.name}","id":"{self.watched}"'
         return [f'{head},{times},"sections":{sections}}}']
 
-    async def _run(self, path: Path, refuse: Callable[[str], None]) -> None:
+    async def _run(self, find: Callable[[], Path], refuse: Callable[[str], None]) -> None:
         try:
-            playback = await asyncio.to_thread(lambda: Playback(open_flight(path)))
+            playback = await asyncio.to_thread(lambda: Playback(open_flight(find())))
             tracks = await asyncio.to_thread(tracks_of, playback.flight)
             self._fixed = _fixed(self.name, self.title, playback.flight, tracks)
             self.watched = self.watched or next(iter(playback.flight.payloads), None)

@@ -45,6 +45,7 @@ class Reception:
     adjusted_s: float  # of sound put in, or below 0 left out, to follow clocks and network [s]
     delay_s: float  # that a packet of median delay waits here [s]
     jitter_s: float  # of the arrivals, RFC 3550 [s]
+    silent_s: float  # since anything came from the sender, sound or report [s]; 0 before anything did
     playing: bool  # something came within the last second
     ended: bool  # the sender said that it is over
 
@@ -112,7 +113,7 @@ class RtpReceiver:
         self._counts, self._reports = PacketCounts(), ReceptionReports()
         self._recovered = self._concealed = self._adjusted = self._since_splice = 0
         self._source: tuple[int, Hashable] | None = None  # SSRC and sender
-        self._heard_at = self._transit = self._jitter = 0.0
+        self._heard_at = self._alive_at = self._transit = self._jitter = 0.0
         self._begin()
 
     def _begin(self) -> None:
@@ -156,7 +157,7 @@ class RtpReceiver:
             return
         lead = queued.timestamp / self.media.clock - now
         self._note_jitter(lead)
-        self._heard_at = now
+        self._heard_at = self._alive_at = now
         played = self._played
         if played is not None and abs(queued.timestamp - played) > FARTHEST * self.media.clock:
             self._store.skip()  # nobody read, or the sender's clock was set
@@ -194,7 +195,7 @@ class RtpReceiver:
     def _take_reports(self, reports: Sequence[object], now: float, sender: Hashable) -> None:
         for report in reports:
             if isinstance(report, RtcpSrPacket) and (report.ssrc, sender) == self._source:
-                info = report.sender_info
+                self._alive_at, info = now, report.sender_info
                 self._reports.on_report(report, now)
                 self._mapping = info.ntp_timestamp / 2**32 - NTP_EPOCH, info.rtp_timestamp
             elif isinstance(report, RtcpByePacket) and self._source is not None and sender == self._source[1]:
@@ -307,6 +308,7 @@ class RtpReceiver:
             adjusted_s=self._adjusted / self.rate,
             delay_s=self._delay.delay,
             jitter_s=self._jitter,
+            silent_s=max(now - self._alive_at, 0.0) if self._source is not None else 0.0,
             playing=self._position is not None and now < self._heard_at + QUIET,
             ended=self._ended,
         )

@@ -63,7 +63,7 @@ def listening_into(path: Path, listening: Listening) -> Listening:
     with refused_as(ConfigError, f"--listen {path}: cannot be written"):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.unlink(missing_ok=True)
-    stream = Stream(sink="file", options={"path": str(path.absolute())})
+    stream = Stream(sink="file", options={"path": str(path) if path.parent != Path() else f"./{path}"})
     changed: Listening = _with(listening, streams=(*listening.streams, stream))
     return changed
 

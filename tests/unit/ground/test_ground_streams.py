@@ -255,6 +255,7 @@ def test_the_command_refuses_such_a_place_in_one_line():
         ("stream 1 mute", Stream(stream=1, muted=True), "stream 1 muted"),
         ("stream off 1", StopStream(1), "stop stream 1"),
         ("stream off", StopStream(), "stop all streams"),
+        ("stream off 127.0.0.1:5004", StopStream(None, *HERE), "stop the stream to 127.0.0.1:5004"),
         ("enrol source 1 consent", Enrol(1, consent=True), "enrol source 1"),
         ("enrol azimuth 90 consent 3 20", Enrol(None, 90.0, 20.0, True, 3), "enrol at 90 deg as talker-3"),
     ],
@@ -319,6 +320,9 @@ def test_a_mistake_is_one_line_and_orders_nothing(line, words):
         {"kind": "stream", "stream": 0, "port": 5004},
         {"kind": "stream", "stream": 0, "gain": math.nan},
         {"kind": "stop_stream", "stream": 0.5},
+        {"kind": "stop_stream", "address": "127.0.0.1"},
+        {"kind": "stop_stream", "port": 5004},
+        {"kind": "stop_stream", "stream": 0, "address": "127.0.0.1", "port": 5004},
         {"kind": "enrol", "source": 1},
         {"kind": "enrol", "source": 1, "consent": 1},
         {"kind": "enrol", "consent": True},
@@ -507,7 +511,10 @@ def test_a_stream_without_a_description_is_refused(sky):
     with_payload(station, work)
 
 
-@pytest.mark.parametrize("latest", [Stream(what="mixture", address=HERE[0], port=HERE[1]), StopStream(3), StopStream()])
+@pytest.mark.parametrize(
+    "latest",
+    [Stream(what="mixture", address=HERE[0], port=HERE[1]), StopStream(3), StopStream(), StopStream(None, *HERE)],
+)
 def test_an_order_to_stream_is_not_said_again_after_one_that_replaces_it(latest):
     sent = []
     orders = CommandProtocol(lambda message, who: sent.append(tuple(message.to_dict().values())), 254, 190)
@@ -527,3 +534,4 @@ def test_orders_about_other_streams_do_not_replace_each_other():
     assert not here.replaces(there)
     assert here.replaces(Stream(what="mixture", address=HERE[0], port=1))
     assert not StopStream(1).replaces(Stream(stream=2, muted=True))
+    assert not StopStream(None, HERE[0], 2).replaces(here)

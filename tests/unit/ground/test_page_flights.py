@@ -21,6 +21,8 @@ from ross_payload.ground.web.flight_library import FlightLibrary
 from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.dialect import common
 
+NAMES = "name: expected that of a telemetry log (.tlog) or of an MCAP file (.mcap)"
+
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
@@ -215,8 +217,13 @@ async def test_a_flight_that_is_brought_is_played_and_gone_with_the_page(folder)
 @pytest.mark.parametrize(
     ("name", "data", "status", "why"),
     [
-        ("notes.txt", b"hello", 415, "name: expected that of a telemetry log (.tlog), got notes.txt"),
-        ("", b"hello", 415, "name: expected that of a telemetry log (.tlog), got none"),
+        (
+            "notes.txt",
+            b"hello",
+            415,
+            "name: expected that of a telemetry log (.tlog) or of an MCAP file (.mcap), got notes.txt",
+        ),
+        ("", b"hello", 415, "name: expected that of a telemetry log (.tlog) or of an MCAP file (.mcap), got none"),
         ("text.tlog", b"hello", 422, "text.tlog: expected a telemetry log (.tlog) or a session folder, got a text"),
         ("empty.tlog", b"", 422, "empty.tlog: expected a telemetry log (.tlog) or a session folder, got an empty file"),
         ("large.tlog", b"x" * 3_000_000, 413, "expected at most 2 MB, got more"),

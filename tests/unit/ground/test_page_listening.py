@@ -1,23 +1,30 @@
 """Live listening through the page's server: what is ordered, received and given on, and when it ends."""
 
 import asyncio
+import contextlib
 import json
 import sys
+import time
 from contextlib import asynccontextmanager
 
 import aiohttp
 import numpy as np
 import pytest
 
-from ground_page import page
+from ground_page import browser, page
 from ports import free_port
+from ross_payload.audio.sinks import info_of
+from ross_payload.ground.audio.rtp_port import RtpPort
 from ross_payload.ground.audio.sound_queue import HEAD, MOST_FRAMES, Listener, frame_of
+from ross_payload.ground.audio.voice_relay import STOP_PERIOD_S
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.station import Station, local_address
 from ross_payload.ground.web import listening_sockets
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.stream_values import Selection
+from served_ground import Ground
 from voice_payload import MEASURED_RATE, RATE, VoicePayload
+from voice_sender import opened, talking
 from waiting import wait_for_async
 
 PAYLOAD = ComponentId(1, 191)
@@ -211,6 +218,72 @@ async def test_a_stream_that_goes_on_unheard_is_stopped_again():
         await wait_for_async(lambda: not payload.stream.on)
         payload.resume()  # as if the order had never come
         await wait_for_async(lambda: not payload.stream.on)
+
+
+async def test_a_stream_that_the_payload_has_given_up_is_ordered_again_for_who_listens():
+    async with heard() as (payload, _, served), ear(served.url) as one:
+        await one.choose(what="target")
+        await one.hears(1000.0)
+        payload.give_up()  # as after a link that was down
+        await one.until(
+            lambda: (one.told[-1].get("state"), one.told[-1].get("why")) == ("waiting", "no listener for 25 s")
+        )
+        before = len(one.samples)
+        await one.until(lambda: len(one.samples) > before + RATE)
+        await one.hears(1000.0)
+        assert payload.stream.on
+        assert len({each.port for each in payload.orders}) == 1
+        await one.until(lambda: one.told[-1].get("state") == "playing")
+
+
+async def test_an_end_that_comes_late_ends_no_stream_that_was_begun_since():
+    async with heard() as (payload, _, served):
+        async with ear(served.url) as one:
+            await one.choose(what="target")
+            await one.hears(1000.0)
+        await wait_for_async(lambda: not payload.stream.on)
+        end = next(each for each in payload.orders if each.selection is Selection.NONE)
+        async with ear(served.url) as one:
+            await one.choose(what="target")
+            await one.hears(1000.0)
+            assert (end.number, end.address) == (None, "127.0.0.1")
+            assert end.port != payload.stream.port, "said once more, it would mean nobody"
+
+
+async def test_a_stream_that_somebody_ended_is_not_ordered_again():
+    async with heard() as (payload, station, served), ear(served.url) as one:
+        await one.choose(what="target")
+        await one.hears(1000.0)
+        payload.stop()
+        await one.until(lambda: one.told[-1].get("state") == "ended")
+        orders, now = len(payload.orders), station.now()
+        await one.until(lambda: station.now() > now + 2 * STOP_PERIOD_S)
+        assert len(payload.orders) == orders
+
+
+async def test_the_payload_streams_to_the_address_that_is_named():
+    with contextlib.closing(Started("--audio-address", "127.0.0.2")) as ground, VoicePayload(ground.port) as payload:
+        async with browser(ground.url) as one:
+            await one.next("fleet", lambda message: message["payloads"])
+        async with ear(ground.url) as one:
+            await one.choose(what="target")
+            await one.hears(1000.0)
+            assert payload.orders[0].address == payload.stream.address == "127.0.0.2"
+        await wait_for_async(lambda: not payload.stream.on)
+
+
+class Started(Ground):
+    """A process that ends with a block."""
+
+    close = Ground.end
+
+
+async def test_the_sink_of_a_payload_and_a_port_at_a_named_address_hear_each_other(tmp_path):
+    port = await RtpPort(RATE, time.monotonic, time.time).open("127.0.0.2")
+    with opened(port.place[1], tmp_path, address="127.0.0.2") as sink, talking(sink):
+        await wait_for_async(lambda: info_of(sink).packets_lost is not None)
+        assert port.receiver.reception(time.monotonic()).received > 0
+    port.close()
 
 
 async def test_another_origin_gets_nothing():

@@ -102,6 +102,39 @@ def test_levels_and_delays_are_no_change(aloft):
     assert "".join(sky.ports[0].texts()).count("stream 0") == 1
 
 
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        ("rtp to 192.168.100.200 port 50004: no receiver at this port", "no receiver at this port"),
+        ("recordings/heard-2.flac: cannot be made: No space left on device", "No space left on device"),
+        ("noise.wav/target.flac: cannot be made: Not a directory", "Not a directory"),
+        ("tcp:127.0.0.1:5010: the listener is gone: it is more than 1 s behind", "the listener is gone"),
+        ("the sound output 'default' cannot be opened: Invalid sample rate", "Invalid sample rate"),
+        ("device: no sound output named 'x'; there are: none at all", "..no sound output named"),
+        ("the sink raised ZeroDivisionError: division by zero", "division by zero"),
+        ("x" * 300, ".." + "x" * 22),
+        ("", ""),
+    ],
+)
+def test_what_the_message_has_room_for_is_the_cause(aloft, fault, told):
+    stage = Stage(replace(RTP, fault=fault))
+    with aloft(GROUND, listening=stage) as sky:
+        sky.live(1.0)
+    assert latest(sky.ports[0])[0].detail == told
+    assert not fault or f"stream 0 fault: {fault}"[:50] in "".join(sky.ports[0].texts())
+
+
+def test_who_is_told_that_a_stream_ended_is_told_why(aloft):
+    stage = Stage(RTP)
+    with aloft(GROUND, listening=stage) as sky:
+        sky.live(1.0)
+        stage.now = (replace(OFF, listeners=0, detail="no listener for 25 s"),)
+        sky.live(1.0)
+    report = latest(sky.ports[0])[0]
+    assert (report.on, report.listeners, report.detail) == (False, 0, "no listener for 25 s")
+    assert "stream 0 off: no listener for 25 s" in "".join(sky.ports[0].texts())
+
+
 def test_a_stream_that_has_ended_is_told_as_off(aloft):
     stage = Stage(RTP)
     with aloft(GROUND, listening=stage) as sky:

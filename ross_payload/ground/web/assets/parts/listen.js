@@ -29,10 +29,10 @@ export function listenPanel(page, told) {
       </button>
       ${choices(listening, told)}
     </div>
-    ${loudness(listening)} ${levelBar("level", ...Object.values(listening.level))}
+    ${shared(listening)} ${loudness(listening)} ${levelBar("level", ...Object.values(listening.level))}
     <canvas class="spectrogram" width="300" height="96" role="img" aria-label=${spectrumOf(listening)}></canvas>
     <dl class="facts listening-facts">${facts(listening).map(fact)}</dl>
-    ${others(told.sections.streams ?? [])}
+    ${others(page, told)}
   </section>`;
 }
 
@@ -50,7 +50,7 @@ function choices(listening, told) {
   if (choice.what === "source") sources.add(choice.source);
   const value = choice.what === "source" ? `source ${choice.source}` : choice.what;
   const choose = ({ target }) => listening.choose(chosen(target.value, listening));
-  const option = (key, words) => html`<option value=${key} ?selected=${key === value}>${words}</option>`;
+  const option = (key, words) => html`<option value=${key} .selected=${key === value}>${words}</option>`;
   return html`<label
       >What is heard
       <select @change=${choose}>
@@ -67,6 +67,14 @@ const chosen = (value, { choice }) => {
   if (what === "azimuth") return { what, azimuth: choice.azimuth ?? 0 };
   return what === "source" ? { what, source: Number(source) } : { what };
 };
+
+/** One stream goes to this ground station, whoever listens. */
+function shared({ state: { told } }) {
+  const rest = (told?.listeners ?? 1) - 1;
+  if (rest < 1) return nothing;
+  const who = rest === 1 ? "1 other browser listens" : `${rest} other browsers listen`;
+  return html`<p class="soft shared" role="status">${who}: what is heard is chosen for all.</p>`;
+}
 
 function direction(listening) {
   const turn = ({ target }) => {
@@ -103,13 +111,14 @@ function facts(listening) {
     ["Delay", number(listening.delay, 0, " ms"), "from the microphone to here, by the clocks of both computers"],
     ["Lost packets", told ? number(told.lost) : DASH, sent ? `${number((100 * told.lost) / sent, 1, " %")} of ${sent}` : ""],
     ["Interruptions", played ? number(played.gaps) : DASH, told?.dropped ? `${plural(told.dropped, "frame")} too late` : ""],
-    ["Listeners", told ? number(told.listeners) : DASH, "browsers of this page; all hear the same"],
+    ["Listeners", told ? number(told.listeners) : DASH, "browsers of this page"],
   ];
 }
 
 /** Who else gets sound: whoever talks to a payload can know it. */
-function others(streams) {
-  const going = streams.filter((each) => each.on || each.fault);
+function others(page, told) {
+  const going = (told.sections.streams ?? []).filter((each) => each.on || each.fault);
+  const end = ({ address, port }) => page.order(told.id, { kind: "stop_stream", address, port });
   if (!going.length) return nothing;
   return html`<h3>Streams of the payload</h3>
     <ul class="streams">
@@ -117,6 +126,13 @@ function others(streams) {
         (each) =>
           html`<li class=${each.fault ? "bad" : ""}>
             ${capital(each.whom)} to ${each.place} (${each.sink}${known(each.delay) ? `, ${number(1000 * each.delay, 0, " ms")}` : ""}): ${each.words}
+            ${
+              each.on && each.sink === "rtp"
+                ? html`<button type="button" ?disabled=${page.commandsBlocked !== null} @click=${() => end(each)}>
+                    End<span class="unseen"> the stream to ${each.place}</span>
+                  </button>`
+                : nothing
+            }
           </li>`,
       )}
     </ul>`;

@@ -38,8 +38,10 @@ function picker(page, open) {
   const known = page.store.flights;
   return html`<section class="card picker" aria-label="Open a flight">
     <div class="drop" @dragover=${(event) => event.preventDefault()} @drop=${(event) => dropped(page, event)}>
-      <label for="file">Drop a telemetry log (<code>.tlog</code>) or a session folder here, or choose a file</label>
-      <input id="file" type="file" accept=".tlog" @change=${(event) => chosen(page, event.target)} />
+      <label for="file">Drop a telemetry log (<code>.tlog</code>), an MCAP file with sound or a session folder here, or choose a
+        file</label
+      >
+      <input id="file" type="file" accept=".tlog,.mcap" @change=${(event) => chosen(page, event.target)} />
     </div>
     ${upload(page.ui.upload)}
     ${
