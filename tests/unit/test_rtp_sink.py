@@ -11,8 +11,8 @@ import pytest
 import soundfile
 
 from command_line import called
-from ross_payload.audio.sinks import SinkServices, checked_options, info_of, make_sink
-from ross_payload.audio.sinks.sdp_server import SdpServer
+from ross_payload.audio.sinks import SinkServices, checked_options, info_of, make_sink, sdp_server
+from ross_payload.audio.sinks.sdp_server import MOST_CLIENTS, SdpServer
 from ross_payload.config import Config, validated
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import VoiceBlock
@@ -127,6 +127,24 @@ def test_clients_that_say_nothing_hold_up_nobody():
         assert fetched(server, "stream-0.sdp")[1] == "v=0"
         for each in silent:
             each.close()
+
+
+def test_so_many_clients_are_served_and_others_are_turned_away(monkeypatch):
+    monkeypatch.setattr(sdp_server._Handler, "timeout", 60)
+    with SdpServer(lambda: {0: "v=0"}, 0) as server:
+        silent = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(MOST_CLIENTS)]
+        with pytest.raises((urllib.error.URLError, ConnectionError)):
+            fetched(server, "stream-0.sdp")
+        for each in silent:
+            each.close()
+        wait_for(lambda: _is_served(server))
+
+
+def _is_served(server):
+    try:
+        return fetched(server, "stream-0.sdp")[1] == "v=0"
+    except OSError:  # those who said nothing are still there
+        return False
 
 
 def test_a_port_in_use_is_said_in_one_line():

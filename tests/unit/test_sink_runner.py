@@ -92,6 +92,38 @@ def test_a_sink_that_raises_is_closed_and_opened_again(sink):
     assert (runner.fault, sink.entered) == ("", 2)
 
 
+def test_a_sink_is_tried_again_after_a_pause_and_not_with_every_block(sink):
+    clock = FakeClock()
+    attempts = []
+
+    def make():
+        attempts.append(clock.now())
+        return sink
+
+    sink.refuses = AudioError("there is no such device")
+    runner = DirectRunner("stream 0", make, clock)
+    for _ in range(100):
+        runner.write(block())
+        clock.sleep(RETRY_S / 20)
+    assert np.diff(attempts) == pytest.approx(RETRY_S, rel=0.06)
+    sink.refuses, sink.raises, attempts[:] = None, ValueError("no"), []
+    for _ in range(100):
+        runner.write(block())
+        clock.sleep(RETRY_S / 20)
+    assert np.diff(attempts) == pytest.approx(RETRY_S, rel=0.06)
+
+
+def test_what_a_sink_lost_before_it_was_opened_again_stays_counted(sink):
+    clock, sinks = FakeClock(), [sink, Sink()]
+    runner = DirectRunner("stream 0", lambda: sinks.pop(0), clock)
+    runner.write(block())
+    sink.lost, sink.raises = 30, ValueError("no")
+    runner.write(block())
+    clock.sleep(RETRY_S)
+    runner.write(block())
+    assert (runner.fault, runner.lost) == ("", 130)
+
+
 def test_what_a_sink_itself_says_is_wrong_is_told(sink):
     runner = DirectRunner("stream 0", lambda: sink, FakeClock())
     runner.write(block())
