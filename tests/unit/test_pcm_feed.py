@@ -6,8 +6,13 @@ import threading
 
 import numpy as np
 import pytest
+import soundfile
 
+from clocks import FakeClock
+from full_disk import fill
 from ross_payload.audio.listener.pcm_feed import DELAY_S, FARTHEST_S, NEAR_S, PcmFeed
+from ross_payload.audio.listener.playback import Meter, to_file
+from ross_payload.errors import OutputError
 from ross_protocols.audio.pcm import Header, encode, encode_header
 from waiting import wait_for
 
@@ -55,6 +60,27 @@ class Sender:
     def take(self, n):
         """Take so many samples as a sound output does; return them."""
         return np.concatenate([self.feed.read(TAKEN) for _ in range(n // TAKEN)])
+
+
+@pytest.mark.parametrize("suffix", [".wav", ".flac"])
+def test_a_disk_that_fills_while_it_is_written_is_one_line_and_keeps_what_was_heard(tmp_path, suffix):
+    path, clock = tmp_path / f"heard{suffix}", FakeClock()
+    with (
+        Sender() as sender,
+        pytest.raises(
+            OutputError, match=r"heard\.\w+: cannot be written: (No space left on device|Input/output error)"
+        ),
+    ):
+        sender.send(2 * RATE)
+        with to_file(sender.feed, path, Meter(), clock) as pump:
+            clock.sleep(1.0)
+            pump()
+            fill(path)
+            clock.sleep(0.9)
+            pump()
+    kept = soundfile.read(path, dtype="float32")[0]
+    assert len(kept) > 0.7 * RATE
+    assert np.abs(kept - VOICE[: len(kept)]).max() < 2**-22
 
 
 @pytest.mark.parametrize("lump", [160, 800, 1600, 3200])
