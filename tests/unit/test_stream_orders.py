@@ -48,7 +48,7 @@ def test_an_order_starts_a_stream_to_an_address_once():
 
 def test_an_order_to_where_a_stream_of_the_configuration_goes_changes_that_one():
     """Two streams to one port would be a noise; a TCP stream at that port is something else."""
-    streams = book({"sink": "tcp", "options": {"port": 5004}}, {"sink": "rtp", "on": False, "options": HERE})
+    streams = book({"sink": "tcp", "options": HERE}, {"sink": "rtp", "on": False, "options": HERE})
     assert streams.take(StreamOrder(True, selection=source(2), **HERE)) == ""
     wanted = streams.changed(0)
     assert [(each.sink, each.on, each.selection) for each in wanted.values()] == [

@@ -107,6 +107,7 @@ def test_a_process_that_is_killed_behind_a_whole_block_leaves_a_file_that_is_rea
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 9
     found = read(path)
     assert len(found) in ((blocks - 1) * FLAC_BLOCK, blocks * FLAC_BLOCK)
+    assert soundfile.info(path).frames == len(found)
     assert np.array_equal(found, VOICE[: len(found)])
 
 
