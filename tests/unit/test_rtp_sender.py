@@ -82,6 +82,8 @@ def test_a_source_that_is_opened_again_goes_on_in_time(sender):
     assert np.array_equal(np.diff(stamps) % 2**32, np.full(19, PACKET))
     numbers = np.array([each.sequence_number for each in (*before, *after)])
     assert np.array_equal(np.diff(numbers) % 2**16, np.full(19, 1))
+    (later,) = [RtpPacket.parse(each) for each in sent(sender, 1, first=15 * PACKET)]
+    assert (later.timestamp - after[-1].timestamp) % 2**32 == 6 * PACKET, "what was left out since is a pause"
 
 
 def test_the_receiver_tells_what_it_lost_and_which_report_it_answers(sender):
