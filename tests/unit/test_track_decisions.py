@@ -9,10 +9,11 @@ import pytest
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.localization import tracking
-from ross_payload.mission.source_tracking import DWELL, LASTING, SHORT, UPDATE, SourceTracker
+from ross_payload.mission.source_tracking import DWELL, SHORT, UPDATE, SourceTracker
 from ross_payload.pointing import Pointing
 
 SPACING, SPEED = 0.05, 343.0
+LASTING = 6  # corrections that must say so: 1.5 s
 FAR = 9.0  # a limit of the joint that limits nothing [rad]
 
 
