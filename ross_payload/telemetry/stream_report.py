@@ -14,7 +14,6 @@ from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 from ross_protocols.mavlink.values import Severity
 
 OVER_A_NETWORK = ("rtp", "tcp")  # sinks that have an address
-DETAIL_LENGTH = 24  # characters of the field
 CODECS = {codec.name.lower(): codec for codec in Codec}
 
 
@@ -87,7 +86,7 @@ def reports(streams: Sequence[StreamStatus], time_usec: int, *, earth: bool) -> 
             delay=status.delay,
             lost=status.lost,
             packets_lost=status.packets_lost,
-            detail=reason_in_short(status.fault) or status.detail,
+            detail=status.fault or status.detail,
             fault=bool(status.fault),
             muted=status.muted,
             records=status.keeps,
@@ -95,19 +94,6 @@ def reports(streams: Sequence[StreamStatus], time_usec: int, *, earth: bool) -> 
         )
         for status in streams
     ]
-
-
-def reason_in_short(fault: str) -> str:
-    """Return the end of what is wrong that fits into a report, the place left out; all of it where no end fits.
-
-    >>> reason_in_short("tcp:127.0.0.1:5010: cannot listen: Address already in use")
-    'Address already in use'
-    >>> reason_in_short("the sink hangs: what it does not take is lost")
-    'the sink hangs: what it does not take is lost'
-    """
-    parts = fault.split(": ")
-    ends = (": ".join(parts[place:]) for place in range(len(parts)))
-    return next((end for end in ends if len(end) <= DETAIL_LENGTH), fault)
 
 
 def line(before: StreamStatus | None, now: StreamStatus) -> Line | None:

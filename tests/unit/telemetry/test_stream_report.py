@@ -199,22 +199,6 @@ def test_start_change_fault_and_end_are_said_in_words(aloft):
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("fault", "told"),
-    [
-        ("rtp to 192.168.1.20 port 5004: no receiver at this port", "no receiver at this port"),
-        ("tcp:127.0.0.1:5010: cannot listen: Address already in use", "Address already in use"),
-        ("target.flac: cannot be written: No space left on device", "No space left on device"),
-        ("the sink hangs: what it does not take is lost", "the sink hangs: what it "),
-    ],
-)
-def test_the_reason_of_a_fault_fits_into_the_report(aloft, fault, told):
-    with aloft(GROUND, listening=Stage(replace(RTP, fault=fault))) as sky:
-        sky.live(1.0)
-    report = latest(sky.ports[0])[0]
-    assert (report.fault, report.detail) == (True, told)
-
-
 def test_a_stream_is_said_to_be_on_when_its_address_is_known(aloft):
     stage = Stage(replace(RTP, address="", port=0, codec=""))
     with aloft(GROUND, listening=stage) as sky:
