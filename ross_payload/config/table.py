@@ -53,7 +53,7 @@ def validated(model: type[Model], values: Any, where: str) -> Model:
     Raises
     ------
     ConfigError
-        With one line that names the first wrong key, what was expected and what was got.
+        With one line that names the first wrong key, an unknown one before others, what was expected and what was got.
     """
     try:
         return model.model_validate(values)
@@ -62,7 +62,8 @@ def validated(model: type[Model], values: Any, where: str) -> Model:
 
 
 def _explain(error: ValidationError, model: type[BaseModel]) -> str:
-    first, others = error.errors()[0], error.error_count() - 1
+    errors = sorted(error.errors(), key=lambda each: each["type"] != "extra_forbidden")  # a misspelt key first
+    first, others = errors[0], len(errors) - 1
     key = ".".join(str(part) for part in first["loc"])
     more = f"; and {others} more" if others else ""
     if first["type"] == "extra_forbidden":

@@ -14,7 +14,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Self
 
-from ross_payload.audio.sinks import SinkServices, checked_options, make_sink
+from ross_payload.audio.sinks import SinkServices, checked_options, load_sink, make_sink
 from ross_payload.config import Config
 from ross_payload.config.listening_options import selection_text
 from ross_payload.dsp.streaming_stft import transform_for
@@ -223,6 +223,10 @@ def check_listening(config: Config) -> None:
     """
     asked = config.listening
     for number, stream in enumerate(asked.streams):
+        try:
+            load_sink(stream.sink)
+        except RossError as error:
+            raise type(error)(f"listening.streams.{number}.sink: {error}") from error
         where = f"listening.streams.{number}.options of '{stream.sink}'"
         checked_options(stream.sink, stream.options, where)
     try:

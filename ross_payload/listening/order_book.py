@@ -111,7 +111,7 @@ class OrderBook:
     def _new(self, order: StreamOrder) -> str:
         if not order.address:
             return "a new stream needs an address and a port"
-        same = [each.number for each in self._streams.values() if each.ordered and _goes_to(each, order)]
+        same = [each.number for each in self._streams.values() if each.sink == ORDERED and _goes_to(each, order)]
         if same:
             return self._start(replace(order, number=same[0]))
         if why := _wrong(ORDERED, _told(order)):

@@ -524,3 +524,16 @@ def test_a_device_that_is_not_there_is_told_with_those_that_are(card, tmp_path):
     with pytest.raises(AudioError) as error, sink:
         pass
     assert str(error.value).startswith(expected)
+
+
+def test_silence_before_a_device_was_unplugged_stays_counted(card, headphones):
+    with headphones:
+        every = blocks(voice(60.0))
+        while headphones._ring.waiting < 0.1 * RATE:
+            headphones.write(next(every))
+        card.play(2 * headphones._ring.waiting)
+        silent = headphones.lost
+        assert silent > 0
+        card.unplug()
+        headphones.write(next(every))
+        assert headphones.lost == silent + HOP

@@ -101,6 +101,7 @@ def test_streams_of_a_scenario_are_served_too(fly, tmp_path):
     [
         ("heard.mp3", "--listen: path: expected a name that ends in .flac or .wav, got 'heard.mp3'"),
         ("listened.toml/heard.flac", "listened.toml/heard.flac: cannot be written: File exists"),
+        ("/proc/heard.flac", "--listen /proc/heard.flac: cannot be written: No such file or directory"),
     ],
 )
 def test_a_file_that_cannot_be_is_told_before_anything_is_simulated(run, scenario, tmp_path, name, said):

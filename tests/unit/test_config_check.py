@@ -98,6 +98,22 @@ def test_what_cannot_be_run_is_refused_by_both_in_the_same_words(run, tmp_path, 
     assert not (tmp_path / "state").exists()
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("sink = 'speaker'", "listening.streams.0.sink: sink 'speaker' is unknown; there are: device, file, rtp, tcp"),
+        ("snik = 'tcp'", "unknown key 'listening.streams.0.snik'; did you mean 'sink'?; and 1 more"),
+        (
+            "sink = 'tcp'\noptions = { prot = 5010 }",
+            "listening.streams.0.options of 'tcp': unknown key 'prot'; did you mean 'port'?; and 1 more",
+        ),
+    ],
+)
+def test_a_mistake_in_a_stream_is_told_with_its_place_and_a_misspelt_key_first(run, tmp_path, text, said):
+    (tmp_path / "bad.toml").write_text(f"[[listening.streams]]\n{text}\n")
+    assert run("config", "check", "bad.toml") == (2, "", f"ross: bad.toml: {said}\n")
+
+
 def test_checking_makes_no_folder_and_opens_no_device(run, tmp_path):
     text = "[service]\nstate_dir = 'new/state'\n[actuator]\nkind = 'grbl'\n" + LINK.format("serial:/dev/nothing:57600")
     (tmp_path / "good.toml").write_text(text)

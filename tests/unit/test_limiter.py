@@ -57,3 +57,10 @@ def test_the_level_is_that_of_the_last_second():
     assert meter.level_db == pytest.approx(-23.01, abs=0.05)
     meter.add(np.zeros(2 * RATE, np.float32))
     assert meter.level_db == -120
+
+
+def test_the_gain_comes_back_without_a_jump():
+    """Of what is steady nothing but the fade is heard: e^(1 / (0.2 s rate)) from one sample to the next."""
+    steady = limited(np.concatenate([np.full(10, 8.0), np.full(3 * RATE, 0.5)]).astype(np.float32))[10:]
+    assert steady[-1] == 0.5
+    assert np.diff(np.log(steady)).max() < 2.2 / (0.2 * RATE)  # it is 19 dB, 2.2 in logarithms, that fade

@@ -11,8 +11,8 @@ import pytest
 import soundfile
 
 from command_line import called
-from ross_payload.audio.sinks import SinkServices, checked_options, info_of, make_sink
-from ross_payload.audio.sinks.sdp_server import SdpServer
+from ross_payload.audio.sinks import SinkServices, checked_options, info_of, make_sink, sdp_server
+from ross_payload.audio.sinks.sdp_server import MOST_CLIENTS, SdpServer
 from ross_payload.config import Config, validated
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import VoiceBlock
@@ -129,6 +129,24 @@ def test_clients_that_say_nothing_hold_up_nobody():
             each.close()
 
 
+def test_so_many_clients_are_served_and_others_are_turned_away(monkeypatch):
+    monkeypatch.setattr(sdp_server._Handler, "timeout", 60)
+    with SdpServer(lambda: {0: "v=0"}, 0) as server:
+        silent = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(MOST_CLIENTS)]
+        with pytest.raises((urllib.error.URLError, ConnectionError)):
+            fetched(server, "stream-0.sdp")
+        for each in silent:
+            each.close()
+        wait_for(lambda: _is_served(server))
+
+
+def _is_served(server):
+    try:
+        return fetched(server, "stream-0.sdp")[1] == "v=0"
+    except OSError:  # those who said nothing are still there
+        return False
+
+
 def test_a_port_in_use_is_said_in_one_line():
     with SdpServer(dict, 0) as server, pytest.raises(AudioError, match=r"cannot listen on .*: Address already in use"):
         SdpServer(dict, server.port).__enter__()
@@ -214,7 +232,11 @@ def _answers(port):
     ("arguments", "wanted"),
     [
         (["nothing"], "'nothing': expected rtp://ADDRESS:PORT, a file or an http address that ends in .sdp, or tcp://"),
-        (["rtp://:5004?codec=mp3"], "expected rtp://ADDRESS:PORT?codec=opus|L16&rate=HZ"),
+        (["rtp://:5004?codec=mp3"], "expected rtp://ADDRESS:PORT for Opus, or rtp://ADDRESS:PORT?codec=L16&rate=HZ"),
+        (["rtp://127.0.0.1:0"], "'rtp://127.0.0.1:0': expected a port from 1 to 65535"),
+        (["rtp://:5004", "--delay", "nan"], "'--delay': expected a number, got nan"),
+        (["rtp://:5004", "--duration", "nan"], "'--duration': expected a number, got nan"),
+        (["http://"], "http://: no session description: no host given"),
         (["rtp://239.1.2.3:5004"], "expected an address of this computer, got one of many"),
         (["rtp://[ff02::1]:5004"], "expected an address of this computer, got one of many"),
         (["rtp://:70000"], "expected rtp://ADDRESS:PORT, a file"),

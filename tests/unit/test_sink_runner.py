@@ -28,10 +28,12 @@ class Sink:
         self.go_on.set()
         self.fault, self.lost = "", 0
         self.info = SinkInfo("there", 7)
+        self.clock, self.raised = FakeClock(), None
 
     def write(self, block):
         assert self.go_on.wait(30)
         if self.raises is not None:
+            self.raised = self.clock.now()
             raise self.raises
         self.blocks.append(block)
 
@@ -90,6 +92,40 @@ def test_a_sink_that_raises_is_closed_and_opened_again(sink):
     clock.sleep(RETRY_S)
     runner.write(block())
     assert (runner.fault, sink.entered) == ("", 2)
+
+
+def test_a_sink_is_tried_again_after_a_pause_and_not_with_every_block(sink):
+    clock = FakeClock()
+    attempts, sink.clock = [], clock
+
+    def make():
+        attempts.append(clock.now())
+        return sink
+
+    sink.refuses = AudioError("there is no such device")
+    runner = DirectRunner("stream 0", make, clock)
+    for _ in range(100):
+        runner.write(block())
+        clock.sleep(RETRY_S / 20)
+    assert np.diff(attempts) == pytest.approx(RETRY_S, rel=0.06)
+    sink.refuses, attempts[:] = None, []
+    for number in range(100):
+        runner.write(block())
+        sink.raises = ValueError("no") if number == 55 else None  # when it has been open for long
+        clock.sleep(RETRY_S / 20)
+    _, again = attempts
+    assert again - sink.raised == pytest.approx(RETRY_S, rel=0.06)
+
+
+def test_what_a_sink_lost_before_it_was_opened_again_stays_counted(sink):
+    clock, sinks = FakeClock(), [sink, Sink()]
+    runner = DirectRunner("stream 0", lambda: sinks.pop(0), clock)
+    runner.write(block())
+    sink.lost, sink.raises = 30, ValueError("no")
+    runner.write(block())
+    clock.sleep(RETRY_S)
+    runner.write(block())
+    assert (runner.fault, runner.lost) == ("", 130)
 
 
 def test_what_a_sink_itself_says_is_wrong_is_told(sink):

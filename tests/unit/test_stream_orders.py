@@ -46,6 +46,17 @@ def test_an_order_starts_a_stream_to_an_address_once():
     assert set(streams.changed(0)) == {0, 1, 2}
 
 
+def test_an_order_to_where_a_stream_of_the_configuration_goes_changes_that_one():
+    """Two streams to one port would be a noise; a TCP stream at that port is something else."""
+    streams = book({"sink": "tcp", "options": HERE}, {"sink": "rtp", "on": False, "options": HERE})
+    assert streams.take(StreamOrder(True, selection=source(2), **HERE)) == ""
+    wanted = streams.changed(0)
+    assert [(each.sink, each.on, each.selection) for each in wanted.values()] == [
+        ("tcp", True, Selection()),
+        ("rtp", True, source(2)),
+    ]
+
+
 def test_an_order_changes_what_it_tells_and_nothing_else():
     streams = book(FILE)
     assert streams.take(StreamOrder(True, number=0, selection=azimuth(30), muted=True)) == ""

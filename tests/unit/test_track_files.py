@@ -9,7 +9,9 @@ import pytest
 import soundfile
 
 from full_disk import fill
+from ross_payload.audio.sinks import SinkServices, checked_options, make_sink
 from ross_payload.audio.track_files import FLAC_BLOCK, SUFFIXES, AlignedTrack
+from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError
 
 RATE = 16000
@@ -93,3 +95,28 @@ def test_what_is_beyond_full_scale_is_clipped(path):
     track.write(0, np.array([2.0, -2.0, 0.5], np.float32))
     track.close()
     assert read(path).tolist() == [1 - GRID, -1.0, 0.5]
+
+
+def test_a_process_that_is_killed_behind_a_whole_block_leaves_a_file_that_is_read(tmp_path):
+    """libFLAC keeps the last block until one more sample has come: the header may not count it before."""
+    path, blocks = tmp_path / "voice.flac", 4
+    child = os.fork()
+    if not child:
+        AlignedTrack(path, RATE).write(0, VOICE[: blocks * FLAC_BLOCK])
+        os._exit(9)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 9
+    found = read(path)
+    assert len(found) in ((blocks - 1) * FLAC_BLOCK, blocks * FLAC_BLOCK)
+    assert soundfile.info(path).frames == len(found)
+    assert np.array_equal(found, VOICE[: len(found)])
+
+
+@pytest.mark.parametrize(("named", "place"), [("./a.flac", "here"), ("new/a.flac", "here/new"), ("a.flac", "tapes")])
+def test_a_sink_writes_where_it_is_told_in_folders_for_its_owner_alone(tmp_path, monkeypatch, named, place):
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    services = SinkServices(SystemClock(), RATE, 0, "target", tmp_path / "tapes")
+    with make_sink("file", checked_options("file", {"path": named}, "options"), services):
+        written = tmp_path / place / "a.flac"
+        assert stat.S_IMODE(written.stat().st_mode) == 0o600
+    assert place == "here" or stat.S_IMODE(written.parent.stat().st_mode) == 0o700

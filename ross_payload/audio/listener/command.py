@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import click
 
 LONGEST_DELAY_MS = 1000.0
+
+
+def _number(_context: click.Context, _parameter: click.Parameter, value: float | None) -> float | None:
+    """Refuse what no range refuses."""
+    if value is not None and math.isnan(value):
+        raise click.BadParameter("expected a number, got nan")
+    return value
 
 
 @click.command("listen", short_help="Play or write what a payload streams.")
@@ -20,9 +28,16 @@ LONGEST_DELAY_MS = 1000.0
     "delay_ms",
     type=click.FloatRange(0, LONGEST_DELAY_MS),
     default=0.0,
+    callback=_number,
     help="Time in milliseconds that packets wait for later ones; 0, the default: as short as the network allows.",
 )
-@click.option("--duration", type=click.FloatRange(0, min_open=True), metavar="S", help="Stop after so many seconds.")
+@click.option(
+    "--duration",
+    type=click.FloatRange(0, min_open=True),
+    metavar="S",
+    callback=_number,
+    help="Stop after so many seconds.",
+)
 @click.option("--wait", "waits", is_flag=True, help="Go on when the sender has ended or is silent. RTP alone.")
 def command(url: str, out: Path | None, device: str, delay_ms: float, duration: float | None, *, waits: bool) -> None:
     """Play what a payload streams to this computer, and tell once a second how loud, how late and how much was lost.

@@ -104,9 +104,11 @@ def _rtp(url: str) -> Session:
     rate = options.pop("rate", str(DEFAULT_RATE))
     number = int(rate) if rate.isascii() and rate.isdigit() and len(rate) < 7 else 0
     if port is None or options or parts.path.strip("/") or not codec or number not in RATES:
-        raise ConfigError(f"{shown(url)}: expected rtp://ADDRESS:PORT?codec=opus|L16&rate=HZ, the rest if it is L16")
-    if not 0 <= port <= MAX_PORT:
-        raise ConfigError(f"{shown(url)}: expected a port up to {MAX_PORT}")
+        raise ConfigError(
+            f"{shown(url)}: expected rtp://ADDRESS:PORT for Opus, or rtp://ADDRESS:PORT?codec=L16&rate=HZ"
+        )
+    if not port:
+        raise ConfigError(f"{shown(url)}: expected a port from 1 to {MAX_PORT}")
     if _of_many(host):
         raise ConfigError(f"{shown(url)}: expected an address of this computer, got one of many; streams go to one")
     return Session(Media.of(codec, number), host, port)
@@ -128,7 +130,7 @@ def _fetched(url: str) -> str:
     except urllib.error.HTTPError as error:
         raise ConfigError(f"{url}: no session description there: {error.code} {error.reason}") from error
     except urllib.error.URLError as error:
-        why = error.reason if isinstance(error.reason, OSError) else error
-        raise AudioError(f"{url}: no session description: {reason(why)}") from error
+        why = reason(error.reason) if isinstance(error.reason, OSError) else error.reason
+        raise AudioError(f"{url}: no session description: {why}") from error
     except (OSError, ValueError) as error:
         raise AudioError(f"{url}: no session description: {reason(error)}") from error

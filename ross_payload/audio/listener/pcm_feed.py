@@ -1,4 +1,8 @@
-"""What is listened to over TCP: PCM of the sink ``tcp``, kept near a constant delay; see `ross_protocols.audio.pcm`."""
+"""What is listened to over TCP: PCM of the sink ``tcp``, kept near a constant delay; see `ross_protocols.audio.pcm`.
+
+What waits goes up and down as blocks come and are taken. It is corrected when it has been too much all the time, or too
+little, so that blocks that come unevenly alone change no sample.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ import contextlib
 import socket
 import threading
 import time
+from collections import deque
 from typing import Self
 
 import numpy as np
@@ -24,6 +29,8 @@ NEAR_S = 0.04  # by which it may differ, before it is corrected
 FARTHEST_S = 2.0  # that may wait; the oldest make room
 STEP_S = 0.02  # of sound that is made shorter or longer at once
 CHECK_S = 0.1  # between two corrections
+LOOKED_AT = 50  # times that samples were taken, about a second
+FEWEST = 10  # of them, before anything is concluded
 
 
 class PcmFeed(Feed):
@@ -42,6 +49,7 @@ class PcmFeed(Feed):
         self._waiting: Samples = np.zeros(0, np.float32)
         self._guard = threading.Lock()  # of what waits, and counts
         self._flowing = False
+        self._levels: deque[int] = deque(maxlen=LOOKED_AT)  # samples that waited when some were taken
         self._received = self._lost = self._made_up = self._since = 0
         self._over, self._heard_at = "", 0.0
         self._socket: socket.socket | None = None
@@ -98,6 +106,7 @@ class PcmFeed(Feed):
             taken, self._waiting = self._waiting[:n], self._waiting[n:]
             if len(taken) < n and not self._over:
                 self._flowing = False
+                self._levels.clear()
                 self._made_up += n - len(taken)
             return np.pad(taken, (0, n - len(taken)))
 
@@ -114,12 +123,16 @@ class PcmFeed(Feed):
     def _correct(self, n: int) -> None:
         """Shorten or lengthen what is played next by a period, when what waits has become more or less."""
         self._since += n
-        error, step = len(self._waiting) - round(DELAY_S * self.rate), round(STEP_S * self.rate)
-        if self._over or self._since < CHECK_S * self.rate or abs(error) < NEAR_S * self.rate:
+        self._levels.append(len(self._waiting))
+        wanted, step = round(DELAY_S * self.rate), round(STEP_S * self.rate)
+        error = max(min(self._levels) - wanted, 0) + min(max(self._levels) - wanted, 0)
+        few = len(self._levels) < FEWEST or self._since < CHECK_S * self.rate
+        if self._over or few or abs(error) < NEAR_S * self.rate:
             return
         next_ones = self._waiting[:step]
         fitted = shortened(next_ones, error) if error > 0 else lengthened(next_ones, -error)
         self._waiting, self._since = np.concatenate([fitted, self._waiting[step:]]), 0
+        self._levels = deque((level + len(fitted) - len(next_ones) for level in self._levels), LOOKED_AT)
 
     def _keep(self, frames: Samples) -> None:
         with self._guard:

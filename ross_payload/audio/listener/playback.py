@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import soundfile
 
-from ross_payload.atomic_files import create
 from ross_payload.audio.listener.feed import Feed, Progress
 from ross_payload.audio.sound_devices import device_named, portaudio
+from ross_payload.audio.track_files import AlignedTrack
 from ross_payload.errors import AudioError, ConfigError, OutputError, refused_as
 from ross_payload.interfaces import Clock, Samples
 from ross_payload.streams import LISTENER_TIMEOUT_S
@@ -78,22 +77,19 @@ def to_file(feed: Feed, path: Path, meter: Meter, clock: Clock) -> Iterator[Pump
         When the disk is full or gone.
     """
     with refused_as(ConfigError, f"--out: {path} cannot be written"):
-        raw = create(path)
-    form = path.suffix[1:].upper()
-    began, written = clock.now(), 0
+        track = AlignedTrack(path, feed.rate)
+    began = clock.now()
+
+    def pump() -> None:
+        samples = feed.read(int((clock.now() - began) * feed.rate) - track.length)
+        meter.note(samples)
+        track.write(track.length, samples)
+
     try:
-        with raw, soundfile.SoundFile(raw, "w", feed.rate, 1, "PCM_24", format=form) as file:
-
-            def pump() -> None:
-                nonlocal written
-                samples = feed.read(int((clock.now() - began) * feed.rate) - written)
-                written += len(samples)
-                meter.note(samples)
-                file.write(samples)
-
+        with closing(track):
             yield pump
-    except (soundfile.LibsndfileError, OSError) as error:
-        raise OutputError(f"{path}: cannot be written: {error}") from error
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror}") from error
     finally:
         if not feed.progress(0.0).heard:
             path.unlink(missing_ok=True)

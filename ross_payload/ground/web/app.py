@@ -113,7 +113,7 @@ def _announce(served: Served, options: Options, token: str | None) -> None:
     url = f"{served.url}?token={token}" if made else served.url
     click.echo(f"ross ground: {url}  (Ctrl-C ends it)")
     if options.certificate is None and not is_loopback(options.host):
-        _warn("without --certificate all is sent in CLEAR TEXT: who reads the token can send commands")
+        _warn("without --certificate all is sent in CLEAR TEXT: who reads the token can send commands and listen")
     if options.open_page:
         webbrowser.open(url)
 

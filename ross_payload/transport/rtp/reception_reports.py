@@ -80,8 +80,7 @@ class ReceptionReports:
         counts = store.counts
         lost, expected = counts.lost, counts.lost + counts.received
         more, more_lost = expected - self._before[0], lost - self._before[1]
-        if now + PERIOD >= self._due:
-            self._before = expected, lost
+        self._before = expected, lost
         middle, came = self._report or (0, now)
         return RtcpReceiverInfo(
             ssrc=source,

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 from ross_payload.audio.sinks import checked_options
@@ -57,12 +58,13 @@ def listening_into(path: Path, listening: Listening) -> Listening:
     Raises
     ------
     ConfigError
-        When its name is not that of a track, or the folder cannot be made or the earlier file removed.
+        When its name is not that of a track, or the folder cannot be made or written to, or the earlier file removed.
     """
     checked_options("file", {"path": str(path)}, "--listen")
     with refused_as(ConfigError, f"--listen {path}: cannot be written"):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.unlink(missing_ok=True)
+        TemporaryFile(dir=path.parent).close()  # what cannot be written is told before all is simulated
     stream = Stream(sink="file", options={"path": str(path) if path.parent != Path() else f"./{path}"})
     changed: Listening = _with(listening, streams=(*listening.streams, stream))
     return changed

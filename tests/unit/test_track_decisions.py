@@ -1,0 +1,107 @@
+"""What follows from tracks while the mission listens: who has moved, whose track is lost, and when the array turns."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ross_payload.dsp.stft import Stft
+from ross_payload.events import Estimate, SourceEstimate
+from ross_payload.localization import tracking
+from ross_payload.mission.source_tracking import DWELL, SHORT, UPDATE, SourceTracker
+from ross_payload.pointing import Pointing
+
+SPACING, SPEED = 0.05, 343.0
+LASTING = 6  # corrections that must say so: 1.5 s
+FAR = 9.0  # a limit of the joint that limits nothing [rad]
+
+
+def estimate(*degrees, sigma=0.01):
+    sources = tuple(SourceEstimate(math.radians(azimuth), sigma, 0.9, resolved=True) for azimuth in degrees)
+    return Estimate(sources, certain=True, directness=1.0)
+
+
+def tracker_of(*degrees, now=None, sigma=0.01):
+    """A tracker of sources that were explored at azimuths [deg] and are tracked at others, all heard just now."""
+    tracker = SourceTracker(estimate(*degrees), 0, Stft(16000, 1024, 256), SPACING, SPEED, None, None)
+    there = estimate(*(now or degrees), sigma=sigma)
+    tracker.tracks = tracking.begin(there, SPACING, SPEED)
+    return tracker
+
+
+def turn(tracker, *, joint=0.0, base=0.0, lower=-FAR, upper=FAR, time=10.0):
+    """To which joint angle the array is to turn [deg], None: it stays."""
+    here = Pointing(joint=math.radians(joint), base=math.radians(base))
+    heading = tracker.heading_for(time, here, lower, upper, settled=True)
+    return None if heading is None else math.degrees(heading) - base
+
+
+def test_two_sources_with_one_delay_are_parted_by_the_longest_short_turn():
+    tracker = tracker_of(40, -40)
+    tracker.moved = [True, False]
+    assert abs(turn(tracker)) == pytest.approx(math.degrees(SHORT))
+
+
+@pytest.mark.parametrize("base", [0.0, 70.0])
+def test_no_turn_goes_beyond_the_limits_of_the_joint(base):
+    tracker = tracker_of(base + 40, base - 40)
+    tracker.moved = [True, False]
+    near = math.radians(10.0)
+    assert turn(tracker, base=base, upper=near) == pytest.approx(-30.0)
+    assert turn(tracker, base=base, lower=-near) == pytest.approx(30.0)
+    assert abs(turn(tracker, base=base, lower=-near, upper=near)) == pytest.approx(10.0)
+
+
+def test_where_hardly_anything_is_gained_the_array_stays():
+    tracker = tracker_of(40, -40)
+    tracker.moved = [True, False]
+    assert turn(tracker, joint=60.0) is None
+
+
+def test_nothing_turns_before_somebody_has_moved():
+    tracker = tracker_of(40, -40)
+    assert turn(tracker) is None
+    tracker.stirred = True  # it is not known who
+    assert turn(tracker) is not None
+
+
+def test_between_two_turns_the_array_rests():
+    tracker = tracker_of(40, -40)
+    tracker.moved = [True, False]
+    assert tracker.heading_for(10.0, Pointing(), -FAR, FAR, settled=False) is None
+    assert turn(tracker, time=10.0 + 0.9 * DWELL) is None
+    assert turn(tracker, time=10.0 + 1.1 * DWELL) is not None
+
+
+@pytest.mark.parametrize(("sigma_deg", "lost"), [(15.0, False), (45.0, True)])
+def test_a_track_is_lost_when_it_is_not_known_any_more_where_the_source_is(sigma_deg, lost):
+    tracker = tracker_of(40, -40, sigma=math.radians(sigma_deg))
+    assert not tracker.lost, "nobody has moved: the exploration holds"
+    tracker.moved = [False, True]
+    assert tracker.lost is lost
+
+
+def test_who_has_left_for_long_has_moved_and_not_before():
+    tracker = tracker_of(100, -60, now=(140, -60))
+    seen = []
+    for step in range(LASTING + 1):
+        tracker.corrected(UPDATE * step)
+        seen.append(tuple(tracker.moved))
+    assert seen == [(False, False)] * (LASTING - 1) + [(True, False)] * 2
+    assert tracker.azimuths == pytest.approx(np.radians([140, -60]), abs=0.02)
+
+
+def test_who_is_silent_has_not_moved_however_likely_it_is():
+    tracker = tracker_of(100, -60, now=(140, -60))
+    tracker.tracks = replace(tracker.tracks, ages=np.array([2.0, 0.0]))
+    for step in range(3 * LASTING):
+        tracker.corrected(UPDATE * step)
+    assert tracker.moved == [False, False]
+
+
+def test_when_all_turn_out_to_be_shifted_alike_nobody_has_moved():
+    tracker = tracker_of(100, -60, now=(112, -48))
+    tracker.moved, tracker.stirred = [True, False], True
+    tracker.corrected(1.0)
+    assert (tracker.moved, tracker.stirred) == ([False, False], False)
