@@ -29,7 +29,7 @@ def heard(monkeypatch):
     """The voices that prints are made of; each becomes the print of who spoke as loud."""
     voices = []
 
-    def enrol(voice, rate, *, separated):
+    def enrol(voice, rate, model, *, separated):
         assert separated
         voices.append((voice, rate))
         likes = Likes(round(float(np.abs(voice).max() / 0.1)) - 1)
@@ -96,10 +96,10 @@ def test_an_azimuth_means_whoever_is_there(explored, heard):
 def test_who_pauses_is_listened_to_for_longer(explored, heard, monkeypatch):
     enough = enrol_talker.enrol
 
-    def patient(voice, rate, **how):
+    def patient(voice, rate, model, **how):
         if len(voice) < rate:
             raise AudioError("enrolment: expected at least 1.5 s of voiced speech, got 0.4 s")
-        return enough(voice, rate, **how)
+        return enough(voice, rate, model, **how)
 
     monkeypatch.setattr(enrol_talker, "enrol", patient)
     explored.hop(Enrol(source=0, seconds=0.5, name="ann", consent=True, number=2))
@@ -109,7 +109,7 @@ def test_who_pauses_is_listened_to_for_longer(explored, heard, monkeypatch):
 
 
 def test_who_never_speaks_is_not_enrolled(explored, monkeypatch):
-    def silent(voice, rate, **how):
+    def silent(voice, rate, model, **how):
         raise AudioError("enrolment: expected speech, got silence")
 
     monkeypatch.setattr(enrol_talker, "enrol", silent)

@@ -12,7 +12,7 @@ def test_azimuths_of_another_frame_are_separated_by_nobody():
     bench = Bench({0: source(1)})
     bench.stage.on_event(SourcesEstimated(0.0, estimate(), rotations=3, final=True), earth=True)
     bench.hear(0.5)  # the array tells its heading from its mount
-    assert (bench.factor(0), bench.status(0).detail) == (1, "the frame of the azimuths has changed")
+    assert (bench.factor(0), bench.status(0).detail) == (1, "azimuths: frame changed")
     bench.know()
     bench.hear(0.5)
     assert bench.factor(0) == 4

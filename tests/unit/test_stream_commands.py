@@ -41,14 +41,9 @@ def payload(sky):
 # ------------------------------------------------------------------------------------------- the seven numbers
 
 
-def one_computer(number):
-    first = number >> 24
-    return 1 <= first <= 223
-
-
-addresses = st.integers(0, 2**32 - 1).filter(one_computer).map(
+addresses = st.integers(1 << 24, (224 << 24) - 1).map(  # 1.0.0.0 to 223.255.255.255: of one computer
     lambda number: ".".join(str(number >> shift & 255) for shift in (24, 16, 8, 0))
-)  # fmt: skip
+)
 commands = st.builds(
     StreamCommand,
     number=st.none() | st.integers(0, 254),
@@ -244,7 +239,7 @@ def somebody(monkeypatch):
 
 
 def test_a_talker_is_enrolled_by_command(payload, somebody, monkeypatch):
-    monkeypatch.setattr(enrol_talker, "enrol", lambda voice, rate, **how: SimpleNamespace(seconds=4.2))
+    monkeypatch.setattr(enrol_talker, "enrol", lambda voice, rate, model, **how: SimpleNamespace(seconds=4.2))
     assert payload.command(ENROL, 2, 0, 30, 0.5, 1, 3, seconds=8.0) == [IN_PROGRESS, ACCEPTED]
 
 
