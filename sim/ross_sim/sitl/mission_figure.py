@@ -19,7 +19,10 @@ from ross_sim.sitl.report import EventLog, Truth, orientations
 
 RANGE = 60.0  # [dB] shown in spectrograms
 UPPER = [(0.048, 0.511, 0.254, 0.380), (0.370, 0.511, 0.285, 0.380), (0.708, 0.511, 0.285, 0.380)]  # left, bottom,
-LOWER = [(0.038, 0.051, 0.452, 0.380), (0.541, 0.051, 0.452, 0.380)]  # width, height: to find them takes 0.3 s a picture
+LOWER = [
+    (0.038, 0.051, 0.452, 0.380),
+    (0.541, 0.051, 0.452, 0.380),
+]  # width, height: to find them takes 0.3 s a picture
 
 
 def draw(path: Path, story: EventLog, truth: Truth, *, rate: int, unit: float, title: str) -> None:
