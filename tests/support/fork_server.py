@@ -4,8 +4,8 @@ A test starts ``python -m ross_payload.cli ...`` by `subprocess`, as anybody wou
 `install` lets `subprocess.Popen` look whether the program is one of ours, and if so ask a server for it: a process
 without threads that has imported the project's modules, forks, and lets the fork run the module as ``__main__`` with
 the arguments, folder, environment and standard streams that were asked for. So it does with ``python -c``, if the
-program names one of our packages and does not care what is imported already (`sys.modules`). The new process is a child of the test
-(`PR_SET_CHILD_SUBREAPER`, prctl(2)): it is waited for and signalled like any other.
+program names one of our packages and does not care what is imported already (`sys.modules`). The new process is a child
+of the test (`PR_SET_CHILD_SUBREAPER`, prctl(2)): it is waited for and signalled like any other.
 
 Whatever a fork could not do alike is started as usual: other users, process groups, ``preexec_fn``, inherited file
 descriptors, and environments which differ in what is read while a program starts (`AT_START`), but for the places of
@@ -86,7 +86,7 @@ def _program(words: list[str]) -> dict[str, Any] | None:
     unbuffered = words[1:2] == ["-u"]
     how, what, *arguments = [*words[1 + unbuffered :], "", ""]
     asked = {"arguments": arguments[:-2], "unbuffered": unbuffered}
-    if how == "-m" and what.split(".")[0] in OURS:
+    if how == "-m" and what.partition(".")[0] in OURS:
         return asked | {"module": what}
     if how == "-c" and any(name in what for name in OURS) and "sys.modules" not in what:
         return asked | {"code": what}
