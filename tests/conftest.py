@@ -16,6 +16,7 @@ settings.load_profile("shared machine")
 
 ROOT = Path(__file__).parents[1]
 PROMPT = b">>>"
+COLLECTED = (20_000, 20, 20)  # thresholds of the garbage collector: what the tests make is mostly gone without it
 
 
 def pytest_addoption(parser):
@@ -51,6 +52,7 @@ def pytest_collection():
 def pytest_collection_finish():
     """From now on the garbage collector looks only at what the tests make."""
     gc.freeze()
+    gc.set_threshold(*COLLECTED)
     gc.enable()
 
 
