@@ -15,6 +15,8 @@ settings.register_profile("shared machine", deadline=None)  # a busy machine mak
 settings.load_profile("shared machine")
 
 ROOT = Path(__file__).parents[1]
+PROMPT = b">>>"
+COLLECTED = (20_000, 20, 20)  # thresholds of the garbage collector: what the tests make is mostly gone without it
 
 
 def pytest_addoption(parser):
@@ -22,8 +24,20 @@ def pytest_addoption(parser):
     parser.addoption("--actuator-kind", metavar="NAME", help="Hold this back end and its far end to the contract.")
 
 
+class Examples:
+    """Look for examples in docstrings only where there are any: to look at everything takes seconds."""
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_collect_file(self, file_path):
+        found = yield
+        if file_path.suffix == ".py" and PROMPT not in file_path.read_bytes():
+            found = [each for each in found if type(each) is pytest.Module]
+        return found
+
+
 def pytest_configure(config):
     fork_server.install()
+    config.pluginmanager.register(Examples())  # a hook of this file would see the tests alone
     if config.getoption("--actuator-kind"):
         import rigs
 
@@ -37,19 +51,19 @@ def pytest_collection():
 
 def pytest_collection_finish():
     """From now on the garbage collector looks only at what the tests make."""
-    gc.collect()
     gc.freeze()
+    gc.set_threshold(*COLLECTED)
     gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses
 def pytest_collection_modifyitems(items):
     """Give every test its lane: the marker's, or that of its folder."""
-    imports = cache(lanes.imports_of)
+    imports, lane_of = cache(lanes.imports_of), cache(lanes.lane_of)
     for item in items:
         try:
-            markers = [mark.name for mark in item.iter_markers()]
-            item.add_marker(lanes.lane_of(item.path, markers, imports(getattr(item, "module", None))))
+            markers = frozenset(mark.name for mark in item.iter_markers())
+            item.add_marker(lane_of(item.path, markers, imports(getattr(item, "module", None))))
         except ValueError as error:
             raise pytest.UsageError(f"{item.nodeid}: {error}") from error
 

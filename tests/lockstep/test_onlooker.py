@@ -19,6 +19,7 @@ from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.page_observer import SCRIPTED, PageObserver
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import talkers_of
+from short_mission import SHORT
 
 TURN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_STOP
 RESULTS = ("report.json", "events.jsonl", "mission.tlog", "mixture.wav", "target.wav")
@@ -75,19 +76,27 @@ def flown(scenario, out, onlooker=None):
         return perform(chosen, talkers_of(chosen, None, None), MissionView(), folder, None, page=onlooker)
 
 
-def test_the_results_are_the_same_whether_somebody_looks_on_or_not(short, tmp_path):
-    flown(short, tmp_path / "alone")
+@pytest.fixture(scope="module")
+def watched(tmp_path_factory):
+    """A mission that somebody looks on who asks for a turn: what is left, the folder of the results, the onlooker."""
+    folder = tmp_path_factory.mktemp("watched")
+    (folder / "short.toml").write_text(SHORT)
     with Gazer(command(TURN, 20.0)) as gazer:
-        flown(short, tmp_path / "watched", PageObserver("", gazer.link))
+        finished = flown(folder / "short.toml", folder / "out", PageObserver("", gazer.link))
+    return finished, folder / "out", gazer
+
+
+def test_the_results_are_the_same_whether_somebody_looks_on_or_not(watched, short, tmp_path):
+    _, results, gazer = watched
+    flown(short, tmp_path / "alone")
     for name in RESULTS:
-        assert (tmp_path / "alone" / name).read_bytes() == (tmp_path / "watched" / name).read_bytes()
+        assert (tmp_path / "alone" / name).read_bytes() == (results / name).read_bytes()
     assert [packet.value for packet in gazer.packets if packet.name == "ROSS_STATUS"][-1].mission_time > 1.0
     assert gazer.messages("ROSS_AUDIO")
 
 
-def test_what_a_scripted_mission_cannot_do_is_refused_in_words(short, tmp_path):
-    with Gazer(command(TURN, 20.0)) as gazer:
-        finished = flown(short, tmp_path, PageObserver("", gazer.link))
+def test_what_a_scripted_mission_cannot_do_is_refused_in_words(watched):
+    finished, _, gazer = watched
     assert finished.result.outcome is Outcome.TARGET_FOUND
     assert [ack.result for ack in gazer.messages("COMMAND_ACK")] == [common.MAV_RESULT_DENIED]
     assert f"refused: {SCRIPTED}" in gazer.texts()

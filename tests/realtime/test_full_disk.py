@@ -6,6 +6,7 @@ import numpy as np
 import soundfile
 
 from ross_protocols.mavlink.dialect import ross
+from short_mission import NOISE
 from waiting import wait_for
 
 RATE = 16000
@@ -17,28 +18,15 @@ from ross_payload import cli
 resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
 cli.main()
 """
-NOISE = """
-[audio]
-source = "file:noise.wav"
-[actuator]
-kind = "tb6600"
-options = {{ ahead_ms = 100 }}
-[explore]
-unit_s = 1.0
-min_rotations = 2
-max_rotations = 2
-[service]
-state_dir = "state"
+RECORDING = """
 [recording]
 min_free_gb = 0
-[[links]]
-url = "udpin:127.0.0.1:{port}"
 """
 
 
 def test_a_disk_that_fills_ends_the_recording_and_not_the_mission(tmp_path, process, ground_station, free_port):
     port = free_port(socket.SOCK_DGRAM)
-    (tmp_path / "ross.toml").write_text(NOISE.format(port=port))
+    (tmp_path / "ross.toml").write_text(NOISE.format(port=port) + RECORDING)
     noise = np.random.default_rng(0).integers(-300, 300, (120 * RATE, 2), np.int16)
     soundfile.write(tmp_path / "noise.wav", noise, RATE)
     start = process(["run", "ross.toml"], tmp_path, "payload", ("-c", SMALL_DISK))

@@ -9,25 +9,15 @@ import numpy as np
 import soundfile
 
 from ross_protocols.audio.pcm import Decoder
+from short_mission import NOISE
 from waiting import wait_for
 
 RATE = 16000
 EXPLORE, STREAM = 54000, 54011
 LATE_S = 0.6  # from the microphone to the listener; the stage itself takes 0.085 s
-PAYLOAD = """
-[audio]
-source = "file:noise.wav"
-[actuator]
-kind = "tb6600"
-options = {{ ahead_ms = 100 }}
-[explore]
-unit_s = 1.0
-min_rotations = 2
-max_rotations = 2
-[service]
-state_dir = "state"
-[[links]]
-url = "udpin:127.0.0.1:{port}"
+PAYLOAD = (
+    NOISE
+    + """
 [[listening.streams]]
 sink = "tcp"
 what = "mixture"
@@ -43,6 +33,7 @@ sink = "tcp"
 what = "source 0"
 options = {{ port = {absent}, mode = "connect" }}
 """
+)
 
 
 class Listener:

@@ -1,12 +1,24 @@
 """What payloads say, and a picture that hears it."""
 
+import math
+
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.view import view
 from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 
 WHO = ComponentId(1, 191)
+
+RTP = StreamReport(
+    1_000_000, 0, 2, "rtp", Selection.SOURCE, True, 48000, on=True, source=2, azimuth=-math.pi / 2, group=1,
+    codec=Codec.OPUS, address="192.168.1.20", port=5004, gain=-6.0, level=-23.0, delay=0.12, separated=True,
+)  # fmt: skip
+FILE = StreamReport(
+    1_000_000, 1, 2, "file", Selection.TARGET, True, 16000, on=True, codec=Codec.FLAC, address="target.flac",
+    records=True,
+)  # fmt: skip
 
 
 def status(time, **how):

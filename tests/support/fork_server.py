@@ -3,11 +3,13 @@
 A test starts ``python -m ross_payload.cli ...`` by `subprocess`, as anybody would; most of what follows is import. So
 `install` lets `subprocess.Popen` look whether the program is one of ours, and if so ask a server for it: a process
 without threads that has imported the project's modules, forks, and lets the fork run the module as ``__main__`` with
-the arguments, folder, environment and standard streams that were asked for. The new process is a child of the test
-(`PR_SET_CHILD_SUBREAPER`, prctl(2)): it is waited for and signalled like any other.
+the arguments, folder, environment and standard streams that were asked for. So it does with ``python -c``, if the
+program names one of our packages and does not care what is imported already (`sys.modules`). The new process is a child
+of the test (`PR_SET_CHILD_SUBREAPER`, prctl(2)): it is waited for and signalled like any other.
 
 Whatever a fork could not do alike is started as usual: other users, process groups, ``preexec_fn``, inherited file
-descriptors, and environments which differ in what is read while a program starts (`AT_START`). Two forks share the seed
+descriptors, and environments which differ in what is read while a program starts (`AT_START`), but for the places of
+modules, PYTHONPATH, which a fork looks at again. Two forks share the seed
 of Python's hashes, but neither shares that of the test.
 """
 
@@ -38,6 +40,7 @@ OURS = ("ross_payload", "ross_sim")
 HEAVY = ("aiohttp.web", "matplotlib.figure", "matplotlib.backends.backend_agg", "pyroomacoustics", "scipy.signal")
 UNUSED = ("ross_sim.study.train", "ross_sim.study.baselines")
 SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER
+PLACES = "PYTHONPATH"
 UNALIKE = ("preexec_fn", "pass_fds", "shell", "gid", "gids", "uid", "process_group", "executable")
 LONGEST = 1 << 20  # bytes of one request
 
@@ -59,15 +62,14 @@ class Forked(subprocess.Popen):  # type: ignore[type-arg]
         words = [os.fspath(word) for word in args] if isinstance(args, list | tuple) else []
         environment = dict(os.environ if asked["env"] is None else asked["env"])
         unalike = any(asked.get(name) not in (None, (), False, -1) for name in UNALIKE)
-        if not self._ours(words) or unalike or not close_fds or asked["umask"] != -1 or not _alike(environment):
+        program = _program(words)
+        if program is None or unalike or not close_fds or asked["umask"] != -1 or not _alike(environment):
             super()._execute_child(args, executable, preexec_fn, close_fds, *rest)
             return
         streams = [
             asked[name] if asked[name] != -1 else own for own, name in enumerate(("p2cread", "c2pwrite", "errwrite"))
         ]
-        request = {
-            "module": words[2],
-            "arguments": words[3:],
+        request = program | {
             "folder": os.fspath(asked["cwd"] or Path.cwd()),
             "environment": environment,
             "session": bool(asked["start_new_session"]),
@@ -76,9 +78,19 @@ class Forked(subprocess.Popen):  # type: ignore[type-arg]
         self._child_created = True
         self._close_pipe_fds(*(asked[name] for name in names[6:12]))  # type: ignore[attr-defined]
 
-    @staticmethod
-    def _ours(words: list[str]) -> bool:
-        return len(words) > 2 and words[:2] == [sys.executable, "-m"] and words[2].split(".")[0] in OURS
+
+def _program(words: list[str]) -> dict[str, Any] | None:
+    """What is asked for, a module or a code and its arguments, or None when it is none of ours."""
+    if words[:1] != [sys.executable]:
+        return None
+    unbuffered = words[1:2] == ["-u"]
+    how, what, *arguments = [*words[1 + unbuffered :], "", ""]
+    asked = {"arguments": arguments[:-2], "unbuffered": unbuffered}
+    if how == "-m" and what.partition(".")[0] in OURS:
+        return asked | {"module": what}
+    if how == "-c" and any(name in what for name in OURS) and "sys.modules" not in what:
+        return asked | {"code": what}
+    return None
 
 
 def _alike(environment: dict[str, str]) -> bool:
@@ -86,7 +98,7 @@ def _alike(environment: dict[str, str]) -> bool:
 
 
 def _at_start(environment: Any) -> dict[str, str]:
-    return {name: value for name, value in environment.items() if name.startswith(AT_START)}
+    return {name: value for name, value in environment.items() if name.startswith(AT_START) and name != PLACES}
 
 
 class Server:
@@ -190,22 +202,35 @@ def _become(request: dict[str, Any]) -> Any:
         os.dup2(descriptor, own)
         os.close(descriptor) if descriptor > 2 else None
     os.chdir(request["folder"])
+    before = os.environ.get(PLACES, "").split(os.pathsep)
     os.environ.clear()
     os.environ.update(request["environment"])
     sys.stdin = open(0, closefd=False)  # noqa: SIM115 - Python does not close them either
     sys.stdout = open(1, "w", buffering=1 if os.isatty(1) else -1, closefd=False)  # noqa: SIM115
+    sys.stdout.reconfigure(write_through=request["unbuffered"])
     sys.stderr = open(2, "w", buffering=1, errors="backslashreplace", closefd=False)  # noqa: SIM115
     sys.__stdin__, sys.__stdout__, sys.__stderr__ = sys.stdin, sys.stdout, sys.stderr
-    sys.path[0] = str(Path.cwd())
+    places = os.environ.get(PLACES, "")
+    sys.path[:] = [str(Path.cwd()), *filter(None, places.split(os.pathsep))] + [
+        place for place in sys.path[1:] if place not in before
+    ]
+    return _main_module(request)
+
+
+def _main_module(request: dict[str, Any]) -> Any:
+    """Make the module ``__main__``; return the code to run and where to run it."""
+    main = ModuleType("__main__")
+    main.__dict__["__builtins__"] = __builtins__
+    sys.modules["__main__"] = main
+    if "code" in request:
+        sys.argv = ["-c", *request["arguments"]]
+        return compile(request["code"], "<string>", "exec"), main.__dict__
     name = request["module"]
     spec = importlib.util.find_spec(name)
     if spec is not None and spec.submodule_search_locations is not None:
         spec = importlib.util.find_spec(f"{name}.__main__")
     assert spec is not None and spec.loader is not None, name
-    main = ModuleType("__main__")
     main.__spec__, main.__file__, main.__loader__, main.__package__ = spec, spec.origin, spec.loader, spec.parent
-    main.__dict__["__builtins__"] = __builtins__
-    sys.modules["__main__"] = main
     sys.argv = [str(spec.origin), *request["arguments"]]
     return spec.loader.get_code(spec.name), main.__dict__  # type: ignore[attr-defined]
 

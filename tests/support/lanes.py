@@ -90,13 +90,13 @@ def lane_of(path: Path, markers: Iterable[str], imports: Iterable[str] = ()) -> 
     return "process" if lane == "pure" and not named and REACHES_OUT & set(imports) else lane
 
 
-def imports_of(module: object) -> set[str]:
+def imports_of(module: object) -> frozenset[str]:
     """Return the names of the modules from which a module has something."""
     things = vars(module).values() if module is not None else ()
     names = (
         thing.__name__ if isinstance(thing, ModuleType) else getattr(thing, "__module__", None) for thing in things
     )
-    return {name.split(".")[0] for name in names if isinstance(name, str)}
+    return frozenset(name.split(".")[0] for name in names if isinstance(name, str))
 
 
 def main(arguments: list[str]) -> int:

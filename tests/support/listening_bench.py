@@ -31,6 +31,12 @@ from ross_payload.streams import Selection, What
 RATE, HOP = 16000, 160
 AZIMUTHS = (170, 70, -50)
 MIXTURE, TARGET = Selection(What.MIXTURE), Selection(What.TARGET)
+NOISE = 0.05 * np.random.default_rng(0).standard_normal(20 * RATE)
+
+
+def noise(index):
+    """The sample of both microphones at an index."""
+    return NOISE[index % len(NOISE)]
 
 
 def source(number):

@@ -40,56 +40,94 @@ class Heard:
     total_delays: list[float] = field(default_factory=list)
 
 
+class Wire:
+    """Carries packets both ways: loses, delays and repeats them, and hands them over in the order of their arrival."""
+
+    def __init__(self, network: Network, seed: int) -> None:
+        self._network, self._rng = network, np.random.default_rng(seed)
+        self._under_way: list[tuple[float, int, str, bytes]] = []
+
+    def transmit(self, now: float, way: str, packet: bytes) -> None:
+        """Send a packet, once or twice, if at all."""
+        network, rng = self._network, self._rng
+        for _ in range(1 + (rng.random() < network.twice)):
+            if rng.random() >= network.loss:
+                due = now + network.delay + network.jitter * rng.random()
+                heapq.heappush(self._under_way, (due, rng.integers(1 << 60), way, packet))
+
+    def due(self, when: float, way: str) -> None:
+        """Have something happen at a time, before what arrives then."""
+        heapq.heappush(self._under_way, (when, -1, way, b""))
+
+    def next_before(self, end: float) -> tuple[float, str, bytes] | None:
+        """Return what happens next: when, which way, and the packet; None when nothing does before the end."""
+        if not self._under_way or self._under_way[0][0] >= end:
+            return None
+        when, _, way, packet = heapq.heappop(self._under_way)
+        return when, way, packet
+
+
 def heard(
     voice, rate, codec="opus", network=Network(), *, seed=0, delay_s=0.0, bit_rate=48000, start=1000.0, media=None
 ):
     """Send a voice (n,) and play it for as long as it lasts."""
-    rng = np.random.default_rng(seed)
     media = media or Media.of(codec, rate)
-    sender, receiver = RtpSender(rate, media, bit_rate), RtpReceiver(media, delay_s)
-    hop, taken = round(HOP * rate), round(HOP * media.rate)
-    wire: list[tuple[float, int, str, bytes]] = []
-    out, delays, sent, again = [], [], 0, 0
-    sounds: set[bytes] = set()
-    arrived: Counter[bytes] = Counter()
-
-    def transmit(now: float, way: str, packet: bytes) -> None:
-        for _ in range(1 + (rng.random() < network.twice)):
-            if rng.random() >= network.loss:
-                heapq.heappush(
-                    wire, (now + network.delay + network.jitter * rng.random(), rng.integers(1 << 60), way, packet)
-                )
-
-    heapq.heappush(wire, (start, -1, "read", b""))
+    receiver = RtpReceiver(media, delay_s)
+    call = Call(RtpSender(rate, media, bit_rate), receiver, network, Wire(network, seed), start)
+    hop = round(HOP * rate)
     for step in range(len(voice) // hop):
         now = start + step * HOP
-        block = VoiceBlock(voice[step * hop : (step + 1) * hop].astype(np.float32), step * hop, now - HOP)
-        for packet in sender.packets(block):
-            sent += 1
-            sounds.add(packet)
-            transmit(now, "out", packet)
-        if (report := sender.report(now, now + 1.7e9)) is not None:
-            transmit(now, "out", report)
-        while wire[0][0] < now + HOP:
-            when, _, way, packet = heapq.heappop(wire)
+        call.send(VoiceBlock(voice[step * hop : (step + 1) * hop].astype(np.float32), step * hop, now - HOP), now)
+        call.live(now + HOP)
+    reception = receiver.reception(start + len(voice) / rate)
+    played = np.concatenate(call.played)
+    return Heard(played, receiver, reception, call.sent, +call.arrived, call.again, call.total_delays)
+
+
+class Call:
+    """A sender, a receiver and who plays, and the wire between them."""
+
+    def __init__(self, sender: RtpSender, receiver: RtpReceiver, network: Network, wire: Wire, start: float) -> None:
+        self._sender, self._receiver, self._network, self._wire = sender, receiver, network, wire
+        self._start, self._taken = start, round(HOP * receiver.rate)
+        self._sounds: set[bytes] = set()
+        self.played: list[np.ndarray] = []
+        self.total_delays: list[float] = []
+        self.arrived: Counter[bytes] = Counter()
+        self.sent = self.again = 0
+        wire.due(start, "read")
+
+    def send(self, block: VoiceBlock, now: float) -> None:
+        """Send the packets of a block, and a report when it is time."""
+        for packet in self._sender.packets(block):
+            self.sent += 1
+            self._sounds.add(packet)
+            self._wire.transmit(now, "out", packet)
+        if (report := self._sender.report(now, now + 1.7e9)) is not None:
+            self._wire.transmit(now, "out", report)
+
+    def live(self, end: float) -> None:
+        """Let arrive and play what does until the end, then let the receiver report."""
+        while (happens := self._wire.next_before(end)) is not None:
+            when, way, packet = happens
             if way == "out":
-                arrived[packet] += packet in sounds
-                receiver.take(packet, when, "payload")
+                self.arrived[packet] += packet in self._sounds
+                self._receiver.take(packet, when, "payload")
             elif way == "back":
-                for each in sender.on_report(packet, when):
-                    again += 1
-                    transmit(when, "out", each)
+                for each in self._sender.on_report(packet, when):
+                    self.again += 1
+                    self._wire.transmit(when, "out", each)
             else:
-                out.append(receiver.read(taken, when))
-                heapq.heappush(wire, (start + len(out) * HOP / (1 + network.drift), -1, "read", b""))
-                if (total := receiver.total_delay(when + 1.7e9)) is not None:
-                    delays.append(total)
-        for report in receiver.feedback(now + HOP):
-            if network.answers:
-                transmit(now + HOP, "back", report)
-    return Heard(
-        np.concatenate(out), receiver, receiver.reception(start + len(voice) / rate), sent, +arrived, again, delays
-    )
+                self._play(when)
+        for report in self._receiver.feedback(end):
+            if self._network.answers:
+                self._wire.transmit(end, "back", report)
+
+    def _play(self, when: float) -> None:
+        self.played.append(self._receiver.read(self._taken, when))
+        self._wire.due(self._start + len(self.played) * HOP / (1 + self._network.drift), "read")
+        if (total := self._receiver.total_delay(when + 1.7e9)) is not None:
+            self.total_delays.append(total)
 
 
 def voiced(seconds, rate, seed=0):

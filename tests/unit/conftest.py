@@ -11,6 +11,7 @@ from ross_payload.transport.ports import Counts
 from ross_protocols.mavlink.codec import Decoder
 from ross_protocols.mavlink.dialect import ross
 from ross_sim.clock import SimClock
+from signing_bench import key_file, payload  # noqa: F401
 
 URL = "udpout:127.0.0.1:14550"
 

@@ -126,15 +126,18 @@ class Rotor:
         motor, sin, hypot, tanh = self._motor, math.sin, math.hypot, math.tanh
         holding, corner, inertia = motor.holding_torque, motor.corner_speed, motor.inertia
         viscous, coulomb, detent = motor.viscous, motor.coulomb, motor.detent_torque
-        teeth = motor.teeth
+        teeth, energised = motor.teeth, self._energised
         angle, speed, worst = self.angle, self.speed, self.worst_lag
         for field in fields:
-            if self._energised:
-                torque = holding / hypot(1.0, speed / corner) * sin(teeth * (field - angle))
-                worst = max(worst, abs(field - angle))
+            if energised:
+                lag = field - angle
+                torque = holding / hypot(1.0, speed / corner) * sin(teeth * lag)
+                if not -worst <= lag <= worst:
+                    worst = abs(lag)
             else:
                 torque = -detent * sin(4 * teeth * angle)
-            drag = viscous + coulomb * (tanh(speed / FADE) / speed if abs(speed) > 1e-9 else 1 / FADE)
+            moves = speed > 1e-9 or speed < -1e-9
+            drag = viscous + coulomb * (tanh(speed / FADE) / speed if moves else 1 / FADE)
             speed = (speed + dt * torque / inertia) / (1 + dt * drag / inertia)
             angle += dt * speed
         self.angle, self.speed, self.worst_lag = angle, speed, worst
