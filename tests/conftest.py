@@ -52,6 +52,7 @@ def pytest_collection_modifyitems(items):
             item.add_marker(lanes.lane_of(item.path, markers, imports(getattr(item, "module", None))))
         except ValueError as error:
             raise pytest.UsageError(f"{item.nodeid}: {error}") from error
+    items.sort(key=lambda item: lanes.begins(item.path))
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -14,13 +14,6 @@ import pytest
 
 from browsing import FLAGS, Profile, chromium
 
-LONGEST = "test_whole_mission"
-
-
-def pytest_collection_modifyitems(items):
-    """Begin with what takes longest, so that nobody waits for it in the end."""
-    items.sort(key=lambda item: item.path.stem != LONGEST)
-
 
 @pytest.fixture(scope="package")
 def browser():

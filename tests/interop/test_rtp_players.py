@@ -11,8 +11,9 @@ from rtp_players import Player, delay_of, ffmpeg, found_in, gstreamer, in_use
 from voice_sender import RATE, ear, opened, talking
 from waiting import wait_for
 
+pytestmark = pytest.mark.alone
 VOICE = voiced(30.0, RATE) + 0.01 * np.random.default_rng(1).standard_normal(30 * RATE).astype(np.float32)
-SECONDS = 6.0  # that are played
+SECONDS = 3.0  # that are played
 
 
 @pytest.mark.parametrize("codec", ["opus", "L16"])

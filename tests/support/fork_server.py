@@ -1,8 +1,9 @@
 """Programs of this project start in 30 ms instead of 1 to 2 s: they are forked from a process that has imported them.
 
 A test starts ``python -m ross_payload.cli ...`` by `subprocess`, as anybody would; most of what follows is import. So
-`install` lets `subprocess.Popen` look whether the program is one of ours, and if so ask a server for it: a process
-without threads that has imported the project's modules, forks, and lets the fork run the module as ``__main__`` with
+does a script of ``tests``, or ``python -c`` with code that prepares something and calls ``cli.main()``. Therefore
+`install` lets `subprocess.Popen` look whether the program is one of these, and if so ask a server for it: a process
+without threads that has imported the project's modules, forks, and lets the fork run the program as ``__main__`` with
 the arguments, folder, environment and standard streams that were asked for. The new process is a child of the test
 (`PR_SET_CHILD_SUBREAPER`, prctl(2)): it is waited for and signalled like any other.
 
@@ -39,6 +40,8 @@ HEAVY = ("aiohttp.web", "matplotlib.figure", "matplotlib.backends.backend_agg", 
 UNUSED = ("ross_sim.study.train", "ross_sim.study.baselines")
 SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER
 UNALIKE = ("preexec_fn", "pass_fds", "shell", "gid", "gids", "uid", "process_group", "executable")
+TESTS = Path(__file__).resolve().parents[1]
+ENTRY = "\ncli.main()"  # of `ross`, in code
 LONGEST = 1 << 20  # bytes of one request
 
 
@@ -66,8 +69,7 @@ class Forked(subprocess.Popen):  # type: ignore[type-arg]
             asked[name] if asked[name] != -1 else own for own, name in enumerate(("p2cread", "c2pwrite", "errwrite"))
         ]
         request = {
-            "module": words[2],
-            "arguments": words[3:],
+            "words": words[1:],
             "folder": os.fspath(asked["cwd"] or Path.cwd()),
             "environment": environment,
             "session": bool(asked["start_new_session"]),
@@ -78,7 +80,11 @@ class Forked(subprocess.Popen):  # type: ignore[type-arg]
 
     @staticmethod
     def _ours(words: list[str]) -> bool:
-        return len(words) > 2 and words[:2] == [sys.executable, "-m"] and words[2].split(".")[0] in OURS
+        if len(words) < 2 or words[0] != sys.executable:
+            return False
+        if words[1] in ("-m", "-c"):
+            return len(words) > 2 and (words[2].split(".")[0] in OURS if words[1] == "-m" else ENTRY in words[2])
+        return words[1].endswith(".py") and Path(words[1]).is_absolute() and Path(words[1]).is_relative_to(TESTS)
 
 
 def _alike(environment: dict[str, str]) -> bool:
@@ -196,17 +202,29 @@ def _become(request: dict[str, Any]) -> Any:
     sys.stdout = open(1, "w", buffering=1 if os.isatty(1) else -1, closefd=False)  # noqa: SIM115
     sys.stderr = open(2, "w", buffering=1, errors="backslashreplace", closefd=False)  # noqa: SIM115
     sys.__stdin__, sys.__stdout__, sys.__stderr__ = sys.stdin, sys.stdout, sys.stderr
+    return _program(*request["words"])
+
+
+def _program(first: str, *rest: str) -> Any:
+    """Return what ``python first rest`` runs: its code, and the space of the module that it is to be."""
+    main = ModuleType("__main__")
+    main.__dict__["__builtins__"] = __builtins__
+    sys.modules["__main__"] = main
+    if first == "-c":
+        sys.path[0], sys.argv = "", ["-c", *rest[1:]]
+        return compile(rest[0], "<string>", "exec"), main.__dict__
+    if first != "-m":
+        sys.path[0], sys.argv = str(Path(first).parent), [first, *rest]
+        main.__file__ = first
+        return compile(Path(first).read_bytes(), first, "exec"), main.__dict__
     sys.path[0] = str(Path.cwd())
-    name = request["module"]
+    name = rest[0]
     spec = importlib.util.find_spec(name)
     if spec is not None and spec.submodule_search_locations is not None:
         spec = importlib.util.find_spec(f"{name}.__main__")
     assert spec is not None and spec.loader is not None, name
-    main = ModuleType("__main__")
     main.__spec__, main.__file__, main.__loader__, main.__package__ = spec, spec.origin, spec.loader, spec.parent
-    main.__dict__["__builtins__"] = __builtins__
-    sys.modules["__main__"] = main
-    sys.argv = [str(spec.origin), *request["arguments"]]
+    sys.argv = [str(spec.origin), *rest[1:]]
     return spec.loader.get_code(spec.name), main.__dict__  # type: ignore[attr-defined]
 
 
