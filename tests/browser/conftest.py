@@ -12,7 +12,7 @@ No test beside these may use asyncio in its own thread.
 
 import pytest
 
-from browsing import FLAGS, Profile, chromium
+from browsing import FLAGS, PATIENCE_S, Profile, chromium
 
 
 @pytest.fixture(scope="package")
@@ -20,8 +20,9 @@ def browser():
     executable = chromium()
     if executable is None:
         pytest.skip("needs a browser: apt-get install chromium (or CHROMIUM=path)")
-    from playwright.sync_api import sync_playwright
+    from playwright.sync_api import expect, sync_playwright
 
+    expect.set_options(timeout=1000 * PATIENCE_S)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=executable, args=list(FLAGS))
         yield browser

@@ -68,10 +68,10 @@ class Pass:
 
 
 PASSES = (
-    Pass(("pure", "lockstep", "process"), workers=3, ignored=("tests/realtime", "tests/browser")),
+    Pass(("pure", "lockstep", "process"), workers=4, ignored=("tests/realtime", "tests/browser")),
     Pass(("realtime",), workers=5, paths=("tests/realtime", "tests/interop"), niceness=-10),
     Pass(("alone",), workers=0, paths=("tests/realtime", "tests/interop"), niceness=-10),
-    Pass(("browser",), workers=2, paths=("tests/browser",), niceness=-10),
+    Pass(("browser",), workers=3, paths=("tests/browser",), niceness=-10),
 )
 
 
