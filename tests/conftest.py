@@ -35,11 +35,18 @@ def pytest_collection():
     gc.disable()
 
 
-def pytest_collection_finish():
-    """From now on the garbage collector looks only at what the tests make."""
+def pytest_collection_finish(session):
+    """From now on the garbage collector looks only at what the tests make, and no import makes a test late.
+
+    Workers begin when all of them have collected.
+    """
     gc.collect()
     gc.freeze()
     gc.enable()
+    if not session.config.option.collectonly and any(
+        item.get_closest_marker(lane) for item in session.items for lane in lanes.TIMED["realtime"]
+    ):
+        fork_server.begin()
 
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses

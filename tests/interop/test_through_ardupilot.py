@@ -56,7 +56,7 @@ def explored(ground):
     """The ground station after an exploration that was not disturbed."""
     before, said = len(ground.of("COMMAND_ACK")), len(ground.texts())
     ground.command(EXPLORE, system=SYSTEM)
-    assert ground.wait("COMMAND_ACK", over, 60, before).result == ACCEPTED
+    assert ground.wait("COMMAND_ACK", over, 60, before).result == ACCEPTED, ground.texts()
     assert not [text for text in ground.texts()[said:] if LATE in text]
     return ground
 

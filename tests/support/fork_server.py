@@ -51,6 +51,12 @@ def install() -> None:
         subprocess.Popen = Forked  # type: ignore[misc]
 
 
+def begin() -> None:
+    """Start the server, if there is to be one, and wait until it has imported everything."""
+    if subprocess.Popen is Forked:
+        _server().wait()
+
+
 class Forked(subprocess.Popen):  # type: ignore[type-arg]
     """A process as `subprocess` knows it; forked, where that makes no difference."""
 
@@ -108,10 +114,16 @@ class Server:
         with theirs:
             self._process = _popen(command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL)
         atexit.register(self.close)
+        self._ready = False
+
+    def wait(self) -> None:
+        """Wait until it can fork."""
+        self._ready = self._ready or bool(self._ours.recv(64))
 
     def fork(self, request: dict[str, Any], streams: list[int]) -> int:
         """Have a process forked that runs what is asked for with these standard streams; return its number."""
         descriptors = array.array("i", streams)
+        self.wait()
         data = json.dumps(request).encode()
         self._ours.sendmsg([data], [(socket.SOL_SOCKET, socket.SCM_RIGHTS, descriptors)])
         return int(self._ours.recv(64))
@@ -254,7 +266,9 @@ def _run(code: Any, space: dict[str, Any]) -> None:
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the one of the tests ends them, and us
     _load()
-    asked = serve(socket.socket(fileno=int(sys.argv[1])))
+    control = socket.socket(fileno=int(sys.argv[1]))
+    control.send(b"ready")
+    asked = serve(control)
     if asked is not None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         _run(*_become(asked))
