@@ -44,7 +44,7 @@ def pytest_collection_finish(session):
     gc.freeze()
     gc.enable()
     if not session.config.option.collectonly and any(
-        item.get_closest_marker(lane) for item in session.items for lane in lanes.TIMED["realtime"]
+        item.get_closest_marker(lane) for item in session.items for lane in sum(lanes.TIMED.values(), ())
     ):
         fork_server.begin()
 
