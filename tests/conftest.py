@@ -49,11 +49,18 @@ def pytest_collection():
     gc.disable()
 
 
-def pytest_collection_finish():
-    """From now on the garbage collector looks only at what the tests make."""
+def pytest_collection_finish(session):
+    """From now on the garbage collector looks only at what the tests make, and no import makes a test late.
+
+    Workers begin when all of them have collected.
+    """
     gc.freeze()
     gc.set_threshold(*COLLECTED)
     gc.enable()
+    if not session.config.option.collectonly and any(
+        item.get_closest_marker(lane) for item in session.items for lane in sum(lanes.TIMED.values(), ())
+    ):
+        fork_server.begin()
 
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses
@@ -66,6 +73,7 @@ def pytest_collection_modifyitems(items):
             item.add_marker(lane_of(item.path, markers, imports(getattr(item, "module", None))))
         except ValueError as error:
             raise pytest.UsageError(f"{item.nodeid}: {error}") from error
+    items.sort(key=lambda item: lanes.begins(item.path))
 
 
 @pytest.fixture(scope="session", autouse=True)

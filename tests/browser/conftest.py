@@ -12,14 +12,7 @@ No test beside these may use asyncio in its own thread.
 
 import pytest
 
-from browsing import FLAGS, Profile, chromium
-
-LONGEST = "test_whole_mission"
-
-
-def pytest_collection_modifyitems(items):
-    """Begin with what takes longest, so that nobody waits for it in the end."""
-    items.sort(key=lambda item: item.path.stem != LONGEST)
+from browsing import FLAGS, PATIENCE_S, Profile, chromium
 
 
 @pytest.fixture(scope="package")
@@ -27,8 +20,9 @@ def browser():
     executable = chromium()
     if executable is None:
         pytest.skip("needs a browser: apt-get install chromium (or CHROMIUM=path)")
-    from playwright.sync_api import sync_playwright
+    from playwright.sync_api import expect, sync_playwright
 
+    expect.set_options(timeout=1000 * PATIENCE_S)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=executable, args=list(FLAGS))
         yield browser

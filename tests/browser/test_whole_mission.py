@@ -39,7 +39,6 @@ def heard(process, words):
 
 def payload(open_page, url):
     page = open_page(f"{url}#/payload/1-191")
-    page.set_default_timeout(60_000)
     page.locator(".payload-title .state").wait_for()
     return page
 

@@ -41,8 +41,8 @@ WHERE = [
      "needs root, a Raspberry Pi, or systemd as the first process"),
     (r"/opt/ross/bin/python ", ELSEWHERE, "tests/dist/test_wheel.py"),
     (r"ross sitl --serve|ross ground( udpin.*)?$|ross monitor|ross mavproxy|ross autopilot|ross world demo --pcm"
-     r"|ross enroll arthur|ross sitl --speed 1", ELSEWHERE, "tests/realtime/test_documented_pairs.py"),
-    (r"ross run", ELSEWHERE, "tests/realtime/test_documented_pairs.py"),
+     r"|ross enroll arthur|ross sitl --speed 1", ELSEWHERE, "tests/process/test_documented_pairs.py"),
+    (r"ross run", ELSEWHERE, "tests/process/test_documented_pairs.py"),
     (r"ross ground --host", ELSEWHERE, "tests/browser/test_ground_page.py"),
     (r"ross ground --map", ELSEWHERE, "tests/browser/test_map.py"),
     (r"(mkdir|cp) .*dronecan_vendor_specific_types", ELSEWHERE, "tests/interop/test_dronecan_vendor_types.py"),

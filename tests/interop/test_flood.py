@@ -20,18 +20,21 @@ from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.values import Audio, Heartbeat
 from waiting import wait_for
 
+pytestmark = pytest.mark.alone
 ACCEPTED = 0  # MAV_RESULT
 STOP = 54004
 FLOOD = 30_000  # frames/s
 RATE, PIECE = 16000, 320  # [Hz], samples
 ENDLESS = """
-import socket, sys, time
+import signal, socket, sys, time
+over = []
+signal.signal(signal.SIGTERM, lambda number, frame: over.append(number))
 frames, (host, port) = open(sys.argv[1], "rb").read().split(b"|||"), sys.argv[2].split(":")
 rate = float(sys.argv[4])
 count, burst = float(sys.argv[3]) * rate, 50
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
     begin, sent = time.monotonic(), 0
-    while sent < count:
+    while sent < count and not over:
         for _ in range(burst):
             sock.sendto(frames[sent % len(frames)], (host, int(port)))
             sent += 1
@@ -132,7 +135,7 @@ def flooded(payload, ground, port, frames, seconds):
     """Flood; return how many messages came a second, the longest time without a heartbeat, and the samples lost."""
     preferred(payload.process.pid)
     command = [sys.executable, "-c", ENDLESS, frames, f"127.0.0.1:{port}", str(seconds), "5000"]
-    until_heard(ground, 3)
+    until_heard(ground, 2)
     lost, begun = ground.audio[-1].lost, time.monotonic()
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as peer:
         while peer.poll() is None:
@@ -238,6 +241,7 @@ def stopped(ross_run, free_port, tmp_path):
                 for _ in range(count):
                     times.append(pilot.answered(STOP, **{"patience": 1.0} | again))
                     time.sleep(0.1)
+                peer.terminate()
                 rate = float(peer.communicate()[0])
         heard = sorted(passed for passed in times if passed is not None)
         where = "on the same link" if on_the_same_link else "on another link"

@@ -19,6 +19,7 @@ from ross_payload.mavlink import Router
 from ross_payload.pointing import Pointing
 from ross_payload.telemetry.component import Telemetry
 
+pytestmark = pytest.mark.process
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "ground-stations.md"
 HOP = Input(AudioBlock(np.zeros((2, 160), np.float32), 0, 0.0), 0.0, Pointing(), settled=True, attitude=Attitude(0.0))
 SOURCES = tuple(SourceEstimate(np.radians(azimuth), 0.02, 0.9, resolved=True) for azimuth in (-80.0, 40.0))

@@ -16,6 +16,7 @@ import pytest
 
 from waiting import wait_for
 
+pytestmark = pytest.mark.alone
 PAYLOAD = Path(__file__).with_name("live_payload.py")
 SUPPORT = Path(__file__).parents[1] / "support"
 PULSE_PLUGIN = "libasound_module_pcm_pulse.so"

@@ -8,6 +8,7 @@ import pytest
 from mavproxy_prompt import mavproxy
 from waiting import wait_for
 
+pytestmark = pytest.mark.process
 MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
 LAUNCHER = "runpy"  # what tells its block of the guide from others
 

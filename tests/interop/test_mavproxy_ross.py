@@ -8,6 +8,7 @@ import pytest
 
 from mavproxy_prompt import mavproxy, need_mavproxy
 
+pytestmark = pytest.mark.process
 SCENARIO = """
 title = "a payload under a vehicle"
 [payload.telemetry]

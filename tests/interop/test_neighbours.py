@@ -9,6 +9,7 @@ from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.values import DIALECT_VERSION, Information
 from waiting import wait_for
 
+pytestmark = pytest.mark.process
 LOOPBACK = "127.0.0.1"
 STOP = 54004
 ACCEPTED = 0

@@ -1,6 +1,7 @@
 """Players of others, on real sockets: what they play, and how late it comes out of them."""
 
 import shutil
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
@@ -11,27 +12,41 @@ from rtp_players import Player, delay_of, ffmpeg, found_in, gstreamer, in_use
 from voice_sender import RATE, ear, opened, talking
 from waiting import wait_for
 
+pytestmark = pytest.mark.alone
 VOICE = voiced(30.0, RATE) + 0.01 * np.random.default_rng(1).standard_normal(30 * RATE).astype(np.float32)
-SECONDS = 6.0  # that are played
+SECONDS = 3.0  # that are played
 
 
-@pytest.mark.parametrize("codec", ["opus", "L16"])
-@pytest.mark.parametrize("player", [ffmpeg, gstreamer], ids=lambda player: player.__name__)
-def test_a_player_of_others_plays_it_at_once(tmp_path, player, codec):
+CASES = [(player, codec) for player in (ffmpeg, gstreamer) for codec in ("opus", "L16")]
+
+
+@pytest.fixture(scope="module")
+def heard(tmp_path_factory):
+    """What each player makes of a stream of its own, at the same time: when the voice began, and `Player.end`."""
+    with ExitStack() as stack:
+        sinks, playing = {}, {}
+        for player, codec in CASES:
+            if shutil.which(player("", 0, codec)[0]) is None:
+                continue
+            folder = tmp_path_factory.mktemp(f"{player.__name__}-{codec}")
+            with ear() as sock:
+                port = sock.getsockname()[1]
+            sinks[player, codec] = sink = stack.enter_context(opened(port, folder, codec=codec))
+            (folder / "voice.sdp").write_text(info_of(sink).sdp)
+            playing[player, codec] = one = Player(player(str(folder / "voice.sdp"), port, codec))
+            stack.callback(one.end)
+            wait_for(lambda port=port: in_use(port))
+        began = {case: stack.enter_context(talking(sink, VOICE)) for case, sink in sinks.items()}
+        wait_for(lambda: all(one.seconds > SECONDS for one in playing.values()))
+        yield {case: (began[case], *one.end()) for case, one in playing.items()}
+
+
+@pytest.mark.parametrize(("player", "codec"), CASES, ids=[f"{player.__name__}-{codec}" for player, codec in CASES])
+def test_a_player_of_others_plays_it_at_once(heard, player, codec):
     command = player("voice.sdp", 0, codec)[0]
-    if shutil.which(command) is None:
+    if (player, codec) not in heard:
         pytest.skip(f"{command} is missing; see tests/support/debian_packages.sh")
-    with ear() as sock:
-        port = sock.getsockname()[1]
-    with opened(port, tmp_path, codec=codec) as sink:
-        (tmp_path / "voice.sdp").write_text(info_of(sink).sdp)
-        playing = Player(player(str(tmp_path / "voice.sdp"), port, codec))
-        try:
-            wait_for(lambda: in_use(port))
-            with talking(sink, VOICE) as began:
-                wait_for(lambda: playing.seconds > SECONDS)
-        finally:
-            samples, times, counts = playing.end()
+    began, samples, times, counts = heard[player, codec]
     place, quality = found_in(VOICE, samples)
     delay = delay_of(place, began, samples, times, counts)
     print(f"{command} {codec}: {quality:.1f} dB, {1000 * delay:.0f} ms after the microphone")  # noqa: T201 - the figure

@@ -11,6 +11,7 @@ import soundfile
 
 from pulse_rig import HOME, REARM, SEPARATING, Rig, busy_loops
 
+pytestmark = pytest.mark.alone
 ACCEPTED = 0  # MAV_RESULT
 RATE = 16000
 SAFE_MS = 100

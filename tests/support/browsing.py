@@ -29,6 +29,7 @@ FLAGS = (
 )
 CHANGED = "ERR_NETWORK_CHANGED"
 TRIES = 5
+PATIENCE_S = 60.0  # with a computer that is busy: far beyond what anything needs
 FIRST_PAUSE, LONGEST_PAUSE = 10.0, 100.0  # [ms] between two looks
 DUE_FRAMES = 5
 FRAMES = """async (count) => {
@@ -54,7 +55,7 @@ class Profile:
 
     def __init__(self, browser: Any) -> None:
         self.context = browser.new_context(service_workers="block")
-        self.context.set_default_timeout(15_000)
+        self.context.set_default_timeout(1000 * PATIENCE_S)
         self._kept = self.context.new_page()
         self._kept.route(
             "**/*", lambda route: route.fulfill(body="<title>stays open</title>", content_type="text/html")
@@ -144,7 +145,7 @@ class Watched:
             self.errors.append(f"{message.text} ({message.location.get('url', '')})")
 
 
-def eventually(page: Any, claim: Callable[[], Any], patience: float = 20.0) -> None:
+def eventually(page: Any, claim: Callable[[], Any], patience: float = PATIENCE_S) -> None:
     """Let the page work until a claim holds; fail when it never does."""
     end, pause = time.monotonic() + patience, FIRST_PAUSE
     while not claim():

@@ -94,12 +94,12 @@ class Driver:
 
 
 @contextmanager
-def driver(told: dict[str, Any], pump: bool = True, **options: Any) -> Iterator[Driver]:
-    """Open the driver that fits what a device has told."""
+def driver(told: dict[str, Any], pump: bool = True, watchdog_s: float = 0.5, **options: Any) -> Iterator[Driver]:
+    """Open the driver that fits what a device has told; feedback older than ``watchdog_s`` is a fault."""
     links = [{"url": told["wire"], "role": "autopilot"}] if told["kind"] == "mavlink_gimbal" else []
     port = {} if links else {"port": told["wire"]}
     actuator = {"kind": told["kind"], "options": port | options}
-    config = Config.model_validate({"actuator": actuator, "links": links})
+    config = Config.model_validate({"actuator": actuator, "links": links, "guard": {"watchdog_s": watchdog_s}})
     clock = SystemClock()
     with ExitStack() as stack:
         hub = stack.enter_context(Router.open(config.links, clock))

@@ -17,7 +17,6 @@ import time
 from contextlib import suppress
 from dataclasses import replace
 from itertools import count
-from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from emulated_hand import Hand
@@ -193,7 +192,7 @@ class FleetBench:
         self._command = [sys.executable, __file__, f"udpout:127.0.0.1:{port}", *options]
 
     def __enter__(self):
-        environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent), "OMP_NUM_THREADS": "1"}
+        environment = {**os.environ, "OMP_NUM_THREADS": "1"}
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(self._command, stdin=pipe, stdout=pipe, text=True, env=environment)
         return self

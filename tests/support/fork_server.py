@@ -3,14 +3,15 @@
 A test starts ``python -m ross_payload.cli ...`` by `subprocess`, as anybody would; most of what follows is import. So
 `install` lets `subprocess.Popen` look whether the program is one of ours, and if so ask a server for it: a process
 without threads that has imported the project's modules, forks, and lets the fork run the module as ``__main__`` with
-the arguments, folder, environment and standard streams that were asked for. So it does with ``python -c``, if the
-program names one of our packages and does not care what is imported already (`sys.modules`). The new process is a child
-of the test (`PR_SET_CHILD_SUBREAPER`, prctl(2)): it is waited for and signalled like any other.
+the arguments, folder, environment and standard streams that were asked for. So it does with a script of ``tests``, and
+with ``python -c``, if the program names one of our packages and does not care what is imported already (`sys.modules`).
+The new process is a child of the test (`PR_SET_CHILD_SUBREAPER`, prctl(2)): it is waited for and signalled like any
+other.
 
 Whatever a fork could not do alike is started as usual: other users, process groups, ``preexec_fn``, inherited file
 descriptors, and environments which differ in what is read while a program starts (`AT_START`), but for the places of
-modules, PYTHONPATH, which a fork looks at again. Two forks share the seed
-of Python's hashes, but neither shares that of the test.
+modules, PYTHONPATH, which a fork looks at again. Two forks share the seed of Python's hashes, but neither shares that
+of the test.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ UNUSED = ("ross_sim.study.train", "ross_sim.study.baselines")
 SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER
 PLACES = "PYTHONPATH"
 UNALIKE = ("preexec_fn", "pass_fds", "shell", "gid", "gids", "uid", "process_group", "executable")
+TESTS = Path(__file__).resolve().parents[1]
 LONGEST = 1 << 20  # bytes of one request
 
 
@@ -49,6 +51,12 @@ def install() -> None:
     """Let `subprocess` fork the programs of this project from a server that is started with the first of them."""
     if sys.platform == "linux":
         subprocess.Popen = Forked  # type: ignore[misc]
+
+
+def begin() -> None:
+    """Start the server, if there is to be one, and wait until it has imported everything."""
+    if subprocess.Popen is Forked:
+        _server().wait()
 
 
 class Forked(subprocess.Popen):  # type: ignore[type-arg]
@@ -80,7 +88,7 @@ class Forked(subprocess.Popen):  # type: ignore[type-arg]
 
 
 def _program(words: list[str]) -> dict[str, Any] | None:
-    """What is asked for, a module or a code and its arguments, or None when it is none of ours."""
+    """What is asked for, a module, a code or a script and its arguments, or None when it is none of ours."""
     if words[:1] != [sys.executable]:
         return None
     unbuffered = words[1:2] == ["-u"]
@@ -90,6 +98,8 @@ def _program(words: list[str]) -> dict[str, Any] | None:
         return asked | {"module": what}
     if how == "-c" and any(name in what for name in OURS) and "sys.modules" not in what:
         return asked | {"code": what}
+    if how.endswith(".py") and Path(how).is_absolute() and Path(how).is_relative_to(TESTS):
+        return asked | {"script": how, "arguments": words[2 + unbuffered :]}
     return None
 
 
@@ -114,10 +124,16 @@ class Server:
         with theirs:
             self._process = _popen(command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL)
         atexit.register(self.close)
+        self._ready = False
+
+    def wait(self) -> None:
+        """Wait until it can fork."""
+        self._ready = self._ready or bool(self._ours.recv(64))
 
     def fork(self, request: dict[str, Any], streams: list[int]) -> int:
         """Have a process forked that runs what is asked for with these standard streams; return its number."""
         descriptors = array.array("i", streams)
+        self.wait()
         data = json.dumps(request).encode()
         self._ours.sendmsg([data], [(socket.SOL_SOCKET, socket.SCM_RIGHTS, descriptors)])
         return int(self._ours.recv(64))
@@ -211,7 +227,8 @@ def _become(request: dict[str, Any]) -> Any:
     sys.stderr = open(2, "w", buffering=1, errors="backslashreplace", closefd=False)  # noqa: SIM115
     sys.__stdin__, sys.__stdout__, sys.__stderr__ = sys.stdin, sys.stdout, sys.stderr
     places = os.environ.get(PLACES, "")
-    sys.path[:] = [str(Path.cwd()), *filter(None, places.split(os.pathsep))] + [
+    first = str(Path(request["script"]).parent if "script" in request else Path.cwd())
+    sys.path[:] = [first, *filter(None, places.split(os.pathsep))] + [
         place for place in sys.path[1:] if place not in before
     ]
     return _main_module(request)
@@ -225,6 +242,10 @@ def _main_module(request: dict[str, Any]) -> Any:
     if "code" in request:
         sys.argv = ["-c", *request["arguments"]]
         return compile(request["code"], "<string>", "exec"), main.__dict__
+    if "script" in request:
+        main.__file__ = request["script"]
+        sys.argv = [request["script"], *request["arguments"]]
+        return compile(Path(request["script"]).read_bytes(), request["script"], "exec"), main.__dict__
     name = request["module"]
     spec = importlib.util.find_spec(name)
     if spec is not None and spec.submodule_search_locations is not None:
@@ -261,7 +282,9 @@ def _run(code: Any, space: dict[str, Any]) -> None:
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the one of the tests ends them, and us
     _load()
-    asked = serve(socket.socket(fileno=int(sys.argv[1])))
+    control = socket.socket(fileno=int(sys.argv[1]))
+    control.send(b"ready")
+    asked = serve(control)
     if asked is not None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         _run(*_become(asked))

@@ -63,7 +63,6 @@ def sees(page, words, selector="body"):
 def watch(open_page, url, who="1-191", **options):
     """Open a payload's page and wait for its picture."""
     page = open_page(f"{url}#/payload/{who}", **options)
-    page.set_default_timeout(60_000)
     page.locator(".hero .scope").wait_for()
     page.locator("table.sources").wait_for()
     return page

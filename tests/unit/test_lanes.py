@@ -17,7 +17,9 @@ from lanes import TESTS, imports_of, lane_of
         ("unit/test_homing.py", ["lockstep"], ["threading"], "lockstep"),
         ("contract/test_port.py", [], [], "lockstep"),
         ("dist/test_wheel.py", [], ["subprocess"], "process"),
+        ("process/test_run.py", [], [], "process"),
         ("interop/test_mavsdk.py", [], [], "realtime"),
+        ("realtime/test_stop_latency.py", ["alone"], [], "alone"),
         ("interop/test_c_headers.py", ["process", "soak"], [], "process"),
         ("browser/test_map.py", [], [], "browser"),
     ],
@@ -36,6 +38,8 @@ def test_examples_in_docstrings_are_pure():
         ("strange/test_it.py", [], "no lane"),
         ("unit/test_it.py", ["pure", "lockstep"], "two lanes"),
         ("unit/test_it.py", ["realtime"], "lies in interop, realtime"),
+        ("browser/test_it.py", ["alone"], "lies in interop, realtime"),
+        ("realtime/test_it.py", ["process"], "expected realtime or alone, as all of tests/realtime"),
         ("realtime/test_it.py", ["browser"], "lies in browser"),
         ("browser/test_it.py", ["process"], "expected browser, as all of tests/browser"),
     ],
@@ -48,6 +52,13 @@ def test_a_test_without_a_lane_or_with_two_or_in_the_wrong_place_is_refused(plac
 def test_what_a_module_has_imported_is_known_by_the_names_of_modules():
     assert imports_of(SimpleNamespace(pytest=pytest, lane_of=lane_of, number=3)) == {"pytest", "lanes"}
     assert imports_of(None) == set()
+
+
+def test_what_takes_long_begins():
+    known = {path.stem for path in TESTS.rglob("test_*.py")}
+    assert set(lanes.FIRST) <= known
+    places = [lanes.begins(TESTS / "interop" / f"{name}.py") for name in (*lanes.FIRST, "test_short")]
+    assert places == sorted(set(places))
 
 
 def test_every_lane_runs_in_one_pass():

@@ -1,133 +1,25 @@
 """``ross monitor`` as a process: on a terminal, on a pipe, beside emulated payloads."""
 
-import fcntl
 import json
 import os
-import pty
 import re
-import select
 import signal
-import socket
-import struct
 import subprocess
-import sys
-import termios
-import threading
-import time
 from contextlib import contextmanager
 
 import pytest
 
-from emulated_scene import full
 from fleet_bench import FleetBench
+from monitor_bench import MONITOR, TIMEOUT_S, speaking, terminal
 from ports import free_port
-from ross_protocols.mavlink.codec import Encoder
-from ross_protocols.mavlink.tunnel import Wrapper
-from ross_protocols.mavlink.values import Heartbeat
 
-MONITOR = (sys.executable, "-m", "ross_payload.cli", "monitor")
-TIMEOUT_S = 30.0  # [s]
-ESCAPES = re.compile(rb"\x1b\[[0-9;?]*[A-Za-z]")
 COLOURS = re.compile(rb"\x1b\[[0-9;]*3[0-7]m")
-HOME, LEFT = b"\x1b[H", b"\x1b[?1049l"
+LEFT = b"\x1b[?1049l"
 
 
 @pytest.fixture
 def port():
     return free_port()
-
-
-class Terminal:
-    """A pseudo terminal with ``ross monitor`` in it."""
-
-    def __init__(self, file, process):
-        self._file, self.process = file, process
-        self.data = b""
-
-    def resize(self, columns, rows):
-        fcntl.ioctl(self._file, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
-
-    def type(self, keys):
-        os.write(self._file, keys)
-
-    def read(self):
-        """Take what it has drawn."""
-        while select.select([self._file], [], [], 0.05)[0]:
-            try:
-                data = os.read(self._file, 65536)
-            except OSError:  # it has gone
-                return
-            self.data += data
-
-    @property
-    def screen(self):
-        """The latest picture that is whole."""
-        self.read()
-        pictures = self.data.split(HOME)
-        whole = pictures[-2] if len(pictures) > 1 else b""
-        return ESCAPES.sub(b"", whole).decode().replace("\r\n", "\n")
-
-    def until(self, seen, seconds=TIMEOUT_S):
-        """Wait until the picture is so; return it."""
-        end = time.monotonic() + seconds
-        while not seen(screen := self.screen):
-            assert self.process.poll() is None and time.monotonic() < end, screen or self.data
-        return screen
-
-    def shows(self, *words, seconds=TIMEOUT_S):
-        return self.until(lambda screen: all(word in screen for word in words), seconds)
-
-    def ended(self):
-        """The exit code."""
-        end = time.monotonic() + TIMEOUT_S
-        while self.process.poll() is None:
-            assert time.monotonic() < end, self.data[-2000:]
-            self.read()
-        self.read()
-        return self.process.returncode
-
-    def settings(self):
-        return termios.tcgetattr(self._file)
-
-
-@contextmanager
-def terminal(*arguments, size=(80, 24), **more):
-    master, slave = pty.openpty()
-    environment = {**os.environ, "TERM": "xterm-256color", "PYTHONIOENCODING": "utf-8", **more}
-    for name in ("COLUMNS", "LINES", "NO_COLOR", "FORCE_COLOR"):
-        environment.pop(name, None) if name not in more else None
-    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", size[1], size[0], 0, 0))
-    command = ["setsid", "--ctty", *MONITOR, *arguments]  # keys that are signals reach it, as in a true terminal
-    process = subprocess.Popen(command, stdin=slave, stdout=slave, stderr=slave, env=environment)
-    try:
-        yield Terminal(master, process)
-    finally:
-        process.kill()
-        process.wait()
-        os.close(master)
-        os.close(slave)
-
-
-@contextmanager
-def speaking(port, tunnelled=False):
-    """A payload that repeats everything, in TUNNEL or not, until the end."""
-    encoder, wrapper, over = Encoder(1, 191), Wrapper(1, 191), threading.Event()
-
-    def speak():
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as voice:
-            while not over.wait(0.2):
-                for value in full(30.0, 3, 1):
-                    ours = tunnelled and not isinstance(value, Heartbeat)
-                    frame = encoder.encode(wrapper.wrap(value) if ours and _is_ours(value) else value)
-                    voice.sendto(frame, ("127.0.0.1", port))
-
-    thread = threading.Thread(target=speak)
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
 
 
 @contextmanager
@@ -145,12 +37,6 @@ def lines_of(*arguments):
             process.wait()
             process.stdout.close()
     assert code == 0
-
-
-def _is_ours(value):
-    from ross_protocols.mavlink.codec import message_of
-
-    return message_of(value).get_type().startswith("ROSS_")
 
 
 def run(*arguments, **environment):
@@ -203,17 +89,6 @@ def test_keys_end_it(port, key):
         screen.type(key)
         assert screen.ended() == 0
         assert screen.settings() == before
-
-
-def test_link_loss_is_shown_within_three_seconds_and_recovery_too(port):
-    with terminal(f"udpin:127.0.0.1:{port}") as screen:
-        with speaking(port):
-            screen.shows("last telemetry 0.")
-        lost = time.monotonic()
-        screen.shows("NO TELEMETRY FOR")
-        assert time.monotonic() - lost < 3.5
-        with speaking(port):
-            screen.shows("last telemetry 0.")
 
 
 def test_it_follows_the_size_of_the_terminal(port):

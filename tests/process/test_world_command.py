@@ -1,0 +1,41 @@
+"""`ross world` as its user starts it: addresses, truth, mistakes."""
+
+import json
+import signal
+import subprocess
+import sys
+
+import pytest
+
+
+def test_a_world_that_nobody_listens_to_ends_cleanly_with_a_truth_of_nothing(tmp_path):
+    out, voice = tmp_path / "out", tmp_path / "voice.wav"
+    command = [sys.executable, "-m", "ross_payload.cli", "world", "one-talker", "--json"]
+    command += ["--out", out, "--enrolment", voice]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as world:
+        told = json.loads(world.stdout.readline())
+        world.send_signal(signal.SIGINT)
+        _, err = world.communicate(timeout=60)
+    assert (world.returncode, err) == (0, "")
+    assert told["wire"].startswith("pulses:tcp:127.0.0.1:")
+    truth = json.loads((out / "truth.json").read_text())
+    assert (truth["samples"], truth["began_s"], len(truth["talkers"])) == (0, None, 1)
+    assert voice.stat().st_size > 100_000
+
+
+BAD = {
+    "expected tcp:HOST:PORT": ["--pcm", "udp:127.0.0.1:1"],
+    "--wire: expected pulses": ["--wire", "ideal:tcp:127.0.0.1:0"],
+    "not a named pipe": ["--pipe", __file__],
+    "unknown": ["party"],
+    "expected a scenario without one": ["drone-yaw"],
+    "cannot listen": ["--pcm", "tcp:192.0.2.1:0"],
+}
+
+
+@pytest.mark.parametrize("words", BAD)
+def test_what_a_world_cannot_do_is_one_line_and_exit_code_2(run, words):
+    code, out, err = run("world", *BAD[words])
+    assert (code, out) == (2, "")
+    assert words in err
+    assert err.count("\n") == 1
