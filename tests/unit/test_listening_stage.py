@@ -200,6 +200,16 @@ def test_what_was_learnt_at_this_heading_is_learnt_on_and_taken_over():
     assert bench.separator.lessons[len(before)][1] is None  # at another heading nothing is known
 
 
+def test_after_two_seconds_at_a_heading_it_is_learnt_half_as_often():
+    bench = Bench({0: source(0)}, learn_s=0.25)
+    bench.know()
+    bench.hear(2.0)
+    early = len(bench.separator.lessons)
+    bench.hear(4.0)
+    assert early == pytest.approx(6, abs=1)  # the first one after half a second
+    assert len(bench.separator.lessons) - early == pytest.approx(8, abs=1)
+
+
 def click(samples, low=1.0):
     """The largest second difference of a signal, relative to what a tone of 440 Hz of amplitude 1 has."""
     return np.abs(np.diff(samples, 2)).max() / (low * (2 * np.pi * 440 / RATE) ** 2)
