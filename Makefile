@@ -55,7 +55,7 @@ clean:
 	rm -rf $(VENV) out docs/_build dist build
 
 $(VENV)/.demo: pyproject.toml constraints.txt | $(BIN)/python
-	$(PIP) --editable '.[sim,ground]'
+	$(PIP) --editable '.[sim,ground,stream]'
 	@touch $@
 
 $(VENV)/.dev: pyproject.toml constraints.txt | $(BIN)/python

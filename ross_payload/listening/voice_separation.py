@@ -17,6 +17,8 @@ from ross_payload.listening.learning import Learner, Lesson
 from ross_payload.listening.scene_tracker import Placement
 
 LEAST_S = 0.5  # of audio from which anything is learnt
+EARLY_S = 2.0  # of a stretch, after which there is less to be learnt anew
+LATER = 2  # periods of learning from one time to the next by then
 LEAD_IN_S = 4.0  # of the noise that is kept
 JUDGED_S = 2.0  # of what comes after the lead-in, by which is told whether that was quiet
 
@@ -44,6 +46,7 @@ class VoiceSeparation:
         self._stft = stft
         self._config = config
         self._every = max(round(config.listening.learn_s / stft.period), 1)
+        self._early = round(EARLY_S / stft.period)
         self._least = max(round(LEAST_S / stft.period), 1)
         self._window: deque[Complex] = deque(maxlen=max(round(config.listening.window_s / stft.period), self._least))
         self._lead_in: deque[Complex] = deque(maxlen=round(LEAD_IN_S / stft.period))
@@ -102,7 +105,8 @@ class VoiceSeparation:
                 raise PluginError(outcome.fault)
             self._learnt = outcome.learnt
             self._state = self._separator.renewed(self._state, outcome.learnt)
-        enough = len(self._window) >= self._least and self._heard % self._every == 0
+        every = self._every if self._heard < self._early else LATER * self._every
+        enough = len(self._window) >= self._least and self._heard % every == 0
         if enough and self._learner.idle:
             window = np.stack(tuple(self._window), axis=-1)
             self._measure_noise(window)

@@ -80,13 +80,17 @@ def _settled(flipped: Real, weight: Real, matrices: Real, weights: Real) -> Real
     cross = np.maximum(matrices @ flipped, 1e-5)
     likely = determinant(matrices)[..., None] / cross**2
     shares = np.full((len(weights), *likely.shape[1:]), 1 / likely.shape[1], likely.dtype)
+    whole = len(likely) // BLOCK  # blocks of full length: done all at once
+    parts = [(slice(0, whole), slice(0, whole * BLOCK), BLOCK)] * (whole > 0)
+    parts += [(slice(whole, whole + 1), slice(whole * BLOCK, len(likely)), len(likely) - whole * BLOCK)] * (
+        len(likely) % BLOCK > 0
+    )
     for reach in SETTLE:
         sums = np.empty_like(shares)
-        for index in range(len(shares)):
-            block = slice(index * BLOCK, (index + 1) * BLOCK)
-            given = shares[index] * likely[block]
-            given *= (weight[block] / given.sum(axis=1))[:, None]
-            sums[index] = given.sum(axis=0)
+        for blocks, bins, length in parts:
+            given = shares[blocks, None] * likely[bins].reshape(-1, length, *likely.shape[1:])
+            given *= weight[bins].reshape(-1, length, 1, weight.shape[1]) / given.sum(axis=2, keepdims=True)
+            sums[blocks] = given.sum(axis=1)
         shares = _normed(sums, weights, reach)
     return shares
 

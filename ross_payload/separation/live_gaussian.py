@@ -166,11 +166,20 @@ def _fitted(state: State, noise: Real, floor: np.float32) -> Real:
     cross = np.einsum("tcf,kcf->tkf", state.observed, flipped)
     last, every = state.psds[:1], np.broadcast_to(noise, (len(cross), 1, noise.size))
     psds = np.concatenate([state.psds[1:], every], axis=1)
+    around = np.empty((len(psds) + 2, *last.shape[1:]), psds.dtype)
+    around[:1] = live_psds.averaged(last)
     for update in range(UPDATES):
         found = live_psds.updated(psds, cross, gram)
-        around = live_psds.averaged(np.concatenate([last, psds[:, :-1], psds[-1:, :-1]]))
-        smooth = (around[:-2] + around[1:-1] + around[2:]) * np.float32(1 / 3)
-        drawn = np.sqrt(found) * np.exp(np.float32(0.5 - TIED) * np.log(smooth)) * state.expected
+        around[1:-1] = live_psds.averaged(psds[:, :-1])
+        around[-1] = around[-2]
+        drawn = around[:-2] + around[1:-1]
+        drawn += around[2:]
+        drawn *= np.float32(1 / 3)
+        np.log(drawn, out=drawn)
+        drawn *= np.float32(0.5 - TIED)
+        np.exp(drawn, out=drawn)
+        drawn *= np.sqrt(found)
+        drawn *= state.expected
         if update < UNSMOOTHED:
             drawn[-1] = found[-1]
         np.maximum(drawn, floor, out=psds[:, :-1])

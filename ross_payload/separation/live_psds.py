@@ -7,7 +7,10 @@ before them. The formulas are those of `ross_payload.separation.local_gaussian_m
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ross_payload.dsp.covariance import ROOT2
 from ross_payload.interfaces import Complex, Real
@@ -71,11 +74,18 @@ def shares_of(observed: Real, sources: Real, noise_psd: Real) -> Real:
 def _tied(sums: Real, reach: int | None) -> Real:
     """Sum of every block and those within ``reach`` of it, along the last axis."""
     if reach is None:
-        return np.asarray(sums.sum(axis=-1, keepdims=True) + np.zeros_like(sums))
-    n = sums.shape[-1]
-    total = np.concatenate([np.zeros_like(sums[..., :1]), sums.cumsum(axis=-1)], axis=-1)
+        return np.broadcast_to(sums.sum(axis=-1, keepdims=True), sums.shape)
+    first, end = _reached(sums.shape[-1], reach)
+    total = np.zeros((*sums.shape[:-1], sums.shape[-1] + 1), sums.dtype)
+    np.cumsum(sums, axis=-1, out=total[..., 1:])
+    return np.asarray(total.take(end, axis=-1) - total.take(first, axis=-1))
+
+
+@cache
+def _reached(n: int, reach: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Of every one of ``n`` blocks the first within ``reach`` of it, and behind the last."""
     index = np.arange(n)
-    return np.asarray(total[..., np.minimum(index + reach + 1, n)] - total[..., np.maximum(index - reach, 0)])
+    return np.maximum(index - reach, 0), np.minimum(index + reach + 1, n)
 
 
 def averaged(values: Real) -> Real:

@@ -2,7 +2,7 @@
 
 `ross run` gives it real parts, `ross sitl --serve` simulated ones. Live there are several threads: the audio callback,
 what reads the audio, live listening, the pump (drivers, links, telemetry), and the mission, on which `run` is called.
-In simulated time there is one.
+In lock-step there is one.
 """
 
 from __future__ import annotations

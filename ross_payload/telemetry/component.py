@@ -228,6 +228,8 @@ class Telemetry:
         try:
             while not self._events.empty() and self._clock.now() < end:
                 self._clock.sleep(PERIOD)
+            if self._streams.look(self._timebase.usec(), earth=self._reporter.status.earth):  # they have ended
+                self._scheduler.flow(self._clock.now())
         finally:
             self._cancel()
             if self._tlog is not None:

@@ -42,8 +42,8 @@ class StreamReporter:
         """Whether what is heard stays on a disk."""
         return any(status.on and status.keeps for status in self._told)
 
-    def look(self, time_usec: int, *, earth: bool) -> None:
-        """Look at the streams; those of which more than numbers have changed are sent at once."""
+    def look(self, time_usec: int, *, earth: bool) -> bool:
+        """Look at the streams; return whether more than numbers have changed: those are sent at once."""
         now = self._streams()
         changed = tuple(map(lasting, now)) != tuple(map(lasting, self._told))
         (self._board.announce if changed else self._board.put)(Rank.STREAM, reports(now, time_usec, earth=earth))
@@ -53,6 +53,7 @@ class StreamReporter:
             said = line(before.get(status.number), status)
             if said is not None:
                 self._send_text(*said)
+        return changed
 
 
 def lasting(status: StreamStatus) -> StreamStatus:

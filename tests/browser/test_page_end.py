@@ -7,8 +7,10 @@ from fleet_bench import FleetThread
 from page_eyes import sees, watch
 from ports import free_port
 from ross_payload.ground.web.page_thread import in_background
+from ross_sim.sitl.pace import speed_words
 
 OVER = "The simulation has ended."
+LISTEN = "section[aria-label='Listen']"
 
 
 @pytest.fixture
@@ -44,8 +46,18 @@ def test_a_simulation_that_has_ended_has_nothing_to_stop_and_says_so(simulated, 
     assert page.locator(".brand .tag").inner_text() == "Ended"
     assert page.locator("#no-telemetry").count() == 0
     assert page.get_by_role("button", name="Explore", exact=True).is_disabled()
+    assert "nothing is streamed any more" in page.locator(LISTEN).inner_text()
+    assert page.get_by_role("button", name="Listen", exact=True).is_disabled()
     stop = page.get_by_role("button", name="Stop: nothing is running")
     assert stop.get_attribute("aria-disabled") == "true"
     stop.click(force=True)  # a click on it is not lost: it says why
     sees(page, "nothing to stop", ".stop-fate")
     assert page.locator(".order", has_text="stop").count() == 0
+
+
+def test_who_may_listen_is_told_how_fast_simulated_time_goes(simulated, open_page):
+    served, _ = simulated
+    page = watch(open_page, served.url)
+    assert page.locator(f"{LISTEN} .pace").count() == 0
+    served.state.pace = speed_words(4.0)
+    sees(page, "4 times real time; while somebody listens, it runs at real time", f"{LISTEN} .pace")

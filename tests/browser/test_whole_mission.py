@@ -11,6 +11,15 @@ from browsing import eventually
 from page_eyes import follow, seen, sees
 from short_mission import SHORT
 
+PANEL = "section[aria-label='Listen']"
+INTERRUPTED = 130
+LEVEL_DB = """() => {
+  const { playout } = globalThis.rossSound.live;
+  if (!playout) return -200;
+  const samples = new Float32Array(playout.spectrum.fftSize);
+  playout.spectrum.getFloatTimeDomainData(samples);
+  return 20 * Math.log10(Math.max(...samples.map(Math.abs)) + 1e-10);
+}"""
 GONE = "ERR_CONNECTION_REFUSED"  # the page tries to come back when its server has ended
 
 
@@ -66,6 +75,21 @@ def test_the_whole_mission_is_watched_and_played_again(window, open_page, tmp_pa
         page.get_by_role("link", name="Replay the mission").click(timeout=60_000)
         replayed(page)
     assert process.returncode == 0, process.said
+
+
+@pytest.mark.timeout(180)
+def test_a_mission_that_runs_by_itself_is_heard_while_it_runs(window, open_page):
+    with mission(window) as (process, url):
+        page = payload(open_page, url)
+        sees(page, "4 times real time", f"{PANEL} .pace")
+        panel = page.locator(PANEL)
+        panel.get_by_role("combobox", name="What is heard").select_option("mixture")
+        panel.get_by_role("button", name="Listen", exact=True).click()
+        sees(page, "Playing: mixture", PANEL)
+        eventually(page, lambda: page.evaluate(LEVEL_DB) > -60, 60.0)
+        panel.get_by_role("button", name="Listen", exact=True).click()
+        sees(page, "Silent", PANEL)
+    assert process.returncode == INTERRUPTED, process.said
 
 
 def replayed(page):

@@ -5,12 +5,16 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 import urllib.request
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
+import soundfile
 
 from ross_payload.events import Outcome
+from ross_payload.listening.observers import BEHIND_S
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import common, ross
 from ross_sim.scenario import load
@@ -20,6 +24,7 @@ from ross_sim.sitl.page_observer import SCRIPTED, PageObserver
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import talkers_of
 from short_mission import SHORT
+from stream_ear import StreamEar, place_of
 
 TURN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_STOP
 RESULTS = ("report.json", "events.jsonl", "mission.tlog", "mixture.wav", "target.wav")
@@ -109,6 +114,23 @@ def test_a_stop_from_the_page_ends_the_mission(short, tmp_path):
     assert finished.result.outcome is Outcome.STOPPED
     assert onlooker.stopped
     assert [ack.result for ack in gazer.messages("COMMAND_ACK")] == [common.MAV_RESULT_ACCEPTED]
+
+
+def test_what_somebody_hears_live_is_the_mixture_in_real_time_and_the_results_stay_the_same(short, tmp_path):
+    pytest.importorskip("aiortc", reason="the extra [stream]")
+    flown(short, tmp_path / "alone")
+    begun = time.monotonic()
+    with StreamEar() as ear, Gazer(ear.order) as gazer:
+        flown(short, tmp_path / "heard", PageObserver("", gazer.link))
+    took = time.monotonic() - begun
+    for name in RESULTS:
+        assert (tmp_path / "alone" / name).read_bytes() == (tmp_path / "heard" / name).read_bytes()
+    assert [ack.result for ack in gazer.messages("COMMAND_ACK")] == [common.MAV_RESULT_ACCEPTED]
+    assert took > ear.seconds - BEHIND_S  # at real time, but for what was under way when it was asked for
+    heard = np.concatenate([packet.samples for packet in ear.packets[:25]]) / 2**15
+    assert place_of(heard, soundfile.read(tmp_path / "heard" / "mixture.wav")[0][:, 0]) >= 0
+    assert ear.missing == 0
+    assert not gazer.messages("ROSS_STREAM")[-1].flags & ross.ROSS_STREAM_FLAGS_ON
 
 
 @contextmanager

@@ -71,6 +71,24 @@ def test_images_and_noise_add_up_to_the_mixture_to_the_last_bit(make):
     assert np.array_equal(world.mixture(), heard)
 
 
+def test_a_world_that_is_rendered_apart_from_its_time_sounds_the_same(make, tmp_path):
+    def turntable():
+        return Turntable(0.5, 1.0, 2.0)
+
+    together, blocks = listen(make(scenario(40, 155), turntable()), 3)
+    clock = SimClock()
+
+    def wait():  # what turns is ahead of what is heard
+        for _ in range(30):
+            clock.advance()
+
+    world = World(scenario(40, 155), voices(2), turntable(), clock, 1, cache=tmp_path, wait=wait)
+    apart, later = listen(world, 3)
+    assert np.array_equal(together, apart)
+    assert [block.time for block in blocks] == [block.time for block in later]
+    assert np.array_equal(world.drain().mixture[:, : apart.shape[1]], apart)
+
+
 def test_samples_lie_on_the_24_bit_grid(make):
     heard, _ = listen(make(scenario(40)), 1)
     counts = heard.astype(float) * 2**23

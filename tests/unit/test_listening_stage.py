@@ -188,3 +188,13 @@ def test_what_was_learnt_at_this_heading_is_learnt_on_and_taken_over():
     bench.heading = 1.0
     bench.hear(1.0)
     assert bench.separator.lessons[len(before)][1] is None  # at another heading nothing is known
+
+
+def test_after_two_seconds_at_a_heading_it_is_learnt_half_as_often():
+    bench = Bench({0: source(0)}, learn_s=0.25)
+    bench.know()
+    bench.hear(2.0)
+    early = len(bench.separator.lessons)
+    bench.hear(4.0)
+    assert early == pytest.approx(6, abs=1)  # the first one after half a second
+    assert len(bench.separator.lessons) - early == pytest.approx(8, abs=1)

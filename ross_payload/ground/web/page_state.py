@@ -158,6 +158,7 @@ class PageState:
         self.positions = Positions()
         self.tiles: Tiles | None = None  # of a map that the user gave
         self.over = ""  # why no payload is heard any more, as a sentence: its simulation has ended
+        self.pace = ""  # how fast simulated time goes, as a sentence, where that is not as the clock
         self.wake: Callable[[ComponentId | None], None] = lambda who: None
         self.watched: Callable[[], Iterable[ComponentId]] = tuple  # by browsers
         self.fleet_text, self.fleet_version = "", 0
@@ -197,7 +198,7 @@ class PageState:
             self._sent, self._sent_at = urgent, now
             told = overview(self.station.fleet, self.station.links(), self.positions, now)
             advice = "" if self.over else self.station.advice()
-            self.fleet_text = to_json({**told, "advice": advice, "over": self.over})
+            self.fleet_text = to_json({**told, "advice": advice, "over": self.over, "pace": self.pace})
             self.fleet_version += 1
             self.wake(None)
 
@@ -206,7 +207,15 @@ class PageState:
         payloads = self.station.fleet.payloads.values()
         states = [(each.who, each.boots, each.twin, each.status and each.status.state) for each in payloads]
         links = [(each.url, each.up, each.error) for each in self.station.links()]
-        return states, links, self.control.version, self.client.orders.doing, dict(self.positions.typed), self.over
+        return (
+            states,
+            links,
+            self.control.version,
+            self.client.orders.doing,
+            dict(self.positions.typed),
+            self.over,
+            self.pace,
+        )
 
     def _on_packet(self, packet: Packet, at: float) -> None:
         who = packet.sender

@@ -126,13 +126,16 @@ def _run(
 
     from ross_sim.sitl.mission_session import expected, perform
     from ross_sim.sitl.mission_view import showing_streams, view_of, waiting
+    from ross_sim.sitl.pace import speed_words
     from ross_sim.sitl.results_folder import ResultsFolder
     from ross_sim.sitl.serve import linked, serve
     from ross_sim.sitl.summary import show
     from ross_sim.sitl.talker_selection import directed, talkers_of
 
-    if serving and looking is not None:
-        changes["urls"] = (*changes["urls"], looking.link)
+    if looking is not None:
+        looking.tell(speed_words(speed))
+        if serving:
+            changes["urls"] = (*changes["urls"], looking.link)
     chosen = directed(scenario, changes)
     if serving:
         chosen = linked(chosen)

@@ -20,7 +20,7 @@ from ross_payload.config import Config, Link
 from ross_payload.config import Guard as Rules
 from ross_payload.errors import OutputError
 from ross_payload.events import Separated
-from ross_payload.interfaces import ActuatorState, Attitude, Input, Mount, Result, Services
+from ross_payload.interfaces import ActuatorState, Attitude, Mount, Result, Services
 from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
 from ross_payload.mission.mission_sequence import mission
@@ -44,7 +44,9 @@ from ross_sim.scenario import Cast, Scenario, Vehicle
 from ross_sim.sitl.ground_truth import write_azimuths
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.moving_report import moving_report
+from ross_sim.sitl.pace import ListenedSpeed, Pace
 from ross_sim.sitl.page_observer import PageObserver
+from ross_sim.sitl.page_voices import PageVoices
 from ross_sim.sitl.recording import Collector, recorded
 from ross_sim.sitl.report import EventLog, Truth, report
 from ross_sim.sitl.results_folder import ResultsFolder
@@ -63,19 +65,6 @@ class Finished:
     report: dict[str, Any]
     timing: dict[str, float]
     complaints: tuple[str, ...]  # of the simulated hardware
-
-
-class Pace(MissionView):
-    """Holds simulated time back to ``speed`` times real time."""
-
-    def __init__(self, speed: float) -> None:
-        self._speed = speed
-        self._clock = SystemClock()
-        self._start = self._clock.now()
-
-    def on_input(self, hop: Input) -> None:
-        """Wait until the hop would have been over."""
-        self._clock.sleep(self._start + hop.block.time / self._speed - self._clock.now())
 
 
 def perform(
@@ -159,11 +148,16 @@ def _staged(
     clock.every(POLL, links.poll)
     recorder = stack.enter_context(recorded(tape, _beginning(scenario, company, actuator), clock, links))
     runner = _runner(scenario, company, world, actuator, mount, recorder=recorder, tracker=tracker)
-    aside: Looking = nullcontext([]) if page is None else page.aboard(config, clock, actuator, runner.order)
+    asked = ListenedSpeed(speed)
+    pace = Pace(asked)
+    voices = None if page is None else PageVoices(config, asked, pace.pacer)
+    aside: Looking = nullcontext([])
+    if page is not None and voices is not None:
+        aside = page.aboard(config, clock, actuator, runner.order, voices)
     looking = stack.enter_context(aside)  # before the telemetry, which then waits for nobody at its end
     tlog = out.staging / "mission.tlog" if out is not None else None
     telemetry = stack.enter_context(Telemetry(config, clock, links, tlog, actuator))
-    runner.observers = [collector, telemetry, *looking, view, *([Pace(speed)] if speed else [])]
+    runner.observers = [collector, telemetry, *looking, view, *([pace] if speed or page is not None else [])]
     listening = stack.enter_context(listening_of(config, clock, runner, recorder))
     runner.observers += [listening] if recorder is None else [recorder, listening]
     return _Staged(runner, listening, collector, world, cast, far_end)

@@ -23,6 +23,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.events import Answer, Answered, Event
 from ross_payload.ground.errors import GroundError
 from ross_payload.interfaces import Input
+from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
 from ross_payload.notify import on_signal
 from ross_payload.orders import Cancel, Order, Stop
@@ -55,9 +56,12 @@ class PageObserver:
 
     @contextmanager
     def aboard(
-        self, config: Config, clock: SimClock, actuator: Guard, order: Callable[[Order], None]
+        self, config: Config, clock: SimClock, actuator: Guard, order: Callable[[Order], None], voices: Listening
     ) -> Iterator[list[Observer]]:
-        """Speak to the page; give what has to observe the mission. ``order`` takes a stop to the runner."""
+        """Speak to the page; give what has to observe the mission.
+
+        ``order`` takes a stop to the runner, ``voices`` what the page asks to hear.
+        """
 
         def stop(wanted: Order) -> None:
             self.stopped = True
@@ -71,11 +75,25 @@ class PageObserver:
             settings = stack.enter_context(Fixed(config))
             telemetry = stack.enter_context(
                 Telemetry(
-                    config, clock, links, actuator=actuator, give=hand.give, parameters=settings, health=ears.health
+                    config,
+                    clock,
+                    links,
+                    actuator=actuator,
+                    give=hand.give,
+                    parameters=settings,
+                    health=ears.health,
+                    listening=voices,
+                    descriptions=voices.descriptions,
                 )
             )
             hand.answer = telemetry.on_event
-            yield [ears, telemetry, hand]
+            with voices:
+                yield [ears, telemetry, hand, voices]
+
+    def tell(self, pace: str) -> None:
+        """Have the page say how fast simulated time goes; empty: as the clock."""
+        if self._state is not None:
+            self._state.pace = pace
 
     def linger(self, flown: bool, *, aside: bool) -> None:
         """Say what the page is good for now, and wait for Ctrl-C or SIGTERM.

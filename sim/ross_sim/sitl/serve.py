@@ -1,10 +1,16 @@
-"""``ross sitl --serve``: the living payload in a simulated room, on real sockets, until it is told to go."""
+"""``ross sitl --serve``: the living payload in a simulated room, on real sockets, until it is told to go.
+
+Its threads are those of `ross run`: the pump moves simulated time on, with far ends, drivers, links and telemetry; what
+reads the audio renders the room; live listening, the mission and the recorder have threads of their own. As fast as
+the computer can (`--speed max`) there is no real time: then it is one thread, in lock-step.
+"""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,21 +23,27 @@ from ross_payload.config import Config, Link
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.dronecan.shared_bus import SharedBuses
 from ross_payload.interfaces import Clock, Input, Port
+from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
 from ross_payload.notify import on_signal
 from ross_payload.orders import Shutdown
+from ross_payload.service.live import SWITCH
 from ross_payload.service.payload import Parts, assembled
-from ross_payload.service.runner import Observer
+from ross_payload.service.runner import Observer, Runner
+from ross_payload.sessions.recorder import in_background
 from ross_payload.sessions.session_store import SessionStore
+from ross_payload.streams import StreamStatus
 from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.voiceprint import VoiceStore
-from ross_sim.clock import SimClock
+from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.far_end import FarEnd, far_end_of
 from ross_sim.live_world.world_loop import STRETCH
+from ross_sim.paced_clock import RealTimeClock
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.ground_truth import TruthWriter, facts
-from ross_sim.sitl.mission_session import Pace, aboard
+from ross_sim.sitl.mission_session import aboard
 from ross_sim.sitl.mission_view import MissionView
+from ross_sim.sitl.pace import ListenedSpeed, Pace
 from ross_sim.sitl.recording import drained
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import TalkerSelection
@@ -65,18 +77,51 @@ def serve(
     """
     scenario = _adapted(scenario, company, always=always)
     with ExitStack() as stack, threadpool_limits(limits=1):
-        cast = scenario.cast(company.voices)
-        far_end = far_end_of(scenario.payload)
-        world = World(scenario, cast.talkers, far_end, SimClock(), scenario.payload.seed)
-        parts = _parts(scenario, company, world, far_end=far_end, recordings=recordings, stack=stack)
-        if speed:  # somebody watches it live; else it is the same on every computer
-            parts = replace(parts, computer=ComputerReader(parts.shelf.folder))
+        cast, asked = scenario.cast(company.voices), ListenedSpeed(speed)
+        far_end, simulated = far_end_of(scenario.payload), SimClock()
+        clock = RealTimeClock(simulated, asked, scenario.payload.audio.buffer_s / 2) if speed else simulated
+        waiting = (lambda: clock.sleep(QUANTUM)) if speed else None
+        world = World(scenario, cast.talkers, far_end, simulated, scenario.payload.seed, wait=waiting)
+        parts = _parts(scenario, company, world, clock, far_end=far_end, recordings=recordings, stack=stack)
         truth = stack.enter_context(TruthWriter(out, world.rate, len(cast.talkers)))
-        observers: list[Observer] = [view, GroundTruthObserver(world, truth), *([Pace(speed)] if speed else [])]
-        with assembled(parts, tuple(observers)) as runner, on_signal(lambda _: runner.order(Shutdown())):
-            runner.run()
+        observers: list[Observer] = [view, GroundTruthObserver(world, truth)]
+        if isinstance(clock, RealTimeClock):
+            observers.append(HeardTime(clock))
+            stack.callback(sys.setswitchinterval, sys.getswitchinterval())
+            sys.setswitchinterval(SWITCH)
+            stack.enter_context(clock)
+        else:
+            observers.append(Pace(asked))
+        with assembled(parts, tuple(observers)) as runner:
+            asked.streams = _streams_of(runner)
+            _run(runner)
         truth.write(world.drain())
         truth.finish(facts(scenario, cast) | {"complaints": far_end.complaints()}, scenario)
+
+
+def _run(runner: Runner) -> None:
+    """Run the mission on a thread of its own, so that this one hears signals at once."""
+    with (
+        ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission,
+        on_signal(lambda _: runner.order(Shutdown())),
+    ):
+        mission.submit(runner.run).result()
+
+
+def _streams_of(runner: Runner) -> Callable[[], tuple[StreamStatus, ...]]:
+    """Return what tells how the streams of a payload are."""
+    return next(observer.streams for observer in runner.observers if isinstance(observer, Listening))
+
+
+class HeardTime(MissionView):
+    """Tells a clock in real time how far the mission has heard: it waits rather than lose what is heard."""
+
+    def __init__(self, clock: RealTimeClock) -> None:
+        self._clock = clock
+
+    def on_input(self, hop: Input) -> None:
+        """Tell it."""
+        self._clock.heard(hop.block.time)
 
 
 def linked(scenario: Scenario) -> Scenario:
@@ -98,12 +143,20 @@ def _adapted(scenario: Scenario, company: TalkerSelection, *, always: bool) -> S
 
 
 def _parts(
-    scenario: Scenario, company: TalkerSelection, world: World, *, far_end: FarEnd, recordings: Path, stack: ExitStack
+    scenario: Scenario,
+    company: TalkerSelection,
+    world: World,
+    clock: Clock,
+    *,
+    far_end: FarEnd,
+    recordings: Path,
+    stack: ExitStack,
 ) -> Parts:
-    config, clock = scenario.payload, world.clock
+    config, live = scenario.payload, clock is not world.clock
     state = Path(stack.enter_context(TemporaryDirectory(prefix="ross-sitl-")))
     links = stack.enter_context(Router.open(config.links, clock, system_id=config.telemetry.system_id, state=state))
-    mount, timebase = aboard(scenario, clock, links)
+    mount, timebase = aboard(scenario, world.clock, links)
+    shelf = SessionStore(recordings)
     return Parts(
         clock=clock,
         source=world.source,
@@ -112,12 +165,14 @@ def _parts(
         mount=mount,
         timebase=timebase,
         parameters=stack.enter_context(Parameters(config, state / "params.toml")),
-        shelf=SessionStore(recordings),
-        drained=drained(clock),
+        shelf=shelf,
+        drained=in_background if live else drained(clock),
         voiceprint=company.voiceprint,
         voices=VoiceStore(state / "voices"),  # of nobody: they end with the simulation
         state=state,
         rng=np.random.default_rng(config.seed),
+        computer=ComputerReader(shelf.folder) if live else None,  # else it is the same on every computer
+        live=live,
     )
 
 

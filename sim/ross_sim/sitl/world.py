@@ -3,28 +3,27 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ross_payload.errors import AudioError, ConfigError
-from ross_payload.interfaces import AudioBlock, AudioFlag, Real, Samples
+from ross_payload.interfaces import Real, Samples
 from ross_sim.acoustics.render import Microphones, MotorNoise
 from ross_sim.autopilot.simulated_autopilot import Yaw
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.far_end import FarEnd, Fault
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.talkers_heard import LEVEL, talkers_heard
+from ross_sim.sitl.world_microphones import FULL_SCALE, WorldMicrophones
 from ross_sim.talkers.speech import TalkerVoice
 
 Counts = NDArray[np.int32]
-
-FULL_SCALE = 2**23  # of a 24-bit converter [counts]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,6 +33,15 @@ class Rendered:
     images: Samples  # every talker alone, noise-free, (2, n_talkers, n)
     mixture: Samples  # what the converter puts out, (2, n)
     headings: Real  # true, at the ends of every quantum [rad], mount frame, (n_quanta + 1,)
+
+
+@dataclass(frozen=True, slots=True)
+class Quantum:
+    """What a quantum of 10 ms sounds like depends on this alone."""
+
+    begin: float  # when [s]
+    headings: tuple[float, float]  # true, at its ends [rad], frame of the room
+    joints: tuple[float, float]  # angles of the plant there [rad]
 
 
 class World:
@@ -61,6 +69,9 @@ class World:
         Of sensor and motor noise.
     cache
         Folder of the room cache; None: see ``cache_folder``.
+    wait
+        Waits for the clock, which another thread advances: then quanta are rendered on the thread that reads the
+        microphones. None: who reads them advances the clock.
 
     Raises
     ------
@@ -77,10 +88,12 @@ class World:
         seed: int,
         *,
         cache: Path | None = None,
+        wait: Callable[[], None] | None = None,
     ) -> None:
         self.azimuths = scenario.azimuths()
         self.elevations = scenario.elevations()
         self.clock = clock
+        self._wait = wait
         self.rate = scenario.payload.audio.rate_hz
         self.source = WorldMicrophones(self)
         self._far_end = far_end
@@ -95,8 +108,13 @@ class World:
         self._talkers = talkers_heard(scenario, voices, cache)
         self._spacing = scenario.payload.array.spacing_m
         self._microphones: Microphones | None = None
-        self._quanta = 0
+        self._lived = clock.now()
+        self._quanta = 0  # since the sound began
+        self._rendered = 0  # of them
+        self._waiting: deque[Quantum] = deque()  # to be rendered, where sound has a thread of its own
+        self._sounded: deque[tuple[float, Samples]] = deque()  # to be heard, where it has none
         self._troubles = _troubles(scenario, far_end)
+        self._guard = threading.Lock()  # of what was rendered
         self._images: list[Counts] = []
         self._noise: list[Counts] = []
         self._headings: list[float] = []
@@ -104,8 +122,9 @@ class World:
 
     def open(self) -> None:
         """Begin to sound."""
-        self._microphones = Microphones(self._talkers, self._spacing, self._heading())
-        self._headings.append(self._heading())
+        heading = self._heading()
+        self._headings.append(heading)
+        self._microphones = Microphones(self._talkers, self._spacing, heading)
 
     def close(self) -> None:
         """Fall silent; the plant lives on."""
@@ -113,21 +132,39 @@ class World:
 
     def advance(self, now: float) -> None:
         """Live until ``now`` [s], one quantum later."""
-        while self._microphones is not None and self._troubles and self._troubles[0][0] <= self._quanta * QUANTUM:
+        sounds = self._microphones is not None
+        while sounds and self._troubles and self._troubles[0][0] <= self._quanta * QUANTUM:
             self._far_end.afflict(*self._troubles.popleft()[1:])
-        begin, angle = self._heading(), self._angle
+        heading, angle = self._heading(), self._angle
         self._far_end.advance(now)
         self._angle = self._far_end.angle()
         self._turned = self._vehicle.turned(now)
-        if self._microphones is not None:
-            self._sound(self._microphones, begin, angle)
+        if sounds:
+            self._quanta += 1
+            quantum = Quantum(self._lived, (heading, self._heading()), (angle, self._angle))
+            if self._wait is None:
+                self._sounded.append(self._render(quantum))
+            else:
+                self._waiting.append(quantum)
+        self._lived = now
+
+    def sound(self) -> tuple[float, Samples]:
+        """Return when the next quantum began [s] and what is heard, (2, n), as soon as it is over."""
+        if self._wait is None:
+            while not self._sounded:
+                self.clock.advance()
+            return self._sounded.popleft()
+        while not self._waiting:
+            self._wait()
+        return self._render(self._waiting.popleft())
 
     def drain(self) -> Rendered:
         """Hand over what was rendered since the last call and forget it: a world that lives for hours must not grow."""
-        images = np.concatenate([np.zeros((2, len(self.azimuths), 0), np.int32), *self._images], axis=-1)
-        rendered = Rendered(_samples(images), self.mixture(), self.headings())
-        self._images, self._noise, self._headings = [], [], self._headings[-1:]
-        return rendered
+        with self._guard:
+            kept, noises, headings = self._images, self._noise, self.headings()
+            self._images, self._noise, self._headings = [], [], self._headings[-1:]
+        images = np.concatenate([np.zeros((2, len(self.azimuths), 0), np.int32), *kept], axis=-1)
+        return Rendered(_samples(images), _mixture(kept, noises), headings)
 
     def images(self) -> Samples:
         """Every talker alone at microphone 1, noise-free, for all that was rendered so far, (n_talkers, n)."""
@@ -139,8 +176,7 @@ class World:
 
     def mixture(self) -> Samples:
         """What the converter puts out at both microphones, (2, n)."""
-        pairs = zip(self._images, self._noise, strict=True)
-        return _joined([_converted(image.sum(axis=1, dtype=np.int32) + noise) for image, noise in pairs], 2)
+        return _mixture(self._images, self._noise)
 
     def headings(self) -> Real:
         """The true heading at the ends of every quantum since the opening [rad], frame of the room, (n_quanta + 1,)."""
@@ -149,89 +185,20 @@ class World:
     def _heading(self) -> float:
         return self._angle + self._offset + self._turned
 
-    def _sound(self, microphones: Microphones, begin: float, angle: float) -> None:
-        first = self._quanta * self.rate // round(1 / QUANTUM)
-        self._quanta += 1
-        last = self._quanta * self.rate // round(1 / QUANTUM)
-        images = _counts(microphones.render(first, last, begin, self._heading()))
-        noise = self._noise_rms * self._sensor.standard_normal((2, last - first), dtype=np.float32)
-        noise = noise + self._motor.between(angle, self._angle, last - first)
-        self._images.append(images)
-        self._noise.append(_counts(noise))
-        self._headings.append(self._heading())
-        self.source.put(_samples(_converted(images.sum(axis=1, dtype=np.int32) + self._noise[-1])))
-
-
-class WorldMicrophones:
-    """The world's AudioSource: reading advances the clock until enough has been heard; nothing is ever skipped."""
-
-    def __init__(self, world: World) -> None:
-        self._world = world
-        self._blocks: deque[Samples] = deque()
-        self._available = 0
-        self._index = 0
-        self._open = False
-        self._opened_at = math.nan
-
-    @property
-    def rate(self) -> int:
-        """Sampling rate [Hz]."""
-        return self._world.rate
-
-    def put(self, samples: Samples) -> None:
-        """Take a quantum, (2, n)."""
-        self._blocks.append(samples)
-        self._available += samples.shape[1]
-
-    def read(self, n: int) -> AudioBlock:
-        """Return the next ``n`` samples.
-
-        Raises
-        ------
-        AudioError
-            When the source is not open.
-        """
-        if not self._open:
+    def _render(self, quantum: Quantum) -> tuple[float, Samples]:
+        if self._microphones is None:
             raise AudioError("the simulated microphones are not open")
-        while self._available < n:
-            self._world.clock.advance()
-        samples = self._next_samples(n)
-        index, self._index = self._index, self._index + n
-        clipped = samples.size and (samples.max() >= 1 - 1 / FULL_SCALE or samples.min() <= -1)
-        flags = AudioFlag.CLIPPED if clipped else AudioFlag.NONE
-        return AudioBlock(samples, index, self._opened_at + index / self.rate, flags=flags)
-
-    def __enter__(self) -> Self:
-        """Open the microphones, once.
-
-        Raises
-        ------
-        AudioError
-            When they were opened before.
-        """
-        if not math.isnan(self._opened_at):
-            raise AudioError("the simulated microphones can be opened only once")
-        self._open, self._opened_at = True, self._world.clock.now()
-        self._world.open()
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        """Close them."""
-        self._open = False
-        self._world.close()
-
-    def _next_samples(self, n: int) -> Samples:
-        self._available -= n
-        if self._blocks and self._blocks[0].shape[1] == n:
-            return self._blocks.popleft()
-        parts, wanted = [np.zeros((2, 0), dtype=np.float32)], n
-        while wanted:
-            head = self._blocks.popleft()
-            parts.append(head[:, :wanted])
-            if head.shape[1] > wanted:
-                self._blocks.appendleft(head[:, wanted:])
-            wanted -= parts[-1].shape[1]
-        return np.concatenate(parts, axis=1)
+        first = self._rendered * self.rate // round(1 / QUANTUM)
+        self._rendered += 1
+        last = self._rendered * self.rate // round(1 / QUANTUM)
+        images = _counts(self._microphones.render(first, last, *quantum.headings))
+        noise = self._noise_rms * self._sensor.standard_normal((2, last - first), dtype=np.float32)
+        counts = _counts(noise + self._motor.between(*quantum.joints, last - first))
+        with self._guard:
+            self._images.append(images)
+            self._noise.append(counts)
+            self._headings.append(quantum.headings[1])
+        return quantum.begin, _samples(_converted(images.sum(axis=1, dtype=np.int32) + counts))
 
 
 def _troubles(scenario: Scenario, far_end: FarEnd) -> deque[tuple[float, Fault, bool]]:
@@ -265,6 +232,11 @@ def _converted(counts: Counts) -> Counts:
 
 def _samples(counts: Counts) -> Samples:
     return np.asarray(counts, dtype=np.float32) / np.float32(FULL_SCALE)
+
+
+def _mixture(images: Sequence[Counts], noises: Sequence[Counts]) -> Samples:
+    pairs = zip(images, noises, strict=True)
+    return _joined([_converted(image.sum(axis=1, dtype=np.int32) + noise) for image, noise in pairs], 2)
 
 
 def _joined(counts: Sequence[Counts], rows: int) -> Samples:

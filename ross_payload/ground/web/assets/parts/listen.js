@@ -15,6 +15,8 @@ const PHASES = {
   fault: "Fault",
 };
 
+const OVER = "The simulation has ended: nothing is streamed any more.";
+
 export function listenPanel(page, told) {
   const { listening } = page;
   const on = listening.state.on && listening.state.id === told.id;
@@ -22,7 +24,10 @@ export function listenPanel(page, told) {
     on ? listening.stop() : listening.start(told.id, told.sections.health?.microphones?.rate ?? null);
   return html`<section class="card listening" aria-label="Listen">
     <h2>Listen</h2>
-    <p class=${["refused", "fault"].includes(listening.state.phase) ? "bad" : "soft"}>${saying(listening)}</p>
+    <p class=${["refused", "fault"].includes(listening.state.phase) ? "bad" : "soft"}>
+      ${page.over ? OVER : saying(listening)}
+    </p>
+    ${page.store.fleet?.pace && !page.over ? html`<p class="soft pace">${page.store.fleet.pace}</p>` : nothing}
     <div class="listening-row">
       <button type="button" class=${on ? "" : "main"} aria-pressed=${on} ?disabled=${page.over !== "" && !on} @click=${press}>
         Listen

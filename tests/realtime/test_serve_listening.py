@@ -1,0 +1,101 @@
+"""`ross sitl --serve` is listened to: what the mission computes holds up neither sound nor heartbeats."""
+
+import os
+import signal
+import socket
+import threading
+
+import numpy as np
+import pytest
+import soundfile
+
+from ross_payload.config import Link
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_sim.scenario import load
+from ross_sim.sitl.mission_view import MissionView
+from ross_sim.sitl.results_folder import ResultsFolder
+from ross_sim.sitl.serve import serve
+from ross_sim.sitl.talker_selection import talkers_of
+from stream_ear import StreamEar, place_of
+from waiting import wait_for
+
+FIRST = 25  # packets that are compared: half a second
+COMPUTED_S = 3.0  # of sound that has to be heard while the mission computes
+pytest.importorskip("aiortc", reason="the extra [stream]")
+
+
+class Ground:
+    """Orders one thing, and counts heartbeats. A context manager."""
+
+    def __init__(self, order):
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind(("127.0.0.1", 0))
+        self._socket.settimeout(0.1)
+        self.url = f"udpout:127.0.0.1:{self._socket.getsockname()[1]}"
+        self.beats = 0
+        self._order = order
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._listen)
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *error):
+        self._over.set()
+        self._thread.join()
+        self._socket.close()
+
+    def _listen(self):
+        decoder, ordered = Decoder(), False
+        while not self._over.is_set():
+            try:
+                data, peer = self._socket.recvfrom(4096)
+            except TimeoutError:
+                continue
+            self.beats += sum(packet.name == "HEARTBEAT" for packet in decoder.feed(data))
+            if not ordered:
+                self._socket.sendto(Encoder(255, 190).encode(self._order), peer)
+                ordered = True
+
+
+class Computing(MissionView):
+    """Holds the mission up, on its thread, until it has been heard for a while; then it ends the payload."""
+
+    def __init__(self, ear, ground):
+        self._ear, self._ground = ear, ground
+        self.computed = 0
+        self.error = None
+
+    def on_input(self, hop):
+        if self.computed or not self._ear.packets:
+            return
+        self.computed = 1
+        try:
+            packets, beats = len(self._ear.packets), self._ground.beats
+            wait_for(lambda: len(self._ear.packets) > packets + 50 * COMPUTED_S)
+            wait_for(lambda: self._ground.beats >= beats + 2)
+        except AssertionError as error:
+            self.error = error
+        os.kill(os.getpid(), signal.SIGINT)  # as a terminal does it: the main thread hears it
+
+
+def served(scenario, folder, speed):
+    """Serve, stop when it was heard; return what heard it and the first sound that was there."""
+    with StreamEar() as ear, Ground(ear.order) as ground, ResultsFolder(folder / "out") as out:
+        chosen = load(str(scenario))
+        links = {"links": (Link(url=ground.url),)}
+        chosen = chosen.model_copy(update={"payload": chosen.payload.model_copy(update=links)})
+        view, company = Computing(ear, ground), talkers_of(chosen, None, None)
+        serve(chosen, company, view, out=out, speed=speed, recordings=folder / "kept", always=False)
+    assert view.error is None, view.error
+    return ear
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0])
+def test_sound_and_heartbeats_go_on_while_the_mission_computes(short, tmp_path, speed):
+    ear = served(short, tmp_path, speed)
+    assert ear.missing == 0
+    mixture = soundfile.read(tmp_path / "out" / "mixture.wav")[0][:, 0]
+    heard = np.concatenate([packet.samples for packet in ear.packets[:FIRST]]) / 2**15
+    assert place_of(heard, mixture) >= 0
