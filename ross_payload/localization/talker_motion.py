@@ -21,9 +21,10 @@ class Motion:
     """How people move, as seen from the array."""
 
     sets_out: float = 0.04  # who rests begins to walk [1/s]
-    stops: float = 0.1  # who walks stops [1/s]
-    turns: float = 0.15  # who walks turns back [1/s]
-    changes: float = 0.15  # who walks takes any other rate [1/s]
+    tries: float = 6.0  # so many more particles set out, each with so much less weight
+    stops: float = 0.05  # who walks stops [1/s]
+    turns: float = 0.1  # who walks turns back [1/s]
+    changes: float = 0.1  # who walks takes any other rate [1/s]
     mirrored: float = 0.01  # who walks did so on the other side of the axis [1/s]
     another: float = 1.0  # of two with one delay it was the other one who set out [1/s]
     one: float = 0.15  # what counts as one delay there [d / v_p]
@@ -61,7 +62,11 @@ def moved(
     limits = np.cumsum([motion.stops, motion.turns, motion.changes]) * seconds
     changed = np.select([draw < limit for limit in limits], [np.zeros(shape), -rates, fresh], rates)
     changed = changed + (changed != 0) * motion.steady * np.sqrt(seconds) * random.standard_normal(shape)
-    rates = np.where(walks, changed, np.where(draw < motion.sets_out * seconds, fresh, 0.0))
+    odds = motion.sets_out * seconds
+    tried = min(motion.tries * odds, 0.5)
+    out = ~walks & (draw < tried)
+    ratio = np.where(walks, 1.0, np.where(out, odds / tried, (1 - odds) / (1 - tried))).prod(axis=1)
+    rates = np.where(walks, changed, np.where(out, fresh, 0.0))
     azimuths = azimuths + rates * seconds + motion.sway * np.sqrt(seconds) * random.standard_normal(shape)
     draw = random.random(shape)
     flipped = (draw < motion.mirrored * seconds) & (rates != 0)
@@ -73,7 +78,7 @@ def moved(
     azimuths = np.where(lost, random.uniform(-np.pi, np.pi, shape), after.azimuths)
     apart = np.abs(difference(azimuths[:, :, None], azimuths[:, None]))
     close = (apart < motion.elbows).sum(axis=(1, 2)) - shape[1]
-    weights = before.weights * np.exp(-0.5 * motion.aside * seconds * close)
+    weights = before.weights * ratio * np.exp(-0.5 * motion.aside * seconds * close)
     return Particles(azimuths, after.rates, homes, weights / weights.sum())
 
 

@@ -11,7 +11,10 @@ or the walk tells.
 ``2 pi f tau`` with ``tau = (d / v_p) a cos(azimuth - heading)``, also above the frequency where that wraps, and of
 nobody evenly spread. The share of every source in these frames is found by expectation maximisation under what is
 predicted. A particle is weighed by how well the mixture explains the phases with all sources where it has them: what
-somebody else explains does not draw a source away. Systematic resampling (Kitagawa 1996) follows when few are left.
+somebody else explains does not draw a source away. Where exactly somebody rests tells nothing of who walks: all
+particles that have a source at rest share one likelihood for it (Rao-Blackwellisation), and its place is drawn anew
+by itself. Otherwise chance in what a loud source says would select among the few particles that have a quiet one
+walk. Systematic resampling (Kitagawa 1996) follows when few are left, by the roots of the weights.
 
 Random numbers follow from the seed and the number of steps: the same frames give the same tracks.
 """
@@ -36,10 +39,13 @@ N_AZIMUTHS = 180
 STEP = 2 * np.pi / N_AZIMUTHS  # of the grid on which beliefs are told [rad]
 AZIMUTHS = np.arange(N_AZIMUTHS) * STEP  # [rad]
 SMOOTH = np.radians(3.0)  # of the beliefs there [rad]
-PEAK = np.radians(16.0)  # to either side of the peak that is averaged [rad]
+PEAK = np.radians(30.0)  # to either side of the peak that is averaged [rad]
 LEAST = np.radians(0.5)  # standard deviation of what is known best [rad]
+FEWEST = 1 / 200  # share of the particles that counts after a step at least
 TINY = 1e-12
 
+N_RESTS = 120
+REST = 2 * np.pi / N_RESTS  # who rests is within one and a half of these [rad]
 DELAYS = np.linspace(-1.0, 1.0, 201)  # [d / v_p]
 
 
@@ -136,56 +142,115 @@ def predict(tracks: Tracks, seconds: float, motion: Motion = MOTION) -> Tracks:
 
 def _correct(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> Tracks:
     likelihood, counts = _likelihood(tracks, heard, hearing), heard.weights  # (n, n_delays)
-    log_weights = np.log(tracks.particles.weights + TINY)
+    particles, resting = tracks.particles, _resting(tracks.particles)
     cells = [_cells(tracks, heading, hearing) for heading in heard.headings]  # (n_particles, k) each
-    marginal = np.empty((len(tracks.ages) + 1, len(counts)))
-    marginal[-1] = 1 / (2 * np.pi)
     bundles = [np.flatnonzero(heard.bundle == index) for index in range(len(cells))]
+    marginal = np.empty((len(tracks.ages) + 1, len(counts)))
+    rested = np.empty((len(tracks.ages), len(counts)))
+    marginal[-1] = 1 / (2 * np.pi)
     for cell, bins in zip(cells, bundles, strict=True):
-        place = np.stack([np.bincount(each, tracks.particles.weights, len(DELAYS)) for each in cell.T])
-        marginal[:-1, bins] = place @ likelihood[bins].T
+        marginal[:-1, bins] = _places(cell, particles.weights) @ likelihood[bins].T
+        rested[:, bins] = _places(cell, particles.weights[:, None] * resting + TINY) @ likelihood[bins].T
     shares = _shares(tracks.shares, marginal, counts, hearing.share)
-    for cell, bins in zip(cells, bundles, strict=True):
-        table = likelihood[bins].T  # (n_delays, n)
-        mixed = sum(share * table[each] for share, each in zip(shares, cell.T, strict=False))
-        log_weights += np.log(mixed + shares[-1] / (2 * np.pi)) @ counts[bins]
-    weights = _tempered(log_weights)
+    log_weights = np.log(particles.weights + TINY)
+    alone = np.zeros(resting.shape)
     total = shares @ marginal + TINY
+    for cell, bins in zip(cells, bundles, strict=True):
+        table = np.concatenate([likelihood[bins].T[None].repeat(len(rested), 0), rested[:, None, bins]], axis=1)
+        log_weights += _explained(np.where(resting, len(DELAYS), cell), table, shares) @ counts[bins]
+        for k, share in enumerate(shares[:-1]):
+            others = total[bins] - share * marginal[k, bins]
+            alone[:, k] += (np.log(share * likelihood[bins].T + others) @ counts[bins])[cell[:, k]]
+    weights = _tempered(log_weights)
     own = shares[:-1, None] * marginal[:-1] / total
     talks = -np.log1p(-np.minimum(own, 1 - TINY)) @ counts >= hearing.talks
     keep = np.exp(-heard.seconds / hearing.recent)
     mixed_shares = keep * tracks.shares + (1 - keep) * shares + 0.01 / len(shares)
-    after = replace(
+    random = np.random.default_rng([tracks.seed, tracks.steps, 1])
+    settled = _settled(replace(particles, weights=weights), resting, alone, random)
+    return replace(
         tracks,
-        particles=replace(tracks.particles, weights=weights),
+        particles=_resampled(settled, random),
         shares=mixed_shares / mixed_shares.sum(),
         ages=np.where(talks, 0.0, tracks.ages),
         heading=float(heard.headings[-1]),
     )
-    return _resampled(after, talks)
+
+
+def _places(cells: NDArray[np.intp], weights: Real) -> Real:
+    """Probability of every delay for every source, (k, n_delays)."""
+    each = np.broadcast_to(weights.reshape(len(cells), -1), cells.shape)
+    found = np.stack([np.bincount(cell, one, len(DELAYS)) for cell, one in zip(cells.T, each.T, strict=True)])
+    return np.asarray(found / found.sum(axis=1, keepdims=True))
+
+
+def _resting(particles: Particles) -> NDArray[np.bool_]:
+    """Which particle has which source at rest where it mostly rests, (n_particles, k)."""
+    still = particles.rates == 0
+    cells = np.round(particles.azimuths / REST).astype(int) % N_RESTS
+    found = np.zeros(still.shape, dtype=np.bool_)
+    for k, cell in enumerate(cells.T):
+        counts = np.bincount(cell, particles.weights * still[:, k], N_RESTS)
+        peak = (counts + np.roll(counts, 1) + np.roll(counts, -1)).argmax()
+        found[:, k] = still[:, k] & (np.abs(difference(particles.azimuths[:, k], peak * REST)) <= 1.5 * REST)
+    return found
+
+
+def _explained(cells: NDArray[np.intp], table: Real, shares: Real) -> Real:
+    """Log-likelihood of every bin for every particle, (n_particles, n): computed once for those that are alike.
+
+    ``table`` (k, n_delays + 1, n) has the likelihood of every delay, and of being at rest at the end.
+    """
+    alike = np.zeros(len(cells), dtype=np.intp)
+    for cell in cells.T:
+        alike = np.unique(alike * table.shape[1] + cell, return_inverse=True)[1]
+    first = np.unique(alike, return_index=True)[1]
+    mixed = sum(share * rows[each] for share, rows, each in zip(shares, table, cells[first].T, strict=False))
+    return np.asarray(np.log(mixed + shares[-1] / (2 * np.pi))[alike])
+
+
+def _settled(particles: Particles, resting: NDArray[np.bool_], alone: Real, random: np.random.Generator) -> Particles:
+    """Draw anew where those are who rest, every source by itself: their places tell nothing of who walks.
+
+    ``alone`` (n_particles, k) is the log-likelihood of the place of one source, the others being anywhere.
+    """
+    azimuths, homes = particles.azimuths.copy(), particles.homes.copy()
+    for k, still in enumerate(resting.T):
+        of = np.flatnonzero(still)
+        if not len(of):
+            continue
+        chosen = of[_drawn(_tempered(np.log(particles.weights[of] + TINY) + alone[of, k]), random)]
+        random.shuffle(chosen)
+        azimuths[of, k], homes[of, k] = azimuths[chosen, k], homes[chosen, k]
+    return replace(particles, azimuths=azimuths, homes=homes)
+
+
+def _drawn(weights: Real, random: np.random.Generator) -> NDArray[np.intp]:
+    """Indices by systematic sampling, (n,)."""
+    n = len(weights)
+    return np.searchsorted(np.cumsum(weights), (np.arange(n) + random.random()) / n).clip(max=n - 1)
 
 
 def _tempered(log_weights: Real) -> Real:
-    """Weights that sum to 1, flattened until a twentieth of the particles count: nothing is decided in one step."""
+    """Weights that sum to 1, flattened until at least a few particles count: nothing is decided by one."""
     for _ in range(8):
         weights = np.exp(log_weights - log_weights.max())
         weights /= weights.sum()
-        if 1 / (weights**2).sum() >= len(weights) / 20:
+        if 1 / (weights**2).sum() >= len(weights) * FEWEST:
             break
         log_weights = log_weights / 1.5
     return np.asarray(weights)
 
 
-def _resampled(tracks: Tracks, talks: NDArray[np.bool_]) -> Tracks:
-    """Draw particles by their weights; what is possible of a source that says nothing is not thinned out."""
-    particles = tracks.particles
-    n = len(particles.weights)
-    if 1 / (particles.weights**2).sum() > n / 2:
-        return tracks
-    offset = np.random.default_rng([tracks.seed, tracks.steps, 1]).random()
-    chosen = np.searchsorted(np.cumsum(particles.weights), (np.arange(n) + offset) / n).clip(max=n - 1)
-    kept = Particles(particles.azimuths[chosen], particles.rates[chosen], particles.homes[chosen], np.full(n, 1 / n))
-    return replace(tracks, particles=kept)
+def _resampled(particles: Particles, random: np.random.Generator) -> Particles:
+    """Draw particles by the root of their weights, so that what is unlikely now is not soon forgotten."""
+    weights = particles.weights
+    if 1 / (weights**2).sum() > len(weights) / 2:
+        return particles
+    root = np.sqrt(weights) / np.sqrt(weights).sum()
+    chosen = _drawn(root, random)
+    left = weights[chosen] / root[chosen]
+    return Particles(particles.azimuths[chosen], particles.rates[chosen], particles.homes[chosen], left / left.sum())
 
 
 def _likelihood(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> Real:

@@ -37,6 +37,7 @@ UNSURE = 0.6  # and up to which it has not
 HEARD = (0.08, 0.12)  # change of its delay that cannot come from echoes, in the open and in rooms [d / v_p]
 TELLING = 1.3  # times that, the delay of who stays would have changed if the array had slipped
 LASTING = 6  # corrections in a row that must say so
+FAR = 3  # a correction says it for as many as its delay has changed by times HEARD, at most so many
 ALIKE = np.radians(5.0)  # between the shifts of sources that a slip has moved [rad]
 FRESH = 1.0  # a source that was heard within this can witness [s]
 LOST = np.radians(30.0)  # standard deviation of a track that is lost [rad]
@@ -178,10 +179,16 @@ class SourceTracker:
             self.moved, self.stirred = [False] * self.anchor.k, False
         self._stir = self._stir + 1 if anybody >= STIRRED else 0
         self.stirred = self.stirred or (witness and self._stir >= LASTING // 2)
+        far = np.clip(self._changed(told) / HEARD[self.tracks.wet], 1, FAR)
         for k in range(self.anchor.k):
             certain = each[k] >= SURE and self.tracks.ages[k] <= UPDATE
-            self._streak[k] = 0 if each[k] <= UNSURE else self._streak[k] + int(certain)
+            self._streak[k] = 0 if each[k] <= UNSURE else self._streak[k] + int(certain) * int(far[k])
             self.moved[k] = self.moved[k] or (witness and self._streak[k] >= LASTING)
+
+    def _changed(self, told: Real) -> Real:
+        """By how much the delays at this heading differ from those at the azimuths that were told [d / v_p], (k,)."""
+        now, then = (np.cos(each - self.tracks.heading) for each in (self.tracks.azimuths, told))
+        return np.asarray(np.abs(self.tracks.elevations * (now - then)))
 
     def _witness(self, told: Real, gone: Real) -> bool:
         """Whether somebody stays whose delay would have changed, too, if the array had slipped; nobody else: yes."""

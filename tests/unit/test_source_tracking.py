@@ -94,6 +94,24 @@ def test_who_walks_is_told_and_who_stays_keeps_the_place_of_the_exploration():
     assert tracker.azimuths_at([1.0])[1, 0] == pytest.approx(math.radians(100), abs=0.05)
 
 
+def test_who_has_gone_far_acts_sooner():
+    """A delay that has changed by three times what echoes can do needs a third of the corrections."""
+    tracker = tracker_of(estimate(-60, 100))
+    near = replace(tracker.tracks, heading=0.9, ages=np.array([9.0, 0.0]))
+    needed = []
+    for shift in (8.0, 30.0):
+        moved = near.particles.azimuths + np.radians([0.0, shift])
+        tracker.tracks = replace(near, particles=replace(near.particles, azimuths=moved), ages=np.zeros(2))
+        tracker.moved, tracker._streak, count = [False, False], [0, 0], 0
+        while not tracker.acts and count < 20:
+            tracker.corrected(0.25 * count)
+            count += 1
+        needed.append(count)
+    assert needed[0] == 6
+    assert needed[1] == 2
+    assert tracker.moved == [False, True]
+
+
 def test_nobody_acts_while_everybody_stays():
     tracker = tracker_of(estimate(-20, 100, -150))
     said = feed(tracker, noises([lambda t: -20.0, lambda t: 100.0, lambda t: -150.0], 4.0, 0.9), 0.9)

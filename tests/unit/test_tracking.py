@@ -42,6 +42,21 @@ def follow(paths, seconds, heading=lambda time: 0.6, seed=0, silent=()):
         yield time, tracks
 
 
+def overheard(path, seconds, loud, heading=0.6, seed=0):
+    """Follow a quiet source at a path [deg] beside a loud one at rest: it has a few bins in some steps only."""
+    rng = np.random.default_rng(seed)
+    tracks = tracking.begin(found(loud, path(0.0)), SPACING, SPEED, seed)
+    for number, time in enumerate(np.arange(STEP, seconds + STEP / 2, STEP)):
+        both = [phases([loud], heading, rng, 120)]
+        both += [phases([path(time - STEP / 2)], heading, rng, 24)] if number % 5 == 0 else []
+        joined = (
+            np.concatenate([getattr(each, name) for each in both]) for name in ("frequencies", "phases", "weights")
+        )
+        bundle = np.zeros(sum(len(each.bundle) for each in both), np.intp)
+        tracks = tracking.step(tracks, FrameStatistics(STEP, np.array([heading]), bundle, *joined))
+        yield time, tracks
+
+
 def at(degrees):
     return lambda time: degrees
 
@@ -68,6 +83,43 @@ def test_a_source_is_followed_while_the_array_turns():
     turning = follow([at(-30.0), path], 6.0, heading=lambda time: 0.6 + math.radians(4) * time)
     time, tracks = list(turning)[-1]
     assert off(tracks, 1, path(time)) < 4.0
+
+
+def test_a_quiet_source_that_walks_is_found_beside_a_loud_one():
+    """A loud one that rests must not select, by chance, among the particles that have the quiet one walk."""
+    late = []
+    for seed in range(6):
+        path = walk(100.0, 8.0)
+        errors = [
+            (time, off(tracks, 1, path(time)), off(tracks, 0, -20.0))
+            for time, tracks in overheard(path, 9.0, -20.0, seed=seed)
+        ]
+        late += [error for time, error, _ in errors if time > 4.5]
+        assert max(other for _, _, other in errors) < 5.0
+    assert np.sqrt(np.mean(np.square(late))) < 9.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_source_that_passes_another_one_keeps_its_name(seed):
+    path = walk(60.0, 10.0)
+    time, tracks = list(follow([path, at(100.0), at(-140.0)], 9.0, seed=seed))[-1]
+    assert off(tracks, 0, path(time)) < 5.0
+    assert off(tracks, 1, 100.0) < 5.0
+    assert off(tracks, 2, -140.0) < 5.0
+
+
+def test_after_a_long_silence_a_source_that_has_gone_on_is_found_again():
+    path = walk(100.0, 6.0)
+    rng, sigmas = np.random.default_rng(0), []
+    tracks = tracking.begin(found(-10.0, 100.0), SPACING, SPEED)
+    for time in np.arange(STEP, 14.0, STEP):
+        spoken = [-10.0] if 3.0 < time < 9.0 else [-10.0, path(time - STEP / 2)]
+        tracks = tracking.step(tracks, phases(spoken, 0.6, rng))
+        sigmas.append(tracks.sigmas[1])
+    silent = sigmas[13:35]
+    assert max(silent) > 3 * sigmas[2]
+    assert off(tracks, 1, path(time)) < 5.0
+    assert off(tracks, 0, -10.0) < 3.0
 
 
 def test_who_is_silent_becomes_uncertain_and_old():
