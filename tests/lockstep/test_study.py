@@ -6,11 +6,11 @@ import signal
 import subprocess
 import sys
 import time
-from functools import partial
 
 import pytest
 import soundfile
 
+from fork_server import heed_ctrl_c
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 pytestmark = pytest.mark.process
@@ -57,7 +57,7 @@ def start(asked, out, workers):
         stderr=subprocess.STDOUT,
         text=True,
         start_new_session=True,
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509 - background jobs ignore it
+        preexec_fn=heed_ctrl_c,  # noqa: PLW1509
     )
 
 

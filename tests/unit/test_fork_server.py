@@ -1,0 +1,57 @@
+"""A program that is forked from the server behaves as one that is started."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from fork_server import _program
+
+pytestmark = pytest.mark.process
+
+CODE = "import ross_payload, sys\n"
+
+
+def ran(code, *arguments, **options):
+    """Run a program that is given by -c; `subprocess` forks it."""
+    command = [sys.executable, "-c", CODE + code, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60, **options)
+
+
+@pytest.mark.parametrize(
+    ("words", "asked"),
+    [
+        (["-m", "ross_payload.cli", "sitl", "-u"], {"module": "ross_payload.cli", "arguments": ["sitl", "-u"]}),
+        (["-u", "-m", "ross_sim"], {"module": "ross_sim", "arguments": [], "unbuffered": True}),
+        (["-c", "import ross_sim", "a"], {"code": "import ross_sim", "arguments": ["a"]}),
+        (["-c", "import ross_sim, sys; sys.modules.clear()"], None),
+        (["-c", "print()"], None),
+        (["-m", "pytest"], None),
+        (["-W", "error", "-m", "ross_payload.cli"], None),
+        (["-c"], None),
+        ([], None),
+    ],
+)
+def test_programs_of_this_project_are_forked_and_no_others(words, asked):
+    expected = None if asked is None else {"unbuffered": False} | asked
+    assert _program([sys.executable, *words]) == expected
+    assert _program(["/usr/bin/another", *words]) is None
+
+
+def test_arguments_folder_and_environment_are_those_that_are_asked_for(tmp_path):
+    told = "import os; print(sys.argv, os.getcwd(), os.environ['WHERE'])"
+    done = ran(told, "one", "-x", cwd=tmp_path, env=os.environ | {"WHERE": "here"})
+    assert (done.stdout, done.stderr) == (f"['-c', 'one', '-x'] {tmp_path} here\n", "")
+
+
+def test_modules_are_found_where_the_environment_says(tmp_path):
+    (tmp_path / "mine.py").write_text("NUMBER = 7\n")
+    told = "import mine; print(mine.NUMBER)"
+    assert ran(told, env=os.environ | {"PYTHONPATH": str(tmp_path)}).stdout == "7\n"
+    assert "No module named 'mine'" in ran(told).stderr
+
+
+@pytest.mark.parametrize(("code", "status"), [("", 0), ("sys.exit(3)", 3), ("sys.exit('no')", 1), ("1 / 0", 1)])
+def test_it_ends_with_its_own_code(code, status):
+    assert ran(code).returncode == status
