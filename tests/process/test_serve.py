@@ -21,6 +21,7 @@ from pymavlink import mavutil
 from ground_page import browser
 from ross_sim.scenario import load
 from ross_sim.sitl.serve import linked
+from waiting import wait_for
 
 EXPLORE, RECORD = 54000, 54008
 ACCEPTED, IN_PROGRESS = 0, 5
@@ -78,6 +79,7 @@ def test_what_it_records_on_request_is_in_the_folder(short, tmp_path):
     with serving(short, "--record", tmp_path / "tapes") as (payload, ground):
         wait(ground, "HEARTBEAT", lambda message: message.get_srcComponent() == 191)
         assert order(ground, RECORD, 0) == ACCEPTED
+        wait_for(lambda: any(tmp_path.glob("tapes/*/audio.wav")))
     assert payload.returncode == 0, payload.erred
     (session,) = (tmp_path / "tapes").iterdir()
     assert soundfile.info(session / "audio.wav").channels == 2

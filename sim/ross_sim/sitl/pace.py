@@ -45,14 +45,14 @@ def speed_words(speed: float | None) -> str:
     """Say how fast simulated time goes to who may listen; empty where that is as expected.
 
     >>> speed_words(4.0)
-    'Simulated time runs at 4 times real time; while somebody listens, it runs at real time.'
+    'Simulated time runs at 4 times real time, and at real time while a stream is on.'
     >>> speed_words(1.0)
     ''
     """
     if speed == 1:
         return ""
     how = "as fast as this computer can" if speed is None else f"at {speed:g} times real time"
-    return f"Simulated time runs {how}; while somebody listens, it runs at real time."
+    return f"Simulated time runs {how}, and at real time while a stream is on."
 
 
 class Pace(MissionView):

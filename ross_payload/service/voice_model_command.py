@@ -6,8 +6,6 @@ from pathlib import Path
 
 import click
 
-from ross_payload.voiceprint.model_folder import ModelFolder
-
 
 @click.group(short_help="Add or remove a network that compares voices.")
 def command() -> None:
@@ -25,6 +23,8 @@ def command() -> None:
 )
 def add(file: Path, calibration: Path | None) -> None:
     """Check FILE.onnx and keep a copy: from 80 Kaldi filter banks at 16 kHz to one embedding."""
+    from ross_payload.voiceprint.model_folder import ModelFolder
+
     model = ModelFolder.default().add(file, calibration)
     click.echo(f"added {file.stem}: {file.stat().st_size / 1e6:.1f} MB, {model.size} numbers for each voice")
     click.echo(f"licence: {model.licence or 'the file names none: see where it was published'}")
@@ -35,6 +35,8 @@ def add(file: Path, calibration: Path | None) -> None:
 @command.command("list")
 def show() -> None:
     """List the models, the one that is used by itself with a star."""
+    from ross_payload.voiceprint.model_folder import ModelFolder
+
     folder = ModelFolder.default()
     names = folder.names()
     for name in ("built-in", *names):
@@ -46,5 +48,7 @@ def show() -> None:
 @click.argument("name")
 def remove(name: str) -> None:
     """Delete the copy of a network."""
+    from ross_payload.voiceprint.model_folder import ModelFolder
+
     ModelFolder.default().remove(name)
     click.echo(f"removed {name}")
