@@ -2,6 +2,7 @@
 
 import gc
 import os
+import signal
 from functools import cache
 from pathlib import Path
 
@@ -36,6 +37,8 @@ class Examples:
 
 
 def pytest_configure(config):
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in a background job
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     fork_server.install()
     config.pluginmanager.register(Examples())  # a hook of this file would see the tests alone
     if config.getoption("--actuator-kind"):

@@ -26,6 +26,7 @@ from waiting import wait_for
 PULSE_PLUGIN = "alsa-lib/libasound_module_pcm_pulse.so"
 LOOPBACK = "127.0.0.1"
 RATE = 16000
+ROOM = 4 << 20  # [bytes]: what arrives while a test does something else is read later
 CONFIG = """
 audio.source = "{source}"
 actuator = {{ kind = "tb6600", options = {{ ahead_ms = 100 }} }}
@@ -106,6 +107,7 @@ class Ground:
 
     def __init__(self, system_id=255):
         self.link = mavutil.mavudp(f"{LOOPBACK}:0", input=True, source_system=system_id, source_component=190)
+        self.link.port.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, ROOM)
         self.port = self.link.port.getsockname()[1]
         self.heard = []
         self._beat = 0.0

@@ -129,7 +129,10 @@ def test_the_mirrors_arrive_as_they_are(explored):
 
 def test_the_texts_arrive(explored):
     wait_for(lambda: "RoSS: mission started" in explored.texts())
-    wait_for(lambda: [text for text in explored.texts() if text.startswith("RoSS: 3 sources found after 2 turns")])
+    wait_for(
+        lambda: [text for text in explored.texts() if text.startswith("RoSS: 3 sources found after 2 turns")],
+        what=explored.texts,
+    )
 
 
 def test_what_the_autopilot_does_not_know_it_drops(explored):

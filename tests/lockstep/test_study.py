@@ -10,7 +10,6 @@ import time
 import pytest
 import soundfile
 
-from fork_server import heed_ctrl_c
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 pytestmark = pytest.mark.process
@@ -57,7 +56,6 @@ def start(asked, out, workers):
         stderr=subprocess.STDOUT,
         text=True,
         start_new_session=True,
-        preexec_fn=heed_ctrl_c,  # noqa: PLW1509
     )
 
 

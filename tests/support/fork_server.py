@@ -59,11 +59,6 @@ def begin() -> None:
         _server().wait()
 
 
-def heed_ctrl_c() -> None:
-    """Let a program end by SIGINT (``preexec_fn``), which a shell has its background jobs ignore; a fork never does."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 class Forked(subprocess.Popen):  # type: ignore[type-arg]
     """A process as `subprocess` knows it; forked, where that makes no difference."""
 
@@ -74,7 +69,7 @@ class Forked(subprocess.Popen):  # type: ignore[type-arg]
         asked = dict(zip(names, rest, strict=False), executable=executable, preexec_fn=preexec_fn)
         words = [os.fspath(word) for word in args] if isinstance(args, list | tuple) else []
         environment = dict(os.environ if asked["env"] is None else asked["env"])
-        unalike = any(asked.get(name) not in (None, (), False, -1, heed_ctrl_c) for name in UNALIKE)
+        unalike = any(asked.get(name) not in (None, (), False, -1) for name in UNALIKE)
         program = _program(words)
         if program is None or unalike or not close_fds or asked["umask"] != -1 or not _alike(environment):
             super()._execute_child(args, executable, preexec_fn, close_fds, *rest)

@@ -69,7 +69,7 @@ class Pass:
 
 PASSES = (
     Pass(("pure", "lockstep", "process"), workers=4, ignored=("tests/realtime", "tests/browser")),
-    Pass(("realtime",), workers=5, paths=("tests/realtime", "tests/interop"), niceness=-10),
+    Pass(("realtime",), workers=4, paths=("tests/realtime", "tests/interop"), niceness=-10),
     Pass(("alone",), workers=0, paths=("tests/realtime", "tests/interop"), niceness=-10),
     Pass(("browser",), workers=3, paths=("tests/browser",), niceness=-10),
 )

@@ -13,7 +13,7 @@ from ross_payload.mission.source_tracking import DWELL, SHORT, UPDATE, SourceTra
 from ross_payload.pointing import Pointing
 
 SPACING, SPEED = 0.05, 343.0
-LASTING = 6  # corrections that must say so: 1.5 s
+LASTING = 6  # corrections that must say so: 1.5 s, a third of it where the delay has changed by far
 FAR = 9.0  # a limit of the joint that limits nothing [rad]
 
 
@@ -82,14 +82,15 @@ def test_a_track_is_lost_when_it_is_not_known_any_more_where_the_source_is(sigma
     assert tracker.lost is lost
 
 
-def test_who_has_left_for_long_has_moved_and_not_before():
-    tracker = tracker_of(100, -60, now=(140, -60))
+@pytest.mark.parametrize(("azimuth", "corrections"), [(108.5, LASTING), (111, LASTING // 2), (140, LASTING // 3)])
+def test_who_has_left_for_long_has_moved_and_not_before(azimuth, corrections):
+    tracker = tracker_of(100, -60, now=(azimuth, -60))
     seen = []
-    for step in range(LASTING + 1):
+    for step in range(corrections + 1):
         tracker.corrected(UPDATE * step)
         seen.append(tuple(tracker.moved))
-    assert seen == [(False, False)] * (LASTING - 1) + [(True, False)] * 2
-    assert tracker.azimuths == pytest.approx(np.radians([140, -60]), abs=0.02)
+    assert seen == [(False, False)] * (corrections - 1) + [(True, False)] * 2
+    assert tracker.azimuths == pytest.approx(np.radians([azimuth, -60]), abs=0.02)
 
 
 def test_who_is_silent_has_not_moved_however_likely_it_is():
