@@ -41,6 +41,7 @@ def serving(scenario, *arguments):
             finally:
                 payload.send_signal(signal.SIGINT)
                 payload.said, payload.erred = payload.communicate(timeout=60)
+                sys.stderr.write(payload.erred)  # for whom a test fails
     finally:
         ground.close()
 
@@ -78,8 +79,8 @@ def test_it_idles_until_ordered_explores_and_ends_with_the_truth(short, tmp_path
 def test_what_it_records_on_request_is_in_the_folder(short, tmp_path):
     with serving(short, "--record", tmp_path / "tapes") as (payload, ground):
         wait(ground, "HEARTBEAT", lambda message: message.get_srcComponent() == 191)
+        wait_for(lambda: any(tmp_path.glob("tapes/*/audio.wav")))  # from its first Input on
         assert order(ground, RECORD, 0) == ACCEPTED
-        wait_for(lambda: any(tmp_path.glob("tapes/*/audio.wav")))
     assert payload.returncode == 0, payload.erred
     (session,) = (tmp_path / "tapes").iterdir()
     assert soundfile.info(session / "audio.wav").channels == 2
