@@ -7,9 +7,10 @@ there: a recording to play, the keys of links, the voice print of the target.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn, TypeVar
 
 from ross_payload import config as settings
 from ross_payload.actuators.registry import checked_options, open_actuator
@@ -27,6 +28,10 @@ from ross_payload.service.state_folder import check_state_folder
 from ross_payload.transport.link_url import parse, tcp_endpoint
 from ross_payload.transport.signing import read_key
 from ross_payload.voiceprint import VoiceStore
+from ross_payload.voiceprint.model_folder import ModelFolder
+from ross_payload.voiceprint.store import Damaged
+
+T = TypeVar("T")
 
 LINKS = "mavlink:"  # the port of a driver that shares the links
 SCENARIO = "talkers"  # a key that only scenarios of the simulator have
@@ -64,8 +69,11 @@ def check(config: Config) -> None:
     name, store = config.service.target, VoiceStore.default()
     if config.service.autostart == "seek" and not name:
         raise ConfigError("service.target: expected the name of an enrolled voice for autostart = 'seek', got none")
+    model = _at("voice_print.model", partial(ModelFolder.default().in_use, config.voice_print.model))
     if name:
         _at("service.target", partial(store.check, name))
+        with suppress(Damaged):  # it is set aside when the payload starts
+            _at("service.target", partial(store.load, name, model))
     check_state_folder(config)
     checked_options(config)
     check_one_id(config)
@@ -114,12 +122,12 @@ def _ports(config: Config) -> Iterator[tuple[str, str]]:
         yield "dronecan.port", config.dronecan.port
 
 
-def _at(key: str, call: Callable[[], Any]) -> None:
+def _at(key: str, call: Callable[[], T]) -> T:
     """Name the key whose value is refused."""
     try:
-        call()
+        return call()
     except ConfigError as error:
-        raise ConfigError(f"{key}: {error}") from error
+        raise type(error)(f"{key}: {error}") from error
 
 
 def _refused(url: str) -> NoReturn:

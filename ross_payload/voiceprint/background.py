@@ -13,6 +13,7 @@ from __future__ import annotations
 import hashlib
 import io
 from dataclasses import dataclass, field, fields, replace
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -183,6 +184,7 @@ def reliability(features: Features) -> float:
     return features.seconds / (features.seconds + HALF_TIME)
 
 
+@cache
 def shipped_background() -> Background:
     """Read the background model that comes with the package."""
     return read_background(files(__package__).joinpath("background.npz").read_bytes(), "background.npz")

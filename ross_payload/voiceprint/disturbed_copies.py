@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
+from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint.features import RATE
 
@@ -15,7 +16,7 @@ REVERBERATION_S = (0.25, 0.6)  # times in which the tail falls by 60 dB [s]
 DIRECT_DB = (-3.0, 6.0)  # direct sound over tail
 SNR_DB = (10.0, 25.0)
 TAIL_BEGINS_S = 0.002
-FRAME, HOP = 1024, 256  # of the masks [samples]
+STFT = Stft(RATE, 1024, 256)  # of the masks
 FLOOR = 0.1  # least gain of a mask
 RIVAL_DB = (-6.0, 3.0)  # level of whom a mask takes away
 
@@ -50,27 +51,10 @@ def _others_speech(voice: Real, rng: np.random.Generator) -> Real:
 def _masked(voice: Real, rival: Real, rng: np.random.Generator) -> Real:
     """Apply the gain of a Wiener filter that takes a rival (n,) away, as separators do, and leave what it leaves."""
     rival = rival * _rms(voice) / max(_rms(rival), np.finfo(float).tiny) * 10 ** (rng.uniform(*RIVAL_DB) / 20)
-    own, other = _spectra(voice), _spectra(rival)
+    own, other = STFT.analyse(voice), STFT.analyse(rival)
     power, against = np.abs(own) ** 2, np.abs(other) ** 2
     gain = np.maximum(power / (power + against + np.finfo(float).tiny), FLOOR)
-    return _signal(gain * (own + other), len(voice))
-
-
-WINDOW = np.sqrt(np.hanning(FRAME + 1)[:-1])
-
-
-def _spectra(signal: Real) -> Real:
-    padded = np.pad(signal, FRAME)
-    frames = np.lib.stride_tricks.sliding_window_view(padded, FRAME)[::HOP]
-    return np.asarray(rfft(frames * WINDOW, axis=1))
-
-
-def _signal(spectra: Real, size: int) -> Real:
-    frames = irfft(spectra, FRAME, axis=1) * WINDOW * (HOP / (FRAME / 2))
-    out = np.zeros(len(frames) * HOP + FRAME)
-    for index, frame in enumerate(frames):
-        out[index * HOP : index * HOP + FRAME] += frame
-    return out[FRAME : FRAME + size]
+    return STFT.synthesise(gain * (own + other), len(voice))
 
 
 def _rms(signal: Real) -> float:

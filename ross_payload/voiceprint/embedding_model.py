@@ -87,8 +87,10 @@ class EmbeddingModel:
             When they are not those of a print of this network.
         """
         embedding = np.array(values["embedding"], np.float64)
-        if embedding.shape != (self.size,) or not np.isfinite(embedding).all() or not embedding.any():
-            raise ValueError(f"expected {self.size} numbers, got {embedding.size}, or none that is finite and not 0")
+        if embedding.shape != (self.size,):
+            raise ValueError(f"expected {self.size} numbers, got {embedding.size}")
+        if not np.isfinite(embedding).all() or not embedding.any():
+            raise ValueError("expected finite numbers, not all of them 0")
         return EmbeddingPrint(_unit(embedding), seconds, self, consent)
 
     def embed(self, samples: Real) -> Real:

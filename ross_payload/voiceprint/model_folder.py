@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +17,17 @@ from ross_payload.errors import ConfigError, near, shown, unknown
 from ross_payload.voiceprint.background import shipped_background
 from ross_payload.voiceprint.embedding_model import Calibration, EmbeddingModel
 from ross_payload.voiceprint.speaker_model import VoiceModel
+from ross_payload.voiceprint.store import data_folder
 
 LARGEST = 512 * MB
 BUILT_IN, AUTO = "built-in", "auto"
 SUFFIX = ".onnx"
 
 ANY = Calibration((21.0, 40.0), (0.34, 0.44))
-"""Of CAM++ (Wang et al., Interspeech 2023) with 192 numbers, trained on 200,000 talkers of two languages.
+"""Of CAM++ (Wang et al., Interspeech 2023) for Chinese and English, with 192 numbers: the first guess for any other.
 
-Measured on LibriSpeech's readers, separated by `auto` in S2 and A0.45: see `ross_sim.study.calibrate_voice_model`. The
-cosines of other networks that were trained with additive margins are alike, but not the same.
+Measured on readers of LibriSpeech, separated by `auto` in S2 and A0.45, and rounded; as in
+`ross_sim.study.calibrate_voice_model`.
 """
 
 
@@ -38,9 +40,7 @@ class ModelFolder:
     @classmethod
     def default(cls, environment: Mapping[str, str] = os.environ) -> ModelFolder:
         """Return that of this user: ``$XDG_DATA_HOME/ross/voice-models``, or below ``~/.local/share``."""
-        home = environment.get("XDG_DATA_HOME", "")
-        base = Path(home) if Path(home).is_absolute() else Path.home() / ".local" / "share"
-        return cls(base / "ross" / "voice-models")
+        return cls(data_folder(environment) / "voice-models")
 
     def names(self) -> tuple[str, ...]:
         """Return what was added, sorted."""
@@ -84,11 +84,15 @@ class ModelFolder:
         ConfigError
             When there is none of that name, or it cannot be used.
         """
-        path = self.path(name)
         if name not in self.names():
             raise ConfigError(unknown("voice model", name, (AUTO, BUILT_IN, *self.names())))
-        beside = self._calibration_path(name)
-        return EmbeddingModel(_read(path), str(path), _calibration(beside) if beside.exists() else ANY)
+        path, beside = self.path(name), self._calibration_path(name)
+        calibration = _calibration(beside) if beside.exists() else ANY
+        try:
+            found = path.stat()
+        except OSError as error:
+            raise ConfigError(f"{path}: no voice model can be read: {error.strerror}") from error
+        return _network(path, (found.st_ino, found.st_mtime_ns, found.st_size), calibration)
 
     def remove(self, name: str) -> None:
         """Delete a network.
@@ -116,13 +120,19 @@ class ModelFolder:
         """
         names = self.names()
         if choice == AUTO and len(names) > 1:
-            raise ConfigError(f"voice_print.model: expected one of {', '.join(names)} or {BUILT_IN}, got '{AUTO}'")
+            raise ConfigError(f"expected one of {', '.join(names)} or {BUILT_IN} as voice model, got '{AUTO}'")
         if choice == BUILT_IN or (choice == AUTO and not names):
             return shipped_background()
         return self.load(names[0] if choice == AUTO else choice)
 
     def _calibration_path(self, name: str) -> Path:
         return self.folder / (name + ".json")
+
+
+@lru_cache(maxsize=2)
+def _network(path: Path, _version: tuple[int, int, int], calibration: Calibration) -> EmbeddingModel:
+    """Open a network, once for each version of its file: every task asks for it."""
+    return EmbeddingModel(_read(path), str(path), calibration)
 
 
 def _read(path: Path) -> bytes:

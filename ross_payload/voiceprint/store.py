@@ -24,6 +24,12 @@ SUFFIX = ".json"
 LARGEST = 8 * MB
 
 
+def data_folder(environment: Mapping[str, str] = os.environ) -> Path:
+    """Return what this user keeps: ``ross`` in ``$XDG_DATA_HOME`` (XDG Base Directory Specification) or its default."""
+    home = environment.get("XDG_DATA_HOME", "")
+    return (Path(home) if Path(home).is_absolute() else Path.home() / ".local" / "share") / "ross"
+
+
 class Damaged(ConfigError):
     """A file that is no voice print at all, whoever's it was."""
 
@@ -79,9 +85,7 @@ class VoiceStore:
     @classmethod
     def default(cls, environment: Mapping[str, str] = os.environ) -> VoiceStore:
         """Return the store of this user: ``$XDG_DATA_HOME/ross/voices``, or ``~/.local/share/ross/voices``."""
-        home = environment.get("XDG_DATA_HOME", "")
-        base = Path(home) if Path(home).is_absolute() else Path.home() / ".local" / "share"
-        return cls(base / "ross" / "voices")
+        return cls(data_folder(environment) / "voices")
 
     def path(self, name: str) -> Path:
         """Return the file of a name.
@@ -153,7 +157,7 @@ def _decoded(content: Any, model: VoiceModel, path: Path) -> EnrolledVoice:
     if content.get("version") != VERSION:
         raise ConfigError(f"{path}: expected a voice print of version {VERSION}, got {content.get('version')!r}")
     if content.get("background") != model.fingerprint:
-        raise ConfigError(f"{path}: made with another background model: enrol this voice again")
+        raise ConfigError(f"{path}: made with another voice model: enrol this voice again")
     try:
         seconds = float(content["seconds"])
         if not np.isfinite(seconds):

@@ -1,10 +1,8 @@
 """`ross sitl --page`: somebody looks on over MAVLink, and the mission is the same as without."""
 
 import signal
-import socket
 import subprocess
 import sys
-import threading
 import time
 import urllib.request
 from contextlib import contextmanager
@@ -15,7 +13,6 @@ import soundfile
 
 from ross_payload.events import Outcome
 from ross_payload.listening.observers import BEHIND_S
-from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import common, ross
 from ross_sim.scenario import load
 from ross_sim.sitl.mission_session import perform
@@ -24,51 +21,10 @@ from ross_sim.sitl.page_observer import SCRIPTED, PageObserver
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import talkers_of
 from short_mission import SHORT
-from stream_ear import StreamEar, place_of
+from stream_ear import Gazer, StreamEar, place_of
 
 TURN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_STOP
 RESULTS = ("report.json", "events.jsonl", "mission.tlog", "mixture.wav", "target.wav")
-
-
-class Gazer:
-    """Hears the payload, and orders what it is given: the first at once, the others when the one before is answered."""
-
-    def __init__(self, *orders):
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.bind(("127.0.0.1", 0))
-        self._socket.settimeout(0.1)
-        self.link = f"udpout:127.0.0.1:{self._socket.getsockname()[1]}"
-        self.packets, self._orders = [], list(orders)
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._listen)
-
-    def __enter__(self):
-        self._thread.start()
-        return self
-
-    def __exit__(self, *error):
-        self._over.set()
-        self._thread.join()
-        self._socket.close()
-
-    def messages(self, name):
-        return [packet.message for packet in self.packets if packet.name == name]
-
-    def texts(self):
-        return "".join(str(message.text) for message in self.messages("STATUSTEXT"))
-
-    def _listen(self):
-        decoder, encoder, asked = Decoder(), Encoder(255, 190), 0
-        while not self._over.is_set():
-            try:
-                data, peer = self._socket.recvfrom(4096)
-            except TimeoutError:
-                continue
-            self.packets += decoder.feed(data)
-            if self._orders and asked == len(self.messages("COMMAND_ACK")):
-                order = self._orders.pop(0)
-                self._socket.sendto(encoder.encode(order), peer)
-                asked += 1
 
 
 def command(number, *values):

@@ -48,6 +48,34 @@ def test_a_mission_recognises_by_the_network_that_was_added(run, file, tmp_path)
     assert scores["auto"] != scores["built-in"]
 
 
+def test_what_a_network_took_part_in_is_replayed_from_its_recorded_answers(run, file, tmp_path):
+    assert run("voice-model", "add", str(file))[0] == 0
+    scenario = tmp_path / "scenario.toml"
+    scenario.write_text(SHORT)
+    code, _, err = run("sitl", "--scenario", str(scenario), "--record", str(tmp_path / "tape"))
+    assert code in (0, 3), err
+    assert run("voice-model", "remove", "small")[0] == 0
+    (session,) = (tmp_path / "tape").iterdir()
+    code, out, err = run("replay", str(session), "--json")
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    assert (told["identical"], told["parted"]) == (True, "")
+    assert told["voice"].startswith("recorded answers")
+
+
+def test_a_print_of_another_model_is_refused_before_anything_opens(run, file, tmp_path):
+    voice, payload = tmp_path / "voice.wav", tmp_path / "payload.toml"
+    soundfile.write(voice, vowel(), RATE)
+    payload.write_text('service.target = "ann"\n[audio]\nsource = "device:none"\n')
+    assert run("enroll", "ann", str(voice))[0] == 0
+    assert run("config", "check", str(payload))[0] == 0
+    assert run("voice-model", "add", str(file))[0] == 0
+    code, _, err = run("config", "check", str(payload))
+    assert code == 2
+    assert "service.target: " in err
+    assert err.endswith("made with another voice model: enrol this voice again\n")
+
+
 def test_a_model_that_is_not_there_is_one_line(run, tmp_path):
     scenario = tmp_path / "scenario.toml"
     scenario.write_text(SHORT + '[payload.voice_print]\nmodel = "ecapa"\n')

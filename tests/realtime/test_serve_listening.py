@@ -2,61 +2,23 @@
 
 import os
 import signal
-import socket
-import threading
 
 import numpy as np
 import pytest
 import soundfile
 
 from ross_payload.config import Link
-from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_sim.scenario import load
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.serve import serve
 from ross_sim.sitl.talker_selection import talkers_of
-from stream_ear import StreamEar, place_of
+from stream_ear import Gazer, StreamEar, place_of
 from waiting import wait_for
 
 FIRST = 25  # packets that are compared: half a second
 COMPUTED_S = 3.0  # of sound that has to be heard while the mission computes
 pytest.importorskip("aiortc", reason="the extra [stream]")
-
-
-class Ground:
-    """Orders one thing, and counts heartbeats. A context manager."""
-
-    def __init__(self, order):
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.bind(("127.0.0.1", 0))
-        self._socket.settimeout(0.1)
-        self.url = f"udpout:127.0.0.1:{self._socket.getsockname()[1]}"
-        self.beats = 0
-        self._order = order
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._listen)
-
-    def __enter__(self):
-        self._thread.start()
-        return self
-
-    def __exit__(self, *error):
-        self._over.set()
-        self._thread.join()
-        self._socket.close()
-
-    def _listen(self):
-        decoder, ordered = Decoder(), False
-        while not self._over.is_set():
-            try:
-                data, peer = self._socket.recvfrom(4096)
-            except TimeoutError:
-                continue
-            self.beats += sum(packet.name == "HEARTBEAT" for packet in decoder.feed(data))
-            if not ordered:
-                self._socket.sendto(Encoder(255, 190).encode(self._order), peer)
-                ordered = True
 
 
 class Computing(MissionView):
@@ -72,9 +34,9 @@ class Computing(MissionView):
             return
         self.computed = 1
         try:
-            packets, beats = len(self._ear.packets), self._ground.beats
+            packets, beats = len(self._ear.packets), len(self._ground.messages("HEARTBEAT"))
             wait_for(lambda: len(self._ear.packets) > packets + 50 * COMPUTED_S)
-            wait_for(lambda: self._ground.beats >= beats + 2)
+            wait_for(lambda: len(self._ground.messages("HEARTBEAT")) >= beats + 2)
         except AssertionError as error:
             self.error = error
         os.kill(os.getpid(), signal.SIGINT)  # as a terminal does it: the main thread hears it
@@ -82,9 +44,9 @@ class Computing(MissionView):
 
 def served(scenario, folder, speed):
     """Serve, stop when it was heard; return what heard it and the first sound that was there."""
-    with StreamEar() as ear, Ground(ear.order) as ground, ResultsFolder(folder / "out") as out:
+    with StreamEar() as ear, Gazer(ear.order) as ground, ResultsFolder(folder / "out") as out:
         chosen = load(str(scenario))
-        links = {"links": (Link(url=ground.url),)}
+        links = {"links": (Link(url=ground.link),)}
         chosen = chosen.model_copy(update={"payload": chosen.payload.model_copy(update=links)})
         view, company = Computing(ear, ground), talkers_of(chosen, None, None)
         serve(chosen, company, view, out=out, speed=speed, recordings=folder / "kept", always=False)

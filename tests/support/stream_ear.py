@@ -1,4 +1,4 @@
-"""What is streamed over RTP as L16, packet by packet: who asks for it, and who takes it."""
+"""Who hears a payload over UDP: a ground station that orders, and what is streamed as L16, packet by packet."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ross_protocols.mavlink import stream_command
+from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import common, ross
 from ross_protocols.mavlink.stream_command import StreamCommand
 from ross_protocols.mavlink.stream_values import Selection
@@ -36,7 +37,7 @@ def place_of(heard, mixture, step=2**-14):
     return next((at for at in places if np.abs(mixture[at : at + len(heard)] - heard).max() < step), -1)
 
 
-class StreamEar:
+class UdpEar:
     """A UDP port of this computer and a thread that takes what comes there. A context manager."""
 
     def __init__(self):
@@ -58,6 +59,40 @@ class StreamEar:
         self._thread.join()
         self._socket.close()
 
+    def _listen(self):
+        while not self._over.is_set():
+            try:
+                data, peer = self._socket.recvfrom(65536)
+            except TimeoutError:
+                continue
+            self._take(data, peer)
+
+
+class Gazer(UdpEar):
+    """Hears the payload, and orders what it is given: the first at once, the others when the one before is answered."""
+
+    def __init__(self, *orders):
+        super().__init__()
+        self.link = f"udpout:127.0.0.1:{self.port}"
+        self._orders, self._asked = list(orders), 0
+        self._decoder, self._encoder = Decoder(), Encoder(255, 190)
+
+    def messages(self, name):
+        return [packet.message for packet in self.packets if packet.name == name]
+
+    def texts(self):
+        return "".join(str(message.text) for message in self.messages("STATUSTEXT"))
+
+    def _take(self, data, peer):
+        self.packets += self._decoder.feed(data)
+        if self._orders and self._asked == len(self.messages("COMMAND_ACK")):
+            self._socket.sendto(self._encoder.encode(self._orders.pop(0)), peer)
+            self._asked += 1
+
+
+class StreamEar(UdpEar):
+    """Takes one stream."""
+
     @property
     def order(self):
         """The command that has the mixture streamed here."""
@@ -76,13 +111,8 @@ class StreamEar:
         """From the first sample to the last at 16 kHz [s]."""
         return sum(len(packet.samples) for packet in self.packets) / 16000
 
-    def _listen(self):
-        while not self._over.is_set():
-            try:
-                data = self._socket.recv(65536)
-            except TimeoutError:
-                continue
-            if len(data) > HEADER_BYTES and data[1] & 127 in DYNAMIC:
-                number, index = int.from_bytes(data[2:4], "big"), int.from_bytes(data[4:8], "big")
-                samples = np.frombuffer(data[HEADER_BYTES:], ">i2").astype(np.int16)
-                self.packets.append(Heard(time.monotonic(), number, index, samples))
+    def _take(self, data, _peer):
+        if len(data) > HEADER_BYTES and data[1] & 127 in DYNAMIC:
+            number, index = int.from_bytes(data[2:4], "big"), int.from_bytes(data[4:8], "big")
+            samples = np.frombuffer(data[HEADER_BYTES:], ">i2").astype(np.int16)
+            self.packets.append(Heard(time.monotonic(), number, index, samples))

@@ -50,7 +50,7 @@ def test_of_several_networks_one_has_to_be_chosen(folder, file, tmp_path):
     other = tmp_path / "other.onnx"
     other.write_bytes(speaker_network(seed=1))
     folder.add(other)
-    with pytest.raises(ConfigError, match=r"voice_print.model: expected one of other, small or built-in, got 'auto'"):
+    with pytest.raises(ConfigError, match="expected one of other, small or built-in as voice model, got 'auto'"):
         folder.in_use()
     assert folder.in_use("other").fingerprint != folder.in_use("small").fingerprint
     with pytest.raises(ConfigError, match="smal"):
@@ -148,7 +148,7 @@ def test_prints_are_kept_and_are_of_one_model_alone(network, tmp_path):
     assert (again.consent, again.seconds) == ("asked", print_.seconds)
     voice = vowel(seed=3)
     assert again.score(voice, RATE).value == pytest.approx(print_.score(voice, RATE).value, abs=1e-3)
-    with pytest.raises(ConfigError, match="made with another background model: enrol this voice again"):
+    with pytest.raises(ConfigError, match="made with another voice model: enrol this voice again"):
         store.load("ann")
     other = EmbeddingModel(speaker_network(seed=1), "other.onnx", ANY)
     with pytest.raises(ConfigError, match="enrol this voice again"):

@@ -109,7 +109,7 @@ def damaged(**changes):
         (lambda _: "[]", "expected a voice print"),
         (damaged(format="wav"), "expected a voice print"),
         (damaged(version=7), "version 1, got 7"),
-        (damaged(background="0" * 16), "another background model"),
+        (damaged(background="0" * 16), "another voice model"),
         (damaged(offsets=[1.0]), "damaged"),
         (damaged(offsets=[["a"]]), "damaged"),
         (damaged(seconds=float("nan")), "damaged"),
