@@ -62,7 +62,7 @@ class ModelFolder:
         if not re.fullmatch(r"\w[\w.-]{0,63}", name) or name in (BUILT_IN, AUTO) or source.suffix != SUFFIX:
             expected = "at most 64 letters, digits, '_', '-' and '.' and then .onnx as the name of a file"
             raise ConfigError(f"expected {expected}, got {shown(source.name)}")
-        content = _read(source)
+        content = read_model(source)
         read = _calibration(calibration) if calibration is not None else ANY
         model = EmbeddingModel(content, str(source), read)
         try:
@@ -132,10 +132,17 @@ class ModelFolder:
 @lru_cache(maxsize=2)
 def _network(path: Path, _version: tuple[int, int, int], calibration: Calibration) -> EmbeddingModel:
     """Open a network, once for each version of its file: every task asks for it."""
-    return EmbeddingModel(_read(path), str(path), calibration)
+    return EmbeddingModel(read_model(path), str(path), calibration)
 
 
-def _read(path: Path) -> bytes:
+def read_model(path: Path) -> bytes:
+    """Read the file of a network.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be read, or is too large for one.
+    """
     try:
         return read_bounded(path, LARGEST)
     except OSError as error:

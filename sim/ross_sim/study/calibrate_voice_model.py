@@ -21,6 +21,7 @@ from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint.embedding_model import Calibration, EmbeddingModel
+from ross_payload.voiceprint.model_folder import read_model
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.room_settings import SETTINGS
 from ross_sim.study.voiceprint_study import DURATIONS, OUTSIDE, TALKERS, trials
@@ -54,9 +55,11 @@ def calibration(model: EmbeddingModel, speech: Path, rooms: Sequence[str], draws
     ConfigError
         When the folder has too few talkers.
     """
-    voices = [voice for voice in load_folder(speech, RATE) if voice.name not in OUTSIDE]
+    enough = max(DURATIONS) * RATE
+    voices = [voice for voice in load_folder(speech, RATE) if voice.name not in OUTSIDE and len(voice.speech) > enough]
     if len(voices) < TALKERS:
-        raise ConfigError(f"{speech}: expected at least {TALKERS} talkers, got {len(voices)}")
+        least = f"at least {TALKERS} talkers with more than {max(DURATIONS):g} s of speech beside the enrolment"
+        raise ConfigError(f"{speech}: expected {least}, got {len(voices)}")
     found = [trial for room in rooms for trial in trials(voices, model, room, draws, seed) if trial.separated]
     slopes, thresholds = [], []
     for seconds in DURATIONS:
@@ -79,8 +82,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--draws", type=int, default=20, help="mixtures in every room")
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args(arguments)
-    model = EmbeddingModel(asked.file.read_bytes(), str(asked.file), COSINES)
-    found = calibration(model, asked.speech, asked.rooms, asked.draws, asked.seed)
+    try:
+        model = EmbeddingModel(read_model(asked.file), str(asked.file), COSINES)
+        found = calibration(model, asked.speech, asked.rooms, asked.draws, asked.seed)
+    except ConfigError as error:
+        parser.error(str(error))
     write_whole(asked.out, (json.dumps(asdict(found)) + "\n").encode())
     sys.stdout.write(f"{found}\n")
     return 0
