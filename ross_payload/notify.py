@@ -9,13 +9,18 @@ import os
 import signal
 import socket
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
+from typing import TypeVar
 
 from ross_payload.events import Event, StateChanged
 from ross_payload.interfaces import Cancel, Clock, Input
 
+T = TypeVar("T")
+
+HEARD = 0.1  # [s] within which a signal is heard, whichever thread the system gave it to
 TIMEOUT = 0.1  # [s] that a full socket of the manager may hold us up
 PINGS = 4  # in one period of the manager's watchdog: three may be late
 MISSION = "mission"  # its mark in `Watchdog`
@@ -140,3 +145,14 @@ def on_signal(call: Callable[[str], object]) -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def hearing_signals(future: Future[T]) -> T:
+    """Return the result of a future, on the main thread, which goes on hearing signals.
+
+    Python calls what handles a signal on the main thread. The system may give the signal to any other one, which does
+    not wake the main thread where that waits for a lock without a limit.
+    """
+    while not wait([future], HEARD).done:
+        pass
+    return future.result()

@@ -28,7 +28,7 @@ from ross_payload.interfaces import Input, VoicePrint
 from ross_payload.logs import LogObserver, logging_to
 from ross_payload.mavlink import Router
 from ross_payload.mount import mount_of
-from ross_payload.notify import MISSION, Manager, Watchdog, on_signal
+from ross_payload.notify import MISSION, Manager, Watchdog, hearing_signals, on_signal
 from ross_payload.orders import Shutdown, Stop
 from ross_payload.service.payload import POLL, Parts, assembled
 from ross_payload.service.runner import Runner
@@ -166,7 +166,7 @@ def _run(runner: Runner, manager: Manager) -> None:
 
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission, on_signal(shut_down):
         try:
-            result = mission.submit(runner.run).result()
+            result = hearing_signals(mission.submit(runner.run))
         except AudioEnded as ended:
             log.info("%s", ended)
         else:

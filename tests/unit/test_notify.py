@@ -1,16 +1,21 @@
 """The service manager is a real datagram socket here; only the clock is made."""
 
 import os
+import signal
 import socket
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 from ross_payload.events import State, StateChanged
 from ross_payload.interfaces import Attitude, AudioBlock, Input
-from ross_payload.notify import Manager, Watchdog
+from ross_payload.notify import Manager, Watchdog, hearing_signals, on_signal
 from ross_payload.pointing import Pointing
 from ross_sim.clock import SimClock
+from waiting import wait_for
 
 
 @pytest.fixture(params=["path", "abstract"])
@@ -131,3 +136,15 @@ def test_the_manager_hears_what_the_mission_does(systemd):
 
 def test_without_a_watchdog_nothing_is_polled():
     assert Watchdog(Manager("", period=None), SimClock(), {"mission": 60.0}).start() is None
+
+
+def test_a_signal_that_another_thread_was_given_is_heard_at_once():
+    heard, main = threading.Event(), threading.main_thread().ident
+
+    def work():
+        wait_for(lambda: sys._current_frames()[main].f_code.co_name == "wait")  # for a lock: for this thread
+        signal.pthread_kill(threading.get_ident(), signal.SIGINT)
+        return heard.wait(10.0)
+
+    with ThreadPoolExecutor(max_workers=1) as pool, on_signal(lambda _: heard.set()):
+        assert hearing_signals(pool.submit(work))

@@ -25,7 +25,7 @@ from ross_payload.dronecan.shared_bus import SharedBuses
 from ross_payload.interfaces import Clock, Input, Port
 from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
-from ross_payload.notify import on_signal
+from ross_payload.notify import hearing_signals, on_signal
 from ross_payload.orders import Shutdown
 from ross_payload.service.live import SWITCH
 from ross_payload.service.payload import Parts, assembled
@@ -105,7 +105,7 @@ def _run(runner: Runner) -> None:
         ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission,
         on_signal(lambda _: runner.order(Shutdown())),
     ):
-        mission.submit(runner.run).result()
+        hearing_signals(mission.submit(runner.run))
 
 
 def _streams_of(runner: Runner) -> Callable[[], tuple[StreamStatus, ...]]:
