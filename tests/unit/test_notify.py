@@ -138,11 +138,23 @@ def test_without_a_watchdog_nothing_is_polled():
     assert Watchdog(Manager("", period=None), SimClock(), {"mission": 60.0}).start() is None
 
 
+def functions(thread):
+    """The functions that a thread is in, the innermost first."""
+    frame = sys._current_frames()[thread.ident]
+    while frame is not None:
+        yield frame.f_code.co_name
+        frame = frame.f_back
+
+
 def test_a_signal_that_another_thread_was_given_is_heard_at_once():
-    heard, main = threading.Event(), threading.main_thread().ident
+    heard = threading.Event()
+
+    def waits():
+        inner, *outer = functions(threading.main_thread())
+        return inner == "wait" and "hearing_signals" in outer
 
     def work():
-        wait_for(lambda: sys._current_frames()[main].f_code.co_name == "wait")  # for a lock: for this thread
+        wait_for(waits)
         signal.pthread_kill(threading.get_ident(), signal.SIGINT)
         return heard.wait(10.0)
 
