@@ -20,7 +20,7 @@ from ross_payload.ground.client.order_json import order_of
 from ross_payload.ground.client.stream_orders import StopStream
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.payload_state import PayloadState
-from ross_payload.ground.model.stream_rows import whom
+from ross_payload.ground.model.stream_rows import instead, whom
 from ross_payload.ground.model.stream_rows import words as words_of
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.stream_values import StreamReport
@@ -247,6 +247,7 @@ class VoiceRelay:
             "choice": self._choice,
             "whom": self._words if stream is None else whom(stream),
             "separated": stream is not None and stream.separated,
+            "instead": "" if stream is None else instead(stream),
             "listeners": len(self._listeners),
             "received": reception.received,
             "lost": reception.lost,

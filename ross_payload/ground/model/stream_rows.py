@@ -11,6 +11,7 @@ from ross_protocols.angle_text import rounded
 from ross_protocols.mavlink.field_converters import compass
 from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 
+SILENCE_DB = -120.0  # re full scale; what a payload reports of samples that are all zero
 CODECS = {Codec.L16: "L16", Codec.OPUS: "opus", Codec.PCM: "PCM", Codec.FLAC: "FLAC"}
 
 
@@ -73,6 +74,17 @@ def place(stream: StreamReport) -> str:
     return f"{stream.address}:{stream.port}" if stream.port else stream.address or stream.sink
 
 
+def instead(stream: StreamReport) -> str:
+    """Return what is heard while nobody's voice can be separated: the mixture or silence; empty while a voice is heard.
+
+    >>> instead(StreamReport(0, 0, 1, "rtp", Selection.TARGET, False, 48000, on=True, detail="turning"))
+    'the mixture'
+    """
+    if not stream.on or stream.separated or stream.muted or not stream.detail or stream.selection == Selection.MIXTURE:
+        return ""
+    return "silence" if stream.level is not None and stream.level <= SILENCE_DB else "the mixture"
+
+
 def words(stream: StreamReport) -> str:
     """Return how a stream is, in words."""
     if stream.fault:
@@ -80,7 +92,9 @@ def words(stream: StreamReport) -> str:
     if not stream.on:
         return ", ".join(filter(None, ("off", stream.detail)))
     heard = "recording" if stream.records else "on" if stream.listeners is None else _listeners(stream.listeners)
-    return ", ".join(filter(None, (heard, "muted" if stream.muted else "", stream.detail)))
+    other = instead(stream)
+    why = f"{other}: {stream.detail}" if other else stream.detail
+    return ", ".join(filter(None, (heard, "muted" if stream.muted else "", why)))
 
 
 def _listeners(count: int) -> str:

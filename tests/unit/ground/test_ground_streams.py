@@ -46,6 +46,13 @@ def test_the_view_tells_degrees_place_and_words():
         ({"listeners": 0}, "good", "no listener"),
         ({"listeners": 1}, "good", "1 listener"),
         ({"listeners": 3, "muted": True, "detail": "no target yet"}, "good", "3 listeners, muted, no target yet"),
+        ({"listeners": 1, "separated": False, "detail": "turning"}, "good", "1 listener, the mixture: turning"),
+        (
+            {"listeners": 1, "separated": False, "detail": "turning", "level": -120},
+            "good",
+            "1 listener, silence: turning",
+        ),
+        ({"listeners": 1, "detail": "buffered", "separated": True}, "good", "1 listener, buffered"),
         ({"fault": True, "detail": "disk full"}, "act", "fault: disk full"),
     ],
 )

@@ -44,7 +44,11 @@ export function listenPanel(page, told) {
 /** How it is, in words. */
 export function saying({ state }) {
   const words = PHASES[state.phase] ?? state.phase;
-  if (state.phase === "playing") return `${words}: ${state.told.whom}${state.why ? ` (${state.why})` : ""}.`;
+  if (state.phase === "playing") {
+    const { whom, instead } = state.told;
+    if (instead) return `${words}: ${instead} instead of ${whom} (${state.why}).`;
+    return `${words}: ${whom}${state.why ? ` (${state.why})` : ""}.`;
+  }
   return state.why ? `${words.replace(/\.$/, "")}: ${state.why}.` : words.replace(/[^.]$/, "$&.");
 }
 
