@@ -9,7 +9,7 @@ from fleet_bench import FleetThread
 from page_eyes import sees
 from ports import free_port
 from recording_bench import input_of, record
-from ross_payload.ground.web.page_thread import in_background
+from ross_payload.ground.web.app import in_background
 from ross_payload.sessions.catalog import Catalog
 from ross_payload.sessions.session_store import SessionStore
 

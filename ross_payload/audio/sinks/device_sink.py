@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from ross_payload.audio.reconnecting_feed import LEAVE, Worker, in_thread
-from ross_payload.audio.sinks import SinkInfo, SinkServices
+from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.audio.sound_devices import device_named, portaudio
 from ross_payload.config.table import Table
 from ross_payload.errors import AudioError, RossError
@@ -219,14 +219,4 @@ class DeviceSink:
             stream.close(ignore_errors=True)
 
 
-class DevicePlugin:
-    """Sound cards."""
-
-    Config = DeviceOptions
-
-    def open(self, config: DeviceOptions, services: SinkServices) -> DeviceSink:
-        """Make the sink."""
-        return DeviceSink(config, services)
-
-
-sink = DevicePlugin()
+sink = BuiltInSink(DeviceOptions, DeviceSink)

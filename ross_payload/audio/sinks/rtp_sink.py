@@ -20,7 +20,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator
 
-from ross_payload.audio.sinks import SinkInfo, SinkServices
+from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.audio.sinks.rtp_sender import RtpSender
 from ross_payload.config.table import Table
 from ross_payload.errors import AudioError, shown
@@ -266,14 +266,4 @@ class RtpSink:
         return False
 
 
-class RtpPlugin:
-    """RTP to one address."""
-
-    Config = RtpOptions
-
-    def open(self, config: RtpOptions, services: SinkServices) -> RtpSink:
-        """Make the sink."""
-        return RtpSink(config, services)
-
-
-sink = RtpPlugin()
+sink = BuiltInSink(RtpOptions, RtpSink)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ross_payload.ground.flights.log_file import LogFile
 from ross_payload.ground.flights.resync import CHAIN, HEAD, LONGEST, STAMP, V1, V2, chained
+from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import MESSAGES, common, ross
 from ross_protocols.mavlink.tunnel import TYPE
 
@@ -48,6 +49,10 @@ class Index:
     def __len__(self) -> int:
         """Count the frames."""
         return len(self.start)
+
+    def sent_by(self, *senders: ComponentId) -> NDArray[np.bool_]:
+        """Whether one of these components sent a frame, for each."""
+        return np.isin(self.sender, [256 * who.system + who.component for who in senders])
 
 
 @dataclass(slots=True)

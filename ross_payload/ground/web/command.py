@@ -7,8 +7,6 @@ from pathlib import Path
 
 import click
 
-from ross_payload.plugins import install_line
-
 DEFAULT_URL = "udpin:127.0.0.1:14550"
 PORT = 8765
 SYSTEM_ID = click.IntRange(1, 255)
@@ -46,12 +44,8 @@ def command(
     open_page: bool,
 ) -> None:
     """Serve the page, with what is received on each URL (default: udpin:127.0.0.1:14550), until Ctrl-C."""
-    try:
-        from ross_payload.ground.web.app import Options, run
-    except ModuleNotFoundError as error:
-        if error.name != "aiohttp":
-            raise
-        raise click.UsageError(f"the page needs aiohttp: {install_line('ground')}") from error
+    from ross_payload.ground.web.app import Options, run
+
     folder, listened = flights or log, urls or (DEFAULT_URL,)
     options = Options(
         listened, port, host, token_file, certificate, key, mavlink_key, system_id, log, folder, open_page

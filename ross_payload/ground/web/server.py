@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from aiohttp import web
 
+from ross_payload.errors import refused_as
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.recordings import RecordingStore
 from ross_payload.ground.web.connections import HEADER_TIMEOUT, Connections
@@ -130,10 +131,8 @@ def bound(host: str, port: int) -> socket.socket:
     GroundError
         When the address is not of this computer, or the port is taken.
     """
-    try:
+    with refused_as(GroundError, f"--host {host}: expected an address of this computer, got"):
         (family, _, _, _, address), *_ = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-    except OSError as error:
-        raise GroundError(f"--host {host}: expected an address of this computer, got: {error.strerror}") from error
     listener = socket.socket(family, socket.SOCK_STREAM)
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -43,8 +43,7 @@ def command(
     """
     from ross_payload.clock import SystemClock
     from ross_payload.transport.open_port import open_port
-    from ross_sim.autopilot.managed_gimbal import CarriedGimbal
-    from ross_sim.autopilot.simulated_autopilot import BOOT, Autopilot, Yaw
+    from ross_sim.autopilot.simulated_autopilot import BOOT, Autopilot, CarriedGimbal, Yaw
 
     clock = SystemClock()
     begin = clock.now()

@@ -107,9 +107,9 @@ def hub(*, listen: str, as_json: bool) -> int:
     Nodes join with python-can's interface socketcand, and RoSS with port = "can:socketcand:HOST:PORT:CHANNEL".
     """
     import asyncio
-    import signal
 
     from ross_payload.clock import SystemClock
+    from ross_payload.transport.async_task import set_by_signal
     from ross_payload.transport.link_url import tcp_endpoint
     from ross_sim.devices.can_hub import CanHub
 
@@ -121,10 +121,7 @@ def hub(*, listen: str, as_json: bool) -> int:
         click.echo(json.dumps({"hub": address}) if as_json else f"ready: {address}:CHANNEL, any CHANNEL")
 
     async def live() -> None:
-        ended = asyncio.Event()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            asyncio.get_running_loop().add_signal_handler(number, ended.set)
-        await CanHub(SystemClock()).serve(host, port, on_port, ended)
+        await CanHub(SystemClock()).serve(host, port, on_port, set_by_signal())
 
     asyncio.run(live())
     return 0

@@ -173,7 +173,7 @@ def page_observer(folder: Path | None, recordings: Path | None = None) -> Iterat
 @contextmanager
 def _served(urls: list[str], folder: Path | None, recordings: Catalog | None) -> Iterator[Served]:
     try:
-        from ross_payload.ground.web.page_thread import in_background  # noqa: PLC0415 - an extra
+        from ross_payload.ground.web.app import in_background  # noqa: PLC0415 - an extra
     except ModuleNotFoundError as error:
         if error.name != "aiohttp":
             raise

@@ -32,7 +32,6 @@ from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.sessions.recorder import in_background
 from ross_payload.sessions.session_store import SessionStore
-from ross_payload.streams import StreamStatus
 from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.voiceprint import VoiceStore
 from ross_sim.clock import QUANTUM, SimClock
@@ -93,7 +92,7 @@ def serve(
         else:
             observers.append(Pace(asked))
         with assembled(parts, tuple(observers)) as runner:
-            asked.streams = _streams_of(runner)
+            asked.streams = next(one.streams for one in runner.observers if isinstance(one, Listening))
             _run(runner)
         truth.write(world.drain())
         truth.finish(facts(scenario, cast) | {"complaints": far_end.complaints()}, scenario)
@@ -106,11 +105,6 @@ def _run(runner: Runner) -> None:
         on_signal(lambda _: runner.order(Shutdown())),
     ):
         hearing_signals(mission.submit(runner.run))
-
-
-def _streams_of(runner: Runner) -> Callable[[], tuple[StreamStatus, ...]]:
-    """Return what tells how the streams of a payload are."""
-    return next(observer.streams for observer in runner.observers if isinstance(observer, Listening))
 
 
 class HeardTime(MissionView):
