@@ -12,7 +12,7 @@ PROBE_EPILOG = """Ctrl-C stops it at any moment. Exit codes: 0 no problems, 1 wi
 or bad input, 130 stopped by the user."""
 
 
-@click.command("doctor", short_help="Can this computer run a configuration? What to do if not.", epilog=DOCTOR_EPILOG)
+@click.command("doctor", short_help="Check whether this computer can run a configuration.", epilog=DOCTOR_EPILOG)
 @click.argument("config", type=click.Path(path_type=Path))
 @click.option("--json", is_flag=True, help="Print JSON.")
 def doctor_command(config: Path, json: bool) -> int:

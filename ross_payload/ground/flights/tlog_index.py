@@ -65,12 +65,12 @@ class Damage:
     wrong: Counter[int] = field(default_factory=Counter)  # frames with another checksum, by message id
 
 
-def scan(tape: LogFile) -> tuple[Index, Damage]:
+def scan(file: LogFile) -> tuple[Index, Damage]:
     """Find every good frame of a log, and what is damaged."""
     walk, parts, rest, base = _Walk(), [], b"", 0
-    for piece in tape.pieces():
+    for piece in file.pieces():
         data = rest + piece
-        last = base + len(data) >= tape.size
+        last = base + len(data) >= file.size
         places, sizes, reached = walk.over(data, base == 0, last)
         parts.append(_columns(data, base, np.array(places, np.int64), np.array(sizes, np.uint16)))
         rest, base = data[reached:], base + reached

@@ -73,8 +73,8 @@ async def serve(
     """
     if token is None and not is_loopback(host):
         raise GroundError(f"--host {host}: reachable from other computers: expected a token, got none")
-    with listener or bound(host, port) as door, flights or FlightLibrary(None) as shelf:
-        browsers, connections = WebSocketSessions(PageState(station or NoStation(), shelf, recordings)), Connections()
+    with listener or bound(host, port) as door, flights or FlightLibrary(None) as library:
+        browsers, connections = WebSocketSessions(PageState(station or NoStation(), library, recordings)), Connections()
         browsers.state.tiles = tiles
         listening = ListeningSockets(browsers.state, audio_address)
         site = application(browsers, listening, Gate(token), connections, loopback=is_loopback(host))

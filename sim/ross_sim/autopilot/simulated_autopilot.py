@@ -50,7 +50,7 @@ POLL = 0.010  # [s]
 
 @dataclass(slots=True)
 class _Plug:
-    """One link of the autopilot: its port, its ear and voice, and what is due there when."""
+    """One link of the autopilot: its port, its decoder and encoder, and what is due there when."""
 
     port: Transport
     encoder: Encoder

@@ -150,7 +150,7 @@ def _parts(
     state = Path(stack.enter_context(TemporaryDirectory(prefix="ross-sitl-")))
     links = stack.enter_context(Router.open(config.links, clock, system_id=config.telemetry.system_id, state=state))
     mount, timebase = aboard(scenario, world.clock, links)
-    shelf = SessionStore(recordings)
+    store = SessionStore(recordings)
     return Parts(
         clock=clock,
         source=world.source,
@@ -159,13 +159,13 @@ def _parts(
         mount=mount,
         timebase=timebase,
         parameters=stack.enter_context(Parameters(config, state / "params.toml")),
-        shelf=shelf,
+        store=store,
         drained=in_background if live else drained(clock),
         voiceprint=company.voiceprint,
         voices=VoiceStore(state / "voices"),  # of nobody: they end with the simulation
         state=state,
         rng=np.random.default_rng(config.seed),
-        computer=ComputerReader(shelf.folder) if live else None,  # else it is the same on every computer
+        computer=ComputerReader(store.folder) if live else None,  # else it is the same on every computer
         live=live,
     )
 

@@ -121,13 +121,17 @@ class Task:
 
 def tasks(study: Study) -> list[Task]:
     """Every task of a study once, in the order of its axes."""
-    scenes = product(study.settings, study.k, range(0 if study.paper_layout else 1, study.layouts + 1))
-    return [task for scene in scenes for task in _tasks(study, *scene)]
+    return [task for scene in _scenes(study) for task in _tasks(study, *scene)]
 
 
 def mixed(tasks: Iterable[Task]) -> list[Task]:
     """Mix long and short tasks, always in the same way: the time left can then be told early."""
     return sorted(tasks, key=lambda task: fingerprint(**asdict(task)))
+
+
+def _scenes(study: Study) -> Iterator[tuple[str, int, int]]:
+    first = 0 if study.paper_layout else 1
+    return product(study.settings, study.k, range(first, study.layouts + 1))
 
 
 def _tasks(study: Study, setting: str, k: int, layout: int) -> Iterator[Task]:
