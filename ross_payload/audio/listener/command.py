@@ -69,4 +69,4 @@ def command(url: str, out: Path | None, device: str, delay_ms: float, duration: 
         feed = PcmFeed(source)
     with feed:
         place = to_file(feed, path, meter, clock) if path is not None else to_device(feed, device, meter)
-        listen(feed, place, meter=meter, clock=clock, wall=time.time, tell=click.echo, duration=duration, waits=waits)
+        listen(feed, place, meter=meter, clock=clock, wall=time.time, report=click.echo, duration=duration, waits=waits)

@@ -81,7 +81,7 @@ class RtpPort(asyncio.DatagramProtocol):
 
     def datagram_received(self, data: bytes, addr: Any) -> None:
         """Take what has arrived."""
-        self.receiver.take(data, self._now(), addr)
+        self.receiver.on_datagram(data, self._now(), addr)
 
     def error_received(self, exc: Exception) -> None:
         """Pay no attention to the news that nobody takes the answers."""

@@ -13,7 +13,7 @@ from typing import Any
 from pymavlink.dialects.v20 import ardupilotmega
 
 from ross_protocols.mavlink.codec import Packet
-from ross_protocols.mavlink.component_id import target_of
+from ross_protocols.mavlink.component_id import ComponentId, target_of
 
 KNOWN = frozenset(ardupilotmega.mavlink_map)  # message ids
 NEVER = frozenset((ardupilotmega.MAVLINK_MSG_ID_RADIO, ardupilotmega.MAVLINK_MSG_ID_RADIO_STATUS))
@@ -31,8 +31,8 @@ class RoutingTable:
     """The routes of one autopilot, component 1 of its system."""
 
     def __init__(self, system_id: int) -> None:
-        self._own = (system_id, 1)
-        self._routes: dict[str, set[tuple[int, int]]] = {}
+        self._own = ComponentId(system_id, 1)
+        self._routes: dict[str, set[ComponentId]] = {}
 
     def way(self, link: str, packet: Packet) -> Way:
         """Learn from a message that was heard on a link; return where it goes."""
@@ -45,7 +45,7 @@ class RoutingTable:
             return Way()
         links = tuple(other for other in self.toward(packet.message) if other != link)
         system, component = target_of(packet.message)
-        here = system in (0, self._own[0])
+        here = system in (0, self._own.system)
         return Way(links, here and (component in (0, 1) or not links))
 
     def toward(self, message: Any) -> tuple[str, ...]:
@@ -57,6 +57,6 @@ class RoutingTable:
             if not system or any(self._matches(system, component, route) for route in heard)
         )
 
-    def _matches(self, system: int, component: int, route: tuple[int, int]) -> bool:
+    def _matches(self, system: int, component: int, route: ComponentId) -> bool:
         """Whether a target may be behind a route; of other systems every component is."""
-        return route[0] == system and (component in (0, route[1]) or system != self._own[0])
+        return route.system == system and (component in (0, route.component) or system != self._own.system)

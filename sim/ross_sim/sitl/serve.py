@@ -115,7 +115,7 @@ class HeardTime(MissionView):
 
     def on_input(self, hop: Input) -> None:
         """Tell it."""
-        self._clock.heard(hop.block.time)
+        self._clock.on_heard(hop.block.time)
 
 
 def linked(scenario: Scenario) -> Scenario:
