@@ -1,7 +1,7 @@
 """RTP packets in, samples out: whoever plays takes as many samples as the clock asks for, whatever came.
 
-No socket, no thread, no clock: datagrams are given to `RtpReceiver.on_datagram` with the time they arrived, samples are taken
-by `RtpReceiver.read`, and what `RtpReceiver.feedback` returns goes back to the sender. A lock is the caller's.
+No socket, no thread, no clock: datagrams are given to `RtpReceiver.on_datagram` with the time they arrived, samples are
+taken by `RtpReceiver.read`, and what `RtpReceiver.feedback` returns goes back to the sender. A lock is the caller's.
 """
 
 from __future__ import annotations
