@@ -31,8 +31,8 @@ LATE_S = 0.2  # beyond the wanted filling, from which on the oldest is left out 
 class DeviceOptions(Table):
     """[listening.streams.options] of ``device``."""
 
-    device: Annotated[str, Field(min_length=1)] = "default"  # a part of its name, see `ross devices`
-    latency_ms: Annotated[float, Field(gt=0, le=1000)] = 60.0  # that waits for the card, and is asked of it
+    device: Annotated[str, Field(min_length=1)] = "default"  # part of its name, see `ross devices`
+    latency_ms: Annotated[float, Field(gt=0, le=1000)] = 60.0  # audio buffered for the card, and its latency
 
 
 class PlaybackRing:

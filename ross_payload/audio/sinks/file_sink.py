@@ -26,9 +26,7 @@ WIDTH = 3  # [bytes] of a sample in a file that does not shrink it
 class FileOptions(Table):
     """[listening.streams.options] of ``file``."""
 
-    path: (
-        str  # ends in .flac or .wav; a number is added to a name that is taken; without a folder: in that of recordings
-    )
+    path: str  # ends in .flac or .wav; a number is added to a taken name; without a folder: in that of recordings
 
     @field_validator("path")
     @classmethod

@@ -40,7 +40,7 @@ class RtpOptions(Table):
     """[listening.streams.options] of ``rtp``."""
 
     address: str  # of one computer, as a number: 192.168.1.20, fd00::20
-    port: Annotated[int, Field(ge=1, le=65535)] = 5004  # UDP; reports go over it, too, both ways
+    port: Annotated[int, Field(ge=1, le=65535)] = 5004  # UDP port; also of the reports, both ways
     codec: Literal["opus", "L16"] = "opus"  # with forward error correction, or samples of 16 bits
     bit_rate_kbps: Annotated[int, Field(ge=12, le=256)] = 48  # of Opus
     rate_hz: Annotated[int, Field(ge=8000, le=48000)] | None = None  # of L16; absent: that of the audio

@@ -35,7 +35,7 @@ log = logging.getLogger(__name__)
 class TcpOptions(Table):
     """[listening.streams.options] of ``tcp``."""
 
-    mode: Literal["listen", "connect"] = "listen"  # wait for listeners there, or connect to one there
+    mode: Literal["listen", "connect"] = "listen"  # listen: wait for listeners; connect: to one
     address: Annotated[str, Field(min_length=1)] = LOOPBACK  # to listen on, or to connect to
     port: Annotated[int, Field(ge=1, le=65535)]
     codec: Literal["s16le", "s24le", "f32le"] = "s24le"  # samples on the wire

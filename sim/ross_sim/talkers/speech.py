@@ -57,8 +57,7 @@ def load_folder(folder: Path, rate: int) -> tuple[TalkerVoice, ...]:
         talkers[entry.stem] = [entry]
     voices = tuple(_voice(name, talkers[name], rate) for name in sorted(talkers) if talkers[name])
     if not voices:
-        kinds = ", ".join(sorted(SUFFIXES))
-        raise ConfigError(f"{folder}: expected one sub-folder or one file ({kinds}) per talker, got none")
+        raise ConfigError(f"{folder}: expected one sub-folder or one file ({_suffixes()}) per talker, got none")
     return voices
 
 
@@ -122,6 +121,10 @@ def _recordings(folder: Path) -> list[Path]:
 
 def _is_recording(path: Path) -> bool:
     return path.is_file() and path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
+
+
+def _suffixes() -> str:
+    return ", ".join(sorted(SUFFIXES))
 
 
 def _reason(error: Exception) -> str:
