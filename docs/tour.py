@@ -18,7 +18,7 @@ from typing import Literal
 from PIL import Image
 from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 
-from ross_payload.ground.web.page_thread import in_background
+from ross_payload.ground.web.app import in_background
 
 STATIC = Path(__file__).parent / "_static"
 PAYLOAD = "1-191"

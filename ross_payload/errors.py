@@ -115,4 +115,4 @@ def refused_as(kind: type[Exception], what: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise kind(f"{what}: {error.strerror}") from error
+        raise kind(f"{what}: {error.strerror or error}") from error

@@ -1,4 +1,4 @@
-"""How the ears and the recorder are: plain values that cross from them to telemetry, the log and the doctor."""
+"""How the microphones and the recorder are: plain values that cross from them to telemetry, the log and the doctor."""
 
 from __future__ import annotations
 

@@ -162,18 +162,18 @@ class Changes:
 
     Parameters
     ----------
-    links, ears, recorder
+    links, audio, recorder
         Tell how they are; called by `poll`.
     """
 
     def __init__(
         self,
         links: Callable[[], Iterable[LinkStatus]],
-        ears: Callable[[], AudioHealth],
+        audio: Callable[[], AudioHealth],
         recorder: Callable[[], RecordingStatus],
     ) -> None:
         self._links = links
-        self._ears = ears
+        self._audio = audio
         self._recorder = recorder
         self._links_before: dict[str, tuple[bool, int]] = {}
         self._trouble = AudioTrouble.NONE
@@ -192,7 +192,7 @@ class Changes:
             if link.twins > twins:
                 self._log.warning("link %s: another sender uses our system and component id", link.url)
             self._links_before[link.url] = link.up, link.twins
-        self._microphones(self._ears())
+        self._microphones(self._audio())
         self._records(self._recorder())
 
     def _microphones(self, now: AudioHealth) -> None:

@@ -52,7 +52,7 @@ def checked_explorer(name: str, make: Callable[[], Any]) -> Explorer:
 
 
 class CheckedSeparator:
-    """A separator whose every result is checked.
+    """A separator whose every result is checked: every method raises a PluginError when one does not fit.
 
     Parameters
     ----------
@@ -68,13 +68,7 @@ class CheckedSeparator:
         self._separator = separator
 
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
-        """Separate a whole recording; spectrogram (2, n_freqs, n_frames).
-
-        Raises
-        ------
-        PluginError
-            When the plug-in raises, or what it returns does not fit.
-        """
+        """Separate a whole recording; spectrogram (2, n_freqs, n_frames)."""
         groups = _called(self._who, "batch", lambda: self._separator.batch(spectrogram, scene))
         return _faultless(self._who, "batch", groups, _fault_of_groups(groups, spectrogram.shape[1:], scene))
 
@@ -102,7 +96,7 @@ class CheckedSeparator:
 
 
 class CheckedLiveSeparator:
-    """A live separator whose every result is checked; parameters as of `CheckedSeparator`."""
+    """A live separator whose every result is checked; parameters and errors are those of `CheckedSeparator`."""
 
     def __init__(self, who: str, separator: LiveSeparator) -> None:
         self.name = separator.name
@@ -111,17 +105,11 @@ class CheckedLiveSeparator:
         self._separator = separator
 
     def start(self, scene: Scene) -> Any:
-        """Return the state in which nothing was heard yet; raises as `step`."""
+        """Return the state in which nothing was heard yet."""
         return _called(self._who, "start", lambda: self._separator.start(scene))
 
     def step(self, state: Any, frame: Complex, scene: Scene) -> tuple[Any, Groups]:
-        """Hear one frame (2, n_freqs).
-
-        Raises
-        ------
-        PluginError
-            When the plug-in raises, or what it returns does not fit.
-        """
+        """Hear one frame (2, n_freqs)."""
         returned = _called(self._who, "step", lambda: self._separator.step(state, frame, scene))
         if not isinstance(returned, tuple) or len(returned) != len(("state", "groups")):
             raise PluginError(f"{self._who}: step: expected a state and groups, got {type(returned).__name__}")
@@ -129,16 +117,16 @@ class CheckedLiveSeparator:
         return _faultless(self._who, "step", returned, fault)
 
     def learn(self, window: Complex, scene: Scene, before: Any = None) -> Any:
-        """Return what the latest frames (2, n_freqs, n_frames) tell about the sources; raises as `step`."""
+        """Return what the latest frames (2, n_freqs, n_frames) tell about the sources."""
         return _called(self._who, "learn", lambda: self._separator.learn(window, scene, before))
 
     def renewed(self, state: Any, learnt: Any) -> Any:
-        """Return the state that goes on with what was learnt; raises as `step`."""
+        """Return the state that goes on with what was learnt."""
         return _called(self._who, "renewed", lambda: self._separator.renewed(state, learnt))
 
 
 class CheckedExplorer:
-    """An explorer whose every result is checked.
+    """An explorer whose every result is checked: every method raises a PluginError when one does not fit.
 
     Parameters
     ----------
@@ -162,13 +150,7 @@ class CheckedExplorer:
         *,
         frame_period: float | None = None,
     ) -> Observation:
-        """Condense one orientation; spectrogram (2, n_freqs, n_frames), frequencies [Hz], heading [rad].
-
-        Raises
-        ------
-        PluginError
-            When the plug-in raises, or what it returns does not fit.
-        """
+        """Condense one orientation; spectrogram (2, n_freqs, n_frames), frequencies [Hz], heading [rad]."""
 
         def call() -> Observation:
             return self._explorer.observe(spectrogram, frequencies, heading, noise_psd, frame_period=frame_period)
@@ -177,13 +159,7 @@ class CheckedExplorer:
         return _faultless(self._who, "observe", seen, _fault_of_observation(seen))
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
-        """Estimate K and all azimuths from every orientation heard so far.
-
-        Raises
-        ------
-        PluginError
-            When the plug-in raises, or what it returns does not fit.
-        """
+        """Estimate K and all azimuths from every orientation heard so far."""
         believed = _called(self._who, "estimate", lambda: self._explorer.estimate(observations))
         return _faultless(self._who, "estimate", believed, _fault_of_estimate(believed))
 

@@ -15,6 +15,23 @@ from ross_payload.errors import AudioError, OutputError
 from ross_payload.interfaces import Real
 
 
+def read_audio(path: Path) -> tuple[Real, int]:
+    """Read a file, (n_samples, n_channels), and its rate [Hz].
+
+    Raises
+    ------
+    AudioError
+        When the file is missing or not audio.
+    """
+    if not path.is_file():
+        raise AudioError(f"{path}: no such file")
+    try:
+        samples, rate = soundfile.read(path, dtype="float64", always_2d=True)
+    except (soundfile.LibsndfileError, RuntimeError) as error:
+        raise AudioError(f"{path}: expected audio that libsndfile can read") from error
+    return samples, int(rate)
+
+
 def read_mono(path: Path) -> tuple[Real, int]:
     """Read a file as one channel (n_samples,), the mean of its channels, and its rate [Hz].
 
@@ -23,17 +40,12 @@ def read_mono(path: Path) -> tuple[Real, int]:
     AudioError
         When the file is missing, not audio, empty, or holds samples that are not finite.
     """
-    if not path.is_file():
-        raise AudioError(f"{path}: no such file")
-    try:
-        samples, rate = soundfile.read(path, dtype="float64", always_2d=True)
-    except (soundfile.LibsndfileError, RuntimeError) as error:
-        raise AudioError(f"{path}: expected audio that libsndfile can read") from error
+    samples, rate = read_audio(path)
     if len(samples) == 0:
         raise AudioError(f"{path}: expected speech, got a clip of 0 s")
     if not np.isfinite(samples).all():
         raise AudioError(f"{path}: expected finite samples, got NaN or infinity")
-    return samples.mean(axis=1), int(rate)
+    return samples.mean(axis=1), rate
 
 
 BUFFER = 16000  # samples that wait to be written together: a hop at a time would cost more than the hearing

@@ -47,7 +47,7 @@ class Tenth:
 
 
 class HealthMonitor:
-    """Watches a mission and says how its ears are; ``health`` may be called from any thread.
+    """Watches a mission and says how its microphones are; ``health`` may be called from any thread.
 
     Parameters
     ----------

@@ -8,9 +8,8 @@ import threading
 
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.live_source import OnSamples
-from ross_payload.errors import AudioError
+from ross_payload.errors import AudioError, refused_as
 from ross_payload.transport.link_url import tcp_endpoint
-from ross_payload.transport.ports import reason
 from ross_protocols.audio.pcm import Decoder, PcmError
 
 CONNECT = 3.0  # [s] within which the other end answers and says what it sends
@@ -34,10 +33,8 @@ class PcmClient:
             When nobody answers, or what they send does not fit.
         """
         where = f"tcp:{self._address[0]}:{self._address[1]}"
-        try:
+        with refused_as(AudioError, f"{where}: no audio"):
             sock = socket.create_connection(self._address, CONNECT)
-        except OSError as error:
-            raise AudioError(f"{where}: no audio: {reason(error)}") from error
         try:
             decoder = self._header(sock)
         except (OSError, PcmError, AudioError) as error:

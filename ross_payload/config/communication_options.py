@@ -20,9 +20,7 @@ class Link(Table):
     )
     key_file: str = ""  # 32 bytes or 64 hex digits, mode 0600: sign what is sent, accept only what is signed with it
     accept: tuple[SystemId, ...] = ()  # system ids that may send commands, others are only received; empty: all
-    max_bytes_s: Annotated[int, Field(ge=0)] = (
-        0  # budget of what is sent [bytes/s]; 0: half of a serial baud rate, else none
-    )
+    max_bytes_s: Annotated[int, Field(ge=0)] = 0  # send budget [bytes/s]; 0: half of a serial baud rate, else none
 
 
 class Telemetry(Table):
@@ -38,7 +36,7 @@ class Gimbal(Table):
     """[gimbal]: the array as a MAVLink gimbal, which reports where it points and can be pointed by the pilot."""
 
     mode: Literal["off", "standalone", "device"] = (
-        "off"  # standalone: we are its manager, too; device: the autopilot is; with mavlink_gimbal only off
+        "off"  # standalone: its own gimbal manager; device: managed by the autopilot; off with mavlink_gimbal
     )
     component_id: Literal[0, 154, 171, 172, 173, 174, 175] = 0  # 0: 154, or the next free one
 
@@ -60,11 +58,13 @@ class Recording(Table):
     always: bool = False  # record from start to end without a command
     target: bool = False  # also the separated voice of the target, target.flac
     sources: bool = False  # also the separated voice of every source, source-0.flac and so on
-    max_gb: Annotated[float, Field(gt=0, le=10_000)] = 4.0  # of all sessions together; the oldest go first
+    max_gb: Annotated[float, Field(gt=0, le=10_000)] = 4.0  # of all sessions together; the oldest are deleted first
     max_days: Annotated[float, Field(gt=0, le=3650)] = 30.0  # older sessions are deleted
-    min_free_gb: Annotated[float, Field(ge=0, le=10_000)] = 0.5  # left on the disk, else recording stops
+    min_free_gb: Annotated[float, Field(ge=0, le=10_000)] = 0.5  # free space below which recording stops
     offer_ftp: bool = False  # let peers that may send commands read recordings over MAVLink FTP
-    ftp_bytes_s: Annotated[float, Field(ge=100, le=1_000_000)] = 50_000.0  # at most, and half of the link's budget
+    ftp_bytes_s: Annotated[float, Field(ge=100, le=1_000_000)] = (
+        50_000.0  # limit, and at most half of the link's budget
+    )
 
 
 class Dronecan(Table):
@@ -72,7 +72,7 @@ class Dronecan(Table):
 
     port: Annotated[str, Field(pattern="^(can:.+)?$")] = ""  # can:INTERFACE:CHANNEL[:BITRATE]; empty: no node
     node_id: Annotated[int, Field(ge=0, le=125)] = (
-        121  # nobody else may have it; 0: asked of an allocator on the bus, mostly the autopilot
+        121  # must be unique; 0: requested from an allocator on the bus, usually the autopilot
     )
     allocator: bool = False  # assign ids to nodes that request one; only if no other node does
     may_set: bool = True  # other nodes may set parameters, not only read them

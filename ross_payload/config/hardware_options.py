@@ -24,19 +24,19 @@ class Audio(Table):
     """[audio]: rates and frames."""
 
     source: Annotated[str, Field(pattern=r"^(device|file|tcp):.+")] = (
-        "device:default"  # device:NAME (a part of it), file:PATH or tcp:HOST:PORT, see `ross devices`
+        "device:default"  # device:NAME (part of it is enough), file:PATH or tcp:HOST:PORT; see `ross devices`
     )
     preset: Literal["", "respeaker-2mic", "respeaker-4mic", "respeaker-usb"] = ""  # channels of known arrays
     channels: tuple[Channel, Channel] | None = (
-        None  # of microphones 1 and 2, from 0; absent: the preset's, else 0 and 1
+        None  # those of microphones 1 and 2, from 0; default: the preset's, else 0 and 1
     )
     device_channels: Annotated[int, Field(ge=1, le=64)] | None = (
-        None  # to open; absent: the preset's, else as many as needed
+        None  # channels to open; default: the preset's, else as many as needed
     )
-    gain_db: tuple[Decibels, Decibels] = (0.0, 0.0)  # added to microphones 1 and 2
-    invert: tuple[bool, bool] = (False, False)  # a microphone whose polarity is wrong
-    latency_ms: Annotated[float, Field(gt=0, le=1000)] = 50.0  # requested from the sound card
-    buffer_s: Annotated[float, Field(ge=1, le=600)] = 60.0  # audio that waits while a separation computes
+    gain_db: tuple[Decibels, Decibels] = (0.0, 0.0)  # gain of microphones 1 and 2 [dB]
+    invert: tuple[bool, bool] = (False, False)  # invert the polarity of microphones 1 and 2
+    latency_ms: Annotated[float, Field(gt=0, le=1000)] = 50.0  # latency requested from the sound card [ms]
+    buffer_s: Annotated[float, Field(ge=1, le=600)] = 60.0  # audio that is buffered while a separation computes [s]
     rate_hz: Annotated[int, Field(ge=16000, le=48000)] = 16000  # of both microphones [Hz]
     hop_ms: Annotated[int, Field(ge=1, le=20)] = 10  # one step of the mission: a stop takes effect within it [ms]
     frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] = 2048  # STFT frame of the separation [samples]

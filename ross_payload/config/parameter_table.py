@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from ross_payload.config import Config, validated
 from ross_payload.errors import ConfigError, unknown
 
-NAME_SIZE = 16  # characters of a name on the wire
-
 
 @dataclass(frozen=True, slots=True)
 class Parameter:

@@ -12,7 +12,7 @@ PROBE_EPILOG = """Ctrl-C stops it at any moment. Exit codes: 0 no problems, 1 wi
 or bad input, 130 stopped by the user."""
 
 
-@click.command("doctor", short_help="Can this computer run a configuration? What to do if not.", epilog=DOCTOR_EPILOG)
+@click.command("doctor", short_help="Check whether this computer can run a configuration.", epilog=DOCTOR_EPILOG)
 @click.argument("config", type=click.Path(path_type=Path))
 @click.option("--json", is_flag=True, help="Print JSON.")
 def doctor_command(config: Path, json: bool) -> int:
@@ -78,7 +78,8 @@ def probe_command(*, config: Path, move: bool, home: bool, yes: bool, json: bool
     from ross_payload.doctor.probe import Results, Wishes, open_services, probe
 
     settings, results, findings = load(config), Results(), []
-    wishes = Wishes(home, lambda: move and (yes or _agreed()))
+    question = "It will turn by 5 deg and back, twice, slowly. Is the way free?"
+    wishes = Wishes(home, lambda: move and (yes or click.confirm(question, err=True)))
     with open_services(settings) as services, closing(probe(settings, services, wishes, results)) as steps:
         for finding in steps:
             findings.append(finding)
@@ -87,7 +88,3 @@ def probe_command(*, config: Path, move: bool, home: bool, yes: bool, json: bool
     if json:
         click.echo(as_json(findings, figures=results.as_values()))
     return EXIT_CODES[worst(findings)]
-
-
-def _agreed() -> bool:
-    return click.confirm("It will turn by 5 deg and back, twice, slowly. Is the way free?", err=True)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import scipy.fft
-import soundfile
 from scipy.signal import resample_poly
 
+from ross_payload.audio.audio_files import read_audio
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
 
@@ -64,14 +64,9 @@ def read_take(path: Path) -> Take:
         When the file is missing or not audio, has not two channels, holds samples that are not finite, is too short,
         or one of its microphones is silent.
     """
-    if not path.is_file():
-        raise AudioError(f"{path}: no such file")
-    try:
-        samples, rate = soundfile.read(path, dtype="float64", always_2d=True)
-    except (soundfile.LibsndfileError, RuntimeError) as error:
-        raise AudioError(f"{path}: expected audio that libsndfile can read") from error
-    _check(path, samples.T, int(rate))
-    return Take(samples.T.copy(), int(rate))
+    samples, rate = read_audio(path)
+    _check(path, samples.T, rate)
+    return Take(samples.T.copy(), rate)
 
 
 def _check(path: Path, samples: Real, rate: int) -> None:

@@ -91,7 +91,7 @@ class Listening:
 
     def order(self, order: StreamOrder) -> str:
         """Start, change or stop a stream with the next hop; return '' or why not; from any thread, never waits."""
-        return self._orders.take(order)
+        return self._orders.place(order)
 
     def on_input(self, hop: Input) -> None:
         """One hop was heard by the mission."""

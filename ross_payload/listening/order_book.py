@@ -58,7 +58,7 @@ class OrderBook:
             self._news = False
             return self._streams
 
-    def take(self, order: StreamOrder) -> str:
+    def place(self, order: StreamOrder) -> str:
         """Take an order; return '' or why it is refused."""
         why = _impossible(order)
         if why:

@@ -23,7 +23,7 @@ class CommandGate:
         self._unanswered: dict[int, Order] = {}
         self._running: int | None = None  # number of the task that is going on
 
-    def given(self, order: Order) -> None:
+    def on_order(self, order: Order) -> None:
         """Note an order on its way to the mission."""
         self._unanswered[order.number] = order
 

@@ -234,7 +234,7 @@ class MissionCommands:
         """Give an order a number and give it to the mission."""
         order = replace(wanted, number=next(self._numbers))
         self._next_stop = -math.inf
-        self._gate.given(order)
+        self._gate.on_order(order)
         self._give(order)
         return order
 

@@ -9,7 +9,7 @@ from ross_payload.events import Enrolled, Estimate, Outcome, State
 from ross_payload.interfaces import Groups, Real, Result
 from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Step
-from ross_payload.mission.heading_hold import attend, face
+from ross_payload.mission.heading_hold import attend, face_alignment
 from ross_payload.mission.identify_target import separate
 from ross_payload.orders import Enrol
 from ross_payload.voiceprint import enrol
@@ -35,8 +35,7 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
     own = next((candidate for candidate in align(context, estimate) if candidate.source == source), None)
     if own is None:
         raise NotEnrolled(f"no heading within the limits isolates source {source}")
-    context.enter(State.ALIGN_TURN, f"source {source}, {own.rule}")
-    yield from face(context, own.heading, own.joint, f"alignment for source {source}")
+    yield from face_alignment(context, own)
     context.enter(State.RUN, f"enrolling source {source}")
     context.yields = False  # what was heard so far would be lost
     seconds = order.seconds or context.settings.run

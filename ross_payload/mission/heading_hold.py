@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ross_payload.angles import circular_mean, difference, wrap
-from ross_payload.events import TurnStarted
+from ross_payload.events import AlignmentCandidate, State, TurnStarted
 from ross_payload.interfaces import Input, Samples
 from ross_payload.mission.context import Context, Listening, Step, hop
 from ross_payload.mission.heading_control import STILL, Follower
@@ -42,6 +42,12 @@ def face(context: Context, heading: float, joint: float, reason: str) -> Step[No
             return
         yield from hop(context, goal=follower.next_goal())
         follower.update(context.time, context.pointing)
+
+
+def face_alignment(context: Context, candidate: AlignmentCandidate) -> Step[None]:
+    """Turn to the heading that isolates a source, and follow it as `face` does."""
+    context.enter(State.ALIGN_TURN, f"source {candidate.source}, {candidate.rule}")
+    yield from face(context, candidate.heading, candidate.joint, f"alignment for source {candidate.source}")
 
 
 def reach(context: Context, heading: float) -> float:

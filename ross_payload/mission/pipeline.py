@@ -15,7 +15,7 @@ from ross_payload.angles import difference
 from ross_payload.events import AlignmentCandidate, Checked, Estimate, State
 from ross_payload.mission.align import align, good_here, here, in_order, planned
 from ross_payload.mission.context import Context, Listening, Step
-from ross_payload.mission.heading_hold import face
+from ross_payload.mission.heading_hold import face_alignment
 from ross_payload.mission.identify_target import Identification, recall, recognise
 from ross_payload.mission.orientation_scan import certain, matched, observe, orientation, say_belief, steady
 
@@ -61,8 +61,7 @@ def visit(context: Context, promise: Promise, visits: Visits, *, last: bool) -> 
     """Turn to an alignment and listen; return the target's source when it is recognised and the belief survives."""
     before, candidate = context.beliefs[-1], promise.candidate
     align(context, before)
-    context.enter(State.ALIGN_TURN, f"source {candidate.source}, {candidate.rule}")
-    yield from face(context, candidate.heading, candidate.joint, f"alignment for source {candidate.source}")
+    yield from face_alignment(context, candidate)
     context.enter(State.CHECK, f"source {candidate.source}")
     after = yield from orientation(context, max(context.settings.unit, context.settings.check))
     visits.count += 1

@@ -15,7 +15,7 @@ from ross_payload.mission.context import Context, Ended, Step, exchange, hop, li
 from ross_payload.mission.enrol_talker import NotEnrolled, enrol_source
 from ross_payload.mission.exploit import deliver
 from ross_payload.mission.explore import lead_in
-from ross_payload.mission.heading_hold import attend, face
+from ross_payload.mission.heading_hold import attend, face, face_alignment
 from ross_payload.mission.manual_pointing import by_hand, unreachable
 from ross_payload.mission.mission_sequence import attempts
 from ross_payload.mission.orientation_scan import matched
@@ -162,8 +162,7 @@ def _listen(context: Context, estimate: Estimate, source: int) -> Step[Result]:
     own = next((c for c in align(context, estimate) if c.source == source), None)
     if own is None:
         raise TaskRefused(f"no heading within the limits isolates source {source}")
-    context.enter(State.ALIGN_TURN, f"source {source}, {own.rule}")
-    yield from face(context, own.heading, own.joint, f"alignment for source {source}")
+    yield from face_alignment(context, own)
     context.enter(State.RUN, f"source {source}")
     context.track(estimate, source)
     runs, done = context.settings.runs, 0

@@ -115,8 +115,8 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: threadin
         timebase.attach(links.component(config.telemetry.component_id))
         source = open_source(config, clock, SERVER_START_TIMEOUT_S)
         wires = RetryingOpener(opener(links, config.telemetry.component_id, clock), clock, SERVER_START_TIMEOUT_S)
-        shelf = SessionStore(recording_path(config))
-        for note in shelf.set_damaged_aside():
+        store = SessionStore(recording_path(config))
+        for note in store.set_damaged_aside():
             log.warning(note)
         yield Parts(
             clock=clock,
@@ -127,13 +127,13 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: threadin
             mount=mount_of(config, clock, links, timebase),
             timebase=timebase,
             parameters=parameters,
-            shelf=shelf,
+            store=store,
             drained=in_background,
             voiceprint=_enrolled(config),
             voices=VoiceStore.default(),
             latch=latch,
             state=state,
-            computer=ComputerReader(shelf.folder),
+            computer=ComputerReader(store.folder),
             live=True,
             restart=again.set,
             stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",

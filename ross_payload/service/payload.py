@@ -63,7 +63,7 @@ class Parts:
     mount: Mount
     timebase: Timebase
     parameters: Parameters
-    shelf: SessionStore  # of the recordings
+    store: SessionStore  # of the recordings
     drained: Callable[[Recorder], AbstractContextManager[None]]  # has what the recorder queues written
     watched: Watched | None = None  # the source, where it tells how it is
     voiceprint: VoicePrint | None = None
@@ -93,12 +93,12 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         actuator = stack.enter_context(open_actuator(config, Services(clock, parts.open_port)))
         source = stack.enter_context(source_of(config, parts.source, parts.watched, live=parts.live))
         recorder, runner = _mission(parts, source, actuator, stopped=stopped)
-        ears = HealthMonitor(config, source if isinstance(source, SharedSource) else parts.watched)
+        monitor = HealthMonitor(config, source if isinstance(source, SharedSource) else parts.watched)
         keeper = stack.enter_context(VoiceKeeper(parts.voices))
         listening = listening_of(config, clock, runner, recorder, live=parts.live)
         telemetry = stack.enter_context(
             _telemetry(
-                parts, actuator, lambda order: runner.order(keeper.named(order)), recorder, ears, listening=listening
+                parts, actuator, lambda order: runner.order(keeper.named(order)), recorder, monitor, listening=listening
             )
         )
         stack.enter_context(recorder)
@@ -107,14 +107,14 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         component.tap(lambda frame: recorder.on_frame(parts.timebase.usec(), frame))
         stack.enter_context(heard(listening, source))
         stack.enter_context(described(listening, config))
-        runner.observers = [ears, telemetry, recorder, listening, keeper, *observers]
+        runner.observers = [monitor, telemetry, recorder, listening, keeper, *observers]
         stack.callback(clock.every(LOOK, partial(keeper.poll, partial(telemetry.send_text, Severity.ERROR))))
         if parts.latch is not None:
             runner.observers.append(parts.latch)
         speakers = _speakers(parts, actuator, runner, recorder, telemetry=telemetry, aboard=aboard)
         runner.observers += map(stack.enter_context, speakers)
         stack.callback(clock.every(POLL, parts.links.poll))
-        stack.callback(clock.every(LOOK, Changes(parts.links.status, ears.health, recorder.status).poll))
+        stack.callback(clock.every(LOOK, Changes(parts.links.status, monitor.health, recorder.status).poll))
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
         stack.callback(clock.every(POLL, runner.poll))
         _wait_for_report(actuator, clock)
@@ -126,7 +126,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
 def _mission(parts: Parts, source: AudioSource, actuator: Guard, *, stopped: bool) -> tuple[Recorder, Runner]:
     """Make what records the session and what runs it; the one writes down what the other begins with."""
     config, clock = parts.parameters.config, parts.clock
-    recorder = Recorder(parts.shelf, config.recording, lambda: beginning(session, actuator), parts.stamp)
+    recorder = Recorder(parts.store, config.recording, lambda: beginning(session, actuator), parts.stamp)
     voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
     memory = Memory(stopped=stopped, starting=True)
     session = LiveSession(config, maker(actuator, voiceprint), memory, recorder.noting)
@@ -190,7 +190,7 @@ def _telemetry(
     actuator: Guard,
     give: Callable[[Order], None],
     recorder: Recorder,
-    ears: HealthMonitor,
+    monitor: HealthMonitor,
     *,
     listening: Listening,
 ) -> Telemetry:
@@ -204,11 +204,11 @@ def _telemetry(
         parameters=parts.parameters,
         changed=lambda name, value: give(Set(name, value)),
         recorder=recorder,
-        health=ears.health,
+        health=monitor.health,
         computer=parts.computer,
         listening=listening,
         descriptions=listening.descriptions,
         timebase=parts.timebase,
-        recordings=Recordings(parts.shelf.folder, asked.ftp_bytes_s) if asked.offer_ftp else None,
+        recordings=Recordings(parts.store.folder, asked.ftp_bytes_s) if asked.offer_ftp else None,
         latch=parts.latch,
     )

@@ -2,7 +2,7 @@
 
 ::
 
-    with Recorder(Shelf(folder), config.recording, begin) as recorder, in_background(recorder):
+    with Recorder(SessionStore(folder), config.recording, begin) as recorder, in_background(recorder):
         runner.observers.append(recorder)             # Inputs and events
         component.tap(lambda frame: recorder.on_frame(timebase.usec(), frame))
         recorder.record(True)

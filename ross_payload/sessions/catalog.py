@@ -16,17 +16,17 @@ from ross_payload.sessions.session_store import FILES, SessionStore, StoredSessi
 class Catalog:
     """What the ground's page offers of a folder of sessions; see `ross_payload.ground.recordings.RecordingStore`."""
 
-    def __init__(self, shelf: SessionStore) -> None:
-        self._shelf = shelf
+    def __init__(self, store: SessionStore) -> None:
+        self._store = store
 
     @property
     def folder(self) -> Path:
         """Where they are kept."""
-        return self._shelf.folder
+        return self._store.folder
 
     def recordings(self) -> Sequence[Recording]:
         """Return all of them, the oldest first."""
-        return [described(kept) for kept in self._shelf.all()]
+        return [described(kept) for kept in self._store.all()]
 
     def files(self, name: str) -> Mapping[str, Path]:
         """Return the files of one by their names.
@@ -51,13 +51,13 @@ class Catalog:
             When it is being recorded, or cannot be deleted.
         """
         try:
-            self._shelf.delete(self._kept(name))
+            self._store.delete(self._kept(name))
         except ConfigError as error:
             raise GroundError(str(error)) from error
 
     def _kept(self, name: str) -> StoredSession:
         try:
-            return self._shelf.find(name)
+            return self._store.find(name)
         except ConfigError as error:
             raise LookupError(name) from error
 

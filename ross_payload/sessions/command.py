@@ -1,4 +1,4 @@
-"""``ross sessions``: what is recorded, whether it is whole, and its end."""
+"""``ross sessions``: list, check and delete what was recorded."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import click
 from ross_payload.bounded_files import printable
 
 FOLDER = click.option(
-    "--folder", type=click.Path(path_type=Path), help="Folder of the sessions; default: that of `ross run`."
+    "--folder", type=click.Path(path_type=Path), help="Folder of the sessions; default: the one that `ross run` uses."
 )
 
 
@@ -19,21 +19,21 @@ FOLDER = click.option(
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.pass_context
 def command(context: click.Context, folder: Path | None, as_json: bool) -> None:
-    """List recorded sessions, the oldest first.
+    """List recorded sessions, oldest first.
 
-    They are personal data: kept on this computer only, readable by you alone, until they are too old, too many, or
-    deleted.
+    Sessions are personal data. They stay on this computer, readable by you alone, until they exceed the limits of
+    the configuration ([recording]) or are deleted.
     """
     import json
 
     from ross_payload.sessions.catalog import described
     from ross_payload.sessions.session_store import SessionStore, home
 
-    shelf = SessionStore(folder or home())
-    context.obj = shelf
+    store = SessionStore(folder or home())
+    context.obj = store
     if context.invoked_subcommand is not None:
         return
-    rows = [described(kept) for kept in shelf.all()]
+    rows = [described(kept) for kept in store.all()]
     if as_json:
         keys = "name", "seconds", "bytes", "state"
         click.echo(json.dumps([{key: getattr(row, key) for key in keys} for row in rows]))
@@ -41,16 +41,16 @@ def command(context: click.Context, folder: Path | None, as_json: bool) -> None:
     for row in rows:
         click.echo(f"{row.name:<24} {row.seconds:9.1f} s {row.bytes / 1e6:9.1f} MB  {row.state}")
     if not rows:
-        click.echo(f"no sessions in {shelf.folder}")
+        click.echo(f"no sessions in {store.folder}")
 
 
 @command.command("delete")
 @click.argument("names", metavar="NAME...", nargs=-1, required=True)
 @click.pass_obj
-def delete(shelf: Any, names: tuple[str, ...]) -> None:
+def delete(store: Any, names: tuple[str, ...]) -> None:
     """Delete sessions by NAME, as listed."""
-    for kept in [shelf.find(name) for name in names]:
-        shelf.delete(kept)
+    for kept in [store.find(name) for name in names]:
+        store.delete(kept)
         click.echo(f"deleted {kept.path.name}")
 
 
@@ -80,4 +80,4 @@ def check(folder: Path, as_json: bool) -> None:
     for note in found.notes:
         click.echo(f"note: {note}")
     if not found.notes:
-        click.echo("whole")
+        click.echo("complete")

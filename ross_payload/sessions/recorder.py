@@ -44,7 +44,7 @@ class OngoingRecording:
     inputs: int = 0  # queued, counted on the mission's thread
     written: int = 0  # taken from the queue, counted on the disk's thread
     writer: SessionWriter | None = None  # of the disk's thread alone
-    tidied: float = 0.0  # [s] of audio, when the shelf was looked after last
+    tidied: float = 0.0  # [s] of audio, when the store was looked after last
     over: bool = False  # set on the disk's thread: nothing more is written
     failed: bool = False  # and nobody wants another one
 
@@ -54,7 +54,7 @@ class Recorder:
 
     Parameters
     ----------
-    shelf : Shelf
+    store : SessionStore
         Where the sessions lie.
     limits : config.Recording
         How much and for how long; with ``always`` the recording begins by itself.
@@ -66,9 +66,9 @@ class Recorder:
     """
 
     def __init__(
-        self, shelf: SessionStore, limits: config.Recording, begin: Begin, stamp: Callable[[], str] = lambda: ""
+        self, store: SessionStore, limits: config.Recording, begin: Begin, stamp: Callable[[], str] = lambda: ""
     ) -> None:
-        self._shelf = shelf
+        self._store = store
         self._limits = limits
         self._begin = begin
         self._stamp = stamp
@@ -97,7 +97,7 @@ class Recorder:
     @property
     def folder(self) -> Path:
         """Where the sessions lie."""
-        return self._shelf.folder
+        return self._store.folder
 
     # ------------------------------------------------------------------------------- on the mission's thread
 
@@ -169,7 +169,7 @@ class Recorder:
     def __enter__(self) -> Self:
         """Delete what is too old."""
         try:
-            self._shelf.tidy(self._limits)
+            self._store.tidy(self._limits)
         except (OSError, RossError) as error:
             self._status = RecordingStatus(RecordingState.BROKEN, reason=_why(error))
         return self
@@ -199,12 +199,12 @@ class Recorder:
     def _start(self, recording: OngoingRecording, begin: Beginning) -> None:
         self._disk = recording
         stamp = self._stamp()
-        folder = self._shelf.add(stamp)
+        folder = self._store.add(stamp)
         self._status = RecordingStatus(RecordingState.ON, folder.name, path=str(folder.absolute()))
         try:
             recording.writer = SessionWriter(folder, begin, stamp)
         except (OSError, RossError):
-            self._shelf.discard(folder)
+            self._store.discard(folder)
             raise
         recording.tidied = -TIDY
 
@@ -216,8 +216,8 @@ class Recorder:
             self._end(recording, "the audio file is full")
         elif writer.seconds - recording.tidied >= TIDY:
             recording.tidied = writer.seconds
-            why = self._shelf.tidy(self._limits, writer.folder)
-            self._status = replace(self._status, seconds=writer.seconds, free_gb=self._shelf.free() / GB)
+            why = self._store.tidy(self._limits, writer.folder)
+            self._status = replace(self._status, seconds=writer.seconds, free_gb=self._store.free() / GB)
             if why:
                 self._fail(recording, RecordingState.FULL, why)
         else:

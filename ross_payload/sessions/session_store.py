@@ -33,7 +33,7 @@ SET = 1_577_836_800.0  # [s] since 1970: a file that is older than 2020 comes fr
 
 @dataclass(frozen=True, slots=True)
 class StoredSession:
-    """One session on the shelf."""
+    """One session in the store."""
 
     path: Path
     number: int

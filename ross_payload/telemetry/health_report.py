@@ -1,4 +1,4 @@
-"""How the payload itself is: who it is, its links, its ears, its recorder."""
+"""How the payload itself is: who it is, its links, its microphones, its recorder."""
 
 from __future__ import annotations
 

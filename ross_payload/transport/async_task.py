@@ -1,4 +1,4 @@
-"""Work that crosses threads.
+"""Work that crosses threads, and signals that reach an event loop.
 
 What takes a while (looking up a host, saving a file) goes to a thread of its own; who polls looks in again. What other
 threads leave in a queue is taken out by whoever polls it.
@@ -6,11 +6,15 @@ threads leave in a queue is taken out by whoever polls it.
 
 from __future__ import annotations
 
+import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from queue import Empty, SimpleQueue
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    import asyncio
 
 T = TypeVar("T")
 
@@ -27,6 +31,16 @@ def begin(work: Callable[[], T]) -> Future[T]:
 
     threading.Thread(target=run, daemon=True, name="links").start()
     return future
+
+
+def set_by_signal() -> asyncio.Event:
+    """Return an event of the running loop that SIGINT and SIGTERM set."""
+    import asyncio  # noqa: PLC0415 - a payload has no event loop
+
+    event = asyncio.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, event.set)
+    return event
 
 
 def drained(queue: SimpleQueue[T]) -> Iterator[T]:

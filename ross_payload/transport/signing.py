@@ -19,7 +19,7 @@ from pathlib import Path
 
 from ross_payload.atomic_files import write_whole
 from ross_payload.bounded_files import read_bounded, set_aside
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, refused_as
 from ross_payload.transport.async_task import begin
 from ross_protocols.mavlink.signing import EPOCH, KEY_SIZE, LATEST, SECOND, WINDOW, timestamp_of
 
@@ -43,12 +43,10 @@ def read_key(path: Path, name: str = "key_file") -> bytes:
     ConfigError
         When it cannot be read, is none, or others can read it too.
     """
-    try:
-        with os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
-            mode = os.fstat(file.fileno()).st_mode
-            data = file.read(MAX_KEY_FILE_BYTES) if stat.S_ISREG(mode) else b""
-    except OSError as error:
-        raise ConfigError(f"{name} {path}: cannot be read: {error.strerror}") from error
+    flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC
+    with refused_as(ConfigError, f"{name} {path}: cannot be read"), os.fdopen(os.open(path, flags), "rb") as file:
+        mode = os.fstat(file.fileno()).st_mode
+        data = file.read(MAX_KEY_FILE_BYTES) if stat.S_ISREG(mode) else b""
     if not stat.S_ISREG(mode):
         raise ConfigError(f"{name} {path}: expected a regular file of 32 bytes, got something else")
     if mode & 0o077:
@@ -84,10 +82,8 @@ class SigningTime:
         self._saving: Future[int] | None = None
         self._begun = now
         self.trouble = ""  # why the bound cannot be raised
-        try:
+        with refused_as(ConfigError, f"{self._path}: the signing time cannot be saved"):
             self._bound = self._save(self._latest + STEP)
-        except OSError as error:
-            raise ConfigError(f"{self._path}: the signing time cannot be saved: {error.strerror}") from error
         self._warned = False
         self._warn()
 

@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager
 from itertools import accumulate
 from pathlib import Path
 
-from ross_payload.errors import ConfigError, OutputError
+from ross_payload.errors import ConfigError, OutputError, refused_as
 
 
 def tlog_record(time_usec: int, frame: bytes, link: int = 0) -> bytes:
@@ -54,10 +54,8 @@ class TlogRecorder(AbstractContextManager["TlogRecorder"]):
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        try:
+        with refused_as(ConfigError, f"{path}: cannot be written"):
             self._file = path.open("wb", buffering=0)
-        except OSError as error:
-            raise ConfigError(f"{path}: cannot be written: {error.strerror}") from error
 
     def write(self, time_usec: int, frame: bytes) -> None:
         """Append one frame at its time [us].
@@ -67,10 +65,8 @@ class TlogRecorder(AbstractContextManager["TlogRecorder"]):
         OutputError
             When the disk takes no more; the file ends with the last whole record.
         """
-        try:
+        with refused_as(OutputError, f"{self._path.name}: cannot be written"):
             append_records(self._file.fileno(), [tlog_record(time_usec, frame)])
-        except OSError as error:
-            raise OutputError(f"{self._path.name}: cannot be written: {error.strerror}") from error
 
     def close(self) -> None:
         """Close the file; idempotent."""

@@ -68,7 +68,7 @@ class RealTimeClock:
     speed
         Times real time, finite.
     ahead
-        Time that what is `heard` may be behind before it is waited for [s].
+        Time that what `on_heard` is told may be behind before it is waited for [s].
     """
 
     def __init__(self, simulated: SimClock, speed: Speed, ahead: float = math.inf) -> None:
@@ -86,7 +86,7 @@ class RealTimeClock:
         """Return the simulated time [s]."""
         return self._simulated.now()
 
-    def heard(self, time: float) -> None:
+    def on_heard(self, time: float) -> None:
         """Learn how far those are who must not miss anything [s]."""
         self._heard = time
 

@@ -10,7 +10,7 @@ from flight_sound import HEARD_FROM, session, simulated
 from page_eyes import sees, violations, watch
 from ports import free_port
 from ross_payload.ground.flights.reading import open_flight
-from ross_payload.ground.web.page_thread import in_background
+from ross_payload.ground.web.app import in_background
 from ross_protocols.mavlink.stream_values import Selection
 from voice_payload import RATE, VoicePayload
 

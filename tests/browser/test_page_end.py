@@ -6,7 +6,7 @@ from browsing import eventually
 from fleet_bench import FleetThread
 from page_eyes import sees, watch
 from ports import free_port
-from ross_payload.ground.web.page_thread import in_background
+from ross_payload.ground.web.app import in_background
 from ross_sim.sitl.pace import speed_words
 
 OVER = "The simulation has ended."

@@ -9,29 +9,29 @@ from fleet_bench import FleetThread
 from page_eyes import sees
 from ports import free_port
 from recording_bench import input_of, record
-from ross_payload.ground.web.page_thread import in_background
+from ross_payload.ground.web.app import in_background
 from ross_payload.sessions.catalog import Catalog
 from ross_payload.sessions.session_store import SessionStore
 
 
 @pytest.fixture
-def shelf(tmp_path):
+def store(tmp_path):
     record(tmp_path / "recordings", [input_of(index) for index in range(50)])
     return SessionStore(tmp_path / "recordings")
 
 
-def test_a_recording_is_downloaded_and_deleted_on_the_page(shelf, window, open_page):
-    with in_background([f"udpin:127.0.0.1:{free_port()}"], recordings=Catalog(shelf)) as served:
+def test_a_recording_is_downloaded_and_deleted_on_the_page(store, window, open_page):
+    with in_background([f"udpin:127.0.0.1:{free_port()}"], recordings=Catalog(store)) as served:
         page = open_page(f"{served.url}#/flights")
-        sees(page, str(shelf.folder), "section[aria-label='Recordings']")
+        sees(page, str(store.folder), "section[aria-label='Recordings']")
         with page.expect_download() as download:
             page.get_by_role("link", name="Download 0001").click()
         with zipfile.ZipFile(download.value.path()) as archive:
-            assert archive.read("0001/audio.wav") == (shelf.folder / "0001" / "audio.wav").read_bytes()
+            assert archive.read("0001/audio.wav") == (store.folder / "0001" / "audio.wav").read_bytes()
         page.on("dialog", lambda dialog: dialog.accept())
         page.get_by_role("button", name="Delete 0001").click()
         sees(page, "Nothing is recorded yet", "section[aria-label='Recordings']")
-        assert not shelf.all()
+        assert not store.all()
         page.close()
 
 
@@ -40,11 +40,11 @@ def test_a_payload_is_stopped_and_watched_by_its_id(window, open_page):
     with in_background([f"udpin:127.0.0.1:{port}"]) as served, FleetThread(port) as bench:
         page = open_page(served.url)
         sees(page, "1 payload found", "main")
-        page.get_by_label("A payload by its id").fill("1-191")
+        page.get_by_label("Payload by id").fill("1-191")
         page.get_by_role("button", name="Stop this id").click()
         orders = served.state.client.orders
         eventually(page, lambda: any(each.words == "stop" for each in orders.doing))
-        page.get_by_label("A payload by its id").fill("1-191")
+        page.get_by_label("Payload by id").fill("1-191")
         page.get_by_role("button", name="Watch this id").click()
         page.locator(".scope").first.wait_for()
         page.close()

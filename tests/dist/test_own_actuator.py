@@ -2,7 +2,8 @@
 
 import re
 
-from own_actuator import ROOT, folder, run  # noqa: F401
+from own_actuator import ROOT, folder  # noqa: F401
+from own_plugin import run
 from short_mission import SHORT
 
 

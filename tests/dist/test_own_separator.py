@@ -1,17 +1,14 @@
 """'Add your own separator', followed to the letter: built, installed, scored and flown."""
 
 import json
-import os
 import re
-import shlex
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 import soundfile
 
-from manual import blocks, command
+from manual import command
+from own_plugin import install, made, run_line
 from short_mission import SHORT
 
 PAGE = "docs/how-to/add-your-own-separator.md"
@@ -22,20 +19,10 @@ RATE, SPACING, SPEED = 16000, 0.05, 343.0
 def folder(tmp_path_factory):
     """The files of the page, and the package installed beside them."""
     folder = tmp_path_factory.mktemp("own")
-    for block in (*blocks("toml"), *blocks("python")):
-        if block.page == PAGE:
-            (folder / block.text.split()[1]).write_text(block.text)
-    assert {path.name for path in folder.iterdir()} == {"pyproject.toml", "my_separator.py"}
-    options = ["--quiet", "--no-deps", "--no-index", "--no-build-isolation", "--target", folder / "site"]
-    subprocess.run([sys.executable, "-m", "pip", "install", *options, folder], check=True, capture_output=True)
+    assert made(PAGE, folder) == {"pyproject.toml", "my_separator.py"}
+    install(folder)
     (folder / "my_separator.py").unlink()  # only what is installed counts
     return folder
-
-
-def run(folder, line):
-    environment = os.environ | {"PYTHONPATH": str(folder / "site"), "OMP_NUM_THREADS": "1"}
-    words = [sys.executable, "-m", "ross_payload.cli", *shlex.split(line)[1:]]
-    return subprocess.run(words, cwd=folder, env=environment, capture_output=True, text=True, timeout=250, check=False)
 
 
 def test_it_is_scored_on_two_takes(folder):
@@ -47,7 +34,7 @@ def test_it_is_scored_on_two_takes(folder):
     images = np.stack([[voice, advanced(voice, delay)] for voice, delay in zip(voices, delays, strict=True)])
     soundfile.write(folder / "a.wav", images.sum(axis=0).T, RATE)
     soundfile.write(folder / "b.wav", images[0].T, RATE)
-    done = run(folder, line + " --json")
+    done = run_line(folder, line + " --json")
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert told["separator"] == "delay-and-sum"
@@ -62,7 +49,7 @@ def advanced(voice, seconds):
 
 def test_a_mission_is_flown_with_it(folder):
     (folder / "short.toml").write_text(SHORT)
-    flown = run(folder, command(PAGE, "ross sitl") + " --scenario short.toml --json")
+    flown = run_line(folder, command(PAGE, "ross sitl") + " --scenario short.toml --json")
     assert flown.returncode in {0, 3}, flown.stderr
     told = json.loads(flown.stdout)
     assert {check["separator"] for check in told["checks"]} == {"delay-and-sum"}
@@ -78,6 +65,6 @@ def test_a_mistake_in_it_is_one_line_with_its_name(folder, tmp_path):
     module = site / "my_separator.py"
     module.write_text(module.read_text().replace("separator = DelayAndSum()", "separator = DelayAndSum"))
     (tmp_path / "ross.toml").write_text('exploit.separator = "delay-and-sum"')
-    done = run(tmp_path, "ross config check ross.toml")
+    done = run_line(tmp_path, "ross config check ross.toml")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "ross: ross.toml: separator 'delay-and-sum': expected an object, got the class DelayAndSum: write DelayAndSum()\n"

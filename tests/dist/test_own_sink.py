@@ -1,13 +1,10 @@
 """'Add your own sink', followed to the letter: built, installed, checked and listened with."""
 
-import os
-import shlex
-import subprocess
-import sys
 
 import pytest
 
-from manual import blocks, command
+from manual import command
+from own_plugin import install, made, run_line
 from short_mission import SHORT
 
 PAGE = "docs/how-to/add-your-own-sink.md"
@@ -17,31 +14,21 @@ PAGE = "docs/how-to/add-your-own-sink.md"
 def folder(tmp_path_factory):
     """The files of the page, and the package installed beside them."""
     folder = tmp_path_factory.mktemp("own")
-    for block in (*blocks("toml"), *blocks("python")):
-        if block.page == PAGE:
-            (folder / block.text.split()[1]).write_text(block.text)
-    assert {path.name for path in folder.iterdir()} == {"pyproject.toml", "my_sink.py", "loud.toml"}
-    options = ["--quiet", "--no-deps", "--no-index", "--no-build-isolation", "--target", folder / "site"]
-    subprocess.run([sys.executable, "-m", "pip", "install", *options, folder], check=True, capture_output=True)
+    assert made(PAGE, folder) == {"pyproject.toml", "my_sink.py", "loud.toml"}
+    install(folder)
     (folder / "my_sink.py").unlink()  # only what is installed counts
     return folder
 
 
-def run(folder, line):
-    environment = os.environ | {"PYTHONPATH": str(folder / "site"), "OMP_NUM_THREADS": "1"}
-    words = [sys.executable, "-m", "ross_payload.cli", *shlex.split(line)[1:]]
-    return subprocess.run(words, cwd=folder, env=environment, capture_output=True, text=True, timeout=250, check=False)
-
-
 def test_its_configuration_is_good(folder):
-    done = run(folder, command(PAGE, "ross config check"))
+    done = run_line(folder, command(PAGE, "ross config check"))
     assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_it_takes_a_voice(folder):
     streams = (folder / "loud.toml").read_text().replace("[[listening", "[[payload.listening")
     (folder / "loud-scenario.toml").write_text(SHORT + streams)
-    flown = run(folder, "ross sitl --scenario loud-scenario.toml")
+    flown = run_line(folder, "ross sitl --scenario loud-scenario.toml")
     assert flown.returncode in {0, 3}, flown.stderr
     lines = (folder / "loudness.txt").read_text().splitlines()
     assert len(lines) > 5
@@ -51,7 +38,7 @@ def test_it_takes_a_voice(folder):
 
 def test_a_mistake_in_its_options_is_one_line(folder):
     (folder / "wrong.toml").write_text((folder / "loud.toml").read_text().replace("path =", "paht = 1, path ="))
-    done = run(folder, "ross config check wrong.toml")
+    done = run_line(folder, "ross config check wrong.toml")
     assert (done.returncode, done.stdout) == (2, "")
     expected = "ross: wrong.toml: listening.streams.0.options of 'loudness': unknown key 'paht'; did you mean 'path'?"
     assert done.stderr.startswith(expected)

@@ -86,7 +86,7 @@ class Air:
         while self._wire and self._wire[0][0] < until:
             when, _, way, packet = heapq.heappop(self._wire)
             if way != "back":
-                self.receiver.take(packet, when, "payload")
+                self.receiver.on_datagram(packet, when, "payload")
             else:
                 for each in self._sender.on_report(packet, when):
                     self.again += 1

@@ -149,7 +149,7 @@ def payload(folder, noise, storm, accept):
             mount=mount_of(config, clock, links, timebase),
             timebase=timebase,
             parameters=stack.enter_context(Parameters(config, folder / "params.toml")),
-            shelf=SessionStore(folder / "recordings"),
+            store=SessionStore(folder / "recordings"),
             drained=drained(clock),
         )
         witness = Witness()

@@ -66,7 +66,7 @@ def test_an_hour_loses_no_count_and_grows_no_memory():
             if rng.random() < 0.02:
                 lost += 1
             else:
-                receiver.take(packet, now + 0.02 * rng.random(), "sender")
+                receiver.on_datagram(packet, now + 0.02 * rng.random(), "sender")
         receiver.read(320, now + 0.02)
         receiver.feedback(now + 0.02)
         if step % 30000 == 29999:

@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 
-from own_actuator import run
+from own_plugin import run
 from short_mission import SHORT
 
 

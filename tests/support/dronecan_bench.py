@@ -190,7 +190,7 @@ def _aboard(config: Config, open_can: Callable[[str], Port] | None, folder: Path
             mount=FixedMount(None),
             timebase=Timebase(clock),
             parameters=kept,
-            shelf=SessionStore(folder / "recordings"),
+            store=SessionStore(folder / "recordings"),
             drained=drained(clock),
             state=folder,
             rng=np.random.default_rng(SEED),

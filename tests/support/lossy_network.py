@@ -112,7 +112,7 @@ class Call:
             when, way, packet = happens
             if way == "out":
                 self.arrived[packet] += packet in self._sounds
-                self._receiver.take(packet, when, "payload")
+                self._receiver.on_datagram(packet, when, "payload")
             elif way == "back":
                 for each in self._sender.on_report(packet, when):
                     self.again += 1

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ross_sim.study.peer_separators import peers
-from ross_sim.study.separation_cost import BLIND, Cost, blind_auxiva, comparison, growth, label
+from ross_sim.study.separation_cost import BLIND, Cost, blind_auxiva, comparison, growth, label, peers
 from ross_sim.study.workload import SNR_DB, VOICE_RATE, Case, prepared
 
 TINY = Case(rate=16000, seconds=1.0)

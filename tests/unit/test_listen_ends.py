@@ -38,7 +38,7 @@ def listened(progress, **options):
     feed = Script(clock, lambda now: progress(now - began))
     try:
         listen(
-            feed, nullcontext(lambda: None), meter=Meter(), clock=clock, wall=clock.now, tell=lines.append, **options
+            feed, nullcontext(lambda: None), meter=Meter(), clock=clock, wall=clock.now, report=lines.append, **options
         )
     except AudioError as error:
         lines.append(f"error: {error}")
@@ -90,9 +90,9 @@ def test_a_report_is_a_sign_of_life_while_no_sound_comes():
 
     sender = RtpSender(RATE, Media.of("L16", RATE), 0)
     for packet in sender.packets(block_at(0, np.zeros(RATE))):
-        receiver.take(packet, now)
+        receiver.on_datagram(packet, now)
     assert receiver.reception(7.0).silent_s == 7.0
-    receiver.take(sender.report(7.0, 1e9), 7.0)
+    receiver.on_datagram(sender.report(7.0, 1e9), 7.0)
     assert receiver.reception(9.0).silent_s == 2.0
 
 

@@ -89,13 +89,13 @@ def test_who_sleeps_wakes_when_the_simulated_time_has_come():
 def test_it_waits_for_who_must_not_miss_anything():
     simulated = SimClock()
     with RealTimeClock(simulated, lambda: 1000.0, ahead=0.5) as clock:
-        clock.heard(clock.now())
+        clock.on_heard(clock.now())
         heard = clock._heard
         most = heard + 0.5 + 1.5 * QUANTUM
         wait_for(lambda: clock.now() > heard + 0.5 - QUANTUM / 2)
         clock._over.wait(0.05)  # fifty seconds of simulated time, if it went on
         assert clock.now() < most
-        clock.heard(clock.now())
+        clock.on_heard(clock.now())
         wait_for(lambda: clock.now() > most)
 
 

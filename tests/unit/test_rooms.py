@@ -8,6 +8,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 ARCHITECTURE = ROOT / "docs" / "explanation" / "architecture.md"
+GLOSSARY = ROOT / "docs" / "explanation" / "glossary.md"
 SOURCES = {
     ".".join(path.relative_to(top).with_suffix("").parts).removesuffix(".__init__"): path
     for top, package in ((".", "ross_payload"), ("protocols", "ross_protocols"), ("sim", "ross_sim"))
@@ -57,6 +58,33 @@ def test_no_module_has_the_name_of_a_room():
 def test_few_files_are_short():
     lengths = [len(path.read_text(encoding="utf-8").splitlines()) for path in SOURCES.values()]
     assert sum(length < SHORT_LINES for length in lengths) <= SHORT_SHARE * len(lengths)
+
+
+def last_columns(page):
+    """What stands in backquotes in the last column of the tables of a page."""
+    rows = re.findall(r"^\|.*\|([^|]*)\|$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {name for row in rows for name in re.findall(r"`([^`]+)`", row)}
+
+
+def code():
+    """Every word of the product's code."""
+    return {word for path in SOURCES.values() for word in re.findall(r"\w+", path.read_text(encoding="utf-8"))}
+
+
+def test_a_type_that_crosses_in_a_walk_exists():
+    types = {name for name in last_columns(ARCHITECTURE) if re.fullmatch(r"([A-Z][a-z]+)+", name)}
+    defined = set()
+    for path in SOURCES.values():
+        defined |= set(re.findall(r"^(?:class )?(\w+)(?=[(:]| =)", path.read_text(encoding="utf-8"), re.MULTILINE))
+    assert len(types) > 20
+    assert types - defined == set()
+
+
+def test_a_name_in_code_that_the_glossary_gives_exists():
+    rooms, words = {part for name in SOURCES for part in name.split(".")}, code()
+    names = {part for name in last_columns(GLOSSARY) for part in re.findall(r"\w+", name)} - {"py", "sim", "scenarios"}
+    assert len(names) > 60
+    assert names - words - rooms == set()
 
 
 @pytest.mark.parametrize("name", sorted(set(re.findall(r"`([a-z_/0-9]+\.(?:py|js))`", ARCHITECTURE.read_text()))))

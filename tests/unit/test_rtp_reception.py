@@ -126,7 +126,7 @@ def test_a_pause_of_the_sender_stays_as_long():
         if not 100 <= step < 140:
             block = VoiceBlock(np.full(160, 0.25, np.float32), step * 160, now)
             for packet in sender.packets(block):
-                receiver.take(packet, now)
+                receiver.on_datagram(packet, now)
         out.append(receiver.read(160, now))
     silent = np.flatnonzero(np.concatenate(out)[8000:40000] == 0)
     assert len(silent) == pytest.approx(0.4 * RATE, abs=0.09 * RATE)  # some of it is what sounded before, fading
@@ -141,7 +141,7 @@ def played(packets, seconds=2.0, step=0.02):
     """Give one packet every 20 ms to a receiver of L16, and read as much."""
     receiver, now = RtpReceiver(Media.of("L16", RATE), 0.05), 100.0
     for datagram in packets:
-        receiver.take(datagram, now)
+        receiver.on_datagram(datagram, now)
         receiver.read(320, now)
         now += step
     return receiver, now
@@ -167,11 +167,11 @@ def test_a_sender_that_begins_again_is_heard_again():
     block = VoiceBlock(np.full(320, 0.5, np.float32), 0, 0.0)
     receiver, now = played([packet_of(each, 320 * each) for each in range(50)])
     for step in range(200):
-        receiver.take(next(sender.packets(VoiceBlock(block.samples, 320 * step, now))), now)
+        receiver.on_datagram(next(sender.packets(VoiceBlock(block.samples, 320 * step, now))), now)
         out = receiver.read(320, now)
         now += 0.02
     assert out == pytest.approx(0.5, abs=1e-3)
-    receiver.take(sender.goodbye(), now)
+    receiver.on_datagram(sender.goodbye(), now)
     assert receiver.reception(now).ended
     receiver, now = played(
         [packet_of(each, 320 * each) for each in range(50)]
@@ -189,7 +189,7 @@ def test_silence_when_nothing_comes_and_sound_again_when_it_does():
     assert receiver.reception(now).concealed_s < 1.1  # then silence is no more of what was sent
     assert not receiver.reception(now).playing
     for each in range(150, 170):
-        receiver.take(packet_of(each, 320 * each), now)
+        receiver.on_datagram(packet_of(each, 320 * each), now)
         out = receiver.read(320, now)
         now += 0.02
     assert out.any()
@@ -199,10 +199,10 @@ def test_silence_when_nothing_comes_and_sound_again_when_it_does():
 def test_who_did_not_read_hears_what_is_new():
     receiver, now = played([packet_of(each, 320 * each) for each in range(50)])
     for each in range(50, 550):
-        receiver.take(packet_of(each, 320 * each), now)
+        receiver.on_datagram(packet_of(each, 320 * each), now)
         now += 0.02
     for each in range(550, 600):
-        receiver.take(packet_of(each, 320 * each), now)
+        receiver.on_datagram(packet_of(each, 320 * each), now)
         out = receiver.read(320, now)
         now += 0.02
     reception = receiver.reception(now)
@@ -231,7 +231,7 @@ def test_whatever_arrives_as_much_is_played_as_is_asked_for(media, arrivals):
     receiver, now = RtpReceiver(media), 0.0
     for datagram, pause, count in arrivals:
         now += pause
-        receiver.take(datagram, now)
+        receiver.on_datagram(datagram, now)
         samples = receiver.read(count, now)
         assert samples.shape == (count,)
         assert np.isfinite(samples).all()

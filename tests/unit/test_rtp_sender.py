@@ -91,10 +91,10 @@ def test_the_receiver_tells_what_it_lost_and_which_report_it_answers(sender):
     packets = sent(sender, 60)
     for number, packet in enumerate(packets):
         if number % 20 != 7:
-            receiver.take(packet, 0.02 * number, "payload")
+            receiver.on_datagram(packet, 0.02 * number, "payload")
         receiver.read(PACKET, 0.02 * number)
     report = sender.report(1.2, 1.7e9)
-    receiver.take(report, 1.21, "payload")
+    receiver.on_datagram(report, 1.21, "payload")
     (answer,) = [each for each in RtcpPacket.parse(receiver.feedback(1.25)[0]) if isinstance(each, RtcpRrPacket)]
     (info,) = answer.reports
     (own,) = [each for each in RtcpPacket.parse(report) if isinstance(each, RtcpSrPacket)]
@@ -107,7 +107,7 @@ def test_the_receiver_tells_what_it_lost_and_which_report_it_answers(sender):
 def test_a_packet_that_was_overtaken_before_anything_was_played_is_played(sender):
     receiver = RtpReceiver(L16, 0.05)
     first, second = sent(sender, 2)
-    receiver.take(second, 0.0, "payload")
-    receiver.take(first, 0.001, "payload")
+    receiver.on_datagram(second, 0.0, "payload")
+    receiver.on_datagram(first, 0.001, "payload")
     assert receiver.reception(0.001).duplicates == 0
     assert receiver.reception(0.001).received == 2

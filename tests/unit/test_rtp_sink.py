@@ -33,7 +33,7 @@ def test_what_is_written_arrives_and_the_end_is_said(tmp_path):
             session = parsed(info_of(sink).sdp, "it")
         receiver = RtpReceiver(session.media, 0.02)
         while not receiver.reception(0.0).ended:
-            receiver.take(sock.recv(2048), 0.0)
+            receiver.on_datagram(sock.recv(2048), 0.0)
     assert (session.host, session.port, session.title) == ("127.0.0.1", port, "target")
     assert sink.lost == 0
     out = receiver.read(320 + len(ramp), 0.0)
@@ -57,7 +57,7 @@ def test_a_packet_that_is_asked_for_is_sent_once_more(tmp_path):
                 dropped += 1
             else:
                 lost.discard(datagram)
-                receiver.take(datagram, CLOCK.now(), sender)
+                receiver.on_datagram(datagram, CLOCK.now(), sender)
             for report in receiver.feedback(CLOCK.now()):
                 sock.sendto(report, sender)
         assert dropped == 5

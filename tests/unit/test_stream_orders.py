@@ -35,21 +35,21 @@ def test_without_any_nothing_streams():
 def test_an_order_starts_a_stream_to_an_address_once():
     streams = book(FILE)
     order = StreamOrder(True, selection=source(2), gain_db=-6.0, **HERE, codec="L16")
-    assert streams.take(order) == ""
+    assert streams.place(order) == ""
     wanted = streams.changed(0)
     assert (wanted[1].sink, wanted[1].on, wanted[1].selection, wanted[1].gain_db) == ("rtp", True, source(2), -6.0)
     assert wanted[1].options == {"address": "127.0.0.1", "port": 5004, "codec": "L16"}
     assert streams.changed(0) is None
-    assert streams.take(order) == ""  # networks double frames
+    assert streams.place(order) == ""  # networks double frames
     assert set(streams.changed(0)) == {0, 1}
-    assert streams.take(StreamOrder(True, address="127.0.0.1", port=5006)) == ""
+    assert streams.place(StreamOrder(True, address="127.0.0.1", port=5006)) == ""
     assert set(streams.changed(0)) == {0, 1, 2}
 
 
 def test_an_order_to_where_a_stream_of_the_configuration_goes_changes_that_one():
     """Two streams to one port would be a noise; a TCP stream at that port is something else."""
     streams = book({"sink": "tcp", "options": HERE}, {"sink": "rtp", "on": False, "options": HERE})
-    assert streams.take(StreamOrder(True, selection=source(2), **HERE)) == ""
+    assert streams.place(StreamOrder(True, selection=source(2), **HERE)) == ""
     wanted = streams.changed(0)
     assert [(each.sink, each.on, each.selection) for each in wanted.values()] == [
         ("tcp", True, Selection()),
@@ -59,39 +59,39 @@ def test_an_order_to_where_a_stream_of_the_configuration_goes_changes_that_one()
 
 def test_an_order_changes_what_it_tells_and_nothing_else():
     streams = book(FILE)
-    assert streams.take(StreamOrder(True, number=0, selection=azimuth(30), muted=True)) == ""
+    assert streams.place(StreamOrder(True, number=0, selection=azimuth(30), muted=True)) == ""
     first = streams.changed(0)[0]
     assert (first.selection, first.muted, first.gain_db, first.options) == (azimuth(30), True, 0.0, {"path": "a.flac"})
-    streams.take(StreamOrder(True, number=0, gain_db=2.0))
+    streams.place(StreamOrder(True, number=0, gain_db=2.0))
     second = streams.changed(0)[0]
     assert (second.selection, second.muted, second.gain_db) == (azimuth(30), True, 2.0)
 
 
 def test_one_or_all_of_them_can_be_stopped_and_started_again():
     streams = book(FILE, FILE | {"on": False})
-    streams.take(StreamOrder(True, **HERE))
-    streams.take(StreamOrder(False, number=0))
+    streams.place(StreamOrder(True, **HERE))
+    streams.place(StreamOrder(False, number=0))
     assert [each.on for each in streams.changed(0).values()] == [False, False, True]
-    streams.take(StreamOrder(False))
+    streams.place(StreamOrder(False))
     assert not any(each.on for each in streams.changed(0).values())
-    streams.take(StreamOrder(True, number=2))
+    streams.place(StreamOrder(True, number=2))
     assert streams.changed(0)[2].on
     assert streams.wanted[2].options["port"] == 5004
 
 
 def test_a_stream_is_stopped_by_where_it_goes():
     streams = book(FILE)
-    streams.take(StreamOrder(True, **HERE))
-    streams.take(StreamOrder(True, address="127.0.0.1", port=6000))
-    assert streams.take(StreamOrder(False, **HERE)) == ""
+    streams.place(StreamOrder(True, **HERE))
+    streams.place(StreamOrder(True, address="127.0.0.1", port=6000))
+    assert streams.place(StreamOrder(False, **HERE)) == ""
     assert [each.on for each in streams.changed(0).values()] == [True, False, True]
-    assert streams.take(StreamOrder(False, **HERE)) == "", "networks double frames"
-    assert streams.take(StreamOrder(False, address="127.0.0.1", port=7000)) == "there is no stream to 127.0.0.1:7000"
+    assert streams.place(StreamOrder(False, **HERE)) == "", "networks double frames"
+    assert streams.place(StreamOrder(False, address="127.0.0.1", port=7000)) == "there is no stream to 127.0.0.1:7000"
 
 
 def test_what_nobody_takes_ends_when_it_was_ordered_and_waits_when_it_was_configured():
     streams = book({"sink": "rtp", "options": HERE})
-    streams.take(StreamOrder(True, address="127.0.0.1", port=6000))
+    streams.place(StreamOrder(True, address="127.0.0.1", port=6000))
     for number in (0, 1, 7):
         streams.give_up(number)
     configured, ordered = streams.changed(0).values()
@@ -99,20 +99,22 @@ def test_what_nobody_takes_ends_when_it_was_ordered_and_waits_when_it_was_config
     assert (ordered.on, ordered.ended) == (False, f"no listener for {LISTENER_TIMEOUT_S:g} s")
     streams.give_up(1)
     assert streams.changed(0) is None
-    streams.take(StreamOrder(True, address="127.0.0.1", port=6000))
+    streams.place(StreamOrder(True, address="127.0.0.1", port=6000))
     assert (streams.changed(0)[1].on, streams.wanted[1].ended) == (True, "")
     streams.give_up(1)
-    streams.take(StreamOrder(False))
+    streams.place(StreamOrder(False))
     assert streams.changed(0)[1].ended == "", "somebody wants it off"
 
 
 def test_the_number_of_an_ordered_stream_is_given_again_when_it_is_off_and_no_other_is_free():
     streams = book(FILE | {"on": False})
     for number in range(1, MAX_STREAMS):
-        assert streams.take(StreamOrder(True, address="127.0.0.1", port=5000 + number)) == ""
-    assert streams.take(StreamOrder(True, address="127.0.0.1", port=6000)) == f"there are {MAX_STREAMS} streams already"
-    streams.take(StreamOrder(False, number=5))
-    assert streams.take(StreamOrder(True, address="127.0.0.1", port=6000)) == ""
+        assert streams.place(StreamOrder(True, address="127.0.0.1", port=5000 + number)) == ""
+    assert (
+        streams.place(StreamOrder(True, address="127.0.0.1", port=6000)) == f"there are {MAX_STREAMS} streams already"
+    )
+    streams.place(StreamOrder(False, number=5))
+    assert streams.place(StreamOrder(True, address="127.0.0.1", port=6000)) == ""
     assert streams.wanted[5].options["port"] == 6000
     assert streams.wanted[0].sink == "file"
 
@@ -135,7 +137,7 @@ def test_the_number_of_an_ordered_stream_is_given_again_when_it_is_off_and_no_ot
 def test_what_cannot_be_is_refused_and_changes_nothing(order, why):
     streams = book(FILE)
     before = streams.wanted
-    assert streams.take(order).startswith(why)
+    assert streams.place(order).startswith(why)
     assert streams.wanted == before
     assert streams.changed(0) is None
 
@@ -150,9 +152,9 @@ def test_a_recording_takes_the_target_and_every_source_that_is_asked_for():
     ]
     assert streams.changed(3) is None
     assert len(streams.changed(4)) == 6
-    streams.take(StreamOrder(False))
+    streams.place(StreamOrder(False))
     assert [each.on for each in streams.changed(2).values()] == [False, *[True] * 5]
-    assert streams.take(StreamOrder(False, number=RECORDED)).startswith("this stream is the recorder's")
+    assert streams.place(StreamOrder(False, number=RECORDED)).startswith("this stream is the recorder's")
 
 
 def test_nothing_is_recorded_that_was_not_asked_for():

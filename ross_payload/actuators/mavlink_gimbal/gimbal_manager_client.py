@@ -92,7 +92,7 @@ class GimbalManagerClient:
         if sender != self.manager:
             return
         if self._has_restarted(packet, now):
-            self._forget_control()
+            self.primary, self.releases, self.attitude_queries, self.due_control = None, 0, 0, 0.0
         self.heard_at = now
         if packet.name == "COMMAND_ACK" and message.command == gimbal_messages.CONFIGURE and _is_for(self.us, message):
             self.refused = message.result not in (ACCEPTED, IN_PROGRESS)
@@ -120,9 +120,6 @@ class GimbalManagerClient:
         silent = now - self.heard_at > MANAGER_SILENCE_S
         clocked = packet.name in CLOCKED
         return (clocked and self.clock.judge(packet.message.time_boot_ms / 1e3, now) is Verdict.RESTARTED) or silent
-
-    def _forget_control(self) -> None:
-        self.primary, self.releases, self.attitude_queries, self.due_control = None, 0, 0, 0.0
 
     def due(self, now: float) -> list[Any]:
         """Return what to ask at ``now`` [s]: who you are, who is in control, attitudes."""

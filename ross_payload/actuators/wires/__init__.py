@@ -13,7 +13,7 @@ from contextlib import suppress
 from typing import Any, Protocol
 
 from ross_payload import plugins
-from ross_payload.errors import LinkError
+from ross_payload.errors import LinkError, refused_as
 from ross_payload.interfaces import Clock, Port
 from ross_payload.transport.byte_stream import Handle, Stream
 from ross_payload.transport.link_url import tcp_endpoint
@@ -197,10 +197,8 @@ def connect(url: str, codec: Codec, clock: Clock) -> TcpWire:
         When nobody answers, or somebody else than the device wanted.
     """
     address = served_at(url)
-    try:
+    with refused_as(LinkError, f"wire '{url}': cannot connect"):
         connection = socket.create_connection(address, timeout=ANSWER_TIMEOUT_S)
-    except OSError as error:
-        raise LinkError(f"wire '{url}': cannot connect: {reason(error)}") from error
     try:
         if codec.name:
             _check(_first_line(connection, url), codec, clock, url)

@@ -17,32 +17,32 @@ def _number(_context: click.Context, _parameter: click.Parameter, value: float |
     return value
 
 
-@click.command("listen", short_help="Play or write what a payload streams.")
+@click.command("listen", short_help="Play or save the audio that a payload streams.")
 @click.argument("url", metavar="URL")
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write a .wav or .flac file instead of playing."
 )
-@click.option("--device", default="default", show_default=True, help="Sound output, a part of its name.")
+@click.option("--device", default="default", show_default=True, help="Sound output, by part of its name.")
 @click.option(
     "--delay",
     "delay_ms",
     type=click.FloatRange(0, LONGEST_DELAY_MS),
     default=0.0,
     callback=_number,
-    help="Time in milliseconds that packets wait for later ones; 0, the default: as short as the network allows.",
+    help="Playout delay [ms]; 0, the default: as short as the network allows.",
 )
 @click.option(
     "--duration",
     type=click.FloatRange(0, min_open=True),
     metavar="S",
     callback=_number,
-    help="Stop after so many seconds.",
+    help="Stop after this many seconds.",
 )
-@click.option("--wait", "waits", is_flag=True, help="Go on when the sender has ended or is silent. RTP alone.")
+@click.option("--wait", "waits", is_flag=True, help="Keep waiting when the sender stops or is silent (RTP only).")
 def command(url: str, out: Path | None, device: str, delay_ms: float, duration: float | None, *, waits: bool) -> None:
-    """Play what a payload streams to this computer, and tell once a second how loud, how late and how much was lost.
+    """Play the audio that a payload streams to this computer; print level, delay and losses once a second.
 
-    It ends when the sender ends, and with exit code 2 when nothing has come for 25 s.
+    It ends when the sender stops; with exit code 2 when nothing has arrived for 25 s.
 
     URL is rtp://ADDRESS:PORT (an address of this computer; 0.0.0.0 for any; with ?codec=L16&rate=16000 unless it is
     Opus), a session description (a file or an http address that ends in .sdp), or tcp://HOST:PORT.
@@ -69,4 +69,4 @@ def command(url: str, out: Path | None, device: str, delay_ms: float, duration: 
         feed = PcmFeed(source)
     with feed:
         place = to_file(feed, path, meter, clock) if path is not None else to_device(feed, device, meter)
-        listen(feed, place, meter=meter, clock=clock, wall=time.time, tell=click.echo, duration=duration, waits=waits)
+        listen(feed, place, meter=meter, clock=clock, wall=time.time, report=click.echo, duration=duration, waits=waits)

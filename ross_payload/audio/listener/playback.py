@@ -140,7 +140,7 @@ def listen(
     meter: Meter,
     clock: Clock,
     wall: Callable[[], float],
-    tell: Callable[[str], None],
+    report: Callable[[str], None],
     duration: float | None,
     waits: bool = False,
 ) -> None:
@@ -164,10 +164,10 @@ def listen(
             pump()
             before, progress = progress, feed.progress(wall())
             if progress.ended and not before.ended:
-                tell(f"{clock.now() - began:6.0f} s  {progress.words}")
+                report(f"{clock.now() - began:6.0f} s  {progress.words}")
             if clock.now() >= told + LINE_S:
                 told += LINE_S
-                tell(_line(feed, meter, told - began, wall()))
+                report(_line(feed, meter, told - began, wall()))
     if not progress.heard:
         raise AudioError(f"nothing came to {feed.where} in {clock.now() - began:.0f} s")
     if _is_lost(progress) and not waits:

@@ -119,7 +119,7 @@ class RtpFeed(Feed):
                 datagram, sender = sock.recvfrom(MAX_READ_BYTES)
             except OSError:  # nothing, or the news that nobody takes the answers
                 return
-            self._receiver.take(datagram, self._clock.now(), sender)
+            self._receiver.on_datagram(datagram, self._clock.now(), sender)
 
 
 def _words(reception: Reception, total: float | None) -> str:

@@ -7,7 +7,7 @@ and ``codec``, which an order can tell, too.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -64,6 +64,18 @@ class SinkPlugin(Protocol):
 
     def open(self, config: Any, services: SinkServices) -> AudioSink:
         """Make the sink; nothing is opened before it is entered."""
+
+
+@dataclass(frozen=True)
+class BuiltInSink:
+    """The plug-in of a sink that comes with the payload: ``make`` builds it from options of ``Config``."""
+
+    Config: type[Table]
+    make: Callable[[Any, SinkServices], AudioSink]
+
+    def open(self, config: Any, services: SinkServices) -> AudioSink:
+        """Make the sink; nothing is opened before it is entered."""
+        return self.make(config, services)
 
 
 def checked_options(kind: str, options: Mapping[str, Any], where: str) -> Table:

@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from ross_payload.audio.reconnecting_feed import LEAVE, Worker, in_thread
-from ross_payload.audio.sinks import SinkInfo, SinkServices
+from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.audio.sound_devices import device_named, portaudio
 from ross_payload.config.table import Table
 from ross_payload.errors import AudioError, RossError
@@ -31,8 +31,8 @@ LATE_S = 0.2  # beyond the wanted filling, from which on the oldest is left out 
 class DeviceOptions(Table):
     """[listening.streams.options] of ``device``."""
 
-    device: Annotated[str, Field(min_length=1)] = "default"  # a part of its name, see `ross devices`
-    latency_ms: Annotated[float, Field(gt=0, le=1000)] = 60.0  # that waits for the card, and is asked of it
+    device: Annotated[str, Field(min_length=1)] = "default"  # part of its name, see `ross devices`
+    latency_ms: Annotated[float, Field(gt=0, le=1000)] = 60.0  # audio buffered for the card, and its latency
 
 
 class PlaybackRing:
@@ -219,14 +219,4 @@ class DeviceSink:
             stream.close(ignore_errors=True)
 
 
-class DevicePlugin:
-    """Sound cards."""
-
-    Config = DeviceOptions
-
-    def open(self, config: DeviceOptions, services: SinkServices) -> DeviceSink:
-        """Make the sink."""
-        return DeviceSink(config, services)
-
-
-sink = DevicePlugin()
+sink = BuiltInSink(DeviceOptions, DeviceSink)

@@ -13,10 +13,10 @@ from typing import Self
 
 from pydantic import field_validator
 
-from ross_payload.audio.sinks import SinkInfo, SinkServices
+from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.audio.track_files import AlignedTrack, checked_suffix
 from ross_payload.config.table import Table
-from ross_payload.errors import AudioError, ConfigError
+from ross_payload.errors import AudioError, ConfigError, refused_as
 from ross_payload.interfaces import VoiceBlock
 
 ROOM_S = 60.0  # of audio for which there must be room: a disk that is full again at once would be full of short files
@@ -26,9 +26,7 @@ WIDTH = 3  # [bytes] of a sample in a file that does not shrink it
 class FileOptions(Table):
     """[listening.streams.options] of ``file``."""
 
-    path: (
-        str  # ends in .flac or .wav; a number is added to a name that is taken; without a folder: in that of recordings
-    )
+    path: str  # ends in .flac or .wav; a number is added to a taken name; without a folder: in that of recordings
 
     @field_validator("path")
     @classmethod
@@ -103,12 +101,10 @@ class FileSink:
         AudioError
             When it cannot be made, or there is no room for it.
         """
-        try:
+        with refused_as(AudioError, f"{self._told}: cannot be made"):
             self._wanted.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             _check_room(self._wanted.parent, round(ROOM_S * self._rate) * WIDTH)
             self._path, self._track = _created(self._wanted, self._rate)
-        except OSError as error:
-            raise AudioError(f"{self._told}: cannot be made: {error.strerror}") from error
         self._first, self.fault = None, ""
         return self
 
@@ -143,14 +139,4 @@ def _created(wanted: Path, rate: int) -> tuple[Path, AlignedTrack]:
     raise AssertionError
 
 
-class FilePlugin:
-    """Files."""
-
-    Config = FileOptions
-
-    def open(self, config: FileOptions, services: SinkServices) -> FileSink:
-        """Make the sink."""
-        return FileSink(config, services)
-
-
-sink = FilePlugin()
+sink = BuiltInSink(FileOptions, FileSink)

@@ -20,7 +20,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator
 
-from ross_payload.audio.sinks import SinkInfo, SinkServices
+from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.audio.sinks.rtp_sender import RtpSender
 from ross_payload.config.table import Table
 from ross_payload.errors import AudioError, shown
@@ -40,7 +40,7 @@ class RtpOptions(Table):
     """[listening.streams.options] of ``rtp``."""
 
     address: str  # of one computer, as a number: 192.168.1.20, fd00::20
-    port: Annotated[int, Field(ge=1, le=65535)] = 5004  # UDP; reports go over it, too, both ways
+    port: Annotated[int, Field(ge=1, le=65535)] = 5004  # UDP port; also of the reports, both ways
     codec: Literal["opus", "L16"] = "opus"  # with forward error correction, or samples of 16 bits
     bit_rate_kbps: Annotated[int, Field(ge=12, le=256)] = 48  # of Opus
     rate_hz: Annotated[int, Field(ge=8000, le=48000)] | None = None  # of L16; absent: that of the audio
@@ -266,14 +266,4 @@ class RtpSink:
         return False
 
 
-class RtpPlugin:
-    """RTP to one address."""
-
-    Config = RtpOptions
-
-    def open(self, config: RtpOptions, services: SinkServices) -> RtpSink:
-        """Make the sink."""
-        return RtpSink(config, services)
-
-
-sink = RtpPlugin()
+sink = BuiltInSink(RtpOptions, RtpSink)

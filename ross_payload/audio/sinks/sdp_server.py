@@ -15,9 +15,8 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Self
 
-from ross_payload.errors import AudioError
+from ross_payload.errors import AudioError, refused_as
 from ross_payload.transport.link_url import LOOPBACK
-from ross_payload.transport.ports import reason
 from ross_protocols.mavlink.stream_values import description_file
 
 PATIENCE_S = 2.0  # for a client's request
@@ -134,10 +133,8 @@ class SdpServer:
             When the port is in use, or the address is none of this computer.
         """
         host, port = self._address
-        try:
+        with refused_as(AudioError, f"session descriptions: cannot listen on {host} port {port}"):
             self._server = _Server(self._address, self._files)
-        except OSError as error:
-            raise AudioError(f"session descriptions: cannot listen on {host} port {port}: {reason(error)}") from error
         serve = self._server.serve_forever
         threading.Thread(target=serve, args=(0.2,), name="sdp", daemon=True).start()
         return self

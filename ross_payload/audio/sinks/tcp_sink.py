@@ -14,9 +14,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
-from ross_payload.audio.sinks import SinkInfo, SinkServices
+from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.config.table import Table
-from ross_payload.errors import AudioError
+from ross_payload.errors import AudioError, refused_as
 from ross_payload.interfaces import VoiceBlock
 from ross_payload.transport.async_task import Backoff
 from ross_payload.transport.byte_stream import Stream
@@ -35,7 +35,7 @@ log = logging.getLogger(__name__)
 class TcpOptions(Table):
     """[listening.streams.options] of ``tcp``."""
 
-    mode: Literal["listen", "connect"] = "listen"  # wait for listeners there, or connect to one there
+    mode: Literal["listen", "connect"] = "listen"  # listen: wait for listeners; connect: to one
     address: Annotated[str, Field(min_length=1)] = LOOPBACK  # to listen on, or to connect to
     port: Annotated[int, Field(ge=1, le=65535)]
     codec: Literal["s16le", "s24le", "f32le"] = "s24le"  # samples on the wire
@@ -103,10 +103,8 @@ class TcpSink:
         if not address.listen:
             self._opener = TcpOpener(address)
             return self
-        try:
+        with refused_as(AudioError, f"{self._where}: cannot listen"):
             self._doors = open_listeners(address)
-        except OSError as error:
-            raise AudioError(f"{self._where}: cannot listen: {reason(error)}") from error
         return self
 
     def __exit__(self, *exception: object) -> None:
@@ -179,14 +177,4 @@ class TcpSink:
             self.fault = f"{self._where}: the listener is gone: {why}"
 
 
-class TcpPlugin:
-    """PCM over TCP."""
-
-    Config = TcpOptions
-
-    def open(self, config: TcpOptions, services: SinkServices) -> TcpSink:
-        """Make the sink."""
-        return TcpSink(config, services)
-
-
-sink = TcpPlugin()
+sink = BuiltInSink(TcpOptions, TcpSink)

@@ -6,10 +6,10 @@ import asyncio
 from collections.abc import Callable
 from typing import Any, Self, cast
 
+from ross_payload.errors import refused_as
 from ross_payload.ground.errors import GroundError
 from ross_payload.interfaces import Samples
 from ross_payload.plugins import install_line
-from ross_payload.transport.ports import reason
 
 PERIOD_S = 0.02  # between two answers to the sender
 
@@ -66,10 +66,8 @@ class RtpPort(asyncio.DatagramProtocol):
             When that is none.
         """
         loop = asyncio.get_running_loop()
-        try:
+        with refused_as(GroundError, f"cannot listen at {host}"):
             transport, _ = await loop.create_datagram_endpoint(lambda: self, local_addr=(host, 0))
-        except OSError as error:
-            raise GroundError(f"cannot listen at {host}: {reason(error)}") from error
         self._transport = transport
         self._answering = loop.create_task(self._answer())
         return self
@@ -83,7 +81,7 @@ class RtpPort(asyncio.DatagramProtocol):
 
     def datagram_received(self, data: bytes, addr: Any) -> None:
         """Take what has arrived."""
-        self.receiver.take(data, self._now(), addr)
+        self.receiver.on_datagram(data, self._now(), addr)
 
     def error_received(self, exc: Exception) -> None:
         """Pay no attention to the news that nobody takes the answers."""

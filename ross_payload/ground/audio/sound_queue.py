@@ -49,7 +49,7 @@ class Listener:
         self._frames.append(frame)
         self.wake.set()
 
-    def tell(self, message: dict[str, Any]) -> None:
+    def send(self, message: dict[str, Any]) -> None:
         """Keep a message until it is taken."""
         self._words.append(message)
         self.wake.set()

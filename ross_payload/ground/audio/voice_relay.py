@@ -257,7 +257,7 @@ class VoiceRelay:
             "jitter_ms": round(1000 * reception.jitter_s, 1),
         }
         for listener in self.listeners:
-            listener.tell({**told, "dropped": listener.dropped})
+            listener.send({**told, "dropped": listener.dropped})
 
 
 def _state(doing: CommandStatus | None, stream: StreamReport | None, *, playing: bool, ended: bool) -> tuple[str, str]:

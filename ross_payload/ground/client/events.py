@@ -10,12 +10,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ross_payload.ground.client.audio_streams import AudioStream
 from ross_payload.ground.model.payload_state import PayloadState, SourceTrack
-from ross_payload.ground.model.stream_rows import changed
+from ross_payload.ground.model.stream_rows import CODECS, changed, selection_name
 from ross_payload.ground.model.view import word
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.field_converters import compass
+from ross_protocols.mavlink.stream_values import StreamReport
 from ross_protocols.mavlink.values import Source, Status
 
 
@@ -42,6 +42,45 @@ class SourceEstimate:
             source.source, compass(source.azimuth), mirror, math.degrees(source.sigma), source.confidence,
             source.earth, source.target,
             0.0 - math.degrees(source.rate or 0.0) if tracked else None, (source.age or 0.0) if tracked else None,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class AudioStream:
+    """One stream that a payload announces; it stays when it has ended, off, until its number is given to another."""
+
+    number: int  # what `Payload.stop_stream` wants
+    sink: str  # "rtp", "tcp", "file", "device" or the name of a plug-in
+    what: str  # "mixture", "target", "source" or "azimuth"
+    on: bool
+    source: int | None  # that it carries, or is to carry
+    azimuth_deg: float | None  # where that voice comes from, or the azimuth that was asked for
+    earth: bool
+    separated: bool  # a voice is heard at present, else the mixture or silence
+    codec: str  # "opus", "L16", ...; empty: not known
+    rate_hz: int
+    address: str
+    port: int
+    listeners: int | None  # None: the payload cannot tell, as with RTP
+    records: bool  # what it carries stays on a disk
+    gain_db: float
+    muted: bool
+    level_db: float | None  # re full scale
+    delay_s: float | None  # from the microphone until it leaves the payload
+    lost_samples: int  # that did not get out
+    lost_packets: int | None  # that its listeners report
+    fault: bool
+    detail: str  # in words
+
+    @classmethod
+    def of(cls, stream: StreamReport) -> AudioStream:
+        """Convert what telemetry says of a stream."""
+        return cls(
+            stream.number, stream.sink, selection_name(stream.selection), stream.on, stream.source,
+            None if stream.azimuth is None else compass(stream.azimuth), stream.earth, stream.separated,
+            CODECS.get(stream.codec, ""), stream.rate, stream.address, stream.port, stream.listeners, stream.records,
+            stream.gain, stream.muted, stream.level, stream.delay, stream.lost, stream.packets_lost, stream.fault,
+            stream.detail,
         )  # fmt: skip
 
 

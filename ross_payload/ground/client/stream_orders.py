@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ross_payload.ground.client.audio_streams import AudioStream
 from ross_payload.ground.client.command_types import AZIMUTH, SOURCE, Order
+from ross_payload.ground.client.events import AudioStream
 from ross_protocols.mavlink import stream_command
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.stream_command import MUTED_DB, StreamCommand

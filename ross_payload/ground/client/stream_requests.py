@@ -7,10 +7,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any
 
-from ross_payload.ground.client.audio_streams import AudioStream
 from ross_payload.ground.client.command_status import CommandStatus
 from ross_payload.ground.client.command_types import Order
-from ross_payload.ground.client.events import SourceEstimate
+from ross_payload.ground.client.events import AudioStream, SourceEstimate
 from ross_payload.ground.client.ftp_client import FileReader
 from ross_payload.ground.client.order_json import order_of
 from ross_payload.ground.client.stream_orders import Enrol, StopStream, Stream, is_shown

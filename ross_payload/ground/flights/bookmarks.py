@@ -48,7 +48,7 @@ def marks_of(
 
 def _telling(index: Index, who: ComponentId) -> NDArray[np.int64]:
     """Return the numbers of the frames of a payload in which the state changes, or that are a text."""
-    mine = index.sender == 256 * who.system + who.component
+    mine = index.sent_by(who)
     status = np.flatnonzero(mine & (index.state != NO_STATE))
     changes = status[np.diff(index.state[status].astype(int), prepend=-1) != 0]
     return np.concatenate([changes, np.flatnonzero(mine & (index.message == TEXT))])

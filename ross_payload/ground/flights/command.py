@@ -1,4 +1,4 @@
-"""``ross tlog``: a flight as a table, a picture, or a file for other tools."""
+"""``ross tlog``: a flight as a table, a plot, or a file for other tools."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ class _WhoType(click.ParamType["ComponentId"]):
 @click.command("tlog", short_help="Summarize a flight: a telemetry log or a session folder.", epilog=EPILOG)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--payload", type=_WhoType(), help="Only this payload, such as 1-191.")
-@click.option("--picture", type=_Ending(".png", ".svg"), help="Draw the flight into this file.")
-@click.option("--mcap", type=_Ending(".mcap"), help="Write an MCAP file for Foxglove and other readers.")
+@click.option("--picture", type=_Ending(".png", ".svg"), help="Save a plot of the flight (.png or .svg).")
+@click.option("--mcap", type=_Ending(".mcap"), help="Export to MCAP, for Foxglove and other tools.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(*, file: Path, payload: ComponentId | None, picture: Path | None, mcap: Path | None, as_json: bool) -> None:
-    """Tell what a telemetry log (.tlog of RoSS, Mission Planner, QGroundControl or MAVProxy) or a session folder holds.
+    """Summarize a telemetry log (.tlog of RoSS, Mission Planner, QGroundControl or MAVProxy) or a session folder.
 
-    What is written replaces an earlier file of that name, when it is complete.
+    An output file replaces an earlier one of the same name once it is complete.
     """
     import json
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ross_payload.errors import refused_as
 from ross_payload.ground.errors import GroundError
 
 PIECE = 1 << 22  # [bytes]
@@ -36,10 +37,8 @@ class LogFile:
     """
 
     def __init__(self, path: Path) -> None:
-        try:
+        with refused_as(GroundError, f"{path}: cannot be read"):
             self._file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-        except OSError as error:
-            raise GroundError(f"{path}: cannot be read: {error.strerror}") from error
         self._path = path
         self.close = weakref.finalize(self, os.close, self._file)
         about = os.fstat(self._file)

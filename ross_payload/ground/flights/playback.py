@@ -88,6 +88,5 @@ class Playback:
 
 def relevant_frames(flight: Flight, payloads: tuple[ComponentId, ...]) -> NDArray[np.int64]:
     """Return the numbers of the frames that change what is known of payloads, and of where vehicles are."""
-    senders = [256 * who.system + who.component for who in payloads]
     index = flight.index
-    return np.flatnonzero(np.isin(index.sender, senders) | (index.message == POSITION))
+    return np.flatnonzero(index.sent_by(*payloads) | (index.message == POSITION))

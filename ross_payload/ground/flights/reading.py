@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ross_payload.errors import refused_as
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.bookmarks import Bookmark, marks_of
 from ross_payload.ground.flights.log_file import CALENDAR_FROM_US, EXPECTED, LogFile, is_simulated, seconds_of
@@ -136,12 +137,10 @@ def name_of(message: int) -> str:
 
 def _find(path: Path) -> Path:
     """Return the log that is meant."""
-    try:
+    with refused_as(GroundError, f"{path}: cannot be read"):
         if not path.is_dir():
             return path
         log = next((path / name for name in (*LOGS, UNPACKED) if (path / name).exists()), None)
-    except OSError as error:
-        raise GroundError(f"{path}: cannot be read: {error.strerror}") from error
     if log is None:
         raise GroundError(f"{path}: {EXPECTED}, got a folder without {' or '.join(LOGS)}")
     return log

@@ -99,7 +99,7 @@ def _rounded(part: Any) -> Any:
 
 def _worth_reading(flight: Flight, payloads: tuple[ComponentId, ...]) -> Any:
     index = flight.index
-    mine = np.isin(index.sender, [256 * who.system + who.component for who in payloads])
+    mine = index.sent_by(*payloads)
     telling = mine & np.isin(index.message, [*mission_timeline.TIMELINE_MESSAGES, TEXT])
     return np.flatnonzero(telling | np.isin(index.message, COMMAND_MESSAGES))
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ross_payload.ground.flights.log_file import LogFile
 from ross_payload.ground.flights.resync import CHAIN, HEAD, LONGEST, STAMP, V1, V2, chained
+from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import MESSAGES, common, ross
 from ross_protocols.mavlink.tunnel import TYPE
 
@@ -49,6 +50,10 @@ class Index:
         """Count the frames."""
         return len(self.start)
 
+    def sent_by(self, *senders: ComponentId) -> NDArray[np.bool_]:
+        """Whether one of these components sent a frame, for each."""
+        return np.isin(self.sender, [256 * who.system + who.component for who in senders])
+
 
 @dataclass(slots=True)
 class Damage:
@@ -60,12 +65,12 @@ class Damage:
     wrong: Counter[int] = field(default_factory=Counter)  # frames with another checksum, by message id
 
 
-def scan(tape: LogFile) -> tuple[Index, Damage]:
+def scan(file: LogFile) -> tuple[Index, Damage]:
     """Find every good frame of a log, and what is damaged."""
     walk, parts, rest, base = _Walk(), [], b"", 0
-    for piece in tape.pieces():
+    for piece in file.pieces():
         data = rest + piece
-        last = base + len(data) >= tape.size
+        last = base + len(data) >= file.size
         places, sizes, reached = walk.over(data, base == 0, last)
         parts.append(_columns(data, base, np.array(places, np.int64), np.array(sizes, np.uint16)))
         rest, base = data[reached:], base + reached

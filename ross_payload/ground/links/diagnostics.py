@@ -35,17 +35,9 @@ def advice(
         return "; ".join(unkeyed) if payloads else "waiting for telemetry on " + ", ".join(link.url for link in links)
     heard = [known for known in payloads if now - known.last < SILENT_AFTER_S]
     if heard:
-        return "; ".join(unkeyed + [_of_mirrors(known) for known in heard if _mirrors_only(known, now)])
+        terse = [one for one in heard if one.mirrors and one.status is None and now - one.first > SILENT_AFTER_S]
+        return "; ".join(unkeyed + [f"only summary values arrive from {one.who}: {TUNNEL}" for one in terse])
     return "; ".join(_of_link(link, now, began) for link in links)
-
-
-def _mirrors_only(known: PayloadState, now: float) -> bool:
-    """Tell whether a payload had time to say more than its mirrors, and did not."""
-    return known.status is None and bool(known.mirrors) and now - known.first > SILENT_AFTER_S
-
-
-def _of_mirrors(known: PayloadState) -> str:
-    return f"only summary values arrive from {known.who}: {TUNNEL}"
 
 
 def _of_link(link: LinkState, now: float, began: float) -> str:

@@ -12,6 +12,7 @@ from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
 
+from ross_payload.errors import refused_as
 from ross_payload.ground.errors import GroundError
 from ross_payload.transport.ports import reason
 from ross_payload.transport.tlog import append_records, tlog_record
@@ -33,11 +34,9 @@ class BufferedTlog:
         self._records: list[bytes] = []
         self._size = 0  # [bytes] of these
         self._writing: asyncio.Future[None] | None = None
-        try:
+        with refused_as(GroundError, f"--log {folder}: cannot be written"):
             folder.mkdir(parents=True, exist_ok=True)
             self.path, self._file = _made(folder, unix)
-        except OSError as error:
-            raise GroundError(f"--log {folder}: cannot be written: {reason(error)}") from error
 
     def add(self, unix: float, frame: bytes, link: int) -> None:
         """Append a frame of a link at its UNIX time [s]."""

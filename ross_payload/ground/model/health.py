@@ -63,7 +63,9 @@ def _microphones(known: PayloadState) -> dict[str, Any]:
     audio = known.audio
     if audio is None:
         return {"level": UNKNOWN, "words": "no data"}
-    troubles = [words for name, words in REMEDIES.items() if audio.trouble & _bit(name)]
+    troubles = [
+        words for name, words in REMEDIES.items() if audio.trouble & getattr(ross, f"ROSS_AUDIO_TROUBLE_{name}")
+    ]
     slow = audio.waiting > MOST_BACKLOG_S
     level = ACT if troubles else WATCH if slow else GOOD
     words = "; ".join(troubles) or (
@@ -79,10 +81,6 @@ def _microphones(known: PayloadState) -> dict[str, Any]:
         "waiting": audio.waiting,
         "rate": audio.rate,
     }
-
-
-def _bit(name: str) -> int:
-    return int(getattr(ross, f"ROSS_AUDIO_TROUBLE_{name}"))
 
 
 def _actuator(known: PayloadState) -> dict[str, Any]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import math
-import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +22,7 @@ from ross_payload.ground.terminal.change_log import LineWriter
 from ross_payload.ground.terminal.controller import Controller
 from ross_payload.ground.terminal.keyboard import Keyboard
 from ross_payload.ground.terminal.screen import ScreenState, compose
+from ross_payload.transport.async_task import set_by_signal
 from ross_protocols.mavlink.component_id import ComponentId
 
 REDRAW_PERIOD_S = 0.2
@@ -59,9 +59,7 @@ def run(options: Options) -> None:
 
 async def _run(options: Options, console: Console) -> None:
     key = None if options.mavlink_key is None else read_key(options.mavlink_key)
-    ended = asyncio.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        asyncio.get_running_loop().add_signal_handler(number, ended.set)
+    ended = set_by_signal()
     async with Station(options.urls, system_id=options.system_id, key=key) as station:
         orders = CommandProtocol(station.send, station.system_id, station.component_id)
         controller = Controller(station.fleet, orders, options.who, options.hear_at)

@@ -116,11 +116,8 @@ def _tables(shown: ScreenState, view: dict[str, Any], width: int, room: int, *, 
     for block, most in wanted:
         fits = min(most, room - len(lines))
         if block and fits > 0:
-            lines += block if len(block) <= fits else [*block[: fits - 1], _more(len(block) - fits + 1)]
+            more = Text(f" and {len(block) - fits + 1} more", "dim")
+            lines += block if len(block) <= fits else [*block[: fits - 1], more]
             if room >= TALL // 2 and len(lines) < room:
                 lines.append(Text(""))
     return lines
-
-
-def _more(count: int) -> Text:
-    return Text(f" and {count} more", "dim")

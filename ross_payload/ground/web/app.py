@@ -1,19 +1,22 @@
-"""The process of ``ross ground``: from what the user wants to a page that is served until Ctrl-C."""
+"""The page as the process of ``ross ground``, until Ctrl-C, or on a thread of a program that has no loop of its own."""
 
 from __future__ import annotations
 
 import asyncio
-import signal
 import ssl
+import threading
 import webbrowser
-from contextlib import nullcontext
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from queue import SimpleQueue
 
 import click
 
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.links.signing import read_key
+from ross_payload.ground.recordings import RecordingStore
 from ross_payload.ground.station import Station
 from ross_payload.ground.web.connections import raise_descriptor_limit
 from ross_payload.ground.web.faults import FaultLog
@@ -21,10 +24,13 @@ from ross_payload.ground.web.flight_library import FlightLibrary
 from ross_payload.ground.web.security import is_loopback, new_token, out_of_date, read_token, tls_of
 from ross_payload.ground.web.server import Served, bound, serve
 from ross_payload.ground.web.tiles import Tiles
+from ross_payload.transport.async_task import set_by_signal
 from ross_protocols.mavlink.stream_command import unicast
 
 ADVICE_AFTER_S = 10.0  # without telemetry before the terminal says what to look at
 LOG_CHECK_PERIOD_S = 1.0  # between two looks at the log
+
+Started = tuple[Served, asyncio.AbstractEventLoop, asyncio.Event]
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +85,9 @@ def _token(options: Options) -> str | None:
 
 
 async def _run(options: Options, token: str | None, tls: ssl.SSLContext | None, tiles: Tiles | None) -> None:
-    ended, loop = asyncio.Event(), asyncio.get_running_loop()
-    loop.set_exception_handler(FaultLog().of_loop)
+    asyncio.get_running_loop().set_exception_handler(FaultLog().of_loop)
     raise_descriptor_limit()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, ended.set)
+    ended = set_by_signal()
     key = None if options.mavlink_key is None else read_key(options.mavlink_key)
     flights = FlightLibrary(options.flights)
     listening = Station(options.urls, system_id=options.system_id, key=key, log=options.log)  # refuses a wrong URL
@@ -131,3 +135,49 @@ async def _advise(station: Station) -> None:
 
 def _warn(text: str) -> None:
     click.echo(f"ross ground: {text}", err=True)
+
+
+@contextmanager
+def in_background(
+    urls: Sequence[str], *, port: int = 0, flights: Path | None = None, recordings: RecordingStore | None = None
+) -> Iterator[Served]:
+    """Serve the page on this computer with what is heard at the URLs, past flights of a folder, and recordings.
+
+    Raises
+    ------
+    GroundError
+        When a URL is none, or a port is in use.
+    """
+    outcomes: SimpleQueue[Started | BaseException] = SimpleQueue()
+    thread = threading.Thread(target=_work, args=(outcomes, urls, port, flights, recordings), name="page", daemon=True)
+    thread.start()
+    started = outcomes.get()
+    if isinstance(started, BaseException):
+        thread.join()
+        raise started
+    served, loop, ended = started
+    try:
+        yield served
+    finally:
+        loop.call_soon_threadsafe(ended.set)
+        thread.join()
+
+
+def _work(
+    outcomes: SimpleQueue[Started | BaseException],
+    urls: Sequence[str],
+    port: int,
+    flights: Path | None,
+    recordings: RecordingStore | None,
+) -> None:
+    async def serving() -> None:
+        ended = asyncio.Event()
+        asyncio.get_running_loop().set_exception_handler(FaultLog().of_loop)
+        async with Station(urls) as station, serve(station, FlightLibrary(flights), recordings, port=port) as served:
+            outcomes.put((served, asyncio.get_running_loop(), ended))
+            await ended.wait()
+
+    try:
+        asyncio.run(serving())
+    except BaseException as error:  # the caller's thread raises it
+        outcomes.put(error)

@@ -7,8 +7,6 @@ from pathlib import Path
 
 import click
 
-from ross_payload.plugins import install_line
-
 DEFAULT_URL = "udpin:127.0.0.1:14550"
 PORT = 8765
 SYSTEM_ID = click.IntRange(1, 255)
@@ -18,7 +16,7 @@ EPILOG = "Exit codes: 0 ended by the user, 2 bad input."
 @click.command("ground", short_help="Serve a web page to watch and command payloads.", epilog=EPILOG)
 @click.argument("urls", metavar="[URL]...", nargs=-1)
 @click.option("--port", type=click.IntRange(0, 65535), default=PORT, show_default=True, help="TCP port; 0: any.")
-@click.option("--host", default="127.0.0.1", show_default=True, help="Other addresses need a token.")
+@click.option("--host", default="127.0.0.1", show_default=True, help="All but the loopback need a token.")
 @click.option("--token-file", type=click.Path(path_type=Path), help="File with the token, mode 0600; else one is made.")
 @click.option("--certificate", type=click.Path(path_type=Path), help="Certificate for TLS (PEM file).")
 @click.option("--key", type=click.Path(path_type=Path), help="PEM file with the certificate's private key.")
@@ -45,13 +43,9 @@ def command(
     audio_address: str,
     open_page: bool,
 ) -> None:
-    """Serve the page, with what is received on each URL (default: udpin:127.0.0.1:14550), until Ctrl-C."""
-    try:
-        from ross_payload.ground.web.app import Options, run
-    except ModuleNotFoundError as error:
-        if error.name != "aiohttp":
-            raise
-        raise click.UsageError(f"the page needs aiohttp: {install_line('ground')}") from error
+    """Serve the page with the telemetry received on each URL (default: udpin:127.0.0.1:14550), until Ctrl-C."""
+    from ross_payload.ground.web.app import Options, run
+
     folder, listened = flights or log, urls or (DEFAULT_URL,)
     options = Options(
         listened, port, host, token_file, certificate, key, mavlink_key, system_id, log, folder, open_page

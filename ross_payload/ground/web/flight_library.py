@@ -16,6 +16,7 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
+from ross_payload.errors import refused_as
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.log_file import CALENDAR_FROM_US, is_simulated
 from ross_payload.ground.flights.mcap_import import glimpse, unpacked
@@ -150,13 +151,11 @@ class FlightLibrary(AbstractContextManager["FlightLibrary"]):
         return self._unpacked.get((path, about.st_size, about.st_mtime_ns))
 
     def _unpack(self, path: Path) -> Path:
-        try:
+        with refused_as(GroundError, f"{path}: cannot be unpacked"):
             about = path.stat()
             if self._unpacked_in is None:
                 self._unpacked_in = tempfile.TemporaryDirectory(prefix="ross-mcap-")
             folder = Path(tempfile.mkdtemp(dir=self._unpacked_in.name))
-        except OSError as error:
-            raise GroundError(f"{path}: cannot be unpacked: {error.strerror}") from error
         _unpacked_into(path, folder / path.name)
         self._unpacked[path, about.st_size, about.st_mtime_ns] = folder / path.name
         return folder / path.name

@@ -109,7 +109,7 @@ async def _on_message(relay: VoiceRelay, listener: Listener, text: str) -> None:
     message = json.loads(text)
     kind = message.get("type") if isinstance(message, dict) else None
     if kind == "ping":
-        listener.tell({"type": "pong", "at": message.get("at")})
+        listener.send({"type": "pong", "at": message.get("at")})
     elif kind != "choose":
         raise ValueError(f"type: expected choose or ping, got {str(kind)[:40]}")
     elif listener in relay.listeners:

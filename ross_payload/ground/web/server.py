@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from aiohttp import web
 
+from ross_payload.errors import refused_as
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.recordings import RecordingStore
 from ross_payload.ground.web.connections import HEADER_TIMEOUT, Connections
@@ -72,8 +73,8 @@ async def serve(
     """
     if token is None and not is_loopback(host):
         raise GroundError(f"--host {host}: reachable from other computers: expected a token, got none")
-    with listener or bound(host, port) as door, flights or FlightLibrary(None) as shelf:
-        browsers, connections = WebSocketSessions(PageState(station or NoStation(), shelf, recordings)), Connections()
+    with listener or bound(host, port) as door, flights or FlightLibrary(None) as library:
+        browsers, connections = WebSocketSessions(PageState(station or NoStation(), library, recordings)), Connections()
         browsers.state.tiles = tiles
         listening = ListeningSockets(browsers.state, audio_address)
         site = application(browsers, listening, Gate(token), connections, loopback=is_loopback(host))
@@ -130,10 +131,8 @@ def bound(host: str, port: int) -> socket.socket:
     GroundError
         When the address is not of this computer, or the port is taken.
     """
-    try:
+    with refused_as(GroundError, f"--host {host}: expected an address of this computer, got"):
         (family, _, _, _, address), *_ = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-    except OSError as error:
-        raise GroundError(f"--host {host}: expected an address of this computer, got: {error.strerror}") from error
     listener = socket.socket(family, socket.SOCK_STREAM)
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -1,4 +1,4 @@
-"""The gimbal's body: where the array points, what it can do, what ails it."""
+"""The state of the gimbal device: where the array points, what it can do, what ails it."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """RTP packets in, samples out: whoever plays takes as many samples as the clock asks for, whatever came.
 
-No socket, no thread, no clock: datagrams are given to `RtpReceiver.take` with the time they arrived, samples are taken
-by `RtpReceiver.read`, and what `RtpReceiver.feedback` returns goes back to the sender. A lock is the caller's.
+No socket, no thread, no clock: datagrams are given to `RtpReceiver.on_datagram` with the time they arrived, samples are
+taken by `RtpReceiver.read`, and what `RtpReceiver.feedback` returns goes back to the sender. A lock is the caller's.
 """
 
 from __future__ import annotations
@@ -134,12 +134,12 @@ class RtpReceiver:
 
     @property
     def sender(self) -> Hashable:
-        """Who is heard, as given to `take`; None before anybody is."""
+        """Who is heard, as given to `on_datagram`; None before anybody is."""
         return self._source[1] if self._source is not None else None
 
     # ------------------------------------------------------------------------------------------- packets
 
-    def take(self, datagram: bytes, now: float, sender: Hashable = None) -> None:
+    def on_datagram(self, datagram: bytes, now: float, sender: Hashable = None) -> None:
         """Take what arrived at ``now`` [s, monotonic]; whatever it is, it only is counted when it is no packet."""
         try:
             if is_rtcp(datagram):

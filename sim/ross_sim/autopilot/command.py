@@ -19,11 +19,18 @@ PERIOD = 0.002  # [s] between two looks at the links
     "--link", "urls", metavar="URL", multiple=True, required=True, help="A link; can be given more than once."
 )
 @click.option("--system-id", type=click.IntRange(1, 255), default=1, show_default=True, help="Of the vehicle.")
-@click.option("--yaw", "yaw_deg", type=float, default=0.0, show_default=True, help="Clockwise from north [deg].")
+@click.option(
+    "--yaw",
+    "yaw_deg",
+    type=float,
+    default=0.0,
+    show_default=True,
+    help="Clockwise from north [deg].",
+)
 @click.option("--amplitude", "amplitude_deg", type=click.FloatRange(0, 180), default=0.0, show_default=True,
-              help="It yaws by this to either side [deg].")  # fmt: skip
+              help="Oscillate in yaw by this much to either side [deg].")  # fmt: skip
 @click.option("--rate", "rate_deg_s", type=click.FloatRange(0, 360, min_open=True), default=10.0, show_default=True,
-              help="How fast it yaws [deg/s].")  # fmt: skip
+              help="Yaw rate of the oscillation [deg/s].")  # fmt: skip
 @click.option("--gps", is_flag=True, help="Send the UNIX time.")
 @click.option("--gimbal", "with_gimbal", is_flag=True, help="Add a simulated gimbal and be its gimbal manager.")
 def command(
@@ -36,15 +43,14 @@ def command(
     gps: bool,
     with_gimbal: bool,
 ) -> None:
-    """Simulate what a payload receives from an ArduPilot: attitude, time, a gimbal, and how it passes messages on.
+    """Simulate what a payload receives from ArduPilot: attitude, time, a gimbal, and message routing.
 
-    Messages that it does not know, among them all of ours, it drops; what has a target goes only where that component
-    was heard; nothing goes back to where it came from.
+    Like ArduPilot, it drops messages that it does not know (all of ours among them), forwards a message with a target
+    only to links where that target was heard, and never sends a message back where it came from.
     """
     from ross_payload.clock import SystemClock
     from ross_payload.transport.open_port import open_port
-    from ross_sim.autopilot.managed_gimbal import CarriedGimbal
-    from ross_sim.autopilot.simulated_autopilot import BOOT, Autopilot, Yaw
+    from ross_sim.autopilot.simulated_autopilot import BOOT, Autopilot, CarriedGimbal, Yaw
 
     clock = SystemClock()
     begin = clock.now()

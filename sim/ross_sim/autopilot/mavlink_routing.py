@@ -13,6 +13,7 @@ from typing import Any
 from pymavlink.dialects.v20 import ardupilotmega
 
 from ross_protocols.mavlink.codec import Packet
+from ross_protocols.mavlink.component_id import ComponentId, target_of
 
 KNOWN = frozenset(ardupilotmega.mavlink_map)  # message ids
 NEVER = frozenset((ardupilotmega.MAVLINK_MSG_ID_RADIO, ardupilotmega.MAVLINK_MSG_ID_RADIO_STATUS))
@@ -30,8 +31,8 @@ class RoutingTable:
     """The routes of one autopilot, component 1 of its system."""
 
     def __init__(self, system_id: int) -> None:
-        self._own = (system_id, 1)
-        self._routes: dict[str, set[tuple[int, int]]] = {}
+        self._own = ComponentId(system_id, 1)
+        self._routes: dict[str, set[ComponentId]] = {}
 
     def way(self, link: str, packet: Packet) -> Way:
         """Learn from a message that was heard on a link; return where it goes."""
@@ -42,25 +43,20 @@ class RoutingTable:
         self._routes.setdefault(link, set()).add(sender)
         if number in NEVER:
             return Way()
-        system = getattr(packet.message, "target_system", 0)
-        component = getattr(packet.message, "target_component", 0)
-        links = tuple(
-            other
-            for other, heard in self._routes.items()
-            if other != link and (not system or any(self._matches(system, component, route) for route in heard))
-        )
-        here = system in (0, self._own[0])
+        links = tuple(other for other in self.toward(packet.message) if other != link)
+        system, component = target_of(packet.message)
+        here = system in (0, self._own.system)
         return Way(links, here and (component in (0, 1) or not links))
 
     def toward(self, message: Any) -> tuple[str, ...]:
-        """Return the links for a message of the autopilot itself: where its target was heard, or all."""
-        system, component = getattr(message, "target_system", 0), getattr(message, "target_component", 0)
+        """Return the links where the target of a message was heard, or all when it has none."""
+        system, component = target_of(message)
         return tuple(
             link
             for link, heard in self._routes.items()
             if not system or any(self._matches(system, component, route) for route in heard)
         )
 
-    def _matches(self, system: int, component: int, route: tuple[int, int]) -> bool:
+    def _matches(self, system: int, component: int, route: ComponentId) -> bool:
         """Whether a target may be behind a route; of other systems every component is."""
-        return route[0] == system and (component in (0, route[1]) or system != self._own[0])
+        return route.system == system and (component in (0, route.component) or system != self._own.system)

@@ -8,17 +8,21 @@ missions it has none.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from ross_payload.interfaces import Clock
 from ross_payload.transport.ports import Transport
 from ross_protocols.mavlink import gimbal_messages, vehicle
 from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
+from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.vehicle import AUTOPILOT, SystemTime, TimeSync, VehicleAttitude
 from ross_sim.autopilot.mavlink_routing import RoutingTable
+from ross_sim.devices.far_end import End, wire
+from ross_sim.devices.gimbal_device import STEP, Device, Servo
 from ross_sim.devices.gimbal_manager import HANDLED, SET_ATTITUDE, ArduPilot
 
 HEARTBEAT, SYSTEM_TIME, ATTITUDE, TIMESYNC, GIMBAL_STATE = 0, 2, 30, 111, 286  # message ids
@@ -34,13 +38,19 @@ OF_MANAGER = (*MANAGED, SET_ATTITUDE, mavlink.MAVLINK_MSG_ID_COMMAND_LONG)  # wh
 EARLY = 1e-9  # [s], of rounding
 BOOT = 100.0  # what its clock shows when its life begins here [s]
 
+TICK = 2 * STEP  # [s] in which it lives
+LATENCY, JITTER = 0.001, 0.002  # of the line between gimbal and autopilot [s]
+SERVO = Servo(
+    lower=math.radians(-202), upper=math.radians(202), max_speed=math.radians(108), max_acceleration=math.radians(225)
+)  # a little more than the driver's defaults ask for
+
 URL = "udpin:autopilot:1"  # names the link of the simulated autopilot; nothing is opened
 POLL = 0.010  # [s]
 
 
 @dataclass(slots=True)
 class _Plug:
-    """One link of the autopilot: its port, its ear and voice, and what is due there when."""
+    """One link of the autopilot: its port, its decoder and encoder, and what is due there when."""
 
     port: Transport
     encoder: Encoder
@@ -219,3 +229,42 @@ class Yaw:
             return 0.0
         way = (self.speed * time + self.amplitude) % (4 * self.amplitude)
         return math.copysign(self.speed, 2 * self.amplitude - way)
+
+
+class CarriedGimbal:
+    """A gimbal device (component 154), its line to the autopilot, and the autopilot's gimbal manager.
+
+    Parameters
+    ----------
+    clock
+        Tells when frames arrive.
+    system_id
+        Of the vehicle.
+    vehicle
+        Yaw of the vehicle [rad] at a time [s], counter-clockwise from north.
+    up
+        For how long the autopilot has been on when the life of the gimbal begins [s].
+    """
+
+    def __init__(self, clock: Clock, system_id: int, vehicle: Callable[[float], float], up: float) -> None:
+        address = ComponentId(system_id, gimbal_messages.COMPONENTS[0])
+        self.device = Device(address, SERVO, vehicle, earth=False)
+        self.manager = ArduPilot(ComponentId(system_id, 1), address, SERVO, vehicle, up=up)
+        self.port: End
+        self.port, self._line = wire(clock, LATENCY, JITTER, seed=0)
+        self._encoder, self._decoder = Encoder(*address), Decoder()
+        self._ticks = 0
+
+    def advance(self, now: float) -> None:
+        """Let the gimbal hear, move and speak until ``now`` [s]."""
+        for data in self._line.receive():
+            for packet in self._decoder.feed(data):
+                self._send(self.device.on_packet(packet, self._ticks * TICK))
+        while (self._ticks + 1) * TICK <= now:
+            self._ticks += 1
+            self.device.move(self._ticks * TICK)
+            self._send(self.device.live(self._ticks * TICK))
+
+    def _send(self, messages: list[object]) -> None:
+        for message in messages:
+            self._line.send(self._encoder.encode(message))

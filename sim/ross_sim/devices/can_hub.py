@@ -13,7 +13,7 @@ import socket
 from collections.abc import Callable
 from contextlib import suppress
 
-from ross_payload.errors import LinkError
+from ross_payload.errors import LinkError, refused_as
 from ross_payload.interfaces import Clock
 from ross_protocols.can import MOST_DATA
 
@@ -45,10 +45,8 @@ class CanHub:
         LinkError
             When the address cannot be listened on.
         """
-        try:
+        with refused_as(LinkError, f"tcp:{host}:{port}: cannot listen"):
             server = await asyncio.start_server(self._attend, host, port, limit=LONGEST)
-        except OSError as error:
-            raise LinkError(f"tcp:{host}:{port}: cannot listen: {error.strerror or error}") from error
         async with server:
             on_port(server.sockets[0].getsockname()[1])
             await ended.wait()

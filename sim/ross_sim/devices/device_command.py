@@ -1,4 +1,4 @@
-"""``ross device`` and ``ross hub``: one simulated device, and a CAN bus, in processes of their own."""
+"""``ross device`` and ``ross hub``: one simulated device, and a virtual CAN bus, in processes of their own."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ KINDS = {
     "grbl": "grbl",
     "stepper": "tb6600",
 }
-EPILOG = """It accepts commands on its standard input: FAULT, FAULT off, status; it answers each with one line
-of JSON. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended by the user, 2 bad input, 1 the wire was lost."""
+EPILOG = """It reads commands from standard input (FAULT, FAULT off, status) and answers each with one line of JSON.
+Stop it with Ctrl-C or SIGTERM. Exit codes: 0 stopped by the user, 2 bad input, 1 the connection was lost."""
 
 
 @click.command("device", short_help="Simulate one device for a payload in another process.", epilog=EPILOG)
@@ -25,7 +25,7 @@ of JSON. Ctrl-C or SIGTERM ends it. Exit codes: 0 ended by the user, 2 bad input
 @click.option(
     "--wire",
     metavar="URL",
-    help="Address to listen on, or bus to join; default: the configuration's, or a free local port.",
+    help="Address to listen on, or bus to join; default: that of the configuration, or a free local port.",
 )
 @click.option("--option", "-o", "options", multiple=True, metavar="KEY=VALUE", help="As in [actuator.options].")
 @click.option("--config", "file", type=click.Path(path_type=Path), help="Take [actuator] from this payload's file.")
@@ -94,22 +94,23 @@ def _print_ready(config: Any, address: str, as_json: bool) -> None:
         click.echo(f"ready. The payload's configuration:\n\n{advice(config, address)}")
 
 
-HUB_EPILOG = """Who can reach the port can use it: keep it on the loopback. Ctrl-C or SIGTERM ends it. Exit codes: 0
-ended by the user, 2 bad input. Port 0: any free port."""
+HUB_EPILOG = """Anyone who can reach the port can use the bus, so keep it on the loopback interface. Port 0 takes
+any free port. Stop it with Ctrl-C or SIGTERM. Exit codes: 0 stopped by the user, 2 bad input."""
 
 
-@click.command("hub", short_help="Provide a CAN bus between processes, without a kernel driver.", epilog=HUB_EPILOG)
+@click.command("hub", short_help="Run a virtual CAN bus for several processes.", epilog=HUB_EPILOG)
 @click.option("--listen", default="tcp:127.0.0.1:29536", show_default=True, metavar="tcp:HOST:PORT")
 @click.option("--json", "as_json", is_flag=True, help="Print the address as one line of JSON.")
 def hub(*, listen: str, as_json: bool) -> int:
-    """Be a CAN bus between processes, without a kernel driver: a socketcand server with any number of channels.
+    """Run a virtual CAN bus for several processes: a socketcand server with any number of channels.
 
-    Nodes join with python-can's interface socketcand, and RoSS with port = "can:socketcand:HOST:PORT:CHANNEL".
+    No kernel driver is needed. Nodes join with python-can's interface socketcand, and RoSS with
+    port = "can:socketcand:HOST:PORT:CHANNEL".
     """
     import asyncio
-    import signal
 
     from ross_payload.clock import SystemClock
+    from ross_payload.transport.async_task import set_by_signal
     from ross_payload.transport.link_url import tcp_endpoint
     from ross_sim.devices.can_hub import CanHub
 
@@ -121,10 +122,7 @@ def hub(*, listen: str, as_json: bool) -> int:
         click.echo(json.dumps({"hub": address}) if as_json else f"ready: {address}:CHANNEL, any CHANNEL")
 
     async def live() -> None:
-        ended = asyncio.Event()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            asyncio.get_running_loop().add_signal_handler(number, ended.set)
-        await CanHub(SystemClock()).serve(host, port, on_port, ended)
+        await CanHub(SystemClock()).serve(host, port, on_port, set_by_signal())
 
     asyncio.run(live())
     return 0

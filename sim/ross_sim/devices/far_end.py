@@ -20,16 +20,16 @@ from ross_payload.transport.ports import Counts
 class Fault(StrEnum):
     """What a simulated device can be made to suffer from."""
 
-    STALL = "stall"  # the motor loses its torque while it turns; what it turned comes to rest
+    STALL = "stall"  # the motor loses its torque while turning; the load comes to rest
     STUCK = "stuck"  # the bearing is blocked
-    SLIP = "slip"  # what turns slips on its shaft by 10 deg, once; a sensor on the motor's side sees nothing of it
-    NOISY = "noisy"  # the sensor trembles by degrees
-    SILENT = "silent"  # it says nothing any more, and goes on as it was told
-    REBOOT = "reboot"  # it boots, once
+    SLIP = "slip"  # the load slips by 10 deg on its shaft, once; a sensor on the motor side does not see it
+    NOISY = "noisy"  # the sensor is noisy by several degrees
+    SILENT = "silent"  # it sends nothing any more, and continues as commanded
+    REBOOT = "reboot"  # it reboots, once
     TAKEN = "taken"  # another controller commands it
-    SATURATED = "saturated"  # others fill the bus
-    DUPLICATE = "duplicate"  # somebody else on the bus has an id that is taken
-    CORRUPT = "corrupt"  # what it says arrives damaged
+    SATURATED = "saturated"  # other nodes saturate the bus
+    DUPLICATE = "duplicate"  # another node on the bus uses an id that is taken
+    CORRUPT = "corrupt"  # what it sends arrives damaged
 
 
 SLIP = math.radians(10)  # [rad]

@@ -49,14 +49,6 @@ class Motor:
         """
         return math.sqrt(self.teeth * self.holding_torque / self.inertia)
 
-    def pull_out(self, speed: float) -> float:
-        """Greatest torque [N m] at a speed [rad/s].
-
-        >>> round(Motor(holding_torque=1.0, corner_speed=3.0).pull_out(4.0), 6)
-        0.6
-        """
-        return self.holding_torque / math.hypot(1.0, speed / self.corner_speed)
-
 
 class Rotor:
     """The mechanics: integrates the lag of one motor behind its windings.

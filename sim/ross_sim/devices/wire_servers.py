@@ -21,7 +21,7 @@ from ross_payload import plugins
 from ross_payload.actuators.tb6600.pulse_segments import Level, PulseCodec, RanOut, RecordingPulses, Segment
 from ross_payload.actuators.wires import Codec, TcpWire, connect, greeting
 from ross_payload.actuators.wires.codecs import CanCodec, RawCodec
-from ross_payload.errors import LinkError
+from ross_payload.errors import LinkError, refused_as
 from ross_payload.interfaces import Clock, Port
 from ross_payload.transport.async_task import drained
 from ross_sim.devices.ideal import Goal, Halt, Report
@@ -253,10 +253,8 @@ def listen(host: str, port: int) -> socket.socket:
     LinkError
         When that is not possible.
     """
-    try:
+    with refused_as(LinkError, f"tcp:{host}:{port}: cannot listen"):
         return socket.create_server((host, port))
-    except OSError as error:
-        raise LinkError(f"tcp:{host}:{port}: cannot listen: {error.strerror or error}") from error
 
 
 def _frame(line: bytes) -> Any:

@@ -71,7 +71,7 @@ class PageObserver:
         with ExitStack() as stack:
             links = stack.enter_context(Router.open([Link(url=self.link)], clock, system_id=system))
             stack.callback(clock.every(POLL, links.poll))
-            ears, hand = HealthMonitor(config), OrderGate(stop)
+            monitor, gate = HealthMonitor(config), OrderGate(stop)
             settings = stack.enter_context(Fixed(config))
             telemetry = stack.enter_context(
                 Telemetry(
@@ -79,16 +79,16 @@ class PageObserver:
                     clock,
                     links,
                     actuator=actuator,
-                    give=hand.give,
+                    give=gate.give,
                     parameters=settings,
-                    health=ears.health,
+                    health=monitor.health,
                     listening=voices,
                     descriptions=voices.descriptions,
                 )
             )
-            hand.answer = telemetry.on_event
+            gate.answer = telemetry.on_event
             with voices:
-                yield [ears, telemetry, hand, voices]
+                yield [monitor, telemetry, gate, voices]
 
     def tell(self, pace: str) -> None:
         """Have the page say how fast simulated time goes; empty: as the clock."""
@@ -173,7 +173,7 @@ def page_observer(folder: Path | None, recordings: Path | None = None) -> Iterat
 @contextmanager
 def _served(urls: list[str], folder: Path | None, recordings: Catalog | None) -> Iterator[Served]:
     try:
-        from ross_payload.ground.web.page_thread import in_background  # noqa: PLC0415 - an extra
+        from ross_payload.ground.web.app import in_background  # noqa: PLC0415 - an extra
     except ModuleNotFoundError as error:
         if error.name != "aiohttp":
             raise

@@ -32,7 +32,6 @@ from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.sessions.recorder import in_background
 from ross_payload.sessions.session_store import SessionStore
-from ross_payload.streams import StreamStatus
 from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.voiceprint import VoiceStore
 from ross_sim.clock import QUANTUM, SimClock
@@ -93,7 +92,7 @@ def serve(
         else:
             observers.append(Pace(asked))
         with assembled(parts, tuple(observers)) as runner:
-            asked.streams = _streams_of(runner)
+            asked.streams = next(one.streams for one in runner.observers if isinstance(one, Listening))
             _run(runner)
         truth.write(world.drain())
         truth.finish(facts(scenario, cast) | {"complaints": far_end.complaints()}, scenario)
@@ -108,11 +107,6 @@ def _run(runner: Runner) -> None:
         hearing_signals(mission.submit(runner.run))
 
 
-def _streams_of(runner: Runner) -> Callable[[], tuple[StreamStatus, ...]]:
-    """Return what tells how the streams of a payload are."""
-    return next(observer.streams for observer in runner.observers if isinstance(observer, Listening))
-
-
 class HeardTime(MissionView):
     """Tells a clock in real time how far the mission has heard: it waits rather than lose what is heard."""
 
@@ -121,7 +115,7 @@ class HeardTime(MissionView):
 
     def on_input(self, hop: Input) -> None:
         """Tell it."""
-        self._clock.heard(hop.block.time)
+        self._clock.on_heard(hop.block.time)
 
 
 def linked(scenario: Scenario) -> Scenario:
@@ -156,7 +150,7 @@ def _parts(
     state = Path(stack.enter_context(TemporaryDirectory(prefix="ross-sitl-")))
     links = stack.enter_context(Router.open(config.links, clock, system_id=config.telemetry.system_id, state=state))
     mount, timebase = aboard(scenario, world.clock, links)
-    shelf = SessionStore(recordings)
+    store = SessionStore(recordings)
     return Parts(
         clock=clock,
         source=world.source,
@@ -165,13 +159,13 @@ def _parts(
         mount=mount,
         timebase=timebase,
         parameters=stack.enter_context(Parameters(config, state / "params.toml")),
-        shelf=shelf,
+        store=store,
         drained=in_background if live else drained(clock),
         voiceprint=company.voiceprint,
         voices=VoiceStore(state / "voices"),  # of nobody: they end with the simulation
         state=state,
         rng=np.random.default_rng(config.seed),
-        computer=ComputerReader(shelf.folder) if live else None,  # else it is the same on every computer
+        computer=ComputerReader(store.folder) if live else None,  # else it is the same on every computer
         live=live,
     )
 

@@ -11,7 +11,6 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ross_payload.interfaces import Real
 from ross_sim.study.result_rows import ALIGNED, ESTIMATED, UNALIGNED, Exploration, Separation
 from ross_sim.study.tables import grouped, mean
 
@@ -179,7 +178,10 @@ def _bars(axes: Any, rows: Sequence[Separation], key: str, values: Sequence[str]
     for index, k in enumerate(counts):
         groups = [[row for row in rows if getattr(row, key) == value and row.k == k] for value in values]
         x = np.arange(len(values)) + width * (index - (len(counts) - 1) / 2)
-        aligned, estimated, unaligned = (_means(groups, how) for how in (ALIGNED, ESTIMATED, UNALIGNED))
+        aligned, estimated, unaligned = (
+            np.array([mean([row for row in group if row.how == how]) for group in groups])
+            for how in (ALIGNED, ESTIMATED, UNALIGNED)
+        )
         explored = bool(np.isfinite(estimated).any())
         face, hatch = LOOKS[index % len(LOOKS)]
         heights = np.nan_to_num(np.where(np.isfinite(estimated), estimated, aligned))
@@ -192,7 +194,3 @@ def _bars(axes: Any, rows: Sequence[Separation], key: str, values: Sequence[str]
             axes.plot(x, aligned, ls="", marker="x", ms=4, mec="black", mew=0.9, label="informed" if last else None)
     axes.axhline(0, color="black", lw=0.5)
     axes.set_xticks(range(len(values)), values, rotation=30 if len(values) > 6 else 0)
-
-
-def _means(groups: Sequence[Sequence[Separation]], how: str) -> Real:
-    return np.array([mean([row for row in group if row.how == how]) for group in groups])

@@ -112,7 +112,8 @@ def _believed_tdoas(azimuths: Real, heading: float, rng: np.random.Generator) ->
 
 def _fitted(images: Real, tau: Real, owners: Sequence[int], rate: int, rng: np.random.Generator) -> Clip:
     stft = Stft(rate, FRAME, HOP)
-    sigma = np.sqrt((images.sum(axis=0)[0] ** 2).mean() * 10 ** (-_snr_db(rng) / 10))
+    snr_db = 15.0 if rng.random() < 0.5 else float(rng.uniform(5, 30))
+    sigma = np.sqrt((images.sum(axis=0)[0] ** 2).mean() * 10 ** (-snr_db / 10))
     noise = sigma * rng.standard_normal(images.shape[1:])
     spectra = stft.analyse(np.append(images[:, 0], [noise[0]], axis=0).astype(np.float32))
     mixture = stft.analyse((images.sum(axis=0) + noise).astype(np.float32))
@@ -131,7 +132,3 @@ def _fitted(images: Real, tau: Real, owners: Sequence[int], rate: int, rng: np.r
     wanted = np.stack([spectra[group][:, use].sum(axis=0) for group in people]) / np.sqrt(power)
     shown = features(observed[use], covariances[use], psds[use])
     return Clip(rate, shown, unit[:, use], covariances[use], psd[use], wanted)
-
-
-def _snr_db(rng: np.random.Generator) -> float:
-    return 15.0 if rng.random() < 0.5 else float(rng.uniform(5, 30))

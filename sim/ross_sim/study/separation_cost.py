@@ -12,11 +12,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import mean, median
 
 import click
 import numpy as np
+import pyroomacoustics as pra
 from threadpoolctl import threadpool_limits
 
 from ross_payload import plugins
@@ -25,10 +27,13 @@ from ross_payload.dsp.stft import band
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
 from ross_payload.separation import auxiva
-from ross_sim.study.peer_separators import peers
+from ross_sim.study.baselines import library
 from ross_sim.study.workload import VOICE_RATE, Case, Peer, Work, cpu_seconds, prepared
 from ross_sim.talkers.speech import load_folder
 
+AXES = (2, 1, 0)  # pyroomacoustics: (n_frames, n_freqs, n_channels)
+SEED = 0  # of the random starts
+BASES = 2  # of ILRMA and FastMNMF per source, in both libraries
 OURS = ("duet", "mvdr", "lcmv", "auxiva", "iva", "gaussian")
 BLIND = f"auxiva, blind, {auxiva.ITERATIONS} iterations"
 ITERATIONS = (auxiva.ITERATIONS, 40, 50)  # of AuxIVA, ILRMA and FastMNMF, in every library
@@ -40,6 +45,64 @@ GROWTH: dict[str, tuple[Case, ...]] = {
     "rate [Hz]": tuple(Case(rate=rate) for rate in (16000, 24000, 48000)),
     "duration [s]": tuple(Case(seconds=seconds) for seconds in (3.0, 10.0, 30.0, 60.0)),
 }
+
+
+def peers(auxiva: int, ilrma: int, mnmf: int) -> tuple[Peer, ...]:
+    """AuxIVA, ILRMA and FastMNMF of both libraries, with so many iterations each; ssspy only where it is installed.
+
+    ssspy comes with the dependency group ``bench``. Its FastMNMF is the first one (Sekiguchi et al. 2019), that of
+    pyroomacoustics the second (2020). Each takes a spectrogram (2, n_freqs, n_frames), a number of iterations and one
+    of outputs, and returns outputs at microphone 1, (n_outputs, n_freqs, n_frames).
+    """
+    found = [
+        Peer("pyroomacoustics", "AuxIVA", auxiva, _pra_auxiva),
+        Peer("pyroomacoustics", "ILRMA", ilrma, _pra_ilrma),
+        Peer("pyroomacoustics", "FastMNMF2", mnmf, _pra_fastmnmf2),
+    ]
+    if find_spec("ssspy") is not None:
+        found += [
+            Peer("ssspy", "AuxIVA", auxiva, _ssspy_auxiva),
+            Peer("ssspy", "ILRMA", ilrma, _ssspy_ilrma),
+            Peer("ssspy", "FastMNMF", mnmf, _ssspy_fastmnmf),
+        ]
+    return tuple(found)
+
+
+def _pra_auxiva(spectrogram: Complex, iterations: int, outputs: int) -> Complex:
+    found = pra.bss.auxiva(spectrogram.transpose(AXES), n_iter=iterations, proj_back=True, model="gauss")
+    return np.asarray(found.transpose(AXES))
+
+
+def _pra_ilrma(spectrogram: Complex, iterations: int, outputs: int) -> Complex:
+    with library(SEED):
+        found = pra.bss.ilrma(spectrogram.transpose(AXES), n_iter=iterations, proj_back=True, n_components=BASES)
+    return np.asarray(found.transpose(AXES))
+
+
+def _pra_fastmnmf2(spectrogram: Complex, iterations: int, outputs: int) -> Complex:
+    with library(SEED):
+        found = pra.bss.fastmnmf2(spectrogram.transpose(AXES), n_src=outputs, n_iter=iterations, n_components=BASES)
+    return np.asarray(found.transpose(AXES))
+
+
+def _ssspy_auxiva(spectrogram: Complex, iterations: int, outputs: int) -> Complex:
+    from ssspy.bss.iva import AuxGaussIVA  # noqa: PLC0415 - only where it is installed
+
+    return np.asarray(AuxGaussIVA(record_loss=False)(spectrogram, n_iter=iterations, initial_call=False))
+
+
+def _ssspy_ilrma(spectrogram: Complex, iterations: int, outputs: int) -> Complex:
+    from ssspy.bss.ilrma import GaussILRMA  # noqa: PLC0415
+
+    method = GaussILRMA(n_basis=BASES, record_loss=False, rng=np.random.default_rng(SEED))
+    return np.asarray(method(spectrogram, n_iter=iterations, initial_call=False))
+
+
+def _ssspy_fastmnmf(spectrogram: Complex, iterations: int, outputs: int) -> Complex:
+    from ssspy.bss.mnmf import FastGaussMNMF  # noqa: PLC0415
+
+    method = FastGaussMNMF(n_basis=BASES, n_sources=outputs, record_loss=False, rng=np.random.default_rng(SEED))
+    return np.asarray(method(spectrogram, n_iter=iterations, initial_call=False))
 
 
 @dataclass(frozen=True, slots=True)

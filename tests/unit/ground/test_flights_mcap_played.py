@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 from flight_sound import CLICK, HEARD_FROM, RATE, mixture, session, simulated
 from ground_page import browser, page
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.flights.audio_assembly import APART_S, AudioAssembly
-from ross_payload.ground.flights.mcap_import import unpacked
+from ross_payload.ground.flights.mcap_import import APART_S, AudioAssembly, unpacked
 from ross_payload.ground.flights.playback import Playback
 from ross_payload.ground.flights.raw_audio import audio_part
 from ross_payload.ground.flights.reading import open_flight

@@ -14,7 +14,7 @@ from hand_station import PAYLOAD, HandStation, link
 from ports import free_port
 from ross_payload.ground.model.fleet import MOST_PAYLOADS
 from ross_payload.ground.model.view import SECTIONS
-from ross_payload.ground.web.page_thread import in_background
+from ross_payload.ground.web.app import in_background
 from ross_protocols.mavlink.codec import chunks
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.values import Severity

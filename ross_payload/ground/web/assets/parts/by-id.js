@@ -20,7 +20,7 @@ export function byId(page) {
         : nothing
     }
     <form @submit=${(event) => submitted(page, event)}>
-      <label for="by-id">A payload by its id, as 1-191, also one that is not shown</label>
+      <label for="by-id">Payload by id, such as 1-191, even one that is not shown</label>
       <input id="by-id" name="id" pattern=${ID} required autocomplete="off" />
       <button type="submit" value="watch">Watch this id</button>
       <button type="submit" value="stop">Stop this id</button>

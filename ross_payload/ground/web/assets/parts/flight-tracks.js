@@ -25,7 +25,7 @@ export function tracks(page, slot) {
 }
 
 const remark = ({ playing, speed }) =>
-  !playing ? "Press Play to hear it." : speed > 4 ? "Too fast to be heard: up to 4 × it is." : "";
+  !playing ? "Press Play to hear it." : speed > 4 ? "Too fast for sound: it plays at up to 4 ×." : "";
 
 const trackButton = (page, slot, name, pressed) =>
   html`<button

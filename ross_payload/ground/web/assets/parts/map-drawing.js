@@ -26,7 +26,7 @@ export function drawing(scene, look, size) {
 
 function words({ stands, fixes }) {
   const placed = stands.filter((stand) => !stand.assumed);
-  if (!placed.length) return "No payload position is known: payloads are drawn where they are assumed";
+  if (!placed.length) return "No payload position is known: payloads are drawn at assumed positions";
   return `${plural(placed.length, "payload")}, bearings cross at ${fixes.filter((fix) => !fix.ghost).length} places`;
 }
 

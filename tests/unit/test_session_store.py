@@ -17,9 +17,9 @@ def limits(**changes):
     return Config.model_validate({"recording": {"min_free_gb": 0} | changes}).recording
 
 
-def fill(shelf, size=0, age=0.0):
+def fill(store, size=0, age=0.0):
     """A session of about ``size`` bytes that ended ``age`` days ago."""
-    path = shelf.add("")
+    path = store.add("")
     SessionWriter(path, BEGINNING, "").finish("done")
     os.truncate(path / "audio.wav", size)
     now = (path / "session.json").stat().st_mtime
@@ -29,87 +29,87 @@ def fill(shelf, size=0, age=0.0):
 
 
 @pytest.fixture
-def shelf(tmp_path):
+def store(tmp_path):
     return SessionStore(tmp_path / "recordings")
 
 
-def names(shelf):
-    return [kept.path.name for kept in shelf.all()]
+def names(store):
+    return [kept.path.name for kept in store.all()]
 
 
-def test_sessions_are_numbered_and_never_share_a_folder(shelf):
-    fill(shelf)
-    shelf.add("20261121T145421Z")
-    (shelf.folder / "0007").mkdir()
-    assert fill(shelf).name == "0008"
+def test_sessions_are_numbered_and_never_share_a_folder(store):
+    fill(store)
+    store.add("20261121T145421Z")
+    (store.folder / "0007").mkdir()
+    assert fill(store).name == "0008"
 
 
-def test_the_oldest_sessions_go_first(shelf):
+def test_the_oldest_sessions_go_first(store):
     for _ in range(4):
-        fill(shelf, size=400_000_000)
-    shelf.tidy(limits(max_gb=1.0))
-    assert names(shelf) == ["0003", "0004"]
+        fill(store, size=400_000_000)
+    store.tidy(limits(max_gb=1.0))
+    assert names(store) == ["0003", "0004"]
 
 
-def test_sessions_that_are_too_old_go(shelf):
+def test_sessions_that_are_too_old_go(store):
     for age in (40, 29, 31, 0):
-        fill(shelf, age=age)
-    shelf.tidy(limits(max_days=30))
-    assert names(shelf) == ["0002", "0004"]
+        fill(store, age=age)
+    store.tidy(limits(max_days=30))
+    assert names(store) == ["0002", "0004"]
 
 
-def test_a_session_from_a_clock_that_was_not_set_is_not_too_old(shelf):
-    path = fill(shelf)
+def test_a_session_from_a_clock_that_was_not_set_is_not_too_old(store):
+    path = fill(store)
     for file in path.iterdir():
         os.utime(file, (1000.0, 1000.0))
-    shelf.tidy(limits(max_days=30))
-    assert names(shelf) == ["0001"]
+    store.tidy(limits(max_days=30))
+    assert names(store) == ["0001"]
 
 
-def test_the_running_session_is_never_deleted(shelf):
-    path = shelf.add("")
+def test_the_running_session_is_never_deleted(store):
+    path = store.add("")
     writer = SessionWriter(path, BEGINNING, "")
     os.truncate(path / "telemetry.tlog", 2_000_000_000)
-    fill(shelf)
+    fill(store)
     try:
-        assert "max_gb" in shelf.tidy(limits(max_gb=1.0), path)
-        assert names(shelf) == ["0001"]
+        assert "max_gb" in store.tidy(limits(max_gb=1.0), path)
+        assert names(store) == ["0001"]
         for file in path.iterdir():
             os.utime(file, (1.6e9, 1.6e9))
-        shelf.tidy(limits(max_days=1))
+        store.tidy(limits(max_days=1))
         with pytest.raises(ConfigError, match="being recorded"):
-            shelf.delete(shelf.find("0001"))
+            store.delete(store.find("0001"))
     finally:
         writer.close()
-    shelf.delete(shelf.find("0001"))
-    assert names(shelf) == []
+    store.delete(store.find("0001"))
+    assert names(store) == []
 
 
-def test_what_is_not_ours_stays(shelf):
-    fill(shelf, size=2_000_000_000, age=1)
-    foreign = [shelf.folder / "holidays", shelf.folder / "0042"]
+def test_what_is_not_ours_stays(store):
+    fill(store, size=2_000_000_000, age=1)
+    foreign = [store.folder / "holidays", store.folder / "0042"]
     for folder in foreign:
         folder.mkdir()
         (folder / "session.json").write_text("{}")
         os.utime(folder / "session.json", (1.6e9, 1.6e9))
-    (shelf.folder / "elsewhere").mkdir()
-    outside = shelf.folder.parent / "outside"
+    (store.folder / "elsewhere").mkdir()
+    outside = store.folder.parent / "outside"
     fill(SessionStore(outside))
-    (shelf.folder / "0099").symlink_to(outside / "0001")
-    shelf.tidy(limits(max_gb=0.001, max_days=0.001))
-    assert names(shelf) == []
+    (store.folder / "0099").symlink_to(outside / "0001")
+    store.tidy(limits(max_gb=0.001, max_days=0.001))
+    assert names(store) == []
     assert all((folder / "session.json").exists() for folder in foreign)
     assert (outside / "0001" / "session.json").exists()
 
 
-def test_a_note_that_somebody_has_put_into_a_session_stays(shelf):
-    path = fill(shelf)
+def test_a_note_that_somebody_has_put_into_a_session_stays(store):
+    path = fill(store)
     (path / "notes.txt").write_text("keep me")
-    shelf.delete(shelf.find("0001"))
+    store.delete(store.find("0001"))
     assert [file.name for file in path.iterdir()] == ["notes.txt"]
-    assert names(shelf) == []
+    assert names(store) == []
 
 
-def test_a_session_that_does_not_exist_cannot_be_deleted(shelf):
+def test_a_session_that_does_not_exist_cannot_be_deleted(store):
     with pytest.raises(ConfigError, match="no session '0003'"):
-        shelf.find("0003")
+        store.find("0003")
