@@ -65,7 +65,8 @@ class Network:
         patches = _patched(_filled(shown), places(_filled(frequencies[:, None])[:, 0]))
         hidden = np.maximum(_product(self.enter, patches) + self.enter_bias[..., None], 0)
         for block in self.blocks:
-            hidden += _residual(block, hidden)
+            _taps(_product(block.along_time, _inner(block, hidden)), block.step, axis=3, onto=hidden)
+            hidden += block.bias_after[..., None]
         return self._leave(hidden, patches)[:, :n_freqs, :n_frames]
 
     def advance(self, shown: Real, frequencies: Real, past: Past) -> tuple[Real, Past]:
@@ -133,22 +134,29 @@ def _product(weights: Real, values: Real) -> Real:
 
 def _inner(block: Block, hidden: Real) -> Real:
     """What a block makes of every column alone."""
-    inner = _taps(_product(block.along_frequency, hidden), block.step, axis=2)
-    inner += _product(block.frame, hidden.mean(axis=2, keepdims=True))
-    if len(hidden) > 1:
-        rest = hidden.sum(axis=0) - hidden
-        inner += _product(block.others / np.float32(len(hidden) - 1), rest)
-    inner += block.bias[..., None]
+    weights, n_channels = block.along_frequency, hidden.shape[1]
+    common = _product(block.frame, hidden.mean(axis=2, keepdims=True)) + block.bias[..., None]
+    if len(hidden) == 1:
+        inner = _taps(_product(weights, hidden), block.step, axis=2)
+    else:  # the mean of the others is that of all less the own: the product with all serves every group
+        others = block.others / np.float32(len(hidden) - 1)
+        weights = weights.copy()
+        weights[n_channels : 2 * n_channels] -= others
+        inner = _taps(_product(weights, hidden), block.step, axis=2)
+        inner += _product(others, hidden.sum(axis=0, keepdims=True))
+    inner += common
     return np.maximum(inner, 0, out=inner)
 
 
-def _residual(block: Block, hidden: Real) -> Real:
-    return _taps(_product(block.along_time, _inner(block, hidden)), block.step, axis=3) + block.bias_after[..., None]
+def _taps(stacked: Real, step: int, axis: int, onto: Real | None = None) -> Real:
+    """Add the three stacked taps: what lies ``step`` before, here, and ``step`` after along an axis; zeros outside.
 
-
-def _taps(stacked: Real, step: int, axis: int) -> Real:
-    """Add the three stacked taps: what lies ``step`` before, here, and ``step`` after along an axis; zeros outside."""
+    They are added ``onto`` an array where one is given.
+    """
     before, here, after = np.split(stacked, 3, axis=1)
+    if onto is not None:
+        onto += here
+        here = onto
     low, high = [slice(None)] * 4, [slice(None)] * 4
     low[axis], high[axis] = slice(None, -step), slice(step, None)
     here[tuple(high)] += before[tuple(low)]
