@@ -105,9 +105,19 @@ class Stft:
         frames *= self._dual().astype(frames.dtype)
         before, length = self.frame - self.hop, (count - 1) * self.hop + self.frame
         samples = np.zeros((*spectrogram.shape[:-2], max(length, before + n)), frames.dtype)
-        for index in range(count):
-            samples[..., index * self.hop : index * self.hop + self.frame] += frames[..., index, :]
+        if self.frame % self.hop:
+            for index in range(count):
+                samples[..., index * self.hop : index * self.hop + self.frame] += frames[..., index, :]
+        else:
+            self._overlap(samples, frames)
         return samples[..., before : before + n]
+
+    def _overlap(self, samples: Real, frames: Real) -> None:
+        """Add frames (..., n_frames, frame) to samples (..., n), each a hop later, part by part: the oldest first."""
+        count = frames.shape[-2]
+        for part in reversed(range(self.frame // self.hop)):
+            heard = samples[..., part * self.hop : (part + count) * self.hop]
+            heard += frames[..., part * self.hop : (part + 1) * self.hop].reshape(heard.shape)
 
     def _dual(self) -> Real:
         """Synthesis window: w(t) / sum_m w^2(t - m hop) (Griffin and Lim 1984), (frame,)."""

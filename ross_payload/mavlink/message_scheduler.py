@@ -177,7 +177,6 @@ class _Outlet:
 class _Form(NamedTuple):
     value: Content  # kept, so that its identity stays its own
     message: Any  # pymavlink's
-    size: int  # of its frame, signed [bytes]
 
 
 class MessageScheduler:
@@ -212,6 +211,7 @@ class MessageScheduler:
         self._scale = Encoder(1, component.component_id)
         self._wrappers: dict[tuple[str, int], Wrapper] = {}  # by link and system id
         self._forms: dict[int, _Form] = {}  # by the identity of a value that is on its way
+        self._sizes: dict[int, int] = {}  # likewise [bytes]
         logs = _Outlet(
             Stream(self._periods, lambda value: 0), lambda value: component.send(self._form(value).message, LOGS)
         )
@@ -243,6 +243,7 @@ class MessageScheduler:
             for value in outlet.stream.due(self._board, now, room):
                 outlet.send(value)
         self._forms.clear()
+        self._sizes.clear()
 
     def set_period(self, link: str, message_id: int, period: float | None) -> bool:
         """Tell a message on a link every ``period`` [s] (infinite: never, None: as usual); False: impossible.
@@ -290,14 +291,17 @@ class MessageScheduler:
         """Return what a value looks like on the wire: the same on every link, and made once."""
         if id(value) not in self._forms:
             message = value.make() if isinstance(value, Sampled) else message_of(value)
-            self._forms[id(value)] = _Form(value, message, len(self._scale.encode(message)) + SIGNATURE)
+            self._forms[id(value)] = _Form(value, message)
         return self._forms[id(value)]
 
     def _size(self, value: Content) -> int:
-        return self._form(value).size
+        """Return the size of a value's frame, signed [bytes]; logs do not ask."""
+        if id(value) not in self._sizes:
+            self._sizes[id(value)] = len(self._scale.encode(self._form(value).message)) + SIGNATURE
+        return self._sizes[id(value)]
 
     def _size_inside(self, value: Content) -> int:
-        return self._form(value).size + (AROUND if type(value) in OURS else 0)
+        return self._size(value) + (AROUND if type(value) in OURS else 0)
 
     def _send(self, value: Content, url: str) -> None:
         self._component.repeat(self._form(value).message, url)

@@ -69,6 +69,7 @@ class SourceTracker:
     _streak: list[int] = field(init=False)
     _stir: int = 0
     _samples: Samples = field(init=False)  # not forgotten yet, (2, n)
+    _blocks: list[Samples] = field(default_factory=list)  # heard since
     _ends: list[tuple[int, float]] = field(default_factory=list)  # sample, and heading there [rad]
     _first: int = 0  # index of the first sample that is kept, since tracking began
     _frames: int = 0  # told
@@ -113,7 +114,7 @@ class SourceTracker:
             self._said = time
         last, heading = self._ends[-1]
         self._ends.append((last + block.shape[1], heading + wrap(hop.pointing.heading - heading)))
-        self._samples = np.concatenate([self._samples, block], axis=1)
+        self._blocks.append(block)
         if not self._due(last + block.shape[1]):
             return None
         self._update(last + block.shape[1])
@@ -131,6 +132,7 @@ class SourceTracker:
 
     def _update(self, heard: int) -> None:
         ready = (heard - self.stft.frame) // self.stft.hop + 1
+        self._samples, self._blocks = np.concatenate([self._samples, *self._blocks], axis=1), []
         before = min(self._frames, round(ECHOES / self.stft.period))
         first = (self._frames - before) * self.stft.hop - self._first
         spectrogram = _frames(self._samples[:, first:], self.stft, ready - self._frames + before)

@@ -19,6 +19,7 @@ STRONG = 16.0  # bins this many times above the noise count in full
 WEAK = 0.3  # bins below this part of that do not count
 PRIOR_COUNT = 0.3  # bins added to every group's share of a block
 EVERY = 2  # frames: neighbours overlap
+AT_ONCE = 20000  # time-frequency bins worked on together: they stay in the cache
 
 
 def learn(
@@ -47,32 +48,39 @@ def learn(
     prior_count
         Bins that the start counts for beside those that a group is heard in: a short recording changes little.
     """
-    heard = observed[:, :, ::EVERY]
+    heard, noise, start = (_whole_blocks(each) for each in (observed[:, :, ::EVERY], noise_psd, start))
     power = heard[:, 0] + heard[:, 1]
-    weight = power / (2 * STRONG * noise_psd[:, None])
+    weight = power / (2 * STRONG * noise[:, None])
     weight = np.where(weight > WEAK, np.minimum(weight, 1), 0).astype(observed.dtype)
+    weight[len(observed) :] = 0
     unit = heard / np.maximum(power, np.finfo(observed.dtype).tiny)[:, None]
-    blocks = [slice(low, low + BLOCK) for low in range(0, len(start), BLOCK)]
-    weights = np.stack([weight[block].sum(axis=0) for block in blocks])[:, None]
-    shares = np.full((len(blocks), start.shape[1], weight.shape[1]), 1 / start.shape[1], observed.dtype)
-    flipped, learnt = adjugate(unit, axis=1), (start if before is None else before).copy()
+    weights = weight.reshape(-1, BLOCK, weight.shape[1]).sum(axis=1)[:, None]
+    shares = np.full((len(weights), start.shape[1], weight.shape[1]), 1 / start.shape[1], observed.dtype)
+    flipped, learnt = adjugate(unit, axis=1), (start if before is None else _whole_blocks(before)).copy()
     if before is not None:
         shares = _settled(flipped, weight, learnt, weights)
+    at_once = max(AT_ONCE // (BLOCK * max(weight.shape[1], 1)), 1)
     for reach in REACH if before is None else AGAIN:
         sums = np.empty_like(shares)
-        for index, block in enumerate(blocks):
-            counts, inverse = _posteriors(flipped[block], weight[block], learnt[block], shares[index])
-            sums[index] = counts.sum(axis=0)
-            moments = _moments(unit[block], counts * inverse, learnt[block])
+        for low in range(0, len(weights), at_once):
+            blocks, bins = slice(low, low + at_once), slice(low * BLOCK, (low + at_once) * BLOCK)
+            counts, inverse = _posteriors(flipped[bins], weight[bins], learnt[bins], shares[blocks])
+            sums[blocks] = counts.reshape(-1, BLOCK, *counts.shape[1:]).sum(axis=1)
             drawn = anchor
             if prior_count:
                 heard_in = counts.sum(axis=2, keepdims=True)
                 drawn = 1 - (1 - anchor) * heard_in / (heard_in + prior_count)
-            learnt[block] = (1 - drawn) * moments + drawn * start[block]
+            inverse *= counts
+            learnt[bins] = (1 - drawn) * _moments(unit[bins], inverse, learnt[bins]) + drawn * start[bins]
         shares = _normed(sums, weights, reach)
-    per_bin = np.repeat(np.arange(len(blocks)), BLOCK)[: len(start)]
+    per_bin = np.repeat(np.arange(len(weights)), BLOCK)[: len(observed)]
     per_frame = np.repeat(np.arange(shares.shape[2]), EVERY)[: observed.shape[2]]
-    return learnt, shares[per_bin][..., per_frame]
+    return learnt[: len(observed)], shares[per_bin][..., per_frame]
+
+
+def _whole_blocks(values: Real) -> Real:
+    """Repeat the last bin until blocks of bins, the first axis, are whole."""
+    return np.concatenate([values, np.repeat(values[-1:], -len(values) % BLOCK, axis=0)])
 
 
 def _settled(flipped: Real, weight: Real, matrices: Real, weights: Real) -> Real:
@@ -80,18 +88,11 @@ def _settled(flipped: Real, weight: Real, matrices: Real, weights: Real) -> Real
     cross = np.maximum(matrices @ flipped, 1e-5)
     likely = determinant(matrices)[..., None] / cross**2
     shares = np.full((len(weights), *likely.shape[1:]), 1 / likely.shape[1], likely.dtype)
-    whole = len(likely) // BLOCK  # blocks of full length: done all at once
-    parts = [(slice(0, whole), slice(0, whole * BLOCK), BLOCK)] * (whole > 0)
-    parts += [(slice(whole, whole + 1), slice(whole * BLOCK, len(likely)), len(likely) - whole * BLOCK)] * (
-        len(likely) % BLOCK > 0
-    )
+    likely = likely.reshape(-1, BLOCK, *likely.shape[1:])
     for reach in SETTLE:
-        sums = np.empty_like(shares)
-        for blocks, bins, length in parts:
-            given = shares[blocks, None] * likely[bins].reshape(-1, length, *likely.shape[1:])
-            given *= weight[bins].reshape(-1, length, 1, weight.shape[1]) / given.sum(axis=2, keepdims=True)
-            sums[blocks] = given.sum(axis=1)
-        shares = _normed(sums, weights, reach)
+        given = shares[:, None] * likely
+        given *= weight.reshape(-1, BLOCK, 1, weight.shape[1]) / given.sum(axis=2, keepdims=True)
+        shares = _normed(given.sum(axis=1), weights, reach)
     return shares
 
 
@@ -101,16 +102,18 @@ def _normed(sums: Real, weights: Real, reach: int | None) -> Real:
 
 
 def _posteriors(flipped: Real, weight: Real, matrices: Real, shares: Real) -> tuple[Real, Real]:
-    """E step of a block of bins: responsibilities and 1 / (z^H R_k^-1 z), both (n, n_groups, n_frames)."""
-    cross = np.maximum(matrices @ flipped, 1e-5)
+    """E step of whole blocks of bins: responsibilities and 1 / (z^H R_k^-1 z), both (n, n_groups, n_frames)."""
+    cross = matrices @ flipped
+    np.maximum(cross, 1e-5, out=cross)
     inverse = determinant(matrices)[..., None] / cross
-    given = shares * inverse / cross
+    given = (shares[:, None] * inverse.reshape(-1, BLOCK, *inverse.shape[1:])).reshape(inverse.shape)
+    given /= cross
     given *= (weight / given.sum(axis=1))[:, None]
     return given, inverse
 
 
 def _moments(unit: Real, given: Real, matrices: Real) -> Real:
-    """M step of a block of bins: covariances of trace 2, (n, n_groups, 4); those before where nothing is heard."""
+    """M step of some bins: covariances of trace 2, (n, n_groups, 4); those before where nothing is heard."""
     moments = given @ np.swapaxes(unit, 1, 2)
     trace = moments[..., :1] + moments[..., 1:2]
     return np.asarray(np.where(trace > 1e-9, 2 * moments / np.maximum(trace, 1e-9), matrices))

@@ -7,7 +7,7 @@ source PSD v_k per bin (Duong, Vincent, Gribonval 2010; multiplicative updates a
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -25,7 +25,8 @@ from ross_payload.separation.live_gaussian import LiveGaussian
 
 UPDATES = 20
 UNSMOOTHED = 2  # updates before the smoothing begins
-AT_ONCE = 10000  # time-frequency bins worked on together: they stay in the cache
+AT_ONCE = 20000  # time-frequency bins worked on together: they stay in the cache
+TINY = float(np.finfo(np.float32).tiny)
 FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
 ACTIVE = 1.15  # bins with less than this many times the noise hold nobody
 TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
@@ -57,35 +58,65 @@ def source_psds(observed: Real, covariances: Real, noise_psd: Real, shares: Real
         v, the noise last, (n_freqs, n_groups + 1, n_frames).
     """
     n_groups = covariances.shape[1] - 1
-    cross = covariances @ adjugate(observed, axis=1)
-    gram = covariances @ np.swapaxes(adjugate(covariances), 1, 2)
-    psds = np.empty_like(cross)
-    psds[:, :n_groups] = shares * (0.5 * (observed[:, :1] + observed[:, 1:2])) + FLOOR
-    expected = average(psds[:, :n_groups]) ** TIED
-    psds[:, n_groups:] = noise_psd[:, None, None]
-    other = psds.copy()
+    given = _Given.of(observed, covariances, noise_psd)
+    psds = np.empty_like(given.cross)
+    psds[:] = shares * (0.5 * (observed[:, :1] + observed[:, 1:2])) + FLOOR
+    expected = np.log(average(psds))
+    expected *= TIED
+    other = np.empty_like(psds)
     height = max(AT_ONCE // max(psds.shape[2], 1), 1)
     for update in range(UPDATES):
         for low in range(0, len(psds), height):
             rows = slice(low, low + height)
-            sources = _updated(psds[rows], cross[rows], gram[rows])
+            sources = _updated(psds[rows], given, rows)
             if update >= UNSMOOTHED:
-                np.sqrt(sources, out=sources)
-                sources *= averaged_rows(psds[:, :n_groups], low, low + height) ** (0.5 - TIED)
-                sources *= expected[rows]
-            np.maximum(sources, FLOOR, out=other[rows, :n_groups])
+                smooth = np.log(averaged_rows(psds, low, low + height))
+                smooth *= 0.5 - TIED
+                smooth += expected[rows]
+                np.log(sources, out=sources)
+                sources *= 0.5
+                sources += smooth
+                np.exp(sources, out=sources)
+            np.maximum(sources, FLOOR, out=other[rows])
         psds, other = other, psds
-    return psds
+    noise = np.broadcast_to(noise_psd[:, None, None], (len(psds), 1, psds.shape[2])).astype(psds.dtype)
+    return np.concatenate([psds[:, :n_groups], noise], axis=1)
 
 
-def _updated(psds: Real, cross: Real, gram: Real) -> Real:
-    """One multiplicative update of the sources alone, (n_freqs, n_groups, n_frames)."""
-    mixed = gram @ psds
-    total = 2 * np.einsum("fkt,fkt->ft", psds, cross) / np.einsum("fkt,fkt->ft", psds, mixed)
-    ratio = np.asarray(cross[:, :-1] / mixed[:, :-1])
+@dataclass(frozen=True, slots=True, eq=False)
+class _Given:
+    """What every update needs of the recording: traces of products with adjugates."""
+
+    cross: Real  # tr(R_k adj(x x^H)), (n_freqs, n_groups, n_frames)
+    gram: Real  # tr(R_j adj(R_k)), (n_freqs, n_groups, n_groups)
+    beside: Real  # n tr(R_k), (n_freqs, n_groups, 1)
+    noise_cross: Real  # n tr(x x^H), (n_freqs, n_frames)
+    noise: Real  # n^2 tr(adj(I)), (n_freqs, 1)
+
+    @classmethod
+    def of(cls, observed: Real, covariances: Real, noise_psd: Real) -> _Given:
+        cross = covariances @ adjugate(observed, axis=1)
+        gram = covariances @ np.swapaxes(adjugate(covariances), 1, 2)
+        noise = noise_psd[:, None]
+        sources = np.ascontiguousarray(gram[:, :-1, :-1])
+        beside, own = noise[..., None] * gram[:, :-1, -1:], noise**2 * gram[:, -1:, -1]
+        return cls(np.ascontiguousarray(cross[:, :-1]), sources, beside, noise * cross[:, -1], own)
+
+
+def _updated(psds: Real, given: _Given, rows: slice) -> Real:
+    """One multiplicative update of the sources, (n_rows, n_groups, n_frames), above 0."""
+    cross, beside = given.cross[rows], given.beside[rows]
+    mixed = given.gram[rows] @ psds
+    mixed += beside
+    ratio = np.asarray(cross / mixed)
+    mixed += beside
+    total = np.einsum("fkt,fkt->ft", psds, cross)
+    total += given.noise_cross[rows]
+    total *= 2
+    total /= np.einsum("fkt,fkt->ft", psds, mixed) + given.noise[rows]
     np.subtract(total[:, None], ratio, out=ratio)
-    np.maximum(ratio, 0, out=ratio)
-    ratio *= psds[:, :-1]
+    ratio *= psds
+    np.maximum(ratio, TINY, out=ratio)
     return ratio
 
 

@@ -21,6 +21,7 @@ from ross_payload.interfaces import Real
 ROWS, COLUMNS = 4, 2  # bins and frames of a patch
 PLACES = 3  # numbers that say where in the spectrum a patch is
 LIMIT = 8.0  # bound of what comes out
+AT_ONCE = 3000  # patches of all groups worked on together: what they need stays in the cache
 STEPS = (1, 2, 4, 8, 1)  # between the taps of every block [patches]
 
 
@@ -65,7 +66,8 @@ class Network:
         patches = _patched(_filled(shown), places(_filled(frequencies[:, None])[:, 0]))
         hidden = np.maximum(_product(self.enter, patches) + self.enter_bias[..., None], 0)
         for block in self.blocks:
-            hidden += _residual(block, hidden)
+            _add_taps(hidden, block.along_time, _inner(block, hidden), block.step, axis=3)
+            hidden += block.bias_after[..., None]
         return self._leave(hidden, patches)[:, :n_freqs, :n_frames]
 
     def advance(self, shown: Real, frequencies: Real, past: Past) -> tuple[Real, Past]:
@@ -133,27 +135,48 @@ def _product(weights: Real, values: Real) -> Real:
 
 def _inner(block: Block, hidden: Real) -> Real:
     """What a block makes of every column alone."""
-    inner = _taps(_product(block.along_frequency, hidden), block.step, axis=2)
-    inner += _product(block.frame, hidden.mean(axis=2, keepdims=True))
-    if len(hidden) > 1:
-        rest = hidden.sum(axis=0) - hidden
-        inner += _product(block.others / np.float32(len(hidden) - 1), rest)
-    inner += block.bias[..., None]
+    weights, n_channels = block.along_frequency, hidden.shape[1]
+    inner = np.empty_like(hidden)
+    inner[...] = _product(block.frame, hidden.mean(axis=2, keepdims=True)) + block.bias[..., None]
+    if len(hidden) > 1:  # the mean of the others is that of all less the own: the product with all serves every group
+        others = block.others / np.float32(len(hidden) - 1)
+        weights = weights.copy()
+        weights[n_channels : 2 * n_channels] -= others
+        inner += _product(others, hidden.sum(axis=0, keepdims=True))
+    _add_taps(inner, weights, hidden, block.step, axis=2)
     return np.maximum(inner, 0, out=inner)
 
 
-def _residual(block: Block, hidden: Real) -> Real:
-    return _taps(_product(block.along_time, _inner(block, hidden)), block.step, axis=3) + block.bias_after[..., None]
+def _add_taps(onto: Real, weights: Real, values: Real, step: int, axis: int) -> None:
+    """Add three taps: what lies ``step`` before, here, and ``step`` after along an axis; zeros outside.
+
+    One matrix product for some rows at a time, so that what it needs stays in the cache.
+    """
+    n_groups, n_channels, n_rows, n_columns = values.shape
+    side_by_side = np.hstack(np.split(weights, 3))  # (C, 3 C)
+    height = max(AT_ONCE // (n_groups * n_columns), 1)
+    for low in range(0, n_rows, height):
+        rows = slice(low, min(low + height, n_rows))
+        seen = np.empty((n_groups, 3, n_channels, rows.stop - low, n_columns), values.dtype)
+        seen[:, 1] = values[:, :, rows]
+        for place, shift in ((0, -step), (2, step)):
+            _shifted(seen[:, place], values, rows, shift, axis)
+        made = side_by_side @ seen.reshape(n_groups, 3 * n_channels, -1)
+        onto[:, :, rows] += made.reshape(n_groups, n_channels, -1, n_columns)
 
 
-def _taps(stacked: Real, step: int, axis: int) -> Real:
-    """Add the three stacked taps: what lies ``step`` before, here, and ``step`` after along an axis; zeros outside."""
-    before, here, after = np.split(stacked, 3, axis=1)
-    low, high = [slice(None)] * 4, [slice(None)] * 4
-    low[axis], high[axis] = slice(None, -step), slice(step, None)
-    here[tuple(high)] += before[tuple(low)]
-    here[tuple(low)] += after[tuple(high)]
-    return here
+def _shifted(out: Real, values: Real, rows: slice, shift: int, axis: int) -> None:
+    """Write some rows of the values that lie ``shift`` further along an axis, zeros beyond the edges."""
+    size = values.shape[axis]
+    low, high = (rows.start, rows.stop) if axis == 2 else (0, size)
+    first, last = min(max(low + shift, 0), size), min(max(high + shift, 0), size)
+    inside = slice(first - shift - low, last - shift - low)
+    if axis == 2:
+        out[:, :, : inside.start] = out[:, :, inside.stop :] = 0
+        out[:, :, inside] = values[:, :, first:last]
+    else:
+        out[..., : inside.start] = out[..., inside.stop :] = 0
+        out[..., inside] = values[:, :, rows, first:last]
 
 
 @cache

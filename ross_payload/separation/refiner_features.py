@@ -38,18 +38,20 @@ def features(observed: Real, covariances: Real, psds: Real) -> Real:
     power = 0.5 * (observed[:, :1] + observed[:, 1:2])
     misfit = np.log(cross / (4 * power**2 + LEAST**2) * 2 * power + MISFIT)
     likelihood = np.log(determinant(sources) + MISFIT)[..., None] - 2 * misfit
-    every = np.zeros_like(own)
-    shown = (
+    shown = np.empty((own.shape[1], N_FEATURES, own.shape[0], own.shape[2]), np.float32)
+    every = (
         _log(own),
         _log(own.sum(axis=1, keepdims=True) - own),
-        _log(psds[:, -1:]) + every,
-        _log(power) + every,
+        _log(psds[:, -1:]),
+        _log(power),
         SCALE * misfit,
         SCALE * _margin(likelihood),
         _log(own**2 * update * mixed / inner),
         SCALE * np.clip(np.log(update + np.exp(-FAR)), -FAR, FAR),
     )
-    return np.ascontiguousarray(np.stack(shown).transpose(2, 0, 1, 3), np.float32)
+    for index, feature in enumerate(every):
+        shown[:, index] = np.swapaxes(feature, 0, 1)
+    return shown
 
 
 def _log(values: Real) -> Real:
@@ -61,10 +63,8 @@ def _margin(likelihood: Real) -> Real:
     n_groups = likelihood.shape[1]
     if n_groups == 1:
         return np.full_like(likelihood, FAR)
-    ranked = np.sort(likelihood, axis=1)
-    best, second = ranked[:, -1:], ranked[:, -2:-1]
-    rival = np.where(likelihood == best, second, best)
-    return np.asarray(np.clip(likelihood - rival, -FAR, FAR))
+    rivals = [np.delete(likelihood, group, axis=1).max(axis=1) for group in range(n_groups)]
+    return np.asarray(np.clip(likelihood - np.stack(rivals, axis=1), -FAR, FAR))
 
 
 def trained_for(frequencies: Real) -> bool:
