@@ -10,6 +10,7 @@ import ross_payload
 import ross_sim
 import ross_sim.study
 from ross_payload.config import validated
+from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_sim.study.mission_design import MissionStudy, check_draws, mission_tasks, scenario_of
 from ross_sim.study.mission_draw import attempt_draw, voices_at
 from ross_sim.study.mission_rows import MissionResult, MissionRow, decode_missions
@@ -42,17 +43,15 @@ def conduct_missions(changes: dict[str, Any], *, out: Path, speech: Path | None,
     voices = voices_at(speech, rates[0])
     check_draws(study, voices)
     wanted = manifest(study, heard_as(voices), CODE)
-    wanted["scenarios"] = {name: _content(name, study) for name in study.scenarios}
+    scenarios = {name: scenario_of(name, study.settings) for name in study.scenarios}
+    wanted["scenarios"] = {name: scenario.model_dump(mode="json") for name, scenario in scenarios.items()}
+    models, choices = ModelFolder.default(), {each.payload.voice_print.model for each in scenarios.values()}
+    wanted["voice models"] = {choice: models.in_use(choice).fingerprint for choice in sorted(choices)}
     with Store(out, wanted, decode_missions) as store:
         every = mission_tasks(study)
         left = mixed(task for task in every if task.id not in store.results)
         work = Work(partial(attempt_draw, study=study, speech=speech), left, len(every), workers)
         return carried_out(work, store, lambda: _write(store, study))
-
-
-def _content(name: str, study: MissionStudy) -> dict[str, Any]:
-    """What a scenario holds: a file that has changed is another study."""
-    return scenario_of(name, study.settings).model_dump(mode="json")
 
 
 def _write(store: Store[MissionResult], study: MissionStudy) -> list[Table]:
