@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -20,6 +20,7 @@ from ross_payload.interfaces import Real
 from ross_sim.acoustics.room import RoomSpec
 from ross_sim.autopilot.simulated_autopilot import Yaw
 from ross_sim.devices.far_end import Fault
+from ross_sim.noise_tables import Decibels, Noise, NoiseSource
 from ross_sim.talkers.path import Path as Walk
 from ross_sim.talkers.speech import TalkerVoice
 
@@ -28,7 +29,6 @@ LEAD_IN = 2.0  # at least so long does nobody talk, unless the file says so [s]
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Decibels = Annotated[float, Field(ge=-100, le=100)]
 Place = tuple[Finite, Finite] | tuple[Finite, Finite, Finite]
 
 
@@ -84,18 +84,6 @@ class Trouble(Table):
     end_s: Positive | None = None  # absent: never
 
 
-class Noise(Table):
-    """[noise]: sensor noise, white and independent at each microphone, and the motor.
-
-    The reference "mixture" is the power that all talkers together have at microphone 1 while all of them talk, joint
-    angle 0; "talker" is the same for one talker of level 0 dB.
-    """
-
-    snr_db: Decibels = 15.0
-    snr_reference: Literal["mixture", "talker"] = "mixture"
-    motor_db: Decibels = -20.0  # while turning, relative to the mixture
-
-
 class Vehicle(Table):
     """[vehicle]: what carries the mount; it yaws to and fro, and an autopilot tells the payload over MAVLink.
 
@@ -131,6 +119,7 @@ class Scenario(Table):
     def _possible(self) -> Self:
         try:
             self.spec()
+            self.spec_of_noise()
             for talker, walk in zip(self.talkers, self.walks(), strict=True):
                 if talker.path:
                     self.spec_of(walk)
@@ -147,6 +136,16 @@ class Scenario(Table):
             When something lies outside the room or on top of the array.
         """
         return self._spec([self._position(talker) for talker in self.talkers])
+
+    def spec_of_noise(self) -> RoomSpec:
+        """Return the room with every noise source in place.
+
+        Raises
+        ------
+        ConfigError
+            When something lies outside the room or on top of the array.
+        """
+        return self._spec([self._position_of_noise(source) for source in self.noise.sources])
 
     def spec_of(self, walk: Walk, node: int | None = None) -> RoomSpec:
         """Return the room with one talker at one position on the grid of its path, or at all of them.
@@ -227,6 +226,13 @@ class Scenario(Table):
             raise ConfigError("height_m: expected a room with three sides")
         above = [] if not height else [MOUTH if talker.height_m is None else talker.height_m]
         return (x + talker.distance_m * math.cos(azimuth), y + talker.distance_m * math.sin(azimuth), *above)
+
+    def _position_of_noise(self, source: NoiseSource) -> tuple[float, ...]:
+        azimuth, (x, y, *height) = math.radians(source.azimuth_deg), self.centre()
+        if source.height_m is not None and not height:
+            raise ConfigError("height_m: expected a room with three sides")
+        above = height if source.height_m is None else [source.height_m]
+        return (x + source.distance_m * math.cos(azimuth), y + source.distance_m * math.sin(azimuth), *above)
 
     def _position_at(self, place: Real) -> tuple[float, ...]:
         azimuth, distance, height = (float(value) for value in place)

@@ -3,19 +3,22 @@
 import numpy as np
 import pytest
 
-from ross_sim.scenario import load
-from ross_sim.study.mission_study import draw
-from ross_sim.talkers.speech import load_folder
-from ross_sim.talkers.synthetic_voices import synthetic_voices
+from ross_sim.study.mission_design import MissionStudy, MissionTask
+from ross_sim.study.mission_draw import fly
 
-DRAWS = range(1000, 1020)
+DRAWS = 20
+ROOMS = ("living-room", "office", "hall")
+
+
+def flown(scenario, speech, **changes):
+    study = MissionStudy(scenarios=(scenario,), draws=DRAWS, targets=("present",), **changes)
+    tasks = [MissionTask(scenario, 3, draw) for draw in range(DRAWS)]
+    return [fly(task, study, speech).missions[0] for task in tasks]
 
 
 @pytest.mark.soak
 def test_random_recorded_talkers_are_found_recognised_and_separated(speech):
-    scenario = load("demo")
-    voices = load_folder(speech, scenario.payload.audio.rate_hz)
-    rows = [draw(scenario, voices, seed, same_layout=True) for seed in DRAWS]
+    rows = flown("demo", speech, places="written")
     failed = [(row.seed, row.reason) for row in rows if row.reason]
     assert len(failed) <= 1, failed
     assert np.mean([row.si_sdri_db for row in rows if row.si_sdri_db is not None]) > 12
@@ -23,8 +26,15 @@ def test_random_recorded_talkers_are_found_recognised_and_separated(speech):
 
 @pytest.mark.soak
 def test_random_layouts_of_synthetic_talkers_are_found_recognised_and_separated():
-    scenario = load("demo")
-    voices = synthetic_voices(scenario.payload.audio.rate_hz)
-    rows = [draw(scenario, voices, seed, same_layout=False) for seed in DRAWS]
+    rows = flown("demo", None)
     failed = [(row.seed, row.reason) for row in rows if row.reason]
     assert len(failed) <= 2, failed
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", ROOMS)
+def test_a_true_room_gives_the_same_mission_on_a_rerun(run, name, tmp_path):
+    """The room is computed the first time and read from the disk the second."""
+    first, second = (run("sitl", "--scenario", name, "--seed", "1", "--json") for _ in range(2))
+    assert first[0] in (0, 3), first[2]
+    assert first[:2] == second[:2]

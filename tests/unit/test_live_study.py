@@ -7,10 +7,9 @@ from click.testing import CliRunner
 
 from ross_payload.errors import ConfigError
 from ross_sim.study.live_separation import Listener, main, score
-from ross_sim.study.live_tables import BEGIN, END, Row, appended, read_rows, tables, with_tables
+from ross_sim.study.live_tables import Row, appended, read_rows, tables
 from ross_sim.study.mixtures import Mixture
 
-EXPLANATION = Path(__file__).parents[2] / "docs" / "explanation"
 ROW = Row("S1", 3, 0, 0, 16000, 0, "auto", 100, 100.0, 12.0, 11.5, 9.0, 8.0, None, 0.05, 0.03)
 
 
@@ -34,16 +33,6 @@ def test_a_file_of_something_else_is_refused(tmp_path: Path) -> None:
 def test_a_talker_who_is_silent_does_not_count() -> None:
     lines = tables([ROW, replace(ROW, target=1, batch_db=None, live_db=None)]).splitlines()
     assert lines[2] == "| `auto` | 100.0 | 0.5 |"
-
-
-def test_tables_replace_those_of_the_page() -> None:
-    page = f"before\n{BEGIN}\nold\n{END}\nafter"
-    assert with_tables(page, [ROW]) == f"before\n{BEGIN}\n{tables([ROW])}\n{END}\nafter"
-
-
-def test_the_page_has_the_tables_of_its_rows() -> None:
-    page = (EXPLANATION / "measured-live.md").read_text()
-    assert page == with_tables(page, read_rows(EXPLANATION / "live-separation.csv"))
 
 
 def _recording() -> Mixture:

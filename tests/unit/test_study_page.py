@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from ross_sim.study.mission_design import MissionStudy
+from ross_sim.study.mission_rows import MissionRow
+from ross_sim.study.page_tables import MAKERS
 from ross_sim.study.result_rows import Exploration, Separation, Timing, columns
 from ross_sim.study.room_settings import SETTINGS
 from ross_sim.study.study_design import PRESETS, Study, chosen, tasks
@@ -17,9 +20,19 @@ def test_every_key_is_listed_with_its_default(name):
     assert f"| `{name}` | `{json.dumps(Study.model_fields[name].default)}` |" in PAGE
 
 
-@pytest.mark.parametrize("kind", [Separation, Exploration, Timing])
+@pytest.mark.parametrize("name", MissionStudy.model_fields)
+def test_every_key_of_a_study_of_missions_is_listed(name):
+    assert f"| `{name}` |" in PAGE.split("## Missions")[1]
+
+
+def test_every_table_of_rows_is_listed():
+    section = PAGE.split("## Tables of a page")[1]
+    assert [name for made in MAKERS.values() for name in made if f"`{name}`" not in section] == []
+
+
+@pytest.mark.parametrize("kind", [Separation, Exploration, Timing, MissionRow])
 def test_every_column_is_listed(kind):
-    title = {Separation: "separations", Exploration: "explorations", Timing: "timing"}[kind]
+    title = {Separation: "separations", Exploration: "explorations", Timing: "timing", MissionRow: "missions"}[kind]
     section = PAGE.split(f"### Columns of `{title}`")[1].split("##")[0]
     assert [name for name in columns(kind) if f"`{name}`" not in section] == []
 

@@ -4,19 +4,21 @@ import json
 import math
 import os
 import time
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from functools import partial
 
 import pytest
 from rich.console import Console
 
 from ross_payload.errors import ConfigError, OutputError
-from ross_sim.study import study_store, task_engine
+from ross_sim.study import row_files, study_store, task_engine
 from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, columns, decode
+from ross_sim.study.row_files import as_csv, read_rows
 from ross_sim.study.study_case import Failure
 from ross_sim.study.study_design import Task
 from ross_sim.study.study_run import Lines, measure
-from ross_sim.study.study_store import Store, as_csv
 
+Store = partial(study_store.Store, decode=decode)
 WANTED = {"study": {"seed": 1, "settings": ["S1", "S2"]}, "code": "abc"}
 ROW = Separation("a", "S1", 3, 0, 1, "0.1", "aligned", 2, "anna", 10.5, si_sdri_db=3.25, all_found=True)
 FOUND = Exploration(
@@ -108,11 +110,31 @@ def test_parquet_keeps_types_lists_and_what_is_not_known(tmp_path):
     pq = pytest.importorskip("pyarrow.parquet", reason="needs the extra study")
 
     for kind, row in ((Separation, ROW), (Exploration, FOUND)):
-        study_store.write_parquet(tmp_path / "rows.parquet", [row, row], kind)
+        row_files.write_parquet(tmp_path / "rows.parquet", [row, row], kind)
         (first, _) = pq.read_table(tmp_path / "rows.parquet").to_pylist()
         assert {name: tuple(value) if isinstance(value, list) else value for name, value in first.items()} == {
             name: getattr(row, name) for name in columns(kind)
         }
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_rows_come_back_from_a_file_as_they_were(tmp_path, suffix):
+    path, other = tmp_path / f"rows.{suffix}", replace(FOUND, azimuths_deg=(), sigmas_deg=(), directness=0.5)
+    if suffix == "csv":
+        path.write_bytes(as_csv([FOUND, other], Exploration))
+    else:
+        pytest.importorskip("pyarrow.parquet", reason="needs the extra study")
+        row_files.write_parquet(path, [FOUND, other], Exploration)
+    assert read_rows(path, [Separation, Exploration]) == (Exploration, [FOUND, other])
+
+
+@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "task,setting,k,step,audio_s,cpu_s\nt,S1,three,duet,1,1\n"])
+def test_what_is_no_file_of_rows_is_refused_in_one_line(tmp_path, text):
+    path = tmp_path / "rows.csv"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match="expected the rows of a study") as refused:
+        read_rows(path, [Separation, Timing])
+    assert "\n" not in str(refused.value)
 
 
 def test_the_code_is_recognised_by_its_content():

@@ -39,9 +39,23 @@ def named_folder(context: click.Context, parameter: click.Parameter, value: str 
     return None if value is None else Path(value)
 
 
+def _list_scenarios(context: click.Context, parameter: click.Parameter, asked: bool) -> None:
+    """Print the built-in scenarios and end."""
+    if asked and not context.resilient_parsing:
+        from ross_sim.scenario import load, names
+
+        width = max(map(len, names()))
+        for name in names():
+            click.echo(f"{name:{width}}  {load(name).title}")
+        context.exit()
+
+
 @click.command("sitl", short_help="Run the whole mission in a simulated room.", epilog=EPILOG)
 @click.option(
     "--scenario", "-s", default="demo", show_default=True, help="Name of a built-in scenario, or a TOML file."
+)
+@click.option(
+    "--list", is_flag=True, is_eager=True, expose_value=False, callback=_list_scenarios, help="List built-in scenarios."
 )
 @click.option("--actuator", "-a", help="Actuator back end, instead of the scenario's.")
 @click.option("--separator", "-p", help="Separator, instead of the scenario's.")

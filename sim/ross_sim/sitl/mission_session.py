@@ -42,6 +42,7 @@ from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, far_end_of, wire
 from ross_sim.scenario import Cast, Scenario, Vehicle
 from ross_sim.sitl.ground_truth import write_azimuths
+from ross_sim.sitl.mission_cost import Cost
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.moving_report import moving_report
 from ross_sim.sitl.pace import ListenedSpeed, Pace
@@ -77,8 +78,11 @@ def perform(
     tape: Path | None = None,
     page: PageObserver | None = None,
     tracker: type[SourceTracker] = SourceTracker,
+    cache: Path | None = None,
 ) -> Finished:
     """Run one mission in lock-step, write its results, record it in the folder ``tape``, and let ``page`` look on.
+
+    Impulse responses of true rooms are kept in the folder ``cache``; None: see ``cache_folder``.
 
     Raises
     ------
@@ -88,7 +92,9 @@ def perform(
     wall = SystemClock()
     started = wall.now()
     with ExitStack() as stack, threadpool_limits(limits=1):
-        staged = _staged(stack, scenario, company, view, out, speed=speed, tape=tape, page=page, tracker=tracker)
+        staged = _staged(
+            stack, scenario, company, view, out, speed=speed, tape=tape, page=page, tracker=tracker, cache=cache
+        )
         ready = wall.now()
         with on_signal(lambda _: staged.runner.order(Stop())):
             result = staged.runner.run()
@@ -103,6 +109,7 @@ def perform(
         values["complaints"] = complaints
     timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": simulated}
     timing["times_real_time"] = simulated / max(done - ready, 1e-9)
+    timing["payload_cpu_s"] = staged.cost.seconds
     if out is not None:
         _write(out, story, truth, values, scenario)
         timing["results_s"] = wall.now() - done
@@ -120,6 +127,7 @@ class _Staged:
     world: World
     cast: Cast
     far_end: FarEnd
+    cost: Cost
 
 
 def _staged(
@@ -133,13 +141,14 @@ def _staged(
     tape: Path | None,
     page: PageObserver | None,
     tracker: type[SourceTracker],
+    cache: Path | None,
 ) -> _Staged:
     """Open everything that a mission needs; ``stack`` closes it."""
     config, clock = scenario.payload, SimClock()
     links = stack.enter_context(Router.open(config.links, clock, system_id=config.telemetry.system_id))
     far_end = far_end_of(config)
     cast = scenario.cast(company.voices)
-    world = World(scenario, cast.talkers, far_end, clock, config.seed)
+    world = World(scenario, cast.talkers, far_end, clock, config.seed, cache=cache)
     collector = Collector(_wav(stack, out, config))
     actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
     _find(actuator, far_end, clock, config.guard)
@@ -147,7 +156,8 @@ def _staged(
     mount, _ = aboard(scenario, clock, links)
     clock.every(POLL, links.poll)
     recorder = stack.enter_context(recorded(tape, _beginning(scenario, company, actuator), clock, links))
-    runner = _runner(scenario, company, world, actuator, mount, recorder=recorder, tracker=tracker)
+    cost = Cost()
+    runner = _runner(scenario, company, world, actuator, mount, recorder=recorder, tracker=tracker, cost=cost)
     asked = ListenedSpeed(speed)
     pace = Pace(asked)
     voices = None if page is None else PageVoices(config, asked, pace.pacer)
@@ -160,7 +170,7 @@ def _staged(
     runner.observers = [collector, telemetry, *looking, view, *([pace] if speed or page is not None else [])]
     listening = stack.enter_context(listening_of(config, clock, runner, recorder))
     runner.observers += [listening] if recorder is None else [recorder, listening]
-    return _Staged(runner, listening, collector, world, cast, far_end)
+    return _Staged(runner, listening, collector, world, cast, far_end, cost)
 
 
 def _expect_whole(listening: Listening) -> None:
@@ -235,6 +245,7 @@ def _runner(
     *,
     recorder: Recorder | None,
     tracker: type[SourceTracker],
+    cost: Cost,
 ) -> Runner:
     config, travel = scenario.payload, actuator.capabilities
     voiceprint = company.voiceprint if recorder is None else recorder.noting(company.voiceprint)
@@ -242,7 +253,7 @@ def _runner(
     tools = replace(tools, tracker=tracker)
     informed = informed_of(config, Attitude(room_yaw(scenario)))
     brain = mission(settings, tools, informed, config.informed.target if config.informed else None)
-    runner = Runner(brain, world.source, actuator, mount, config=config, clock=world.clock)
+    runner = Runner(cost.of(brain), world.source, actuator, mount, config=config, clock=world.clock)
     world.clock.every(POLL, runner.poll)
     return runner
 

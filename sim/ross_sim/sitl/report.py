@@ -129,6 +129,7 @@ def report(story: EventLog, truth: Truth, result: Result, configuration: dict[st
         "informed": estimated.informed if estimated else False,
         "heard_from_s": _heard_from(story, configuration["payload"]["audio"]["rate_hz"]),
         "mission_s": _round(story.last(Finished).time if story.last(Finished) else None, 3),
+        "restarts": max(sum(event.index == 0 for event in story.all(OrientationHeard)) - 1, 0),
         "sources": _sources(sources, truth, time),
         "missed": _missed(sources, truth, time),
         "slips_deg": [_round(math.degrees(event.shift), 2) for event in story.all(Slipped)],

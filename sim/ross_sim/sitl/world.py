@@ -19,6 +19,7 @@ from ross_sim.autopilot.simulated_autopilot import Yaw
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.far_end import FarEnd, Fault
 from ross_sim.scenario import Scenario
+from ross_sim.sitl.noise_heard import noise_heard
 from ross_sim.sitl.talkers_heard import LEVEL, talkers_heard
 from ross_sim.sitl.world_microphones import FULL_SCALE, WorldMicrophones
 from ross_sim.talkers.speech import TalkerVoice
@@ -66,7 +67,7 @@ class World:
     clock
         Advances the world.
     seed
-        Of sensor and motor noise.
+        Of sensor and motor noise, and of noise sources that are made.
     cache
         Folder of the room cache; None: see ``cache_folder``.
     wait
@@ -101,13 +102,17 @@ class World:
         self._angle = far_end.angle()
         self._vehicle = Yaw() if scenario.vehicle is None else scenario.vehicle.motion()
         self._turned = self._vehicle.turned(clock.now())
-        self._noise_rms, motor_rms = _noise_levels(scenario)
-        sensor, motor = np.random.SeedSequence(seed).spawn(2)
+        reference = _reference(scenario)
+        self._noise_rms = reference * 10 ** (-scenario.noise.snr_db / 20)
+        motor_rms = LEVEL * 10 ** (scenario.noise.motor_db / 20)  # at full strength
+        sensor, motor, room = np.random.SeedSequence(seed).spawn(3)
         self._sensor = np.random.Generator(np.random.PCG64(sensor))
         self._motor = MotorNoise(motor_rms, np.random.Generator(np.random.PCG64(motor)))
         self._talkers = talkers_heard(scenario, voices, cache)
+        self._noise_sources = noise_heard(scenario, reference, room, cache)
         self._spacing = scenario.payload.array.spacing_m
         self._microphones: Microphones | None = None
+        self._around: Microphones | None = None  # what they hear of the noise sources
         self._lived = clock.now()
         self._quanta = 0  # since the sound began
         self._rendered = 0  # of them
@@ -125,6 +130,8 @@ class World:
         heading = self._heading()
         self._headings.append(heading)
         self._microphones = Microphones(self._talkers, self._spacing, heading)
+        if self._noise_sources is not None:
+            self._around = Microphones(self._noise_sources, self._spacing, heading)
 
     def close(self) -> None:
         """Fall silent; the plant lives on."""
@@ -171,7 +178,7 @@ class World:
         return _joined([image[0] for image in self._images], len(self.azimuths))
 
     def noise(self) -> Samples:
-        """All noise, sensor and motor, (2, n)."""
+        """All noise, of sensors, motor and noise sources, (2, n)."""
         return _joined(self._noise, 2)
 
     def mixture(self) -> Samples:
@@ -193,7 +200,10 @@ class World:
         last = self._rendered * self.rate // round(1 / QUANTUM)
         images = _counts(self._microphones.render(first, last, *quantum.headings))
         noise = self._noise_rms * self._sensor.standard_normal((2, last - first), dtype=np.float32)
-        counts = _counts(noise + self._motor.between(*quantum.joints, last - first))
+        noise += self._motor.between(*quantum.joints, last - first)
+        if self._around is not None:
+            noise += self._around.render(first, last, *quantum.headings).sum(axis=1)
+        counts = _counts(noise)
         with self._guard:
             self._images.append(images)
             self._noise.append(counts)
@@ -214,12 +224,11 @@ def _troubles(scenario: Scenario, far_end: FarEnd) -> deque[tuple[float, Fault, 
     return deque(sorted(moments))
 
 
-def _noise_levels(scenario: Scenario) -> tuple[float, float]:
-    """Root mean square of the sensor noise and, at full strength, of the motor's."""
-    reference = LEVEL
-    if scenario.noise.snr_reference == "talker" and scenario.talkers:
-        reference /= math.sqrt(sum(10 ** (talker.level_db / 10) for talker in scenario.talkers))
-    return reference * 10 ** (-scenario.noise.snr_db / 20), LEVEL * 10 ** (scenario.noise.motor_db / 20)
+def _reference(scenario: Scenario) -> float:
+    """Root mean square of what the SNRs of a scenario refer to."""
+    if scenario.noise.snr_reference == "mixture" or not scenario.talkers:
+        return LEVEL
+    return LEVEL / math.sqrt(sum(10 ** (talker.level_db / 10) for talker in scenario.talkers))
 
 
 def _counts(samples: Samples) -> Counts:

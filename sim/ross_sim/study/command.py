@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,24 @@ import click
 from ross_payload.errors import ConfigError
 from ross_payload.plugins import install_line
 
+DEFAULT = "separators"
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
+ross study missions flies whole missions, ross study table writes tables from rows: see their own --help.
+
 Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by the user."""
+
+
+class _Studies(click.Group):
+    """``ross study missions`` and ``ross study table``; anything else is a study of explorers and separators."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read what is no name of a study as arguments of the first one."""
+        return super().parse_args(ctx, args if args and args[0] in (*self.commands, DEFAULT) else [DEFAULT, *args])
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """Find a study by its name."""
+        return separators if name == DEFAULT else super().get_command(ctx, name)
 
 
 class _Names(click.ParamType[Any]):
@@ -36,7 +52,12 @@ def _schedule(text: str) -> int | str:
     return text if text == "stop" else int(text)
 
 
-@click.command("study", short_help="Measure explorers and separators in simulated rooms.", epilog=EPILOG)
+@click.group("study", cls=_Studies, short_help="Measure explorers, separators and missions in simulated rooms.")
+def command() -> None:
+    """Measure in simulated rooms."""
+
+
+@click.command("study", epilog=EPILOG)
 @click.argument("preset", default="quick", metavar="[PRESET|FILE.toml]")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder of the study.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
@@ -57,15 +78,71 @@ def _schedule(text: str) -> int | str:
 @click.option("--tell-k", is_flag=True, default=None, help="Tell the explorer K (joint only).")
 @click.option("--rules", help="Where to turn: best (predicted gain), or paper (its equations).")
 @click.option("--talkers", type=_Names(), help="Names in the folder; default: all. Up to five keep their order.")
-def command(preset: str, *, out: Path, speech: Path | None, workers: int | None, quick: bool, **axes: Any) -> int:
+def separators(preset: str, *, out: Path, speech: Path | None, workers: int | None, quick: bool, **axes: Any) -> int:
     """Measure settings x K x layouts x starts x separators x explorers x T_unit x rotations.
 
     Presets: quick, paper, separation, exploration, full. Every option of an axis replaces the preset's.
     """
-    try:
+    changes = {name: value for name, value in axes.items() if value is not None}
+
+    def conduct() -> int:
         from ross_sim.study.study_run import conduct
+
+        return conduct(preset, changes, out=out, speech=speech, workers=workers, quick=quick)
+
+    return _with_packages(conduct)
+
+
+@command.command("missions")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder of the study.")
+@click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
+@click.option("--workers", type=click.IntRange(1, 256), help="Processes; default: one per core.")
+@click.option("--scenarios", type=_Names(), help="Scenarios by name or path, or rooms: living-room,S1,B0.45,...")
+@click.option("--k", type=_Names(int), help="Numbers of talkers; default: the scenario's.")
+@click.option("--places", type=click.Choice(["drawn", "written"]), help="Random azimuths, or those of the scenario.")
+@click.option("--targets", type=_Names(), help="Whether the target is in the room: present,absent.")
+@click.option("--draws", type=click.IntRange(1, 10000), help="How often to fly; every draw has other talkers.")
+@click.option("--seed", type=click.IntRange(min=0), help="Seed of the first draw; the next have the next seeds.")
+@click.option("--set", "settings", multiple=True, help="Change a key of the payload: explore.pipelined=true.")
+def missions(*, out: Path, speech: Path | None, workers: int | None, settings: tuple[str, ...], **axes: Any) -> int:
+    """Fly whole missions: scenarios x K x draws, with the target in the room and without.
+
+    A study that was stopped goes on when the same command is given again.
+
+    Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by the user.
+    """
+    changes = {name: value for name, value in axes.items() if value is not None} | {"settings": settings}
+
+    def conduct() -> int:
+        from ross_sim.study.missions_run import conduct_missions
+
+        return conduct_missions(changes, out=out, speech=speech, workers=workers)
+
+    return _with_packages(conduct)
+
+
+@command.command("table")
+@click.argument("rows", type=click.Path(path_type=Path), metavar="ROWS")
+@click.option("--into", "page", type=click.Path(path_type=Path), help="Page with marks that name ROWS.")
+def table(rows: Path, page: Path | None) -> int:
+    """Make the tables of ROWS, a CSV or Parquet file of a study: print them, or write them into a page.
+
+    In the page, <!-- rows: FILE, table: NAME --> and <!-- rows: end --> stand around every table.
+    """
+    from ross_sim.study.page_tables import tables_of, write_page
+
+    if page is not None:
+        write_page(page, rows)
+        click.echo(f"{page}: written from {rows}")
+        return 0
+    for name, text in tables_of(rows).items():
+        click.echo(f"<!-- table: {name} -->\n{text}")
+    return 0
+
+
+def _with_packages(conduct: Callable[[], int]) -> int:
+    """Carry out a study; what is not installed is named with the extra that brings it."""
+    try:
+        return conduct()
     except ModuleNotFoundError as error:
         raise ConfigError(f"a study needs the package {error.name}: {install_line('study')}") from error
-
-    changes = {name: value for name, value in axes.items() if value is not None}
-    return conduct(preset, changes, out=out, speech=speech, workers=workers, quick=quick)

@@ -23,8 +23,9 @@ from ross_payload.dsp.streaming_stft import StreamingAnalysis, StreamingSynthesi
 from ross_payload.errors import ConfigError, RossError
 from ross_payload.interfaces import LiveSeparator, Real, Scene
 from ross_payload.plugin_checks import load_separator
-from ross_sim.study.live_tables import Row, appended, read_rows, tables, with_tables
+from ross_sim.study.live_tables import Row, appended, read_rows, tables
 from ross_sim.study.mixtures import VOICES, Mixture, aligned_heading, layouts, record, scene_of
+from ross_sim.study.page_tables import write_page
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
 from ross_sim.talkers.speech import load_folder
 
@@ -196,7 +197,7 @@ def main(
         found = read_rows(rows)
         click.echo(tables(found))
         if page is not None:
-            page.write_text(with_tables(page.read_text(), found))
+            write_page(page, rows)
     except RossError as error:
         raise click.ClickException(str(error)) from error
 

@@ -12,8 +12,6 @@ from typing import Any
 
 from ross_payload.errors import ConfigError
 
-BEGIN, END = "<!-- live separation: begin -->", "<!-- live separation: end -->"
-
 
 @dataclass(frozen=True, slots=True)
 class Row:
@@ -157,22 +155,3 @@ def _table(
         cells = [cell(group) if group else "" for group in groups]
         lines.append(f"| `{name}` | {max(row.latency_ms for row in mine)} | {' | '.join(cells)} |")
     return lines
-
-
-def with_tables(page: str, rows: Sequence[Row]) -> str:
-    """The page with the tables between its two marks.
-
-    Raises
-    ------
-    ConfigError
-        When it has no marks.
-
-    >>> with_tables("a", [])
-    Traceback (most recent call last):
-    ross_payload.errors.ConfigError: page: expected the marks of the study of live separation, got none
-    """
-    before, begin, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise ConfigError("page: expected the marks of the study of live separation, got none")
-    return f"{before}{BEGIN}\n{tables(rows)}\n{END}{after}"

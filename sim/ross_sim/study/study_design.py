@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import numpy as np
 from pydantic import ConfigDict, Field, field_validator
@@ -21,6 +21,10 @@ from ross_sim.cache import fingerprint
 from ross_sim.study.oracle_separators import ORACLES
 from ross_sim.study.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND
 
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+AnyTask = TypeVar("AnyTask", bound="DataclassInstance")
 Frame = Annotated[int, Field(ge=128, le=8192, multiple_of=2)]
 Overlap = Annotated[float, Field(ge=0.25, le=0.9)]
 STOP = "stop"  # the schedule that ends where the explorer is certain
@@ -124,7 +128,7 @@ def tasks(study: Study) -> list[Task]:
     return [task for scene in _scenes(study) for task in _tasks(study, *scene)]
 
 
-def mixed(tasks: Iterable[Task]) -> list[Task]:
+def mixed(tasks: Iterable[AnyTask]) -> list[AnyTask]:
     """Mix long and short tasks, always in the same way: the time left can then be told early."""
     return sorted(tasks, key=lambda task: fingerprint(**asdict(task)))
 

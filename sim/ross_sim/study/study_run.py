@@ -8,9 +8,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -20,14 +21,23 @@ from ross_payload.errors import OutputError, refused_as
 from ross_payload.plugins import install_line
 from ross_sim.study import task_engine
 from ross_sim.study.figures import draw
-from ross_sim.study.result_rows import Exploration, Result, Separation, Timing
+from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, decode
+from ross_sim.study.row_files import as_csv, has_parquet, write_parquet
 from ross_sim.study.study_case import Failure, attempt
-from ross_sim.study.study_design import Study, Task, chosen, mixed, tasks
-from ross_sim.study.study_store import Store, as_csv, has_parquet, manifest, write_parquet
+from ross_sim.study.study_design import Study, chosen, mixed, tasks
+from ross_sim.study.study_store import Rows, Store, manifest
 from ross_sim.study.tables import Table, tables
 from ross_sim.study.talker_placement import Source, check_voices, heard_as, voices_of
 
 EVERY = 60.0  # between plain lines [s]
+
+
+class Named(Protocol):
+    """A task."""
+
+    @property
+    def id(self) -> str:
+        """What it is called in the journal."""
 
 
 class Bar:
@@ -100,31 +110,45 @@ def conduct(
     source = Source(speech, study.talkers, study.rate_hz)
     voices = voices_of(source)
     check_voices(voices, study)
-    clock = SystemClock()
-    began = clock.now()
-    console = Console()
-    with Store(out, manifest(study, heard_as(voices))) as store:
+    with Store(out, manifest(study, heard_as(voices)), decode) as store:
         left = mixed(task for task in tasks(study) if task.id not in store.results)
-        run = task_engine.serial if workers == 1 else task_engine.processes(workers or os.cpu_count() or 1)
-        try:
-            failures = measure(run, partial(attempt, study=study, source=source), left, store, clock.now)
-        except KeyboardInterrupt:
-            done = f"{len(store.results)} of {len(tasks(study))} tasks are done and kept"
-            console.print(f"\nstopped: {done}; the same command goes on", highlight=False, soft_wrap=True)
-            raise
-        made = write(store, study)
-    for table in made:
+        work = Work(partial(attempt, study=study, source=source), left, len(tasks(study)), workers)
+        return carried_out(work, store, lambda: write(store, study))
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """What is left of a study."""
+
+    function: Callable[[Any], Any]  # of a task; gives its rows, or a `Failure`
+    left: Sequence[Named]
+    total: int  # tasks of the study
+    workers: int | None  # processes; None: one per core
+
+
+def carried_out(work: Work, store: Store[Rows], finish: Callable[[], list[Table]]) -> int:
+    """Do what is left of a study, write rows and tables, and show the tables; returns the exit code."""
+    console, clock = Console(), SystemClock()
+    began = clock.now()
+    run = task_engine.serial if work.workers == 1 else task_engine.processes(work.workers or os.cpu_count() or 1)
+    try:
+        failures = measure(run, work.function, work.left, store, clock.now)
+    except KeyboardInterrupt:
+        done = f"{len(store.results)} of {work.total} tasks are done and kept"
+        console.print(f"\nstopped: {done}; the same command goes on", highlight=False, soft_wrap=True)
+        raise
+    for table in finish():
         console.print()
         console.print(table.screen() if console.is_terminal else table.markdown(), markup=False, soft_wrap=True)
-    _farewell(console, out, len(left), clock.now() - began, failures)
+    _farewell(console, store.folder, len(work.left), clock.now() - began, failures)
     return 1 if failures else 0
 
 
 def measure(
     run: task_engine.Engine,
-    function: Callable[[Task], Result | Failure],
-    left: Sequence[Task],
-    store: Store,
+    function: Callable[[Any], Rows | Failure],
+    left: Sequence[Named],
+    store: Store[Rows],
     now: Callable[[], float],
 ) -> list[Failure]:
     """Do the tasks that are left and keep every result as it comes."""
@@ -145,28 +169,30 @@ def measure(
     return failures
 
 
-def write(store: Store, study: Study) -> list[Table]:
+def write(store: Store[Result], study: Study) -> list[Table]:
     """Write rows, tables and figures; the order of the rows is the study's, whatever came first."""
     results = [store.results[task.id] for task in tasks(study) if task.id in store.results]
     separations = [row for result in results for row in result.separations]
     explorations = [row for result in results for row in result.explorations]
     timings = [row for result in results for row in result.timings]
     made = tables(study, separations, explorations)
-    kinds: tuple[tuple[str, Sequence[Any], type[Any]], ...] = (
-        ("separations", separations, Separation),
-        ("explorations", explorations, Exploration),
-        ("timing", timings, Timing),
-    )
-    for name, rows, kind in kinds:
-        if rows:
-            store.write(f"{name}.csv", as_csv(rows, kind))
-            if has_parquet():
-                with store.writing(f"{name}.parquet") as path:
-                    write_parquet(path, rows, kind)
+    write_rows(store, "separations", separations, Separation)
+    write_rows(store, "explorations", explorations, Exploration)
+    write_rows(store, "timing", timings, Timing)
     store.write("tables.md", "\n".join(table.markdown() for table in made).encode())
     with refused_as(OutputError, f"{store.folder}: figures cannot be written"):
         draw(store.folder, separations, explorations)
     return made
+
+
+def write_rows(store: Store[Any], name: str, rows: Sequence[Any], kind: type[Any]) -> None:
+    """Write rows of one kind, if there are any, as CSV and, where that can be written, as Parquet."""
+    if not rows:
+        return
+    store.write(f"{name}.csv", as_csv(rows, kind))
+    if has_parquet():
+        with store.writing(f"{name}.parquet") as path:
+            write_parquet(path, rows, kind)
 
 
 def _farewell(console: Console, out: Path, n: int, seconds: float, failures: Sequence[Failure]) -> None:

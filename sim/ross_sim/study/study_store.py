@@ -7,33 +7,30 @@ the code are never mixed with it.
 
 from __future__ import annotations
 
-import csv
 import fcntl
 import hashlib
-import io
 import json
 import os
 import platform
-import typing
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
-from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 import ross_payload
 import ross_sim
 import ross_sim.study
 from ross_payload.atomic_files import replacing
 from ross_payload.bounded_files import parsed_json, read_bounded
+from ross_payload.config import Table
 from ross_payload.errors import ConfigError, OutputError, refused_as
-from ross_sim.study.result_rows import Result, columns, decode
-from ross_sim.study.study_design import Study
 
+Code = dict[ModuleType, tuple[str, ...]]  # packages, and patterns of files in them
 PACKAGES = ("numpy", "scipy", "scikit-learn", "pyroomacoustics")  # what the numbers depend on
-FINGERPRINTED = {  # so do these parts of the code
+FINGERPRINTED: Code = {  # so do these parts of the code
     ross_payload: (
         *(f"{room}/*.py" for room in ("dsp", "localization", "separation", "alignment")),
         "separation/*.npz",
@@ -58,24 +55,37 @@ FINGERPRINTED = {  # so do these parts of the code
 }
 
 
-def manifest(study: Study, voices: dict[str, str]) -> dict[str, Any]:
+class Measured(Protocol):
+    """All rows of one task, as a dataclass."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def task(self) -> str:
+        """What the task is called."""
+
+
+Rows = TypeVar("Rows", bound=Measured)
+
+
+def manifest(study: Table, voices: dict[str, str], code: Code = FINGERPRINTED) -> dict[str, Any]:
     """Everything that two runs must share for their rows to be comparable."""
     versions = {"python": platform.python_version()} | {name: _version(name) for name in ("ross-payload", *PACKAGES)}
     values = study.model_dump(mode="json")
-    return {"study": values, "talkers": voices, "versions": versions, "code": code_hash()}
+    return {"study": values, "talkers": voices, "versions": versions, "code": code_hash(code)}
 
 
-def code_hash() -> str:
+def code_hash(code: Code = FINGERPRINTED) -> str:
     """Fingerprint of the code that the numbers depend on."""
     digest = hashlib.sha256()
-    for path in sources():
+    for path in sources(code):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
 
 
-def sources() -> Iterator[Path]:
+def sources(code: Code = FINGERPRINTED) -> Iterator[Path]:
     """The files that the numbers depend on."""
-    for package, patterns in FINGERPRINTED.items():
+    for package, patterns in code.items():
         root = Path(str(package.__file__)).parent
         yield from sorted(path for pattern in patterns for path in root.glob(pattern))
 
@@ -87,8 +97,17 @@ def _version(name: str) -> str | None:
         return None
 
 
-class Store(AbstractContextManager["Store"]):
+class Store(AbstractContextManager["Store[Rows]"], Generic[Rows]):
     """The folder of one study, open for one process at a time.
+
+    Parameters
+    ----------
+    folder
+        Made when it is not there.
+    wanted
+        The `manifest` of the study.
+    decode
+        Turns the plain values of a line of the journal back into the rows of a task.
 
     Raises
     ------
@@ -96,9 +115,10 @@ class Store(AbstractContextManager["Store"]):
         When it cannot be written, another process uses it, or it holds another study.
     """
 
-    def __init__(self, folder: Path, wanted: dict[str, Any]) -> None:
+    def __init__(self, folder: Path, wanted: dict[str, Any], decode: Callable[[dict[str, Any]], Rows]) -> None:
         self.folder = folder
-        self.results: dict[str, Result] = {}
+        self.results: dict[str, Rows] = {}
+        self._decode = decode
         with refused_as(ConfigError, f"--out {folder}: cannot be written"):
             folder.mkdir(parents=True, exist_ok=True)
             self._file = (folder / "journal.jsonl").open("ab+")
@@ -125,7 +145,7 @@ class Store(AbstractContextManager["Store"]):
 
     def _remember(self, line: bytes) -> None:
         try:
-            result = decode(parsed_json(line))
+            result = self._decode(parsed_json(line))
         except (ValueError, KeyError, TypeError) as error:
             raise ConfigError(
                 f"{self.folder / 'journal.jsonl'}: expected lines of a study, got something else: {error}"
@@ -146,7 +166,7 @@ class Store(AbstractContextManager["Store"]):
         if other:
             raise ConfigError(f"--out {self.folder}: holds another study ({other}); choose another folder")
 
-    def add(self, result: Result) -> None:
+    def add(self, result: Rows) -> None:
         """Write down a result; when this returns it is on the disk.
 
         Raises
@@ -204,51 +224,3 @@ def difference(found: Any, wanted: Any, where: str = "") -> str:
 def _short(value: Any) -> str:
     text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def as_csv(rows: Sequence[Any], kind: type[Any]) -> bytes:
-    """Rows as CSV; lists are separated by spaces, and what is not known is empty."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns(kind))
-    for row in rows:
-        writer.writerow([_cell(getattr(row, name)) for name in columns(kind)])
-    return text.getvalue().encode()
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, tuple):
-        return " ".join(map(_cell, value))
-    if isinstance(value, bool):
-        return str(value).lower()
-    return "" if value is None else str(value)
-
-
-def has_parquet() -> bool:
-    """Whether the package that writes Parquet is here."""
-    return find_spec("pyarrow") is not None
-
-
-def parquet_schema(kind: type[Any]) -> Any:
-    """Columns and their types, from the fields of a kind of row; needs the extra ``study``."""
-    import pyarrow as pa
-
-    plain = {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_()}
-
-    def type_of(hint: Any) -> Any:
-        if hint in plain:
-            return plain[hint]
-        first = typing.get_args(hint)[0]
-        return pa.list_(plain[first]) if typing.get_origin(hint) is tuple else plain[first]
-
-    hints = typing.get_type_hints(kind)
-    return pa.schema([(field.name, type_of(hints[field.name])) for field in fields(kind)])
-
-
-def write_parquet(path: Path, rows: Sequence[Any], kind: type[Any]) -> None:
-    """Write rows as one Parquet file; needs the extra ``study``."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    table = pa.Table.from_pylist([asdict(row) for row in rows], schema=parquet_schema(kind))
-    pq.write_table(table, path)

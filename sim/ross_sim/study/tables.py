@@ -32,9 +32,12 @@ class Table:
 
     def markdown(self) -> str:
         """Write it as Markdown."""
+        return f"## {self.title}\n\n{self.about}\n\n{self.body()}\n"
+
+    def body(self) -> str:
+        """Write the cells alone as Markdown."""
         lines = [self.header, tuple("---" if i == 0 else "---:" for i in range(len(self.header))), *self.rows]
-        body = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
-        return f"## {self.title}\n\n{self.about}\n\n{body}\n"
+        return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
     def screen(self) -> Screen:
         """Lay it out for a terminal."""
@@ -54,7 +57,7 @@ def tables(study: Study, separations: Sequence[Separation], explorations: Sequen
     if any(row.how == ESTIMATED for row in separations):
         made.append(losses(separations))
     if explorations:
-        made.append(finds(study, explorations))
+        made.append(finds(study.rotations, explorations))
     return made
 
 
@@ -122,14 +125,14 @@ def _effort(setting: str, row: Separation) -> str:
     return f"{setting}, K = {row.k}, {row.explorer}, {row.unit_s:g} s, {row.schedule}"
 
 
-def finds(study: Study, rows: Sequence[Exploration]) -> Table:
-    """How well the explorer counts and places talkers after every schedule."""
+def finds(schedules: Sequence[int | str], rows: Sequence[Exploration]) -> Table:
+    """How well the explorer counts and places talkers after every schedule: a number of rotations, or ``stop``."""
     counts = sorted({row.k for row in rows})
     lines = []
     for label, group in grouped(rows, lambda row: (row.explorer, row.unit_s, row.setting)).items():
         explorer, unit, setting = label
         explored = grouped(group, lambda row: row.task).values()
-        for schedule in study.rotations:
+        for schedule in schedules:
             ends = [row for task in explored for row in _after(task, schedule)]
             lines.append((f"{setting}, {explorer}, {unit:g} s, {schedule}", *_finds(ends, counts)))
     by_k = tuple(f"K = {k}" for k in counts)

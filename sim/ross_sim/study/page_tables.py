@@ -1,0 +1,98 @@
+"""Tables of a page of the manual, written from rows: a mark in the page names the rows and the table.
+
+.. code-block:: markdown
+
+    <!-- rows: rows/missions.csv, table: missions -->
+    | ... |
+    <!-- rows: end -->
+
+The path counts from the page. What stands between the marks is written by `ross study table ROWS --into PAGE` alone.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ross_payload.atomic_files import replacing
+from ross_payload.errors import ConfigError, OutputError, refused_as, unknown
+from ross_sim.study import live_tables
+from ross_sim.study.mission_rows import MissionRow
+from ross_sim.study.mission_table import missions
+from ross_sim.study.result_rows import Exploration, Separation
+from ross_sim.study.row_files import read_rows
+from ross_sim.study.study_design import STOP
+from ross_sim.study.tables import finds, gains, losses
+
+BLOCK = re.compile(r"(<!-- rows: (?P<rows>[^,>]+), table: (?P<table>\S+) -->\n).*?(<!-- rows: end -->)", re.DOTALL)
+Maker = Callable[[Sequence[Any]], str]
+
+
+def _finds(rows: Sequence[Exploration]) -> str:
+    """After the last rotation and where the explorer stops."""
+    return finds((max(row.rotations for row in rows), STOP), rows).body()
+
+
+MAKERS: dict[type[Any], dict[str, Maker]] = {
+    MissionRow: {"missions": lambda rows: missions(rows).body()},
+    Separation: {"gains": lambda rows: gains(rows).body(), "losses": lambda rows: losses(rows).body()},
+    Exploration: {"finds": _finds},
+    live_tables.Row: {"live": live_tables.tables},
+}
+
+
+def tables_of(path: Path) -> dict[str, str]:
+    """Every table that the rows of a file give, as Markdown, by name.
+
+    Raises
+    ------
+    ConfigError
+        When there are no rows of a study.
+    """
+    kind, rows = read_rows(path, list(MAKERS))
+    if not rows:
+        raise ConfigError(f"{path}: expected rows, got none")
+    return {name: make(rows) for name, make in MAKERS[kind].items()}
+
+
+def with_tables(page: Path, rows: Path | None = None) -> str:
+    """The text of a page with its tables made anew: those of the file ``rows``, None: of every file that it names.
+
+    Raises
+    ------
+    ConfigError
+        When the page cannot be read or has no marks of these rows, or a mark names no table of its rows.
+    """
+    with refused_as(ConfigError, f"{page}: cannot be read"):
+        text = page.read_text(encoding="utf-8")
+    wanted = None if rows is None else rows.resolve()
+    named = [(page.parent / block["rows"]).resolve() for block in BLOCK.finditer(text)]
+    if wanted is not None and wanted not in named:
+        raise ConfigError(f"{page}: expected a mark '<!-- rows: FILE, table: NAME -->' for {rows}, got none")
+    return BLOCK.sub(partial(_written, page, wanted), text)
+
+
+def _written(page: Path, wanted: Path | None, block: re.Match[str]) -> str:
+    there = (page.parent / block["rows"]).resolve()
+    if wanted is not None and there != wanted:
+        return block[0]
+    made = tables_of(there)
+    if block["table"] not in made:
+        raise ConfigError(f"{page}: {unknown('table', block['table'], made)}")
+    return f"{block[1]}{made[block['table']]}\n{block[4]}"
+
+
+def write_page(page: Path, rows: Path | None = None) -> None:
+    """Make the tables of a page anew, whole or not at all: see `with_tables`.
+
+    Raises
+    ------
+    OutputError
+        When it cannot be written.
+    """
+    text = with_tables(page, rows)
+    with refused_as(OutputError, f"{page}: cannot be written"), replacing(page) as path:
+        path.write_text(text, encoding="utf-8")

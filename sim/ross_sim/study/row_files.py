@@ -1,0 +1,113 @@
+"""Rows of a study as files: CSV, and Parquet where its package is installed."""
+
+from __future__ import annotations
+
+import csv
+import io
+import types
+import typing
+from collections.abc import Sequence
+from dataclasses import asdict, fields
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from ross_payload.errors import ConfigError
+from ross_payload.plugins import install_line
+from ross_sim.study.result_rows import columns
+
+
+def as_csv(rows: Sequence[Any], kind: type[Any]) -> bytes:
+    """Rows as CSV; lists are separated by spaces, and what is not known is empty."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns(kind))
+    for row in rows:
+        writer.writerow([_cell(getattr(row, name)) for name in columns(kind)])
+    return text.getvalue().encode()
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, tuple):
+        return " ".join(map(_cell, value))
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "" if value is None else str(value)
+
+
+def read_rows(path: Path, kinds: Sequence[type[Any]]) -> tuple[type[Any], list[Any]]:
+    """Read rows of one of these kinds, which the columns tell: CSV as `as_csv` writes it, or Parquet.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be read, or is something else.
+    """
+    try:
+        if path.suffix == ".parquet":
+            names, lines = _parquet(path)
+        else:
+            with path.open(newline="", encoding="utf-8") as file:
+                reader = csv.DictReader(file)
+                names, lines = tuple(reader.fieldnames or ()), list(reader)
+        kind = next((kind for kind in kinds if columns(kind) == names), None)
+        if kind is None:
+            raise ConfigError(f"{path}: expected the rows of a study, got columns {', '.join(names[:4]) or 'none'} ...")
+        hints = typing.get_type_hints(kind)
+        return kind, [kind(**{name: _value(hints[name], line[name]) for name in names}) for line in lines]
+    except (OSError, UnicodeError, ValueError, TypeError) as error:
+        raise ConfigError(f"{path}: expected the rows of a study: {error}") from error
+
+
+def _parquet(path: Path) -> tuple[tuple[str, ...], list[dict[str, Any]]]:
+    if not has_parquet():
+        raise ConfigError(f"{path}: Parquet needs the package pyarrow: {install_line('study')}")
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(path)
+    return tuple(table.column_names), table.to_pylist()
+
+
+def _value(hint: Any, cell: Any) -> Any:
+    """What stands in a cell, as the type of its column: text, a list with spaces, nothing where nothing is known."""
+    if not isinstance(cell, str):
+        return tuple(cell) if isinstance(cell, list) else cell
+    if typing.get_origin(hint) is tuple:
+        return tuple(_value(typing.get_args(hint)[0], part) for part in cell.split())
+    if isinstance(hint, types.UnionType):
+        return None if cell == "" else _value(typing.get_args(hint)[0], cell)
+    if hint is bool:
+        if cell not in ("true", "false"):
+            raise ValueError(f"expected true or false, got '{cell}'")
+        return cell == "true"
+    return hint(cell)
+
+
+def has_parquet() -> bool:
+    """Whether the package that writes Parquet is here."""
+    return find_spec("pyarrow") is not None
+
+
+def parquet_schema(kind: type[Any]) -> Any:
+    """Columns and their types, from the fields of a kind of row; needs the extra ``study``."""
+    import pyarrow as pa
+
+    plain = {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_()}
+
+    def type_of(hint: Any) -> Any:
+        if hint in plain:
+            return plain[hint]
+        first = typing.get_args(hint)[0]
+        return pa.list_(plain[first]) if typing.get_origin(hint) is tuple else plain[first]
+
+    hints = typing.get_type_hints(kind)
+    return pa.schema([(field.name, type_of(hints[field.name])) for field in fields(kind)])
+
+
+def write_parquet(path: Path, rows: Sequence[Any], kind: type[Any]) -> None:
+    """Write rows as one Parquet file; needs the extra ``study``."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table = pa.Table.from_pylist([asdict(row) for row in rows], schema=parquet_schema(kind))
+    pq.write_table(table, path)

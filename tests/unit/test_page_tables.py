@@ -1,0 +1,96 @@
+"""Tables of the manual: those with rows are what the rows give, and the others say where they come from."""
+
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from ross_payload.errors import ConfigError
+from ross_sim.study.command import command
+from ross_sim.study.live_tables import Row, appended, tables
+from ross_sim.study.page_tables import BLOCK, tables_of, with_tables, write_page
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = sorted(path for suffix in ("md", "inc") for path in DOCS.rglob(f"*.{suffix}") if "_build" not in path.parts)
+MADE = [page for page in PAGES if BLOCK.search(page.read_text(encoding="utf-8"))]
+MEASURED = [
+    DOCS / name
+    for name in (
+        "explanation/measured.md", "explanation/measured-live.md", "explanation/measured-ground.md",
+        "explanation/measured-moving.inc", "explanation/voice-print.md", "explanation/where-to-turn.md",
+        "explanation/refiner.md", "explanation/markov.md", "how-to/paper.md",
+    )
+]  # fmt: skip
+TYPED = re.compile(r"<!-- typed: .+; (commit [0-9a-f]{7,}|not measured) -->")
+ROW = Row("S1", 3, 0, 0, 16000, 0, "auto", 100, 100.0, 12.0, 11.5, 9.0, 8.0, None, 0.05, 0.03)
+
+
+def name(page):
+    return page.relative_to(DOCS).as_posix()
+
+
+@pytest.mark.parametrize("page", MADE, ids=name)
+def test_a_page_has_the_tables_that_its_rows_give(page):
+    assert page.read_text(encoding="utf-8") == with_tables(page)
+
+
+@pytest.mark.parametrize("page", MEASURED, ids=name)
+def test_a_measured_table_without_rows_says_from_which_command_and_commit_it_comes(page):
+    lines = BLOCK.sub("", page.read_text(encoding="utf-8")).splitlines()
+    begins = [i for i, line in enumerate(lines) if line.startswith("|") and not lines[i - 1].startswith("|")]
+    assert [lines[i] for i in begins if not TYPED.fullmatch(lines[i - 1])] == []
+
+
+@pytest.fixture
+def page(tmp_path):
+    appended(tmp_path / "rows.csv", [ROW])
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- rows: rows.csv, table: live -->\nold\n<!-- rows: end -->\nafter\n")
+    return page
+
+
+def test_a_table_takes_the_place_of_the_old_one_and_nothing_else_changes(page):
+    rows = page.parent / "rows.csv"
+    done = CliRunner().invoke(command, ["table", str(rows), "--into", str(page)], standalone_mode=False)
+    assert done.exception is None
+    begin, made, end = "<!-- rows: rows.csv, table: live -->", tables([ROW]), "<!-- rows: end -->"
+    assert page.read_text() == f"before\n{begin}\n{made}\n{end}\nafter\n"
+    assert with_tables(page) == page.read_text()
+
+
+def test_tables_of_other_rows_stay(page):
+    other = page.parent / "other.csv"
+    appended(other, [ROW])
+    text = page.read_text() + "<!-- rows: other.csv, table: live -->\nolder\n<!-- rows: end -->\n"
+    page.write_text(text)
+    write_page(page, other)
+    assert "\nold\n" in page.read_text()
+    assert "\nolder\n" not in page.read_text()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            ("rows.csv, table", "nothing.csv, table"),
+            "expected a mark '<!-- rows: FILE, table: NAME -->' for .*rows.csv",
+        ),
+        (("table: live", "table: dead"), "table 'dead' is unknown; there are: live"),
+        (("<!-- rows: end -->", ""), "expected a mark"),
+    ],
+)
+def test_a_page_that_does_not_fit_is_refused_in_one_line_and_left_alone(page, change, words):
+    page.write_text(page.read_text().replace(*change))
+    before = page.read_text()
+    with pytest.raises(ConfigError, match=words) as refused:
+        write_page(page, page.parent / "rows.csv")
+    assert "\n" not in str(refused.value)
+    assert page.read_text() == before
+
+
+def test_rows_that_are_none_are_refused(tmp_path):
+    path = tmp_path / "rows.csv"
+    path.write_text(",".join(Row.__dataclass_fields__) + "\n")
+    with pytest.raises(ConfigError, match="expected rows, got none"):
+        tables_of(path)
