@@ -62,6 +62,16 @@ def test_places_can_stay_as_written():
     assert drawn.scenario.payload.seed == 1001
 
 
+def test_places_as_written_need_no_room_for_others(tmp_path):
+    path = tmp_path / "corner.toml"
+    path.write_text(
+        'title = "corner"\n[room]\nsize_m = [4, 4]\narray_m = [0.3, 0.3]\n'
+        "[[talkers]]\nazimuth_deg = 40\ndistance_m = 4\n[[talkers]]\nazimuth_deg = 50\ndistance_m = 4\n"
+    )
+    drawn = staged(study(places="written"), MissionTask(str(path), 2, 0), voices(9))
+    assert drawn.azimuths_deg == (40.0, 50.0)
+
+
 def test_every_scenario_and_k_has_its_draws():
     assert [task.id for task in mission_tasks(study(k=(2, 4), draws=2))] == [
         "demo-K2-D0", "demo-K2-D1", "demo-K4-D0", "demo-K4-D1",

@@ -134,15 +134,16 @@ def staged(study: MissionStudy, task: MissionTask, voices: Sequence[TalkerVoice]
     rng = np.random.default_rng(seed)
     chosen = [voices[int(index)] for index in rng.choice(len(voices), task.k, replace=False)]
     scenario = scenario_of(task.scenario, study.settings)
-    drawn = _placed(scenario, task.k, rng)
-    if study.places == "written":
-        drawn = scenario
+    if study.places == "drawn":
+        scenario = _placed(scenario, task.k, rng)
+    else:
+        spread(task.k, rng)  # so that the target is that of the draw with drawn places
     target = chosen[int(rng.integers(len(chosen)))]
     others = [voice for voice in voices if voice not in chosen]
     wanted = {PRESENT: target} | ({ABSENT: others[int(rng.integers(len(others)))]} if others else {})
-    payload = drawn.payload.model_copy(update={"seed": seed})
-    talkers = tuple(talker.model_copy(update={"name": None}) for talker in drawn.talkers)
-    final = drawn.model_copy(update={"payload": payload, "talkers": talkers})
+    payload = scenario.payload.model_copy(update={"seed": seed})
+    talkers = tuple(talker.model_copy(update={"name": None}) for talker in scenario.talkers)
+    final = scenario.model_copy(update={"payload": payload, "talkers": talkers})
     return Staging(final, tuple(chosen), tuple(np.rad2deg(final.azimuths()).round(1).tolist()), wanted)
 
 

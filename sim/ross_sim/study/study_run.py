@@ -198,7 +198,9 @@ def write_rows(store: Store[Any], name: str, rows: Sequence[Any], kind: type[Any
 def _farewell(console: Console, out: Path, n: int, seconds: float, failures: Sequence[Failure]) -> None:
     if not has_parquet():
         console.print(f"No Parquet was written: {install_line('study')}", markup=False)
-    words = f"{n} tasks in {in_words(seconds)}. Results: {out}/ (rows: *.csv, *.parquet; tables.md; figures: *.pdf)"
+    kinds = {"*.csv": "rows", "*.parquet": "rows, typed", "tables.md": "tables", "*.pdf": "figures"}
+    there = ", ".join(f"{name} ({what})" for name, what in kinds.items() if any(out.glob(name)))
+    words = f"{n} tasks in {in_words(seconds)}. Results in {out}/: {there or 'none'}"
     console.print(f"\n{words}", highlight=False, markup=False, soft_wrap=True)
     if failures:
         first = failures[0]
