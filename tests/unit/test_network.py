@@ -88,9 +88,10 @@ def test_any_number_of_groups_bins_and_frames_fits(shape: tuple[int, int, int]) 
     assert np.abs(found).max() <= LIMIT
 
 
-def test_it_is_the_function_that_training_differentiates() -> None:
+@pytest.mark.parametrize("n_frames", [12, 1700])  # the longer one is worked on strip by strip
+def test_it_is_the_function_that_training_differentiates(n_frames: int) -> None:
     rng = np.random.default_rng(4)
-    weights, shown = refiner_model.initial(6, 4, rng), _shown(rng)
+    weights, shown = refiner_model.initial(6, 4, rng), _shown(rng, n_frames=n_frames)
     expected = refiner_model.corrections(np, weights, shown, places(FREQUENCIES))
     np.testing.assert_allclose(network_of(weights).corrections(shown, FREQUENCIES), expected, atol=1e-5)
 

@@ -128,6 +128,7 @@ def report(story: EventLog, truth: Truth, result: Result, configuration: dict[st
         "rotations": estimated.rotations if estimated else 0,
         "informed": estimated.informed if estimated else False,
         "heard_from_s": _heard_from(story, configuration["payload"]["audio"]["rate_hz"]),
+        "right_from_s": right_from(story, truth, configuration["payload"]["audio"]["rate_hz"]),
         "mission_s": _round(story.last(Finished).time if story.last(Finished) else None, 3),
         "restarts": max(sum(event.index == 0 for event in story.all(OrientationHeard)) - 1, 0),
         "sources": _sources(sources, truth, time),
@@ -144,6 +145,22 @@ def report(story: EventLog, truth: Truth, result: Result, configuration: dict[st
 def _heard_from(story: EventLog, rate: int) -> float | None:
     separated: Separated | None = story.last(Separated)
     return None if separated is None else _round(separated.start / rate, 3)
+
+
+def right_from(story: EventLog, truth: Truth, rate: int) -> float | None:
+    """When the first T_run began whose target sounds more like the true one than like any other talker [s], or None.
+
+    Likeness is the correlation with every talker's image at microphone 1, which the SI-SDR grows with.
+    """
+    if truth.target not in truth.names:
+        return None
+    for event in story.all(Separated):
+        voice = np.asarray(event.voices[event.target], np.float64)
+        images = truth.images[:, event.start : event.start + voice.size].astype(np.float64)
+        alike = np.abs(images @ voice) / np.maximum(np.linalg.norm(images, axis=1), np.finfo(float).tiny)
+        if alike.any() and truth.names[int(alike.argmax())] == truth.target:
+            return _round(event.start / rate, 3)
+    return None
 
 
 def _sources(sources: Sequence[SourceEstimate], truth: Truth, time: float) -> list[dict[str, Any]]:
