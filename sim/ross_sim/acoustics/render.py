@@ -20,7 +20,6 @@ from ross_sim.talkers.timeline import Timeline
 Spectra = NDArray[np.complex64]
 
 CHUNK = 0.5  # convolved at once [s]
-BLOCK = 16384  # a whole recording is convolved in blocks of this [samples], and of 8 responses, at least
 DISPLACEMENT = 2.2e-3  # of a microphone between two neighbours of the grid, at most [m]: 18 deg of phase at 8 kHz
 REMEMBERED = 48  # chunks and spectra kept
 STILL = 2e-6  # a quantum that turns by less is at rest [rad]
@@ -155,14 +154,8 @@ def gains(speech: Sequence[Samples], levels_db: Sequence[float], response: Sampl
 
 def _filtered(signal: Samples, taps: Samples) -> Samples:
     """Filter a signal, (n,), as `scipy.signal.oaconvolve` does; importing that package takes as long as the mission."""
-    size = next_fast_len(max(8 * taps.size, BLOCK), real=True)
-    length, spectrum = size - taps.size + 1, rfft(taps, size)
-    blocks = np.zeros((-(-signal.size // length), length), signal.dtype)
-    blocks.reshape(-1)[: signal.size] = signal
-    out = np.zeros(len(blocks) * length + size, np.result_type(signal, taps))
-    for index, block in enumerate(blocks):
-        out[index * length : index * length + size] += irfft(rfft(block, size) * spectrum, size)
-    return out[: signal.size]
+    size = next_fast_len(signal.size + taps.size - 1, real=True)
+    return np.asarray(irfft(rfft(signal, size) * rfft(taps, size), size)[: signal.size])
 
 
 FULL_STEP = math.radians(1.8)  # of a NEMA 17
