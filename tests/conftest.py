@@ -11,6 +11,7 @@ from hypothesis import settings
 
 import fork_server
 import lanes
+from forked_workers import ForkedWorkers
 
 settings.register_profile("shared machine", deadline=None)  # a busy machine makes no example wrong
 settings.load_profile("shared machine")
@@ -60,8 +61,10 @@ def pytest_collection_finish(session):
     gc.freeze()
     gc.set_threshold(*COLLECTED)
     gc.enable()
-    if not session.config.option.collectonly and any(
-        item.get_closest_marker(lane) for item in session.items for lane in sum(lanes.TIMED.values(), ())
+    if (
+        not session.config.option.collectonly
+        and not ForkedWorkers.runs(session.config)
+        and any(item.get_closest_marker(lane) for item in session.items for lane in sum(lanes.TIMED.values(), ()))
     ):
         fork_server.begin()
 
