@@ -9,9 +9,11 @@
 
 A folder of ``tests`` says the lane of what lies in it; a marker of that name, on a file or a test, says it instead.
 What lies among the pure and imports what leaves the process (`REACHES_OUT`) is ``process``.
-The first three run beside each other. The others claim something about time, lie in folders of their own (``alone`` in
-those of ``realtime``), and run when the first three have ended: at a higher priority, where the system allows it, so
-that what else the computer does cannot make them late. A test that is ``alone`` has no other test beside it.
+The lanes run in stages (`STAGES`), in processes that are forked from one that has collected them (`forked_workers`).
+What claims something about time lies in folders of its own (``alone`` in those of ``realtime``), and runs at a higher
+priority, where the system allows it, so that what else the computer does cannot make it late. While it waits, and while
+a browser does, ``pure`` tests use the processors, at the lowest priority there is: they give them back at once. A test
+that is ``alone`` has no other test beside it.
 
 ``python tests/support/lanes.py [ARGUMENTS OF PYTEST]`` runs all of them so.
 """
