@@ -2,8 +2,8 @@
 
 `ForkedWorkers` takes the place of pytest's loop over the tests. It runs stages, one after the other. The workers of a
 stage take its tests from a queue, file by file, since those of a file share fixtures; when no file is left, they take
-half of what another has left. Workers of the ``spare`` stage run what nobody waits for beside the others, where a
-stage says so or has a worker less than it could have, and what is left of it in the end.
+half of what another has left. Beside a stage that leaves the processors time (`Stage.spare`), or has fewer workers left
+than it may have, those of the ``spare`` stage begin with tests of a later one.
 
 A worker sends its reports in the form that pytest has for it. One that ends before it is told to has failed the test
 that it ran, and another takes its place.
@@ -37,7 +37,7 @@ class Stage:
     lanes: tuple[str, ...]
     workers: int
     niceness: int = 0
-    spare: bool = False  # whether there is time to spare from the beginning
+    spare: bool = False  # whether it leaves the processors time, for more than its end
 
     def __str__(self) -> str:
         return ", ".join(self.lanes)
@@ -118,12 +118,12 @@ class ForkedWorkers:
             return None  # pytest knows what to do
         self._session, self._hook = session, session.config.hook
         self._folder = session.config._tmp_path_factory.getbasetemp()  # type: ignore[attr-defined]
-        self._queues = {stage: self._queue_of(stage) for stage in (*self._stages, self._spare)}
-        lanes = {lane for stage in self._queues for lane in stage.lanes}
+        self._queues = {stage.lanes: self._queue_of(stage) for stage in self._stages}
+        lanes = {lane for stage in self._stages for lane in stage.lanes}
         if left := [item for item in session.items if not any(map(item.get_closest_marker, lanes))]:
             raise pytest.UsageError(f"{left[0].nodeid}: no stage runs it")
         try:
-            for stage in (*self._stages, self._spare):
+            for stage in self._stages:
                 self._run(stage)
         finally:
             for worker in self._workers:
@@ -148,24 +148,29 @@ class ForkedWorkers:
         for worker in self._of(self._spare):
             if worker.stays and not stage.spare:
                 worker.tell(None)
-        while not stage.spare and stage is not self._spare and self._of(self._spare):
+        while not stage.spare and self._of(self._spare):
             self._hear()
         self._begin(stage)
         if not self._of(stage):
             return
         terminal.line(f"\n{stage}: {stage.workers} at a time")
         while self._of(stage):
-            if stage.workers > 1 and (stage.spare or len(self._of(stage)) < stage.workers):
+            if self._leaves_time(stage):
                 self._begin(self._spare)
             self._hear()
         terminal.line(f"\n{stage}: {monotonic() - began:.0f} s")
+
+    def _leaves_time(self, stage: Stage) -> bool:
+        if stage.workers == 1 or stage.lanes == self._spare.lanes:
+            return False
+        return stage.spare or len(self._of(stage)) < stage.workers
 
     def _of(self, stage: Stage) -> list[Worker]:
         return [worker for worker in self._workers if worker.stage is stage]
 
     def _begin(self, stage: Stage) -> None:
         """Have as many workers of a stage as it has work for."""
-        while len(self._of(stage)) < stage.workers and (own := self._queues[stage].take()):
+        while len(self._of(stage)) < stage.workers and (own := self._queues[stage.lanes].take()):
             ours, theirs = Pipe()
             self._begun += 1
             sys.stdout.flush()
@@ -183,7 +188,7 @@ class ForkedWorkers:
 
     def _go_on(self, worker: Worker) -> None:
         if worker.stays:
-            worker.own = worker.own or self._queues[worker.stage].take()
+            worker.own = worker.own or self._queues[worker.stage.lanes].take()
             worker.tell(worker.own.popleft() if worker.own else None)
 
     def _hear(self) -> None:
@@ -222,7 +227,7 @@ class ForkedWorkers:
         if status == 0 and not worker.told:
             return
         item = self._session.items[worker.told.popleft() if worker.told else worker.last]
-        self._queues[worker.stage].give_back([*worker.told, *worker.own])
+        self._queues[worker.stage.lanes].give_back([*worker.told, *worker.own])
         worker.own.clear()
         how = f"was ended by {signal.Signals(-status).name}" if status < 0 else f"ended with {status}"
         self._hook.pytest_runtest_logreport(

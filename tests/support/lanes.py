@@ -12,8 +12,8 @@ What lies among the pure and imports what leaves the process (`REACHES_OUT`) is 
 The lanes run in stages (`STAGES`), in processes that are forked from one that has collected them (`forked_workers`).
 What claims something about time lies in folders of its own (``alone`` in those of ``realtime``), and runs at a higher
 priority, where the system allows it, so that what else the computer does cannot make it late. While it waits, and while
-a browser does, ``pure`` tests use the processors, at the lowest priority there is: they give them back at once. A test
-that is ``alone`` has no other test beside it.
+a browser does, ``pure`` tests use the processors at a low priority. A test that is ``alone`` has no other test beside
+it.
 
 ``python tests/support/lanes.py [ARGUMENTS OF PYTEST]`` runs all of them so.
 """
@@ -62,8 +62,9 @@ STAGES = (
     Stage(("realtime",), workers=4, niceness=-10, spare=True),
     Stage(("alone",), workers=1, niceness=-10),
     Stage(("browser",), workers=3, niceness=-10, spare=True),
+    Stage(("pure",), workers=4),
 )
-SPARE = Stage(("pure",), workers=2)
+SPARE = Stage(("pure",), workers=2, niceness=10)
 
 
 def lane_of(path: Path, markers: Iterable[str], imports: Iterable[str] = ()) -> str:
@@ -115,12 +116,10 @@ def main(arguments: list[str]) -> int:
 
 def _prepare(stage: Stage) -> None:
     """Give a worker the place among others that its stage has."""
-    if stage is SPARE:
-        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
-        return
     with suppress(PermissionError):
         os.nice(stage.niceness)
-    forked_programs.begin()
+    if "pure" not in stage.lanes:
+        forked_programs.begin()
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from lanes import TESTS
 RUN = """
 import sys, pytest
 from forked_workers import ForkedWorkers, Stage
-stages = [Stage(("one",), 2), Stage(("two",), 1, spare=True)]
+stages = [Stage(("one",), 2), Stage(("two",), 2, spare=True), Stage(("rest",), 2)]
 sys.exit(pytest.main(sys.argv[1:], plugins=[ForkedWorkers(stages, Stage(("rest",), 2), lambda stage: None)]))
 """
 SETTINGS = """
