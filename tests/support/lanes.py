@@ -50,9 +50,11 @@ REACHES_OUT = {"aiohttp", "asyncio", "multiprocessing", "pty", "socket", "subpro
 }  # fmt: skip
 TIMED = {"realtime": ("realtime", "alone"), "browser": ("browser",)}  # folders of other lanes hold none of these
 FIRST = (  # what takes long, the longest first, so that nobody waits for it in the end
-    "test_endurance", "test_own_actuator_probe", "test_first_look", "test_grbl_peer",
-    "test_listening_live", "test_full_disk", "test_through_ardupilot", "test_signed", "test_actuator_latency",
-    "test_gimbal_pilot", "test_weather", "test_whole_mission", "test_tour", "test_shell",
+    "test_guides", "test_sitl", "test_dronecan_payload", "test_ground_command", "test_onlooker", "test_signed",
+    "test_bad_input_live", "test_study", "test_ground_station", "test_slip", "test_drone", "test_measured_missions",
+    "test_endurance", "test_first_look", "test_grbl_peer", "test_portaudio", "test_through_ardupilot",
+    "test_gimbal_pilot", "test_full_disk", "test_listening_live", "test_weather", "test_turntable_gimbal",
+    "test_own_actuator_probe", "test_canopen_peer", "test_whole_mission", "test_tour", "test_listening", "test_shell",
 )  # fmt: skip
 REPORTS = "ROSS_TEST_REPORTS"  # a folder for reports in junit's form
 
@@ -64,7 +66,7 @@ STAGES = (
     Stage(("browser",), workers=3, niceness=-10, spare=True),
     Stage(("pure",), workers=4),
 )
-SPARE = Stage(("pure",), workers=2, niceness=10)
+SPARE = Stage(("pure",), workers=2, niceness=5)
 
 
 def lane_of(path: Path, markers: Iterable[str], imports: Iterable[str] = ()) -> str:
