@@ -98,7 +98,7 @@ class ForkedWorkers:
     def __init__(self, stages: Iterable[Stage], spare: Stage, prepare: Callable[[Stage], None]) -> None:
         self._stages, self._spare, self._prepare = tuple(stages), spare, prepare
         self._workers: list[Worker] = []
-        self._begun = 0
+        self._begun = self._done = 0
 
     @staticmethod
     def runs(config: pytest.Config) -> bool:
@@ -134,6 +134,8 @@ class ForkedWorkers:
             raise session.Failed(session.shouldfail)
         if session.shouldstop:
             raise session.Interrupted(session.shouldstop)
+        if self._done < len(session.items):
+            raise session.Interrupted(f"{len(session.items) - self._done} tests have not run")
         return True
 
     def _queue_of(self, stage: Stage) -> Queue:
@@ -213,6 +215,7 @@ class ForkedWorkers:
             self._hook.pytest_warning_recorded.call_historic(kwargs=told)
         else:
             worker.last = worker.told.popleft()
+            self._done += 1
             if self._session.shouldfail or self._session.shouldstop:
                 for queue in self._queues.values():
                     queue.clear()
@@ -226,6 +229,7 @@ class ForkedWorkers:
         os.close(worker.ended)
         if status == 0 and not worker.told:
             return
+        self._done += bool(worker.told)
         item = self._session.items[worker.told.popleft() if worker.told else worker.last]
         self._queues[worker.stage.lanes].give_back([*worker.told, *worker.own])
         worker.own.clear()

@@ -27,21 +27,38 @@ markers =
     rest: whenever
 addopts = -ra -p no:cacheprovider -p pytest_timeout
 timeout = 60
+junit_family = xunit1
 """
 GOOD = """
 import os, pytest
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
-    with (tmp_path_factory.mktemp("shared") / "own").open("x") as file:
+    with (tmp_path_factory.mktemp("shared", numbered=False) / "own").open("w") as file:
         yield file
-    print("closed")
 
 pytestmark = pytest.mark.{lane}
 
 @pytest.mark.parametrize("number", range(6))
-def test_number(number, file, tmp_path):
+def test_number(number, file, tmp_path, record_property):
     assert file.write(str(number))
+    record_property("folder", str(tmp_path.parent))
+    record_property("output", os.fstat(1).st_ino)
+"""
+STOPPED = """
+import os, signal, pytest
+
+pytestmark = pytest.mark.one
+
+@pytest.fixture(scope="module")
+def kept():
+    yield
+    open("closed", "x").close()
+
+@pytest.mark.parametrize("number", range(6))
+def test_number(number, kept):
+    if number == 0:
+        os.kill(os.getppid(), signal.SIGINT)
 """
 BAD = """
 import os, signal, time, warnings, pytest
@@ -83,7 +100,7 @@ def test_that_ends_well():
 
 @pytest.fixture
 def run(tmp_path):
-    """Run these files in forked workers; return the process that has ended and the outcome of every test."""
+    """Run these files in forked workers; return the process that has ended and what it reports of every test."""
 
     def run(files, *arguments):
         (tmp_path / "pytest.ini").write_text(SETTINGS)
@@ -94,25 +111,34 @@ def run(tmp_path):
         done = subprocess.run(
             command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, timeout=60
         )
-        outcomes = Counter()
-        for case in ElementTree.parse(tmp_path / "report.xml").iter("testcase"):  # noqa: S314 - written by pytest
-            outcomes[case.get("name"), *(child.tag for child in case if child.tag != "system-out")] += 1
-        return done, outcomes
+        cases = list(ElementTree.parse(tmp_path / "report.xml").iter("testcase"))  # noqa: S314 - written by pytest
+        return done, cases
 
     return run
 
 
+def outcomes_of(cases):
+    return Counter(
+        (case.get("name"), *(child.tag for child in case if child.tag in {"failure", "error", "skipped"}))
+        for case in cases
+    )
+
+
 def test_every_test_of_every_stage_runs_once_in_its_turn(run):
-    done, outcomes = run({lane: GOOD.format(lane=lane) for lane in ("rest", "two", "one")})
+    done, cases = run({lane: GOOD.format(lane=lane) for lane in ("rest", "two", "one")})
     assert (done.returncode, done.stderr) == (0, "")
-    assert outcomes == {(f"test_number[{number}]",): 3 for number in range(6)}
+    assert outcomes_of(cases) == {(f"test_number[{number}]",): 3 for number in range(6)}
     assert re.findall(r"\w+(?=: \d at a time)", done.stdout)[:2] == ["one", "two"]
     assert "18 passed" in done.stdout
+    for own in ("folder", "output"):
+        places = {(case.get("classname"), case.find(f".//property[@name='{own}']").get("value")) for case in cases}
+        assert len({place for _, place in places}) >= 3  # one of every worker
 
 
 def test_every_failure_fails_the_run_and_has_a_name(run):
-    done, outcomes = run({"bad": BAD, "good": GOOD.format(lane="one")})
+    done, cases = run({"bad": BAD, "good": GOOD.format(lane="one")})
     assert done.returncode == 1
+    outcomes = outcomes_of(cases)
     assert {outcome for outcome in outcomes if not outcome[0].startswith("test_number")} == {
         ("test_that_fails", "failure"),
         ("test_that_ends_its_process", "failure"),
@@ -145,6 +171,12 @@ def test_a_run_ends_as_one_of_pytest_does(run, files, arguments, code, said):
     done, _ = run(files, *arguments)
     assert done.returncode == code, done.stdout
     assert said in done.stdout + done.stderr
+
+
+def test_a_run_that_is_interrupted_closes_what_is_open(run, tmp_path):
+    done, _ = run({"stopped": STOPPED})
+    assert done.returncode == 2
+    assert (tmp_path / "closed").exists()
 
 
 @pytest.mark.parametrize("option", ["collectonly", "usepdb", "trace", "numprocesses"])
