@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-import fork_server
+import forked_programs
 import lanes
+from forked_workers import ForkedWorkers
 
 settings.register_profile("shared machine", deadline=None)  # a busy machine makes no example wrong
 settings.load_profile("shared machine")
@@ -39,7 +40,7 @@ class Examples:
 def pytest_configure(config):
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in a background job
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    fork_server.install()
+    forked_programs.install()
     config.pluginmanager.register(Examples())  # a hook of this file would see the tests alone
     if config.getoption("--actuator-kind"):
         import rigs
@@ -60,10 +61,12 @@ def pytest_collection_finish(session):
     gc.freeze()
     gc.set_threshold(*COLLECTED)
     gc.enable()
-    if not session.config.option.collectonly and any(
-        item.get_closest_marker(lane) for item in session.items for lane in sum(lanes.TIMED.values(), ())
+    if (
+        not session.config.option.collectonly
+        and not ForkedWorkers.runs(session.config)
+        and any(item.get_closest_marker(lane) for item in session.items for lane in sum(lanes.TIMED.values(), ()))
     ):
-        fork_server.begin()
+        forked_programs.begin()
 
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses

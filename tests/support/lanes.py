@@ -9,9 +9,11 @@
 
 A folder of ``tests`` says the lane of what lies in it; a marker of that name, on a file or a test, says it instead.
 What lies among the pure and imports what leaves the process (`REACHES_OUT`) is ``process``.
-The first three run beside each other. The others claim something about time, lie in folders of their own (``alone`` in
-those of ``realtime``), and run when the first three have ended: at a higher priority, where the system allows it, so
-that what else the computer does cannot make them late. A test that is ``alone`` has no other test beside it.
+The lanes run in stages (`STAGES`), in processes that are forked from one that has collected them (`forked_workers`).
+What claims something about time lies in folders of its own (``alone`` in those of ``realtime``), and runs at a higher
+priority, where the system allows it, so that what else the computer does cannot make it late. While it waits, and while
+a browser does, ``pure`` tests use the processors at a low priority. A test that is ``alone`` has no other test beside
+it.
 
 ``python tests/support/lanes.py [ARGUMENTS OF PYTEST]`` runs all of them so.
 """
@@ -19,15 +21,16 @@ that what else the computer does cannot make them late. A test that is ``alone``
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
-import time
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from types import ModuleType
+
+import pytest
+
+import forked_programs
+from forked_workers import ForkedWorkers, Stage
 
 TESTS = Path(__file__).parents[1]
 LANES = ("pure", "lockstep", "process", "realtime", "alone", "browser")
@@ -47,32 +50,23 @@ REACHES_OUT = {"aiohttp", "asyncio", "multiprocessing", "pty", "socket", "subpro
 }  # fmt: skip
 TIMED = {"realtime": ("realtime", "alone"), "browser": ("browser",)}  # folders of other lanes hold none of these
 FIRST = (  # what takes long, the longest first, so that nobody waits for it in the end
-    "test_endurance", "test_own_actuator_probe", "test_first_look", "test_grbl_peer",
-    "test_listening_live", "test_full_disk", "test_through_ardupilot", "test_signed", "test_actuator_latency",
-    "test_gimbal_pilot", "test_weather", "test_whole_mission", "test_tour", "test_shell",
+    "test_guides", "test_sitl", "test_dronecan_payload", "test_ground_command", "test_onlooker", "test_signed",
+    "test_bad_input_live", "test_study", "test_ground_station", "test_slip", "test_drone", "test_measured_missions",
+    "test_endurance", "test_first_look", "test_grbl_peer", "test_portaudio", "test_through_ardupilot",
+    "test_gimbal_pilot", "test_full_disk", "test_listening_live", "test_weather", "test_turntable_gimbal",
+    "test_own_actuator_probe", "test_canopen_peer", "test_whole_mission", "test_tour", "test_listening", "test_shell",
 )  # fmt: skip
-ALWAYS = "not hardware and not soak"
-NOTHING_SELECTED = 5  # exit code of pytest
 REPORTS = "ROSS_TEST_REPORTS"  # a folder for reports in junit's form
 
 
-@dataclass(frozen=True)
-class Pass:
-    """Lanes that run beside each other, in so many processes."""
-
-    lanes: tuple[str, ...]
-    workers: int  # 0: in the process of pytest itself, one after the other
-    paths: tuple[str, ...] = ()  # where they lie; empty: anywhere
-    ignored: tuple[str, ...] = ()  # where none of them lies: every process imports what it collects
-    niceness: int = 0
-
-
-PASSES = (
-    Pass(("pure", "lockstep", "process"), workers=4, ignored=("tests/realtime", "tests/browser")),
-    Pass(("realtime",), workers=4, paths=("tests/realtime", "tests/interop"), niceness=-10),
-    Pass(("alone",), workers=0, paths=("tests/realtime", "tests/interop"), niceness=-10),
-    Pass(("browser",), workers=3, paths=("tests/browser",), niceness=-10),
+STAGES = (
+    Stage(("lockstep", "process"), workers=4),
+    Stage(("realtime",), workers=4, niceness=-10, spare=True),
+    Stage(("alone",), workers=1, niceness=-10),
+    Stage(("browser",), workers=3, niceness=-10, spare=True),
+    Stage(("pure",), workers=4),
 )
+SPARE = Stage(("pure",), workers=2, niceness=5)
 
 
 def lane_of(path: Path, markers: Iterable[str], imports: Iterable[str] = ()) -> str:
@@ -114,27 +108,20 @@ def imports_of(module: object) -> frozenset[str]:
 
 
 def main(arguments: list[str]) -> int:
-    """Run every pass, also when one before it has failed; return 0 when all of them passed."""
-    chosen = any(not word.startswith("-") and Path(word.split("::")[0]).exists() for word in arguments)
-    codes = []
-    for number, each in enumerate(PASSES, 1):
-        print(f"\n{', '.join(each.lanes)}: {each.workers or 1} at a time", flush=True)
-        command = [sys.executable, "-m", "pytest", "-m", f"{ALWAYS} and ({' or '.join(each.lanes)})"]
-        command += ["--numprocesses", str(each.workers), "--dist", "worksteal"] if each.workers else []
-        command += () if chosen else (*each.paths, *(f"--ignore={path}" for path in each.ignored))
-        if folder := os.environ.get(REPORTS):
-            command.append(f"--junitxml={folder}/{number}.xml")
-        began = time.monotonic()
-        hurry = partial(_hurry, each.niceness)
-        codes.append(subprocess.run([*command, *arguments], check=False, preexec_fn=hurry).returncode)
-        print(f"{', '.join(each.lanes)}: {time.monotonic() - began:.0f} s", flush=True)
-    bad = [code for code in codes if code not in (0, NOTHING_SELECTED)]
-    return bad[0] if bad else min(codes)
+    """Run every stage; return pytest's exit code."""
+    folder = os.environ.get(REPORTS)
+    forked_programs.install()
+    forked_programs.begin(wait=False)  # it imports while pytest collects
+    reports = [f"--junitxml={folder}/1.xml"] if folder else []
+    return pytest.main([*reports, *arguments], plugins=[ForkedWorkers(STAGES, SPARE, _prepare)])
 
 
-def _hurry(niceness: int) -> None:
+def _prepare(stage: Stage) -> None:
+    """Give a worker the place among others that its stage has."""
     with suppress(PermissionError):
-        os.nice(niceness)
+        os.nice(stage.niceness)
+    if "pure" not in stage.lanes:
+        forked_programs.begin()
 
 
 if __name__ == "__main__":

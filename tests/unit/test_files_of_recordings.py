@@ -199,6 +199,7 @@ def test_nothing_is_offered_unless_it_is_asked_for():
     assert not Config().recording.offer_ftp
 
 
+@pytest.mark.process  # it gives up after seconds of this world
 def test_pymavlinks_own_client_lists_and_fetches_a_recording(payload, tmp_path):
     late = []
 

@@ -72,14 +72,15 @@ def test_a_manager_that_is_gone_costs_nothing_but_the_word(tmp_path):
     ("environment", "period"),
     [
         ({"WATCHDOG_USEC": "30000000"}, 30.0),
-        ({"WATCHDOG_USEC": "30000000", "WATCHDOG_PID": str(os.getpid())}, 30.0),
+        ({"WATCHDOG_USEC": "30000000", "WATCHDOG_PID": "{own}"}, 30.0),
         ({"WATCHDOG_USEC": "30000000", "WATCHDOG_PID": "1"}, None),  # meant for another process
         ({"WATCHDOG_USEC": "0"}, None),
         ({"WATCHDOG_USEC": "soon"}, None),
     ],
 )
 def test_the_period_is_the_manager_s_and_meant_for_this_process(environment, period):
-    assert Manager.of(environment).period == period
+    told = {name: value.format(own=os.getpid()) for name, value in environment.items()}
+    assert Manager.of(told).period == period
 
 
 def hop():

@@ -1,12 +1,13 @@
 """A program that is forked from the server behaves as one that is started."""
 
 import os
+import signal
 import subprocess
 import sys
 
 import pytest
 
-from fork_server import _program
+from forked_programs import _at_start, _program, _server, begin
 
 pytestmark = pytest.mark.process
 
@@ -55,3 +56,34 @@ def test_modules_are_found_where_the_environment_says(tmp_path):
 @pytest.mark.parametrize(("code", "status"), [("", 0), ("sys.exit(3)", 3), ("sys.exit('no')", 1), ("1 / 0", 1)])
 def test_it_ends_with_its_own_code(code, status):
     assert ran(code).returncode == status
+
+
+def test_it_can_be_waited_for_looked_at_and_signalled():
+    command = [sys.executable, "-c", CODE + "print('here', flush=True); import time; time.sleep(60)"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+        assert (program.stdout.readline(), program.poll()) == ("here\n", None)
+        with pytest.raises(subprocess.TimeoutExpired):
+            program.wait(0.01)
+        program.kill()
+        assert (program.wait(60), program.poll()) == (-signal.SIGKILL, -signal.SIGKILL)
+
+
+def test_processes_that_are_forked_from_each_other_share_a_server():
+    begin()
+    server = _server()
+    reading, writing = os.pipe()
+    if (child := os.fork()) == 0:
+        try:
+            os.write(writing, ran("import os; print(os.getppid())").stdout.encode())
+        finally:
+            os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading) as told:
+        assert told.read() == f"{server._process.pid}\n"
+    assert os.waitpid(child, 0)[1] == 0
+    assert ran("print('still here')").stdout == "still here\n"
+
+
+def test_what_pymavlink_sets_of_itself_makes_no_difference():
+    assert _at_start({"MAVLINK_DIALECT": "all", "MAVLINK20": "1", "HOME": "/"}) == {"MAVLINK20": "1"}
+    assert _at_start({"MAVLINK_DIALECT": "common"}) == {"MAVLINK_DIALECT": "common"}
