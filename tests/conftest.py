@@ -10,6 +10,7 @@ import pytest
 from hypothesis import settings
 
 import fork_server
+import host_pauses
 import lanes
 
 settings.register_profile("shared machine", deadline=None)  # a busy machine makes no example wrong
@@ -41,10 +42,16 @@ def pytest_configure(config):
         signal.signal(signal.SIGINT, signal.default_int_handler)
     fork_server.install()
     config.pluginmanager.register(Examples())  # a hook of this file would see the tests alone
+    config.pluginmanager.register(host_pauses.Repetition(timed))
     if config.getoption("--actuator-kind"):
         import rigs
 
         rigs.KINDS = (config.getoption("--actuator-kind"),)
+
+
+def timed(item):
+    """Tell the lane of a test that claims something about time."""
+    return next((lane for lane in sum(lanes.TIMED.values(), ()) if item.get_closest_marker(lane)), None)
 
 
 def pytest_collection():
@@ -60,9 +67,7 @@ def pytest_collection_finish(session):
     gc.freeze()
     gc.set_threshold(*COLLECTED)
     gc.enable()
-    if not session.config.option.collectonly and any(
-        item.get_closest_marker(lane) for item in session.items for lane in sum(lanes.TIMED.values(), ())
-    ):
+    if not session.config.option.collectonly and any(timed(item) for item in session.items):
         fork_server.begin()
 
 
