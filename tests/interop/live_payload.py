@@ -64,7 +64,7 @@ def wired(config, source, wire):
 
 
 def fly(scenario, config):
-    """One mission in real time; what was kept of it, its result, and how many samples were lost, as telemetry says."""
+    """One mission in real time; what was kept of it, its result, and how its microphones were, as telemetry says."""
     clock, memory = SystemClock(), Memory()
     voiceprint = talkers_of(scenario, None, None).voiceprint
     sys.setswitchinterval(0.001)
@@ -79,7 +79,7 @@ def fly(scenario, config):
         runner.poll()
         stack.callback(clock.every(0.010, runner.poll))
         result = runner.run()
-        return memory, result, health.health().lost
+        return memory, result, health.health()
 
 
 def stretches(hops, missing):
@@ -131,12 +131,18 @@ def flown(path, out, pipe):
         try:
             told = json.loads(world.stdout.readline())
             config = wired(scenario.payload, told["pcm"] or "device:pulse", told["wire"])
-            memory, result, lost = fly(scenario, config)
+            memory, result, health = fly(scenario, config)
         finally:
             world.terminate()
             world.communicate(timeout=60)
     truth = json.loads((out / "truth.json").read_text())
-    told = {"world": world.returncode, "lost": lost, "late_s": truth["late_s"], "complaints": truth["complaints"]}
+    told = {
+        "world": world.returncode,
+        "lost": health.lost,
+        "late_s": truth["late_s"],
+        "complaints": truth["complaints"],
+    }
+    told["unread"] = round(health.waiting * RATE)  # samples, or zeros in their place
     return judge(scenario, out, memory, result, quiet) | told
 
 
