@@ -15,7 +15,7 @@ from types import TracebackType
 from typing import Self
 
 from ross_payload import config
-from ross_payload.actuators.guard_checks import checked_angle, checked_rate, doubt, driver_broke, guarded
+from ross_payload.actuators.guard_checks import checked_angle, checked_rate, doubt, driver_broke, guarded, judged_at
 from ross_payload.actuators.motion_monitor import PARKING, MotionMonitor
 from ross_payload.errors import ActuatorError, ActuatorFault, ConfigError, NotHomed, RossError
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, SharedControl
@@ -50,6 +50,7 @@ class Guard:
         self._stopped = False
         self._fault = self._later = ""  # the first fault, and the last of what came on top of it
         self._failed = False  # the fault action is still to be done
+        self._polled_at = -math.inf  # [s]
         self._monitor = MotionMonitor(rules)
         self._shared = actuator if isinstance(actuator, SharedControl) else None
         self._held = True  # for a task, as far as the driver knows; False: others may turn it
@@ -163,6 +164,7 @@ class Guard:
     def poll(self, now: float) -> None:
         """Poll the actuator and run the watchdog at ``now`` [s]; whatever a driver raises here is a fault."""
         trouble = self._polled(now)
+        self._polled_at = now
         if trouble:
             self._latch(trouble)
         elif self._failed:
@@ -234,7 +236,8 @@ class Guard:
             return ActuatorState(0.0, 0.0, False, homed=False, healthy=False, time=-math.inf, fault=driver_broke(error))
 
     def _doubt(self, state: ActuatorState) -> str:
-        return self._unfit or doubt(state, self._clock.now(), self._rules.watchdog_s)
+        when = judged_at(state, self._polled_at, self._clock.now())
+        return self._unfit or doubt(state, when, self._rules.watchdog_s)
 
     def _update_limits(self) -> None:
         """Take in what a device tells of itself after it was opened."""

@@ -11,6 +11,7 @@ from ross_payload.interfaces import ActuatorState, Capabilities
 
 LIMIT_TOLERANCE_RAD = 1e-9  # [rad], so that a limit itself is inside the limits
 MAX_AHEAD_S = 0.05  # a report may be so far ahead of the clock [s]
+PATIENCE_S = 2.0  # without a poll: so long no report grows stale
 STILL_RAD_S = math.radians(2)  # slower is at rest [rad/s]
 
 
@@ -110,6 +111,17 @@ def doubt(state: ActuatorState, now: float, watchdog: float) -> str:
     if not age >= -MAX_AHEAD_S:  # NaN is not either
         return f"the time of the last report is {-age:.2f} s ahead of the clock"
     return f"no report for {age:.2f} s" if age > watchdog else ""
+
+
+def judged_at(state: ActuatorState, polled: float, now: float) -> float:
+    """Return when the age of a report is to be judged [s]: what was fresh when polled for is until the next poll.
+
+    After a pause of the whole computer somebody may ask before the pump has looked what arrived meanwhile.
+
+    >>> judged_at(ActuatorState(0.0, 0.0, True, True, True, time=7.0), polled=7.0, now=8.5)
+    7.0
+    """
+    return now if state.time > polled else max(polled, now - PATIENCE_S)
 
 
 def driver_broke(error: Exception) -> str:

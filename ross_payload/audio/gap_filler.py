@@ -1,8 +1,9 @@
 """Makes one consecutive stream of what arrives: gaps become zeros, so that counting samples is counting time.
 
 Drivers do not tell of gaps: a callback that was blocked raises no flag. They are found by counting frames against the
-Clock. A piece that arrives late is held back until it is clear what it is: when later ones catch up, the thread was
-late and nothing is missing; when none has after 0.3 s, the earliest tells how much is missing before the first.
+Clock. A piece that arrives late is held back until it is clear what it is: when later ones catch up, something on the
+way was late and nothing is missing; when none is less late than those before for 0.3 s, the earliest tells how much is
+missing before the first.
 """
 
 from __future__ import annotations
@@ -19,7 +20,10 @@ from ross_payload.interfaces import Samples
 
 LATE = 0.040  # [s] behind the Clock: held back
 CAUGHT_UP = 0.020  # [s] behind the Clock: nothing is missing
-DECIDE = 0.3  # [s] until what did not catch up is a gap
+DECIDE = 0.3  # [s] until what does not catch up is a gap
+CATCHING_UP = 0.03  # [s] that later pieces are less late, within that time
+LONGEST = 1.5  # [s] that anything is held back
+HELD_UP = 0.1  # [s] without a look, or without a piece: something was held up, and now deserves patience
 SILENCE_TIMEOUT_S = 0.5  # without a sample until zeros take their place
 WARM_UP = 0.5  # [s] at the start, in which the clock is learnt
 
@@ -49,7 +53,9 @@ class GapFiller:
         self._unheard = round(settling * rate)
         self._clock: SampleClock | None = None
         self._held: list[Piece] = []
-        self._earliest = math.inf  # residual of those held [s]
+        self._earliest = math.inf  # of those held: how late it is, were nothing missing [s]
+        self._best = math.inf  # how late those held were when patience began [s]
+        self._since = -math.inf  # when patience began [s]
         self._expected = 0  # frames offered so far
         self._ready: deque[Samples | int] = deque()  # samples, or how many zeros
         self._index = 0  # of the next sample to give
@@ -88,21 +94,24 @@ class GapFiller:
             given = min(refused, self._owed)
             self._owed -= given
             self._zeros(refused - given)
-        self._held.append(piece)
-        behind = piece.arrived - self._clock.ahead(self._end + self.held)
-        self._earliest = min(self._earliest, behind)
-        in_time = behind < (LATE if len(self._held) == 1 else CAUGHT_UP)
-        if (in_time and not self._owed) or piece.arrived - self._held[0].arrived >= DECIDE:
+        self._hold(piece, self._clock)
+        in_time = self._earliest < (LATE if len(self._held) == 1 else CAUGHT_UP)
+        patient = piece.arrived - self._since < DECIDE and piece.arrived - self._held[0].arrived < LONGEST
+        if in_time or not patient:
             self._resolve(self._clock)
 
-    def wait(self, now: float) -> None:
-        """Nothing more has arrived by ``now`` [s]: decide about what is held, and go on with zeros."""
+    def wait(self, now: float, resumed: float = -math.inf) -> None:
+        """Nothing more has arrived by ``now`` [s]: decide about what is held, and go on with zeros.
+
+        The reader was held up until ``resumed`` [s]: so may have been what hears, and silence counts only from there.
+        """
         if self._clock is None:
             return
-        if self._held and now - self._held[0].arrived >= DECIDE:
+        if self._held and now - max(self._since, resumed) >= DECIDE:
             self._resolve(self._clock)
         silent = round((now - SILENCE_TIMEOUT_S - self._clock.ahead(self._end)) * self._rate)
-        if not self._held and silent > 0:
+        patient = not self._owed and now - resumed < SILENCE_TIMEOUT_S
+        if not self._held and silent > 0 and not patient:
             if not self._owed:
                 self._clock.coast(self._end)
             self._owed += silent
@@ -142,22 +151,33 @@ class GapFiller:
         self._append(begun[:, self._unheard :])
         self._held.clear()
 
+    def _hold(self, piece: Piece, clock: SampleClock) -> None:
+        began = piece.arrived - (self._held[-1].arrived if self._held else -math.inf) > HELD_UP
+        self._held.append(piece)
+        late = piece.arrived - clock.ahead(self._end - self._owed + self.held)
+        self._earliest = min(self._earliest, late)
+        if began or late < self._best - CATCHING_UP:
+            self._since, self._best = piece.arrived, late
+
     def _resolve(self, clock: SampleClock) -> None:
-        """Let go of what is held, after zeros for what is missing or without what zeros stand for already."""
+        """Let go of what is held, after zeros for what is missing and without what zeros stand for already."""
         if not self._held:
             return
-        off = round(self._earliest * self._rate)
-        if self._earliest > LATE:
+        gap = round(self._earliest * self._rate) if self._earliest > LATE else 0
+        if gap > self._owed:
             clock.coast(self._end)
-            self._zeros(off)
-        surplus = min(max(-off, 0), self._owed)
+        self._zeros(gap - self._owed)
+        surplus = max(self._owed - gap, 0)
         for piece in self._held:
             cut = min(surplus, piece.samples.shape[1])
             surplus -= cut
             self._append(piece.samples[:, cut:])
-            clock.observe(self._end, piece.arrived)
+        if len(self._held) == 1:
+            clock.observe(self._end, self._held[0].arrived)
+        else:
+            clock.ignore(self._end)
         self._held.clear()
-        self._earliest, self._owed = math.inf, 0
+        self._earliest, self._best, self._owed = math.inf, math.inf, surplus
 
     def _append(self, samples: Samples) -> None:
         if samples.shape[1]:

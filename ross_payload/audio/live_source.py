@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol, Self
 
 from ross_payload.audio.channel_map import ChannelMap
-from ross_payload.audio.gap_filler import GapFiller
+from ross_payload.audio.gap_filler import HELD_UP, GapFiller
 from ross_payload.audio.reconnecting_feed import Feed, ReconnectingFeed, Worker, in_thread
 from ross_payload.audio.ring import Ring
 from ross_payload.errors import AudioError
@@ -82,6 +82,7 @@ class LiveSource:
         self._feed = ReconnectingFeed(lambda: opener(self._on_samples), clock, start)
         self._index = 0
         self._open = False
+        self._looked = self._resumed = clock.now()  # into the ring, and when the reader last began to look again [s]
 
     @property
     def rate(self) -> int:
@@ -99,8 +100,12 @@ class LiveSource:
         if not self._open:
             raise AudioError("the microphones are not open")
         while self._fetch(n) < n:
-            self._gap_filler.wait(self._clock.now())
-            self._feed.check(self._ring.offered)
+            now = self._clock.now()
+            if now - self._looked > HELD_UP:  # as when the whole computer was held up
+                self._resumed = now
+            self._looked = now
+            self._gap_filler.wait(now, self._resumed)
+            self._feed.check(self._ring.offered, self._resumed)
             short = n - self._gap_filler.available
             if short > 0:
                 self._clock.sleep(min(max(short / self._rate, SHORTEST_NAP), LONGEST_NAP))

@@ -7,6 +7,7 @@ the mission goes on meanwhile.
 from __future__ import annotations
 
 import logging
+import math
 import threading
 from collections.abc import Callable
 from typing import Protocol
@@ -73,8 +74,11 @@ class ReconnectingFeed:
         self._feed = self._opener()
         self._progress = (0, self._clock.now())
 
-    def check(self, frames: int) -> None:
-        """See whether the feed lives, by the frames that have come from it so far, and else try to open it again."""
+    def check(self, frames: int, resumed: float = -math.inf) -> None:
+        """See whether the feed lives, by the frames that have come from it so far, and else try to open it again.
+
+        Whoever looks was held up until ``resumed`` [s], and so may have been the feed.
+        """
         now = self._clock.now()
         if frames != self._progress[0]:
             self._progress = (frames, now)
@@ -82,7 +86,7 @@ class ReconnectingFeed:
             self._report("")
         if self._busy or now < self._due:
             return
-        if self._feed is not None and self._feed.alive and now - self._progress[1] < STALE:
+        if self._feed is not None and self._feed.alive and now - max(self._progress[1], resumed) < STALE:
             return
         self._report(self.trouble or "the microphones were disconnected")
         self._busy = True

@@ -67,6 +67,10 @@ class SampleClock:
     def coast(self, end: int) -> None:
         """Go on from ``end`` without corrections: what follows is a gap, known only by the time that it takes."""
         self._measured, self._windows = self.rate, 0
+        self.ignore(end)
+
+    def ignore(self, end: int) -> None:
+        """Go on from ``end`` without a correction by what was observed since the last: it was late."""
         self._lines.append(_Line(end, self.ahead(end), (1 + self._drift) / self._rate))
         self._earliest = math.inf
 

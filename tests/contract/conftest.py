@@ -29,9 +29,14 @@ class Moments:
     def sleep(self, duration):
         end = self._now + duration
         while self._calls and self._calls[0][0] <= end:
-            self._now, _, call = heapq.heappop(self._calls)
+            time, _, call = heapq.heappop(self._calls)
+            self._now = max(self._now, time)
             call()
-        self._now = end
+        self._now = max(self._now, end)
+
+    def pause(self, duration):
+        """Go on so much later, as a computer does whose host had no time for it: what was due is overdue."""
+        self._now += duration
 
 
 class PortAudioError(Exception):
@@ -57,6 +62,7 @@ class FakePortAudio:
         self.streams = []
         self.listings = 1
         self.blocked = (0.0, 0.0, False)  # from, until [s], and whether the driver keeps what nobody fetched
+        self.speed = np.inf  # at which what was kept is handed on, re real time
         self.default = SimpleNamespace(device=[0, -1])
         self._generator = np.random.default_rng(5)
         self._listed = list(names)
@@ -132,6 +138,8 @@ class FakeStream:
         if not self.active:
             return
         end = self._captured(self._card.clock.now())
+        if np.isfinite(self._card.speed):
+            end = min(end, self._count + round(self._card.speed * self._card.period * self._card.rate))
         if loses:  # the card overwrote what was not fetched but its last period
             self._count = end - round(self._card.period * self._card.rate)
         frames = np.empty((end - self._count, self._channels), np.float32)

@@ -130,13 +130,48 @@ def test_a_gap_that_no_driver_tells_of_becomes_zeros_of_its_length(listen, make_
     assert all(bool(block.flags & AudioFlag.MISSING) == bool(np.any(block.samples[1] == 0)) for block in blocks)
 
 
-def test_a_long_stall_that_catches_up_costs_only_what_was_already_given_as_zeros(listen, make_card, moments, errors):
-    card = make_card()
+def out_of_place(blocks):
+    """How many of the samples that came are not where counting from the first puts them."""
+    samples = np.concatenate([block.samples for block in blocks], axis=1)
+    counts = np.rint(samples[0] * 2.0**23) - np.arange(samples.shape[1])
+    return int(np.sum((counts != counts[0]) & (samples[1] != 0)))
+
+
+@pytest.mark.parametrize("stall", [(length, speed) for length in (0.45, 0.9) for speed in (np.inf, 5.0, 2.0)])
+def test_a_stall_that_catches_up_costs_only_what_was_already_given_as_zeros(listen, make_card, moments, errors, stall):
+    card = make_card(jitter=0.004)
+    length, card.speed = stall
     with listen(card) as source:
         begin = moments.now() + 3
-        card.blocked = (begin, begin + 0.9, True)
+        card.blocked = (begin, begin + length, True)
         blocks = read(source, 8)
-    assert missing(blocks) / RATE == pytest.approx(0.4, abs=0.05)
+    assert missing(blocks) / RATE == pytest.approx(max(length - 0.5, 0.0), abs=0.05)
+    assert source.status().lost == missing(blocks)
+    assert out_of_place(blocks) == 0
+    assert np.abs(errors(blocks, card)).max() < 2 * NEAR
+
+
+@pytest.mark.parametrize("speed", [np.inf, 5.0])
+@pytest.mark.parametrize("length", [0.3, 0.6, 1.0, 2.5])
+def test_a_pause_of_the_whole_computer_costs_nothing_that_comes_afterwards(listen, make_card, moments, length, speed):
+    card = make_card(jitter=0.004)
+    card.speed = speed
+    with listen(card) as source:
+        begin = moments.now() + 3
+        card.blocked = (begin, begin + length + 0.2, True)  # whoever listens runs again before what it hears
+        moments.at(begin, lambda: moments.pause(length))
+        blocks = read(source, 10)
+    assert (source.status().lost, source.status().reopened, out_of_place(blocks)) == (0, 0, 0)
+
+
+def test_what_never_came_in_a_pause_of_the_whole_computer_is_still_missing(listen, make_card, moments, errors):
+    card = make_card(jitter=0.004)
+    with listen(card) as source:
+        begin = moments.now() + 3
+        card.blocked = (begin, begin + 0.8, False)
+        moments.at(begin, lambda: moments.pause(0.6))
+        blocks = read(source, 8)
+    assert source.status().lost == missing(blocks) == pytest.approx(0.8 * RATE, abs=0.03 * RATE)
     assert np.abs(errors(blocks, card)).max() < 2 * NEAR
 
 

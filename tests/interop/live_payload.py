@@ -2,6 +2,7 @@
 
 ``python live_payload.py SCENARIO FOLDER [PIPE]`` starts `ross world` beside it, flies one mission, flies it again in
 lock-step, and prints both reports as JSON. The sound comes over TCP, or by the sound card ``pulse`` that PIPE feeds.
+What was heard is compared with what the world made stretch by stretch: those between what the payload calls missing.
 """
 
 import json
@@ -9,17 +10,20 @@ import subprocess
 import sys
 from contextlib import ExitStack
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import correlate
 from threadpoolctl import threadpool_limits
 
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.actuators.wires import open_wire
+from ross_payload.audio.audio_health import HealthMonitor
 from ross_payload.audio.open_source import open_source
 from ross_payload.clock import SystemClock
-from ross_payload.interfaces import Services
+from ross_payload.interfaces import AudioFlag, Services
 from ross_payload.mission.mission_sequence import mission
 from ross_payload.mount import FixedMount
 from ross_payload.service.assemble import settings_of, tools_of
@@ -32,16 +36,21 @@ from ross_sim.sitl.report import EventLog, report
 from ross_sim.sitl.talker_selection import talkers_of
 from world_truth import read_truth
 
+RATE = 16000
+KEY = 64  # samples by which a stretch is found
+FAR = RATE // 2  # samples that a stretch may be out of place, to be found
+
 
 class Memory:
     """Keeps what was heard and said."""
 
     def __init__(self):
-        self.heard_by_hop = []
+        self.heard_by_hop, self.missing_by_hop = [], []
         self.story = EventLog()
 
     def on_input(self, heard):
         self.heard_by_hop.append(heard.block.samples[0])
+        self.missing_by_hop.append(bool(heard.block.flags & AudioFlag.MISSING))
 
     def on_event(self, event, heard):
         self.story.events.append(event)
@@ -55,7 +64,7 @@ def wired(config, source, wire):
 
 
 def fly(scenario, config):
-    """One mission in real time; what was kept of it, its result, and how many samples were lost."""
+    """One mission in real time; what was kept of it, its result, and how its microphones were, as telemetry says."""
     clock, memory = SystemClock(), Memory()
     voiceprint = talkers_of(scenario, None, None).voiceprint
     sys.setswitchinterval(0.001)
@@ -65,23 +74,51 @@ def fly(scenario, config):
         travel = actuator.capabilities
         brain = mission(settings_of(config, travel.lower, travel.upper), tools_of(config, voiceprint), None, None)
         runner = Runner(brain, audio, actuator, FixedMount(), config=config, clock=clock)
-        runner.observers = [memory]
+        health = HealthMonitor(config, audio)
+        runner.observers = [memory, health]
         runner.poll()
         stack.callback(clock.every(0.010, runner.poll))
         result = runner.run()
-        return memory, result, audio.status().lost
+        return memory, result, health.health()
+
+
+def stretches(hops, missing):
+    """Where what is not missing begins, and what was heard there."""
+    changes = [0, *(np.flatnonzero(np.diff(missing)) + 1), len(missing)]
+    starts = np.cumsum([0, *map(len, hops)])
+    return [
+        (int(starts[begin]), np.concatenate(hops[begin:end]))
+        for begin, end in pairwise(changes)
+        if end > begin and not missing[begin]
+    ]
+
+
+def compared(place, piece, made):
+    """How many samples a stretch is out of its place, None if far, and by how much it differs from what was made."""
+    first = max(place - FAR, 0)
+    windows = sliding_window_view(made[first : place + FAR + KEY], KEY)
+    found = first + np.flatnonzero((windows == piece[:KEY]).all(axis=1))
+    if not found.size:
+        return None, None
+    at = int(found[np.argmin(np.abs(found - place))])
+    size = min(len(piece), made.size - at)
+    return at - place, float(np.abs(piece[:size] - made[at : at + size]).max())
 
 
 def judge(scenario, world, memory, result, quiet):
     """The simulator's report, with the truth moved to where the payload began to hear."""
-    heard, truth = np.concatenate(memory.heard_by_hop), read_truth(world)
-    n = min(heard.size, 10 * 16000)
-    lag = int(np.argmax(np.abs(correlate(truth.mixture, heard[:n], mode="valid"))))
+    truth = read_truth(world)
+    heard = stretches(memory.heard_by_hop, memory.missing_by_hop)
+    begin, first = heard[0]
+    lag = int(np.argmax(np.abs(correlate(truth.mixture, first[: 10 * RATE], mode="valid")))) - begin
+    places = [compared(lag + begin, piece, truth.mixture) for begin, piece in heard]
     truth = replace(truth, images=truth.images[:, lag:], mixture=truth.mixture[lag:])
-    n = min(heard.size, truth.mixture.size)
     values = report(memory.story, truth, result, {"payload": scenario.payload.model_dump(mode="json")})
     began = lag / scenario.payload.audio.rate_hz - quiet  # in the time of the scenario [s]
-    return values | {"began_s": began, "differs": float(np.abs(heard[:n] - truth.mixture[:n]).max())}
+    zeros = sum(
+        int(np.sum(hop == 0)) for hop, gone in zip(memory.heard_by_hop, memory.missing_by_hop, strict=True) if gone
+    )
+    return values | {"began_s": began, "stretches": places, "zeros": zeros}
 
 
 def flown(path, out, pipe):
@@ -94,12 +131,18 @@ def flown(path, out, pipe):
         try:
             told = json.loads(world.stdout.readline())
             config = wired(scenario.payload, told["pcm"] or "device:pulse", told["wire"])
-            memory, result, lost = fly(scenario, config)
+            memory, result, health = fly(scenario, config)
         finally:
             world.terminate()
             world.communicate(timeout=60)
     truth = json.loads((out / "truth.json").read_text())
-    told = {"world": world.returncode, "lost": lost, "late_s": truth["late_s"], "complaints": truth["complaints"]}
+    told = {
+        "world": world.returncode,
+        "lost": health.lost,
+        "late_s": truth["late_s"],
+        "complaints": truth["complaints"],
+    }
+    told["unread"] = round(health.waiting * RATE)  # samples, or zeros in their place
     return judge(scenario, out, memory, result, quiet) | told
 
 

@@ -135,7 +135,7 @@ def flooded(payload, ground, port, frames, seconds):
     """Flood; return how many messages came a second, the longest time without a heartbeat, and the samples lost."""
     preferred(payload.process.pid)
     command = [sys.executable, "-c", ENDLESS, frames, f"127.0.0.1:{port}", str(seconds), "5000"]
-    until_heard(ground, 2)
+    until_heard(ground, 1)
     lost, begun = ground.audio[-1].lost, time.monotonic()
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as peer:
         while peer.poll() is None:

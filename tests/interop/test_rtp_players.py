@@ -14,7 +14,7 @@ from waiting import wait_for
 
 pytestmark = pytest.mark.alone
 VOICE = voiced(30.0, RATE) + 0.01 * np.random.default_rng(1).standard_normal(30 * RATE).astype(np.float32)
-SECONDS = 3.0  # that are played
+SECONDS = 2.0  # that are played
 
 
 CASES = [(player, codec) for player in (ffmpeg, gstreamer) for codec in ("opus", "L16")]

@@ -127,13 +127,6 @@ def acknowledged_stops(payload, moments):
     return answers, latencies
 
 
-def test_a_stop_beside_two_busy_loops_is_accepted_and_decelerates(rig):
-    with rig() as payload, busy_loops():
-        answers, latencies = acknowledged_stops(payload, [0.3])
-    assert max(answers) < 2.0  # an acknowledgement waits for the disk, at most so long
-    assert latencies[0] is None or latencies[0] < BUSY_COMPUTER + 0.1
-
-
 @pytest.fixture
 def listeners(free_port):
     """Streams in a configuration, and a context in which somebody takes each of them."""
@@ -166,7 +159,7 @@ def test_a_stop_beside_two_busy_loops_and_three_listeners_decelerates_as_soon(ri
     with rig(more=more) as payload, listening(), busy_loops():
         wait_for(lambda: [stream.listeners for stream in payload.ground.streams.values()] == [1, 1, 1])
         answers, latencies = acknowledged_stops(payload, [0.3])
-    assert max(answers) < 2.0
+    assert max(answers) < 2.0  # an acknowledgement waits for the disk, at most so long
     assert latencies[0] is None or latencies[0] < BUSY_COMPUTER + 0.1
 
 
@@ -219,7 +212,7 @@ def ended(rig, number, after):
 
 
 def test_another_thread_decelerates_soon():
-    assert all(latency < BUSY_COMPUTER for latency in stopped_by_a_thread([0.2, 0.6]) if latency is not None)
+    assert all(latency < BUSY_COMPUTER for latency in stopped_by_a_thread([0.4]) if latency is not None)
 
 
 def stopped_by_a_thread(moments):

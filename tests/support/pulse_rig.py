@@ -15,6 +15,7 @@ from waiting import wait_for
 
 BUSY = "while True: pass"
 LOOPBACK = "127.0.0.1"
+AT_REST = 0.2  # [s] without a step: longer than between two of them, and than a segment is on its way
 STEPS = 112.5 / 0.1125  # acceleration [1/s^2] at sixteenth steps
 FASTEST = 225 / 0.1125  # [1/s]
 TURN, STOP, CANCEL, REARM, HOME = 54003, 54004, 54005, 54009, 54010
@@ -69,6 +70,10 @@ class Bench:
 
     def turning(self, since):
         return rises(self._player.sent, since).size > 0
+
+    def last(self):
+        """When the last step that has arrived is due [s]."""
+        return float(rises(self._player.sent, 0.0)[-1])
 
     def began(self, since):
         return deceleration_began(rises(self._player.sent, since))
@@ -134,7 +139,7 @@ class Rig:
         given = time.monotonic()
         give()
         wait_for(lambda: self.ground.latest["ROSS_STATUS"].joint_rate == 0 and self.process.poll() is None)
-        time.sleep(0.5)
+        wait_for(lambda: time.monotonic() > self.bench.last() + AT_REST)
         if self.ground.order(REARM) == 0:
             return self.bench.began(self.began) - given
         assert (self.ground.order(HOME), self.ground.order(REARM)) == (0, 0)

@@ -8,7 +8,10 @@ from typing import Any
 
 import pytest
 
+from clocks import FakeClock
 from guard_bench import ABLE, Device, bench
+from ross_payload import config
+from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.guard_checks import beyond, doubt
 from ross_payload.errors import ActuatorFault, ConfigError, LimitError
 from ross_payload.interfaces import ActuatorState
@@ -267,3 +270,28 @@ def test_one_that_turns_unasked_and_says_that_it_is_ill_is_stopped() -> None:
     on.clock.sleep(0.02)
     assert on.device.asked == ["stop"]
     assert on.guard.state().fault == "possessed"
+
+
+# ------------------------------------------------------------------------------------------ pauses of the computer
+
+
+def test_a_pause_of_the_whole_computer_makes_no_report_stale_until_the_pump_has_looked() -> None:
+    clock, device = FakeClock(), Device()
+    with Guard(device, config.Guard(watchdog_s=0.5), clock) as guard:
+        guard.poll(clock.now())
+        clock.sleep(1.5)
+        assert guard.state().healthy
+        device.silent = True
+        guard.poll(clock.now())
+        assert guard.state().fault == "no report for 1.50 s"
+        device.silent = False
+        guard.poll(clock.now())
+        assert guard.state().healthy
+
+
+def test_without_a_pump_every_report_grows_stale() -> None:
+    clock = FakeClock()
+    with Guard(Device(), config.Guard(watchdog_s=0.5), clock) as guard:
+        guard.poll(clock.now())
+        clock.sleep(3.0)
+        assert guard.state().fault == "no report for 1.00 s"

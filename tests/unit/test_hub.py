@@ -2,6 +2,7 @@
 
 import asyncio
 import socket
+import struct
 import threading
 import time
 from contextlib import contextmanager, suppress
@@ -252,3 +253,43 @@ def test_a_client_too_many_is_refused_aloud_and_the_others_go_on(hub, caplog):
 def _is_welcome(hub):
     with socket.create_connection(("127.0.0.1", hub.port), 10) as again:
         return again.recv(100) == b"< hi >"
+
+
+def test_a_client_that_has_gone_is_sent_nothing_and_fills_no_log(hub, caplog):
+    held, going = threading.Event(), threading.Event()
+
+    def hold():
+        held.set()
+        going.wait(10)
+
+    with joined(hub) as speaker, joined(hub) as gone:
+        gone.sendall(b"< send 123 1 00 >")
+        told(speaker, b"frame 123")
+        hub._loop.call_soon_threadsafe(hold)
+        assert held.wait(10)
+        speaker.sendall(b"< send 123 1 00 >" * 20)
+        gone.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        gone.close()  # at once, as when a process dies
+        going.set()
+        with joined(hub) as late:
+            speaker.sendall(b"< send 124 1 00 >")
+            late.sendall(b"< send 125 1 00 >")
+            told(speaker, b"frame 125")
+    assert [record.message for record in caplog.records if record.name == "asyncio"] == []
+
+
+def told(sock, word):
+    heard = b""
+    while word not in heard:
+        heard += sock.recv(4096)
+
+
+@contextmanager
+def joined(hub):
+    with socket.create_connection(("127.0.0.1", hub.port), 10) as sock:
+        sock.sendall(b"< open can0 >< rawmode >")
+        heard = b""
+        while heard.count(b"< ok >") < 2:
+            heard += sock.recv(4096)
+        sock.sendall(b"< send 7ff 1 00 >")  # from now on it listens
+        yield sock

@@ -130,6 +130,8 @@ class _Client:
 
     def send(self, text: str) -> bool:
         """Send a word; hang up on a client that does not read, and return False."""
+        if self.writer.transport.is_closing():  # it has gone: nobody waits for it
+            return True
         if self.writer.transport.get_write_buffer_size() > MOST_WAITING:
             self.writer.transport.abort()
             return False
