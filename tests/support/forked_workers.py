@@ -38,6 +38,7 @@ class Stage:
     workers: int
     niceness: int = 0
     spare: bool = False  # whether it leaves the processors time, for more than its end
+    quiet: bool = False  # whether nothing of another stage runs beside it
 
     def __str__(self) -> str:
         return ", ".join(self.lanes)
@@ -163,7 +164,7 @@ class ForkedWorkers:
         terminal.line(f"\n{stage}: {monotonic() - began:.0f} s")
 
     def _leaves_time(self, stage: Stage) -> bool:
-        if stage.workers == 1 or stage.lanes == self._spare.lanes:
+        if stage.quiet or stage.lanes == self._spare.lanes:
             return False
         return stage.spare or len(self._of(stage)) < stage.workers
 
