@@ -16,7 +16,7 @@ from lanes import TESTS
 RUN = """
 import sys, pytest
 from forked_workers import ForkedWorkers, Stage
-stages = [Stage(("one",), 2), Stage(("two",), 2, spare=True), Stage(("rest",), 2)]
+stages = [Stage(("one",), 2, quiet=True), Stage(("two",), 2, spare=True), Stage(("rest",), 2)]
 sys.exit(pytest.main(sys.argv[1:], plugins=[ForkedWorkers(stages, Stage(("rest",), 2), lambda stage: None)]))
 """
 SETTINGS = """
@@ -30,7 +30,7 @@ timeout = 60
 junit_family = xunit1
 """
 GOOD = """
-import os, pytest
+import os, pytest, time
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
@@ -42,6 +42,8 @@ pytestmark = pytest.mark.{lane}
 @pytest.mark.parametrize("number", range(6))
 def test_number(number, file, tmp_path, record_property):
     assert file.write(str(number))
+    record_property("began", time.monotonic())
+    time.sleep(0.02)
     record_property("folder", str(tmp_path.parent))
     record_property("output", os.fstat(1).st_ino)
 """
@@ -133,6 +135,15 @@ def test_every_test_of_every_stage_runs_once_in_its_turn(run):
     for own in ("folder", "output"):
         places = {(case.get("classname"), case.find(f".//property[@name='{own}']").get("value")) for case in cases}
         assert len({place for _, place in places}) >= 3  # one of every worker
+
+
+def test_beside_a_quiet_stage_runs_nothing_else(run):
+    _, cases = run({lane: GOOD.format(lane=lane) for lane in ("rest", "two", "one")})
+    began = {lane: [] for lane in ("one", "two", "rest")}
+    for case in cases:
+        lane = case.get("classname").rpartition("test_")[2]
+        began[lane].append(float(case.find(".//property[@name='began']").get("value")))
+    assert max(began["one"]) < min(began["rest"]) < max(began["two"])
 
 
 def test_every_failure_fails_the_run_and_has_a_name(run):
