@@ -6,15 +6,19 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 import soundfile
 
+import ross_sim
 from command_line import called_once
 from short_mission import SHORT
 
 pytestmark = pytest.mark.lockstep
+
+SCENARIOS = Path(ross_sim.__file__).parents[1] / "scenarios"
 
 
 def ross(*arguments, **options):
@@ -244,8 +248,23 @@ def test_other_files_in_the_folder_are_left_alone_and_a_title_is_only_a_title(mi
     assert not (out / "group-7.wav").exists()  # taken for an earlier mission's
 
 
-def test_a_mission_that_loses_its_target_starts_again_and_finds_it(mission, tmp_path):
-    code, _, report = mission("--scenario", "restart", "--seed", 1)
+SOONER = {  # what happens in the scenario `restart`, in less time
+    "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.5\nmax_rotations = 4",
+    "runs = 2": "runs = 2\ncheck_s = 2.0\nrun_s = 5.0",
+    "[[42, 62]]": "[[17, 29]]",
+    "end_s = 45": "end_s = 19",
+    "start_s = 46": "start_s = 20",
+}
+
+
+@pytest.mark.parametrize("shorter", [True, pytest.param(False, marks=pytest.mark.soak)], ids=["sooner", "as it is"])
+def test_a_mission_that_loses_its_target_starts_again_and_finds_it(mission, tmp_path, shorter):
+    text = (SCENARIOS / "restart.toml").read_text(encoding="utf-8")
+    for long, short in SOONER.items() if shorter else ():
+        assert long in text
+        text = text.replace(long, short)
+    (tmp_path / "restart.toml").write_text(text)
+    code, _, report = mission("--scenario", tmp_path / "restart.toml", "--seed", 1)
     events = [json.loads(line)["event"] for line in (tmp_path / "out" / "events.jsonl").read_text().splitlines()]
     assert "ScoreDropped" in events
     assert (code, report["outcome"]) == (0, "target_found")

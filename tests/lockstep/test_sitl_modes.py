@@ -1,9 +1,11 @@
 """Pipelined and informed missions in the simulator, as their user runs them."""
 
 import json
+from pathlib import Path
 
 import pytest
 
+import ross_sim
 from command_line import called_once
 from short_mission import THREE
 
@@ -24,21 +26,30 @@ def target(report):
     return next(group for group in report["groups"] if group["target"])
 
 
-PIPELINED = ("--scenario", "pipelined")
+SCENARIOS = Path(ross_sim.__file__).parents[1] / "scenarios"
+BRIEF = "[payload.exploit]\ncheck_s = 2.0\nrun_s = 4.0\n"  # how long the target is heard is not what is tested
+
+
+def brief(name, folder):
+    """Write a scenario that is shorter at its end; its path."""
+    path = folder / f"{name}.toml"
+    path.write_text((SCENARIOS / f"{name}.toml").read_text(encoding="utf-8") + BRIEF)
+    return path
 
 
 @pytest.fixture(scope="module")
 def pipelined(tmp_path_factory):
     """A pipelined mission, seed 1: the exit code, its report, and the folder of its results."""
-    out = tmp_path_factory.mktemp("pipelined") / "out"
-    code, _, err = called_once("sitl", "--json", "--out", out, *PIPELINED, "--seed", 1)
+    folder = tmp_path_factory.mktemp("pipelined")
+    out = folder / "out"
+    code, _, err = called_once("sitl", "--json", "--out", out, "-s", brief("pipelined", folder), "--seed", 1)
     assert "Traceback" not in err
     return code, json.loads((out / "report.json").read_text()), out
 
 
-def test_a_pipelined_mission_hears_the_same_target_sooner(mission, pipelined):
+def test_a_pipelined_mission_hears_the_same_target_sooner(mission, pipelined, tmp_path):
     code, report, _ = pipelined
-    plain_code, plain = mission("demo", "--scenario", "demo", "--actuator", "ideal", "--seed", 1)
+    plain_code, plain = mission("demo", "--scenario", brief("demo", tmp_path), "--actuator", "ideal", "--seed", 1)
     assert (code, plain_code) == (0, 0)
     assert report["k"] == 3
     assert target(report)["talkers"] == [report["target"]]
@@ -46,8 +57,8 @@ def test_a_pipelined_mission_hears_the_same_target_sooner(mission, pipelined):
     assert target(report)["si_sdri_db"] > 12
 
 
-def test_an_informed_mission_turns_at_once_and_says_that_it_was_informed(mission):
-    code, report = mission("informed", "--scenario", "demo", "--informed", "--seed", 1)
+def test_an_informed_mission_turns_at_once_and_says_that_it_was_informed(mission, tmp_path):
+    code, report = mission("informed", "--scenario", brief("demo", tmp_path), "--informed", "--seed", 1)
     assert (code, report["informed"], report["rotations"]) == (0, True, 0)
     assert [source["azimuth_error_deg"] for source in report["sources"]] == [0.0, 0.0, 0.0]
     assert report["configuration"]["payload"]["informed"]["azimuths_deg"] == [40.0, 155.0, -80.0]
@@ -69,7 +80,7 @@ def same_files(one, two):
 
 
 def test_a_rerun_gives_the_same_bytes(mission, pipelined, tmp_path):
-    mission("again", *PIPELINED, "--seed", 1)
+    mission("again", "-s", brief("pipelined", tmp_path), "--seed", 1)
     same_files(pipelined[2], tmp_path / "again")
 
 
