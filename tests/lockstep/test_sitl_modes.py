@@ -1,15 +1,13 @@
 """Pipelined and informed missions in the simulator, as their user runs them."""
 
 import json
-from pathlib import Path
 
 import pytest
 
-import ross_sim
 from command_line import called_once
-from short_mission import THREE
+from short_mission import THREE, brief
 
-pytestmark = pytest.mark.lockstep
+pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
 
 @pytest.fixture
@@ -24,17 +22,6 @@ def mission(run, tmp_path):
 
 def target(report):
     return next(group for group in report["groups"] if group["target"])
-
-
-SCENARIOS = Path(ross_sim.__file__).parents[1] / "scenarios"
-BRIEF = "[payload.exploit]\ncheck_s = 2.0\nrun_s = 4.0\n"  # how long the target is heard is not what is tested
-
-
-def brief(name, folder):
-    """Write a scenario that is shorter at its end; its path."""
-    path = folder / f"{name}.toml"
-    path.write_text((SCENARIOS / f"{name}.toml").read_text(encoding="utf-8") + BRIEF)
-    return path
 
 
 @pytest.fixture(scope="module")
@@ -65,8 +52,8 @@ def test_an_informed_mission_turns_at_once_and_says_that_it_was_informed(mission
     assert target(report)["si_sdri_db"] > 12
 
 
-def test_azimuths_that_are_told_by_eye_will_do(mission):
-    code, report = mission("informed", "--scenario", "informed", "--seed", 1)
+def test_azimuths_that_are_told_by_eye_will_do(mission, tmp_path):
+    code, report = mission("informed", "--scenario", brief("informed", tmp_path), "--seed", 1)
     assert (code, report["informed"]) == (0, True)
     assert report["checks"][0]["candidate"] == 0
     assert target(report)["talkers"] == [report["target"]]
