@@ -18,6 +18,7 @@ settings.load_profile("shared machine")
 
 ROOT = Path(__file__).parents[1]
 PROMPT = b">>>"
+HEARD = "MAVLINK20"  # what pymavlink writes into the environment when it hears a message of this version
 COLLECTED = (20_000, 20, 20)  # thresholds of the garbage collector: what the tests make is mostly gone without it
 
 
@@ -80,6 +81,17 @@ def pytest_collection_modifyitems(items):
         except ValueError as error:
             raise pytest.UsageError(f"{item.nodeid}: {error}") from error
     items.sort(key=lambda item: lanes.begins(item.path))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call():
+    """Forget what pymavlink has heard: programs that start in another environment are not forked, but started anew."""
+    before = os.environ.get(HEARD)
+    try:
+        return (yield)
+    finally:
+        if before is None:
+            os.environ.pop(HEARD, None)
 
 
 @pytest.fixture(scope="session", autouse=True)

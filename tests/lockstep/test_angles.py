@@ -38,6 +38,8 @@ from ross_sim.sitl.summary import show
 from ross_sim.sitl.talker_selection import talkers_of
 from short_mission import SHORT
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 TALKERS = (40.0, 155.0, -80.0)  # of SHORT, counter-clockwise
 FRAMES = {"from the nose": "", "from north": "[payload.mount]\nyaw_deg = 30\n"}
 NORTH = {"from the nose": 0.0, "from north": 30.0}  # compass degrees of the payload's nose

@@ -9,13 +9,24 @@ from pathlib import Path
 
 import pytest
 
+from short_mission import brief
+
 pytestmark = pytest.mark.lockstep
 
 
 def test_talkers_below_are_found_and_the_target_is_separated(tmp_path: Path) -> None:
     """The talkers are 22 to 58 deg below: at one's cosine a horizontal one would be up to 58 deg away."""
     out = tmp_path / "out"
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--scenario", "from-above", "--seed", "1"]
+    command = [
+        sys.executable,
+        "-m",
+        "ross_payload.cli",
+        "sitl",
+        "--scenario",
+        str(brief("from-above", tmp_path)),
+        "--seed",
+        "1",
+    ]
     done = subprocess.run(
         [*command, "--out", str(out), "--json"], capture_output=True, text=True, check=False, timeout=250
     )

@@ -9,6 +9,8 @@ import soundfile
 from ross_payload.sessions.session_store import SessionStore
 from short_mission import SHORT
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 LISTENED = SHORT.replace("run_s = 1.0", "run_s = 2.0")
 RECORDED = (
     LISTENED

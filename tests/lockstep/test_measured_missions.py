@@ -5,6 +5,7 @@ import json
 import pytest
 
 from reports import gain
+from short_mission import brief
 
 pytestmark = pytest.mark.lockstep
 
@@ -13,8 +14,8 @@ def worst(report):
     return max(abs(source["azimuth_error_deg"]) for source in report["sources"])
 
 
-def test_in_the_field_everybody_is_found_and_the_target_is_separated(run):
-    code, out, err = run("sitl", "--scenario", "setting-4", "--json")
+def test_in_the_field_everybody_is_found_and_the_target_is_separated(run, tmp_path):
+    code, out, err = run("sitl", "--scenario", brief("setting-4", tmp_path), "--json")
     assert code == 0, err
     report = json.loads(out)
     assert report["k"] == 3
@@ -22,8 +23,8 @@ def test_in_the_field_everybody_is_found_and_the_target_is_separated(run):
     assert gain(report) > 12
 
 
-def test_in_the_conference_room_everybody_is_found_even_when_the_voice_is_not_recognised(run):
-    code, out, err = run("sitl", "--scenario", "setting-5", "--json")
+def test_in_the_conference_room_everybody_is_found_even_when_the_voice_is_not_recognised(run, tmp_path):
+    code, out, err = run("sitl", "--scenario", brief("setting-5", tmp_path), "--json")
     assert code in (0, 3), err
     report = json.loads(out)
     assert report["k"] == 3

@@ -23,6 +23,8 @@ from ross_sim.sitl.talker_selection import talkers_of
 from short_mission import SHORT
 from stream_ear import Gazer, StreamEar, place_of
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 TURN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_STOP
 RESULTS = ("report.json", "events.jsonl", "mission.tlog", "mixture.wav", "target.wav")
 
@@ -47,11 +49,19 @@ def watched(tmp_path_factory):
     return finished, folder / "out", gazer
 
 
-def test_the_results_are_the_same_whether_somebody_looks_on_or_not(watched, short, tmp_path):
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """The results of the same mission that nobody looks on."""
+    folder = tmp_path_factory.mktemp("alone")
+    (folder / "short.toml").write_text(SHORT)
+    flown(folder / "short.toml", folder / "out")
+    return folder / "out"
+
+
+def test_the_results_are_the_same_whether_somebody_looks_on_or_not(watched, alone):
     _, results, gazer = watched
-    flown(short, tmp_path / "alone")
     for name in RESULTS:
-        assert (tmp_path / "alone" / name).read_bytes() == (results / name).read_bytes()
+        assert (alone / name).read_bytes() == (results / name).read_bytes()
     assert [packet.value for packet in gazer.packets if packet.name == "ROSS_STATUS"][-1].mission_time > 1.0
     assert gazer.messages("ROSS_AUDIO")
 
@@ -72,15 +82,14 @@ def test_a_stop_from_the_page_ends_the_mission(short, tmp_path):
     assert [ack.result for ack in gazer.messages("COMMAND_ACK")] == [common.MAV_RESULT_ACCEPTED]
 
 
-def test_what_somebody_hears_live_is_the_mixture_in_real_time_and_the_results_stay_the_same(short, tmp_path):
+def test_what_somebody_hears_live_is_the_mixture_in_real_time_and_the_results_stay_the_same(alone, short, tmp_path):
     pytest.importorskip("aiortc", reason="the extra [stream]")
-    flown(short, tmp_path / "alone")
     begun = time.monotonic()
     with StreamEar() as ear, Gazer(ear.order) as gazer:
         flown(short, tmp_path / "heard", PageObserver("", gazer.link))
     took = time.monotonic() - begun
     for name in RESULTS:
-        assert (tmp_path / "alone" / name).read_bytes() == (tmp_path / "heard" / name).read_bytes()
+        assert (alone / name).read_bytes() == (tmp_path / "heard" / name).read_bytes()
     assert [ack.result for ack in gazer.messages("COMMAND_ACK")] == [common.MAV_RESULT_ACCEPTED]
     assert took > ear.seconds - BEHIND_S  # at real time, but for what was under way when it was asked for
     heard = np.concatenate([packet.samples for packet in ear.packets[:25]]) / 2**15

@@ -6,13 +6,15 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 import soundfile
 
 from command_line import called_once
-from short_mission import SHORT
+from mission_fixtures import without_picture
+from short_mission import SHORT, brief, changed
 
 pytestmark = pytest.mark.lockstep
 
@@ -32,8 +34,9 @@ def sitl(out, *arguments):
 def mission(run, tmp_path):
     """Fly in this process: the exit code, what it says of itself, and its report; results are in ``tmp_path/out``."""
 
-    def flown(*arguments, out="out"):
-        code, _, said = run("sitl", "--json", "--out", tmp_path / out, *arguments)
+    def flown(*arguments, out="out", drawn=False):
+        with nullcontext() if drawn else without_picture():
+            code, _, said = run("sitl", "--json", "--out", tmp_path / out, *arguments)
         assert "Traceback" not in said, said
         return code, said, json.loads((tmp_path / out / "report.json").read_text())
 
@@ -117,12 +120,12 @@ def test_a_rerun_in_another_process_gives_the_same_bytes(first, short, tmp_path)
 
 @pytest.mark.soak
 def test_a_rerun_of_the_demo_gives_the_same_bytes(demo, mission, tmp_path):
-    mission("--seed", 1)
+    mission("--seed", 1, drawn=True)
     same_files(demo[2], tmp_path / "out")
 
 
 def test_another_seed_gives_other_noise(mission, first, short, tmp_path):
-    mission("--scenario", short, "--seed", 2)
+    mission("--scenario", short, "--seed", 2, "--separator", "duet")
     folders = (first[1], tmp_path / "out")
     one, other = (soundfile.read(folder / "mixture.wav", frames=16000)[0] for folder in folders)
     assert (one != other).mean() > 0.5
@@ -135,8 +138,8 @@ def test_recorded_talkers_are_told_apart(speech, tmp_path):
     assert all(abs(source["azimuth_error_deg"]) < 5 for source in report["sources"])
 
 
-def test_a_target_that_is_not_there_is_not_found(mission):
-    code, _, report = mission("--scenario", "no-target")
+def test_a_target_that_is_not_there_is_not_found(mission, tmp_path):
+    code, _, report = mission("--scenario", brief("no-target", tmp_path))
     assert code == 3
     assert report["k"] == report["k_true"]
     assert not report["groups"]
@@ -149,8 +152,8 @@ def test_a_silent_room_holds_nobody(mission):
     assert report["reason"] == "nobody is talking"
 
 
-def test_one_talker_is_found(mission):
-    code, _, report = mission("--scenario", "one-talker")
+def test_one_talker_is_found(mission, tmp_path):
+    code, _, report = mission("--scenario", brief("one-talker", tmp_path))
     assert (code, report["k"]) == (0, 1)
     assert abs(report["sources"][0]["azimuth_error_deg"]) < 5
 
@@ -236,24 +239,35 @@ def test_other_files_in_the_folder_are_left_alone_and_a_title_is_only_a_title(mi
     out.mkdir()
     for name in ("group-photo.wav", "group-7.wav", "notes.txt"):
         (out / name).write_text("mine")
-    code, said, _ = mission("--scenario", short)
+    code, said, _ = mission("--scenario", short, drawn=True)
     assert code in (0, 3), said
-    assert (out / "mission.png").exists()
+    assert (out / "mission.png").stat().st_size
     assert (out / "group-photo.wav").read_text() == "mine"
     assert (out / "notes.txt").read_text() == "mine"
     assert not (out / "group-7.wav").exists()  # taken for an earlier mission's
 
 
-def test_a_mission_that_loses_its_target_starts_again_and_finds_it(mission, tmp_path):
-    code, _, report = mission("--scenario", "restart", "--seed", 1)
+SOONER = {  # what happens in the scenario `restart`, in less time
+    "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.5\nmax_rotations = 4",
+    "runs = 2": "runs = 2\ncheck_s = 2.0\nrun_s = 5.0",
+    "[[42, 62]]": "[[17, 29]]",
+    "end_s = 45": "end_s = 19",
+    "start_s = 46": "start_s = 20",
+}
+
+
+@pytest.mark.parametrize("shorter", [True, pytest.param(False, marks=pytest.mark.soak)], ids=["sooner", "as it is"])
+def test_a_mission_that_loses_its_target_starts_again_and_finds_it(mission, tmp_path, shorter):
+    code, _, report = mission("--scenario", changed("restart", tmp_path, SOONER if shorter else {}), "--seed", 1)
     events = [json.loads(line)["event"] for line in (tmp_path / "out" / "events.jsonl").read_text().splitlines()]
     assert "ScoreDropped" in events
     assert (code, report["outcome"]) == (0, "target_found")
     assert next(group for group in report["groups"] if group["target"])["talkers"] == [report["target"]]
 
 
-def test_a_target_asked_for_by_name_is_in_the_room(mission, speech):
-    code, _, report = mission("--speech", speech, "--target", "vctk_p226")
+def test_a_target_asked_for_by_name_is_in_the_room(mission, speech, tmp_path):
+    wanted = ("--speech", speech, "--target", "vctk_p226")
+    code, _, report = mission("--scenario", brief("demo", tmp_path, run_s=2.0), "--informed", *wanted)
     assert (code, report["target"]) == (0, "vctk_p226")
 
 

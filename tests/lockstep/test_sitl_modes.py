@@ -5,9 +5,9 @@ import json
 import pytest
 
 from command_line import called_once
-from short_mission import THREE
+from short_mission import THREE, brief
 
-pytestmark = pytest.mark.lockstep
+pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
 
 @pytest.fixture
@@ -24,21 +24,19 @@ def target(report):
     return next(group for group in report["groups"] if group["target"])
 
 
-PIPELINED = ("--scenario", "pipelined")
-
-
 @pytest.fixture(scope="module")
 def pipelined(tmp_path_factory):
     """A pipelined mission, seed 1: the exit code, its report, and the folder of its results."""
-    out = tmp_path_factory.mktemp("pipelined") / "out"
-    code, _, err = called_once("sitl", "--json", "--out", out, *PIPELINED, "--seed", 1)
+    folder = tmp_path_factory.mktemp("pipelined")
+    out = folder / "out"
+    code, _, err = called_once("sitl", "--json", "--out", out, "-s", brief("pipelined", folder), "--seed", 1)
     assert "Traceback" not in err
     return code, json.loads((out / "report.json").read_text()), out
 
 
-def test_a_pipelined_mission_hears_the_same_target_sooner(mission, pipelined):
+def test_a_pipelined_mission_hears_the_same_target_sooner(mission, pipelined, tmp_path):
     code, report, _ = pipelined
-    plain_code, plain = mission("demo", "--scenario", "demo", "--actuator", "ideal", "--seed", 1)
+    plain_code, plain = mission("demo", "--scenario", brief("demo", tmp_path), "--actuator", "ideal", "--seed", 1)
     assert (code, plain_code) == (0, 0)
     assert report["k"] == 3
     assert target(report)["talkers"] == [report["target"]]
@@ -46,16 +44,16 @@ def test_a_pipelined_mission_hears_the_same_target_sooner(mission, pipelined):
     assert target(report)["si_sdri_db"] > 12
 
 
-def test_an_informed_mission_turns_at_once_and_says_that_it_was_informed(mission):
-    code, report = mission("informed", "--scenario", "demo", "--informed", "--seed", 1)
+def test_an_informed_mission_turns_at_once_and_says_that_it_was_informed(mission, tmp_path):
+    code, report = mission("informed", "--scenario", brief("demo", tmp_path), "--informed", "--seed", 1)
     assert (code, report["informed"], report["rotations"]) == (0, True, 0)
     assert [source["azimuth_error_deg"] for source in report["sources"]] == [0.0, 0.0, 0.0]
     assert report["configuration"]["payload"]["informed"]["azimuths_deg"] == [40.0, 155.0, -80.0]
     assert target(report)["si_sdri_db"] > 12
 
 
-def test_azimuths_that_are_told_by_eye_will_do(mission):
-    code, report = mission("informed", "--scenario", "informed", "--seed", 1)
+def test_azimuths_that_are_told_by_eye_will_do(mission, tmp_path):
+    code, report = mission("informed", "--scenario", brief("informed", tmp_path), "--seed", 1)
     assert (code, report["informed"]) == (0, True)
     assert report["checks"][0]["candidate"] == 0
     assert target(report)["talkers"] == [report["target"]]
@@ -69,7 +67,7 @@ def same_files(one, two):
 
 
 def test_a_rerun_gives_the_same_bytes(mission, pipelined, tmp_path):
-    mission("again", *PIPELINED, "--seed", 1)
+    mission("again", "-s", brief("pipelined", tmp_path), "--seed", 1)
     same_files(pipelined[2], tmp_path / "again")
 
 

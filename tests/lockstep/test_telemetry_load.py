@@ -90,7 +90,7 @@ class Line:
 
 @pytest.fixture(scope="module", params=["five-talkers"])
 def mission(request):
-    scenario = directed(request.param, {"actuator": None, "separator": None, "paper": False, "informed": False,
+    scenario = directed(request.param, {"actuator": None, "separator": "duet", "paper": False, "informed": False,
         "seed": None, "speech": None, "target": None, "urls": ()})  # fmt: skip
     capture = Capture()
     perform(scenario, talkers_of(scenario, None, None), capture, None, None)

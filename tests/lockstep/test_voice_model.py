@@ -10,6 +10,8 @@ from ross_payload.voiceprint.features import RATE
 from ross_payload.voiceprint.model_folder import ModelFolder
 from speaker_network import speaker_network, vowel
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 @pytest.fixture
 def file(tmp_path, monkeypatch):

@@ -14,6 +14,8 @@ from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import talkers_of
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 SETS_OUT, SPEED = 10.0, 8.0  # [s], [deg/s]
 
 

@@ -25,8 +25,8 @@ def test_the_scenario_of_the_guide_is_valid(tmp_path):
 
 
 def test_the_guide_reads_the_log_of_a_mission(tmp_path):
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--scenario", "one-talker", "--out", "out/demo"]
-    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=250)
+    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--scenario", "one-talker", "--informed"]
+    subprocess.run([*command, "--out", "out/demo"], cwd=tmp_path, check=True, capture_output=True, timeout=250)
     program = block("read-telemetry.md", "python")
     environment = os.environ | {"MAVLINK20": "1"}
     read = [sys.executable, "-c", program]

@@ -17,12 +17,18 @@ ROSS = (sys.executable, "-m", "ross_payload.cli")
 RATE = 16000
 
 
+def noisy(folder, seconds=2):
+    """Write two seconds of noise into a folder, and with more of them also a long file; return the folder."""
+    noise = np.random.default_rng(0).normal(0, 0.01, (RATE * seconds, 2))
+    soundfile.write(folder / "noise.wav", noise[: 2 * RATE], RATE, subtype="PCM_24")
+    if seconds > 2:
+        soundfile.write(folder / "long.wav", noise, RATE, subtype="PCM_24")
+    return folder
+
+
 @pytest.fixture
 def folder(tmp_path):
-    noise = np.random.default_rng(0).normal(0, 0.01, (RATE * 60, 2))
-    soundfile.write(tmp_path / "long.wav", noise, RATE, subtype="PCM_24")
-    soundfile.write(tmp_path / "noise.wav", noise[: 2 * RATE], RATE, subtype="PCM_24")
-    return tmp_path
+    return noisy(tmp_path, seconds=60)
 
 
 def written(folder, more="", source="file:noise.wav", links=""):
@@ -63,20 +69,28 @@ def wait_for(process, words, timeout=60):
     raise AssertionError(f"'{words}' never came")
 
 
-def test_the_end_of_a_recording_is_no_fault(folder):
-    done = run(folder, written(folder))
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory):
+    """A payload that heard two seconds of noise to their end, and its folder."""
+    folder = noisy(tmp_path_factory.mktemp("ended"))
+    return run(folder, written(folder)), folder
+
+
+def test_the_end_of_a_recording_is_no_fault(ended):
+    done, _ = ended
     assert done.returncode == 0, done.stderr
     assert any("end" in line["message"] for line in log(done.stderr))
     assert not [line for line in log(done.stderr) if line["level"] in ("warning", "error", "critical")]
 
 
-def test_nothing_is_asked_of_the_motor_at_start(folder):
-    done = run(folder, written(folder))
+def test_nothing_is_asked_of_the_motor_at_start(ended):
+    done, _ = ended
+    assert log(done.stderr)
     assert not [line for line in log(done.stderr) if "turning" in line["message"]]
 
 
-def test_what_must_last_is_in_the_state_folder_for_its_owner_alone(folder):
-    run(folder, written(folder))
+def test_what_must_last_is_in_the_state_folder_for_its_owner_alone(ended):
+    _, folder = ended
     assert (folder / "state").stat().st_mode & 0o777 == 0o700
 
 

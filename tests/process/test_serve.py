@@ -106,7 +106,7 @@ def page_of(scenario, home):
             yield it, it.stdout.readline().split()[-1]
         finally:
             it.send_signal(signal.SIGINT)
-            it.said, _ = it.communicate(timeout=60)
+            it.said = it.stdout.read()  # not `communicate`, which leaves out what came along with the first line
 
 
 async def recorded(url):

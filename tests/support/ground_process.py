@@ -1,6 +1,5 @@
 """``ross ground`` in a process of its own, with a free port."""
 
-import os
 import re
 import subprocess
 import sys
@@ -8,17 +7,16 @@ from contextlib import contextmanager
 
 from ports import free_port
 
-ROSS = [sys.executable, "-m", "ross_payload.cli", "ground"]
+ROSS = [sys.executable, "-u", "-m", "ross_payload.cli", "ground"]
 BEGIN = r"ross ground: (http\S+)  \(Ctrl-C ends it\)\n"
 
 
 @contextmanager
 def ground(*words, descriptors=None):
     """Start it, with a free port; yield the process and the page's address. ``descriptors``: soft and hard limit."""
-    env = os.environ | {"PYTHONUNBUFFERED": "1"}
     limited = [] if descriptors is None else ["prlimit", "--nofile={}:{}".format(*descriptors)]
     process = subprocess.Popen(
-        [*limited, *ROSS, "--port", "0", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env
+        [*limited, *ROSS, "--port", "0", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     try:
         line = process.stdout.readline()

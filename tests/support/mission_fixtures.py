@@ -20,6 +20,21 @@ LOOPBACK = "127.0.0.1"
 IN_PROGRESS = 5  # MAV_RESULT
 
 
+@contextmanager
+def without_picture():
+    """Draw no picture of a mission in this process, where nobody looks at it: `mission.png` stays empty."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("ross_sim.sitl.mission_figure.draw", lambda path, *_, **__: path.touch())
+        yield
+
+
+@pytest.fixture(scope="module")
+def undrawn():
+    """No mission of this module is drawn."""
+    with without_picture():
+        yield
+
+
 @pytest.fixture
 def short(tmp_path):
     path = tmp_path / "short.toml"

@@ -1,8 +1,10 @@
 """The ring: what is written is taken in order, and what has no room is counted."""
 
+import sys
 import threading
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -43,8 +45,18 @@ def test_a_piece_is_kept_when_it_fits_and_refused_whole_when_not():
     assert ring.read().offered == 450
 
 
+@pytest.fixture
+def restless():
+    """Threads take turns 100 times as often as they do otherwise."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(before / 100)
+    yield
+    sys.setswitchinterval(before)
+
+
+@pytest.mark.usefixtures("restless")
 def test_a_writer_and_a_reader_in_two_threads_agree():
-    ring, total = Ring(1000), 200_000
+    ring, total = Ring(1000), 50_000
 
     def write():
         begin = 0

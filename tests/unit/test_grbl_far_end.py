@@ -81,7 +81,9 @@ def test_a_line_back_begins_from_rest():
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.lists(st.tuples(st.integers(-800, 800), st.integers(-300, 300), st.floats(60, 9000)), min_size=1, max_size=6))
+@given(
+    st.lists(st.tuples(st.integers(-800, 800), st.integers(-300, 300), st.floats(600, 9000)), min_size=1, max_size=6)
+)
 def test_no_path_exceeds_speed_or_acceleration_and_every_path_ends_at_its_goal(path):
     axes = (Axis(10.0, 6000.0, 100.0), Axis(20.0, 3000.0, 400.0))
     motion = Motion(axes, 0.01)

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from command_line import called
 from flight_logs import UNIX, full_tick, record, vehicle_frames
+from mission_fixtures import without_picture
 from ross_payload.ground.flights.command import command
 from ross_protocols.mavlink.codec import Encoder, chunks
 from ross_protocols.mavlink.commands import Result, acknowledgement
@@ -45,7 +46,8 @@ def mission(tmp_path_factory):
     folder = tmp_path_factory.mktemp("mission")
     (folder / "short.toml").write_text(SHORT)
     arguments = ["--scenario", str(folder / "short.toml"), "--out", str(folder / "out"), "--seed", "1", "--json"]
-    flown = CliRunner().invoke(sitl, arguments, standalone_mode=False)
+    with without_picture():
+        flown = CliRunner().invoke(sitl, arguments, standalone_mode=False)
     assert flown.exception is None, flown.output
     return folder / "out", json.loads((folder / "out" / "report.json").read_text())
 
