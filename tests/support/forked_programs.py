@@ -32,8 +32,7 @@ from typing import Any
 import fork_server
 from fork_server import LONGEST, OURS, PLACES
 
-AT_START = ("PYTHON", "LD_", "LC_", "LANG", "OMP_", "OPENBLAS_", "MPL", "MAVLINK", "COVERAGE")
-OF_ITSELF = {("MAVLINK_DIALECT", "all")}  # pymavlink sets it, while it is imported, to what it takes without it
+AT_START = ("PYTHON", "LD_", "LC_", "LANG", "OMP_", "OPENBLAS_", "MPL", "COVERAGE")
 UNALIKE = ("preexec_fn", "pass_fds", "shell", "gid", "gids", "uid", "process_group", "executable")
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -133,8 +132,7 @@ def _alike(environment: dict[str, str]) -> bool:
 
 
 def _at_start(environment: Any) -> dict[str, str]:
-    read = {name: value for name, value in environment.items() if name.startswith(AT_START) and name != PLACES}
-    return dict(read.items() - OF_ITSELF)
+    return {name: value for name, value in environment.items() if name.startswith(AT_START) and name != PLACES}
 
 
 class Server:

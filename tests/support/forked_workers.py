@@ -178,7 +178,10 @@ class ForkedWorkers:
             self._begun += 1
             sys.stdout.flush()
             sys.stderr.flush()
-            if (pid := os.fork()) == 0:
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # what runs after a fork swallows exceptions
+            pid = os.fork()
+            if pid == 0:
+                signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
                 for other in self._workers:
                     other.connection.close()
                 ours.close()
@@ -186,6 +189,7 @@ class ForkedWorkers:
             theirs.close()
             worker = Worker(stage, pid, ours, os.pidfd_open(pid), own)
             self._workers.append(worker)
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
             worker.tell(own.popleft())
             self._go_on(worker)
 

@@ -55,7 +55,7 @@ pytestmark = pytest.mark.one
 @pytest.fixture(scope="module")
 def kept():
     yield
-    open("closed", "x").close()
+    open("closed", "a").close()
 
 @pytest.mark.parametrize("number", range(6))
 def test_number(number, kept):
