@@ -62,7 +62,7 @@ class BuiltInModel:
         for each in fields(parameters):
             digest.update(np.ascontiguousarray(getattr(parameters, each.name), dtype="<f4").tobytes())
         self.fingerprint = digest.hexdigest()[:16]
-        (short, long), (low, high) = parameters.slopes.tolist(), parameters.thresholds.tolist()
+        (short, long), (low, high) = parameters.slopes.round(4).tolist(), parameters.thresholds.round(4).tolist()
         self.calibration = Calibration((short, long), (low, high), source)
         self.size = parameters.directions.shape[1]
         self._background = Background(parameters.weights, parameters.means, parameters.deviations)
@@ -70,7 +70,7 @@ class BuiltInModel:
 
     def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EmbeddingPrint:
         """Return the print of a voice (n,) at `RATE`; one that was ``separated`` has a criterion of its own."""
-        criterion = float(self.parameters.separated) if separated else 0.0
+        criterion = round(float(self.parameters.separated), 4) if separated else 0.0
         return enrolled_print(self, samples, features.seconds, separated=separated, criterion=criterion)
 
     def restored(self, values: dict[str, Any], seconds: float, consent: str) -> EmbeddingPrint:
