@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,7 @@ import numpy as np
 
 from ross_payload.alignment.predicted_gain import best_headings
 from ross_payload.dsp.stft import Stft
+from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
 from ross_payload.separation.auto_separator import separator
 from ross_payload.voiceprint import EmbeddingPrint, VoiceModel, enrol
@@ -68,7 +70,10 @@ def trials(
 ) -> Iterator[Trial]:
     """Draw mixtures of three talkers in a room and score every talker, clean and separated, against every print."""
     rng = np.random.default_rng(seed)
-    prints = {voice.name: enrol(voice.enrolment, voice.rate, model) for voice in voices}
+    prints = {}
+    for voice in voices:
+        with suppress(AudioError):  # who says too little to be enrolled is heard all the same
+            prints[voice.name] = enrol(voice.enrolment, voice.rate, model)
     if pointed:
         own = np.random.default_rng([seed, 1])  # the mixtures to be scored are those of clean prints
         prints = {voice.name: pointed_print(voices, voice, room, model, own) for voice in voices}
