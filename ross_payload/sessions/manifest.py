@@ -14,7 +14,7 @@ from ross_payload.bounded_files import parsed_json, read_bounded
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.sessions.npz_memory import VOICE_FILE, packed, packed_voice
-from ross_payload.voiceprint import VoicePrintModel
+from ross_payload.voiceprint import EmbeddingPrint
 
 MANIFEST = "session.json"
 FORMAT = "ross-session"
@@ -34,7 +34,7 @@ class Beginning:
     voice: str = ""  # name of the voice that is sought; its print stays where it is
     memory: Any = None  # what the session knew from earlier tasks: a frozen dataclass
     yaw: float = 0.0  # from which [informed] counts its azimuths in one mission [rad]
-    synthetic: VoicePrintModel | None = None  # the print of a talker that no person is: it is kept with the session
+    synthetic: EmbeddingPrint | None = None  # the print of a talker that no person is: it is kept with the session
 
 
 @dataclass(frozen=True, slots=True)

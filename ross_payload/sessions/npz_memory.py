@@ -18,8 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 from ross_payload.bounded_files import MB, read_bounded
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
-from ross_payload.voiceprint import VoicePrintModel, shipped_background
-from ross_payload.voiceprint.background import Adapted
+from ross_payload.voiceprint import EmbeddingPrint, built_in_model
 
 T = TypeVar("T")
 LARGEST = 64 * MB
@@ -40,8 +39,8 @@ def packed(value: Any) -> bytes:
     return file.getvalue()
 
 
-def unpacked(path: Path, kind: type[T]) -> T:
-    """Read a dataclass again.
+def unpacked(path: Path, kind: type[T], *, others: bool = False) -> T:
+    """Read a dataclass again; ``others``: the file may have fields beside those of the dataclass.
 
     Raises
     ------
@@ -51,7 +50,7 @@ def unpacked(path: Path, kind: type[T]) -> T:
     hints = get_type_hints(kind)
     try:
         with np.load(io.BytesIO(read_bounded(path, LARGEST)), allow_pickle=False) as arrays:
-            values = {name: _value(arrays[name], hints[name]) for name in arrays.files}
+            values = {name: _value(arrays[name], hints[name]) for name in arrays.files if name in hints or not others}
         return kind(**values)
     except (OSError, ValueError, KeyError, TypeError, ValidationError, EOFError, BadZipFile) as error:
         raise ConfigError(f"{path.name}: damaged, or of another version: {error!r}") from error
@@ -65,32 +64,37 @@ def _value(content: Any, hint: Any) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class StoredPrint:
-    """What a print is made of beside the background model."""
+    """What a print is made of beside the built-in model."""
 
-    offsets: Real
-    pitch_weights: Real
+    embedding: Real
     seconds: float
     criterion: float
-    background: str  # its fingerprint
+    background: str  # the fingerprint of the model
 
 
-def packed_voice(model: VoicePrintModel) -> bytes:
+def packed_voice(voice: EmbeddingPrint) -> bytes:
     """Return the content of the file."""
-    voice = model.voice
-    return packed(
-        StoredPrint(voice.offsets, voice.pitch_weights, model.seconds, model.criterion, model.background.fingerprint)
-    )
+    return packed(StoredPrint(voice.embedding, voice.seconds, voice.criterion, voice.fingerprint))
 
 
-def restored_voice(path: Path) -> VoicePrintModel:
+def restored_voice(path: Path) -> EmbeddingPrint:
     """Read it again.
 
     Raises
     ------
     ConfigError
-        When the file is damaged, or was made with another background model.
+        When the file is damaged, or was made with another built-in model.
     """
-    values, background = unpacked(path, StoredPrint), shipped_background()
-    if values.background != background.fingerprint:
-        raise ConfigError(f"{path.name}: made with another background model")
-    return VoicePrintModel(Adapted(values.offsets, values.pitch_weights), values.seconds, background, values.criterion)
+    model = built_in_model()
+    made_by = unpacked(path, _AnyPrint, others=True).background
+    if made_by != model.fingerprint:
+        raise ConfigError(f"{path.name}: made with another built-in model of voices")
+    values = unpacked(path, StoredPrint)
+    return EmbeddingPrint(values.embedding, values.seconds, model, values.criterion)
+
+
+@dataclass(frozen=True, slots=True)
+class _AnyPrint:
+    """What every version of the file says."""
+
+    background: str

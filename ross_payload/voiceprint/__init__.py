@@ -9,11 +9,12 @@
 It serves to pick one voice out of a few that were just separated. It is no proof of identity.
 """
 
-from ross_payload.voiceprint.background import Background, VoicePrintModel, shipped_background
+from ross_payload.voiceprint.built_in import BuiltInModel, built_in_model
+from ross_payload.voiceprint.embedding_print import EmbeddingPrint
 from ross_payload.voiceprint.speaker_model import EnrolledVoice, VoiceModel, enrol
 from ross_payload.voiceprint.store import VoiceStore, load, save
 
 __all__ = [
-    "Background", "EnrolledVoice", "VoiceModel", "VoicePrintModel", "VoiceStore", "enrol", "load", "save",
-    "shipped_background",
+    "BuiltInModel", "EmbeddingPrint", "EnrolledVoice", "VoiceModel", "VoiceStore", "built_in_model", "enrol", "load",
+    "save",
 ]  # fmt: skip

@@ -2,47 +2,31 @@
 
 The networks that are published for speaker verification share one form: log energies of 80 mel bands as Kaldi makes
 them (16 kHz, frames of 25 ms every 10 ms, Povey window, no dither), their mean over time removed, give one vector,
-and two recordings are compared by the cosine of theirs. A print is the mean of the vectors of the enrolment and of
-disturbed copies of it ("multi-condition"), since what it is compared with was separated from others in a room.
+and two recordings are compared by the cosine of theirs.
 """
 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Real, Score
+from ross_payload.interfaces import Real
 from ross_payload.plugins import install_line
-from ross_payload.voiceprint.disturbed_copies import disturbed
-from ross_payload.voiceprint.features import RATE, Features, at_rate, checked
+from ross_payload.voiceprint.embedding_print import (
+    Calibration,
+    EmbeddingPrint,
+    enrolled_print,
+    restored_print,
+    unit,
+)
+from ross_payload.voiceprint.features import RATE, Features
 
 BANDS = 80
 FULL_SCALE = 32768.0  # Kaldi's samples are those of 16 bits
-LEAST_FRAMES = 30  # 0.3 s of speech: with less a recording tells nothing
-SHORT_S, LONG_S = 3.0, 10.0  # durations at which a network is calibrated [s]
-
-
-@dataclass(frozen=True, slots=True)
-class Calibration:
-    """From a cosine to a log-likelihood ratio, by the duration of what is scored.
-
-    The ratio [nat] is slope * (cosine - threshold); both are those of `SHORT_S` and `LONG_S`, between them they follow
-    the logarithm of the duration, beyond them they stay.
-    """
-
-    slopes: tuple[float, float]  # [nat]
-    thresholds: tuple[float, float]
-    source: str = ""  # how it was measured, in words; empty: it was not, these are another network's
-
-    def ratio(self, cosine: float, seconds: float) -> float:
-        """Return the log-likelihood ratio [nat] of a cosine that was measured on so many seconds."""
-        where = np.log(np.clip(seconds, SHORT_S, LONG_S) / SHORT_S) / np.log(LONG_S / SHORT_S)
-        slope, threshold = (first + where * (last - first) for first, last in (self.slopes, self.thresholds))
-        return float(slope * (cosine - threshold))
+LEAST_FRAMES = 30  # 0.3 s: what a network is tried with
 
 
 class EmbeddingModel:
@@ -74,71 +58,18 @@ class EmbeddingModel:
 
     def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EmbeddingPrint:
         """Return the print of a voice (n,) at `RATE`: of its recording and, unless it was ``separated``, of copies."""
-        clips = [samples] if separated else [samples, *disturbed(samples)]
-        embedding = _unit(np.sum([self.embed(clip) for clip in clips], axis=0))
-        return EmbeddingPrint(embedding, features.seconds, self)
+        return enrolled_print(self, samples, features.seconds, separated=separated)
 
     def restored(self, values: dict[str, Any], seconds: float, consent: str) -> EmbeddingPrint:
-        """Make a print again from its `EmbeddingPrint.values`.
-
-        Raises
-        ------
-        ValueError
-            When they are not those of a print of this network.
-        """
-        embedding = np.array(values["embedding"], np.float64)
-        if embedding.shape != (self.size,):
-            raise ValueError(f"expected {self.size} numbers, got {embedding.size}")
-        if not np.isfinite(embedding).all() or not embedding.any():
-            raise ValueError("expected finite numbers, not all of them 0")
-        return EmbeddingPrint(_unit(embedding), seconds, self, consent)
+        """Make a print again from its `EmbeddingPrint.values`; ValueError when they are not those of this network."""
+        return restored_print(self, values, seconds, consent)
 
     def embed(self, samples: Real) -> Real:
         """Return the embedding of a recording (n,) at `RATE`, of length 1, (size,)."""
-        return _unit(self._run(filter_banks(samples)))
+        return unit(self._run(filter_banks(samples)))
 
     def _run(self, features: Real) -> Real:
         return np.asarray(self._session.run(None, {self._input: features[None]})[0][0], np.float64)
-
-
-@dataclass(frozen=True, slots=True)
-class EmbeddingPrint:
-    """One enrolled voice, an ``interfaces.VoicePrint``."""
-
-    embedding: Real = field(repr=False)  # of length 1, (size,)
-    seconds: float  # voiced speech that it was enrolled from [s]
-    model: EmbeddingModel = field(repr=False)
-    consent: str = ""  # how the talker agreed, in words; empty: the file does not say
-
-    @property
-    def fingerprint(self) -> str:
-        """Of the model that made it."""
-        return self.model.fingerprint
-
-    def score(self, voice: Real, rate: int) -> Score:
-        """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice.
-
-        A recording of less than 0.3 s, or of silence, has the score 0, undecided, and is not accepted.
-
-        Raises
-        ------
-        AudioError
-            When the recording is empty, not one channel, not finite, or sampled below 16 kHz.
-        """
-        samples = at_rate(checked(voice, rate), rate)
-        seconds = len(samples) / RATE
-        if seconds < LEAST_FRAMES / 100 or not samples.any():
-            return Score(0.0, accepted=False)
-        value = self.model.calibration.ratio(float(self.embedding @ self.model.embed(samples)), seconds)
-        return Score(value, accepted=value > 0.0)
-
-    def agreed(self, consent: str) -> EmbeddingPrint:
-        """Return the same with how the talker agreed."""
-        return replace(self, consent=consent)
-
-    def values(self) -> dict[str, Any]:
-        """Return what a file keeps, ready for JSON."""
-        return {"embedding": np.round(self.embedding, 6).tolist()}
 
 
 def filter_banks(samples: Real) -> Real:
@@ -182,7 +113,3 @@ def _opened(content: bytes, name: str) -> tuple[Any, str]:
     if np.ndim(found) != len(("batch", "size")):
         raise ConfigError(f"{name}: expected one embedding (batch, size), got {shapes}")
     return session, inputs[0].name
-
-
-def _unit(vector: Real) -> Real:
-    return np.asarray(vector / max(np.linalg.norm(vector), np.finfo(float).tiny))

@@ -14,8 +14,9 @@ from typing import Any
 from ross_payload.atomic_files import write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
 from ross_payload.errors import ConfigError, near, shown, unknown
-from ross_payload.voiceprint.background import shipped_background
-from ross_payload.voiceprint.embedding_model import Calibration, EmbeddingModel
+from ross_payload.voiceprint.built_in import built_in_model
+from ross_payload.voiceprint.embedding_model import EmbeddingModel
+from ross_payload.voiceprint.embedding_print import Calibration
 from ross_payload.voiceprint.speaker_model import VoiceModel
 from ross_payload.voiceprint.store import data_folder
 
@@ -122,7 +123,7 @@ class ModelFolder:
         if choice == AUTO and len(names) > 1:
             raise ConfigError(f"expected one of {', '.join(names)} or {BUILT_IN} as voice model, got '{AUTO}'")
         if choice == BUILT_IN or (choice == AUTO and not names):
-            return shipped_background()
+            return built_in_model()
         return self.load(names[0] if choice == AUTO else choice)
 
     def _calibration_path(self, name: str) -> Path:

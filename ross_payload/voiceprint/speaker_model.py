@@ -8,7 +8,8 @@ import numpy as np
 
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real, Score
-from ross_payload.voiceprint.background import shipped_background
+from ross_payload.voiceprint.built_in import built_in_model
+from ross_payload.voiceprint.embedding_print import Embedder, EmbeddingPrint
 from ross_payload.voiceprint.features import Features, analyse, at_rate, checked
 
 ENROL_SECONDS = 1.5  # least voiced speech to enrol from [s]
@@ -41,21 +42,17 @@ class EnrolledVoice(Protocol):
         """Return what a file keeps of it, ready for JSON."""
 
 
-class VoiceModel(Protocol):
+class VoiceModel(Embedder, Protocol):
     """Makes prints of voices."""
 
-    @property
-    def fingerprint(self) -> str:
-        """Sixteen hexadecimal digits that tell this model from another."""
-
-    def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EnrolledVoice:
+    def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EmbeddingPrint:
         """Return the print of a voice: samples (n,) at `features.RATE`, and what is measured of them."""
 
-    def restored(self, values: dict[str, Any], seconds: float, consent: str) -> EnrolledVoice:
+    def restored(self, values: dict[str, Any], seconds: float, consent: str) -> EmbeddingPrint:
         """Make a print again from its values; ValueError, KeyError or TypeError when they are damaged."""
 
 
-def enrol(voice: Real, rate: int, model: VoiceModel | None = None, *, separated: bool = False) -> EnrolledVoice:
+def enrol(voice: Real, rate: int, model: VoiceModel | None = None, *, separated: bool = False) -> EmbeddingPrint:
     """Enrol a talker from a recording (n_samples,) at ``rate`` [Hz]; 4 s of clean speech are enough.
 
     The ``model`` is the built-in one unless another is given.
@@ -81,7 +78,7 @@ def enrol(voice: Real, rate: int, model: VoiceModel | None = None, *, separated:
             f"enrolment: expected at least {ENROL_SECONDS} s of voiced speech, "
             f"got {features.seconds:.1f} s in {len(samples) / rate:.1f} s"
         )
-    return (model or shipped_background()).enrolled(at_rate(samples, rate), features, separated=separated)
+    return (model or built_in_model()).enrolled(at_rate(samples, rate), features, separated=separated)
 
 
 def clipped_share(samples: Real) -> float:

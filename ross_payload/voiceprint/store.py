@@ -15,7 +15,7 @@ import numpy as np
 from ross_payload.atomic_files import write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
 from ross_payload.errors import ConfigError, near, shown
-from ross_payload.voiceprint.background import shipped_background
+from ross_payload.voiceprint.built_in import built_in_model
 from ross_payload.voiceprint.speaker_model import EnrolledVoice, VoiceModel
 
 FORMAT = "ross-voice-print"
@@ -73,7 +73,7 @@ def load(path: Path, model: VoiceModel | None = None) -> EnrolledVoice:
         raise kind(f"{path}: no voice print can be read: {error.strerror}") from error
     except ValueError as error:
         raise Damaged(f"{path}: damaged voice print: expected JSON: {error}") from error
-    return _decoded(content, model or shipped_background(), path)
+    return _decoded(content, model or built_in_model(), path)
 
 
 @dataclass(frozen=True, slots=True)

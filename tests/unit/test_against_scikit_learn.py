@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 from sklearn.cluster import KMeans
+from sklearn.decomposition import FactorAnalysis
+from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 from sklearn.mixture import GaussianMixture
 from sklearn.neighbors import KernelDensity
 
 from ross_payload.dsp.density import histogram, itd_grid, kde
 from ross_payload.localization.clusters import best_cuts, unwrapped
-from ross_payload.voiceprint import shipped_background
-from ross_payload.voiceprint.background import COHORT_STEP, ENOUGH, RIVALS
-from ross_payload.voiceprint.features import Features
+from ross_payload.voiceprint import built_in_model
+from ross_payload.voiceprint.built_in import Background
+from ross_sim.study.voice_factors import discriminants, first_loadings, improved_loadings
 
 MOST = 6  # clusters
 
@@ -44,39 +46,49 @@ def test_the_density_of_a_histogram_is_that_of_its_itds():
 
 
 @pytest.fixture(scope="module")
-def background():
-    return shipped_background()
+def learnt():
+    return built_in_model().parameters
 
 
 @pytest.fixture(scope="module")
-def features(background):
-    """Frames near the background's own."""
+def frames(learnt):
+    """Frames near the model's own."""
     rng = np.random.default_rng(0)
-    owner = rng.choice(len(background.weights), 300, p=background.weights / background.weights.sum())
-    cepstra = background.means[owner] + background.deviations[owner] * rng.standard_normal((300, 48))
-    return Features(cepstra.astype(np.float32), np.log(rng.uniform(80, 250, 200)))
+    owner = rng.choice(len(learnt.weights), 300, p=learnt.weights / learnt.weights.sum())
+    return learnt.means[owner] + learnt.deviations[owner] * rng.standard_normal((300, learnt.means.shape[1]))
 
 
-def mixture_of(background, offsets):
-    """The background with its means moved by offsets [standard deviations], as scikit-learn has it."""
-    found = GaussianMixture(len(background.weights), covariance_type="diag")
-    found.weights_, found.covariances_ = background.weights, background.deviations**2
-    found.means_ = background.means + offsets * background.deviations
-    found.precisions_cholesky_ = 1 / background.deviations
-    return found
+def test_frames_are_shared_among_gaussians_by_the_posteriors_of_the_mixture(learnt, frames):
+    mixture = GaussianMixture(len(learnt.weights), covariance_type="diag")
+    mixture.weights_, mixture.covariances_, mixture.means_ = learnt.weights, learnt.deviations**2, learnt.means
+    mixture.precisions_cholesky_ = 1 / learnt.deviations
+    posterior = mixture.predict_proba(frames)
+    background = Background(learnt.weights, learnt.means, learnt.deviations)
+    count, sums = background.statistics(frames.astype(np.float32))
+    assert count == pytest.approx(posterior.sum(axis=0), abs=1e-2)
+    moved = posterior.T @ frames - posterior.sum(axis=0)[:, None] * learnt.means
+    assert sums == pytest.approx(moved / learnt.deviations, abs=0.05)
 
 
-def test_a_voice_is_adapted_by_the_posteriors_of_the_mixture(background, features):
-    posterior = mixture_of(background, 0.0).predict_proba(features.cepstra.astype(float))
-    count = posterior.sum(axis=0)[:, None]
-    moved = (posterior.T @ features.cepstra - count * background.means) / background.deviations
-    assert background.adapt(features).offsets == pytest.approx(moved / (count + background.relevance), abs=1e-4)
+def test_discriminants_are_those_of_scikit_learn():
+    rng = np.random.default_rng(0)
+    owners = np.repeat(np.arange(5), 40)
+    vectors = 2 * rng.standard_normal((5, 6))[owners] + rng.standard_normal((200, 6)) @ rng.standard_normal((6, 6))
+    centre, directions = discriminants(vectors, [str(owner) for owner in owners], 2, 0.0)
+    found = (vectors - centre) @ directions
+    other = LinearDiscriminantAnalysis(solver="eigen", n_components=2).fit_transform(vectors, owners)
+    for axis in range(2):
+        assert abs(np.corrcoef(found[:, axis], other[:, axis])[0, 1]) == pytest.approx(1.0, abs=1e-6)
 
 
-def test_the_evidence_is_the_gain_in_likelihood_over_the_nearest_of_the_cohort(background, features):
-    voice = background.adapt(features)
-    frames = features.cepstra.astype(float)
-    own = mixture_of(background, voice.offsets).score(frames)
-    others = [mixture_of(background, offsets).score(frames) for offsets in background.cohort * COHORT_STEP]
-    gain = own - np.sort(others)[-RIVALS:].mean()
-    assert background.evidence(voice, features)[0] == pytest.approx(ENOUGH * np.tanh(gain / ENOUGH), abs=1e-4)
+def test_expectation_maximisation_finds_the_factors_that_made_the_statistics():
+    """Two factors behind the mean of the frames of one Gaussian; scikit-learn fits them to the means themselves."""
+    rng = np.random.default_rng(0)
+    truth, n_frames = rng.standard_normal((8, 2)), 50
+    means = rng.standard_normal((2000, 2)) @ truth.T + rng.standard_normal((2000, 8)) / np.sqrt(n_frames)
+    counts = np.full((2000, 1), float(n_frames))
+    loadings = first_loadings(counts, n_frames * means, 2)
+    for _ in range(30):
+        loadings = improved_loadings(counts, n_frames * means, loadings, 1.0)
+    other = FactorAnalysis(2, tol=1e-8, max_iter=2000).fit(means).components_.T
+    assert loadings @ loadings.T == pytest.approx(other @ other.T, rel=0.02, abs=0.05)

@@ -13,15 +13,13 @@ from ross_payload.mission.live_session import Kit
 from ross_payload.orders import Enrol, Explore, ListenTo, Seek
 from ross_payload.service.voice_keeper import VoiceKeeper
 from ross_payload.sessions.event_json import plain
-from ross_payload.voiceprint import VoicePrintModel, VoiceStore, shipped_background
-from ross_payload.voiceprint.background import Adapted
+from ross_payload.voiceprint import EmbeddingPrint, VoiceStore, built_in_model
 from session_bench import Bench, Likes, make, nobody
 
 
 def model_of(seconds=5.0):
-    background = shipped_background()
-    voice = Adapted(np.zeros(background.means.shape), np.zeros(background.pitch_weights.shape))
-    return VoicePrintModel(voice, seconds, background)
+    model = built_in_model()
+    return EmbeddingPrint(np.eye(model.size)[0], seconds, model)
 
 
 @pytest.fixture

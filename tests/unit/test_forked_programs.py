@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from forked_programs import _at_start, _program, _server, begin
+from forked_programs import _program, _server, begin
 
 pytestmark = pytest.mark.process
 
@@ -82,8 +82,3 @@ def test_processes_that_are_forked_from_each_other_share_a_server():
         assert told.read() == f"{server._process.pid}\n"
     assert os.waitpid(child, 0)[1] == 0
     assert ran("print('still here')").stdout == "still here\n"
-
-
-def test_what_pymavlink_sets_of_itself_makes_no_difference():
-    assert _at_start({"MAVLINK_DIALECT": "all", "MAVLINK20": "1", "HOME": "/"}) == {"MAVLINK20": "1"}
-    assert _at_start({"MAVLINK_DIALECT": "common"}) == {"MAVLINK_DIALECT": "common"}

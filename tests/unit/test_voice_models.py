@@ -7,9 +7,10 @@ import pytest
 
 from ross_payload.audio.audio_files import read_mono
 from ross_payload.errors import ConfigError
-from ross_payload.voiceprint import VoiceStore, enrol, shipped_background
+from ross_payload.voiceprint import VoiceStore, built_in_model, enrol
 from ross_payload.voiceprint.disturbed_copies import COPIES, disturbed
-from ross_payload.voiceprint.embedding_model import Calibration, EmbeddingModel
+from ross_payload.voiceprint.embedding_model import EmbeddingModel
+from ross_payload.voiceprint.embedding_print import Calibration
 from ross_payload.voiceprint.features import RATE
 from ross_payload.voiceprint.model_folder import ANY, ModelFolder
 from speaker_network import SIZE, speaker_network, vowel
@@ -33,12 +34,12 @@ def network():
 
 
 def test_a_network_is_kept_used_by_itself_and_removed(folder, file):
-    assert folder.in_use().fingerprint == shipped_background().fingerprint
+    assert folder.in_use().fingerprint == built_in_model().fingerprint
     added = folder.add(file)
     assert (added.size, added.licence, added.calibration) == (SIZE, "CC0-1.0", ANY)
     assert folder.names() == ("small",)
     assert folder.in_use().fingerprint == folder.in_use("small").fingerprint == added.fingerprint
-    assert folder.in_use("built-in").fingerprint == shipped_background().fingerprint
+    assert folder.in_use("built-in").fingerprint == built_in_model().fingerprint
     folder.remove("small")
     assert folder.names() == ()
     with pytest.raises(ConfigError, match="no voice model 'small' was added"):

@@ -8,18 +8,16 @@ import numpy as np
 import pytest
 
 from ross_payload.errors import ConfigError
-from ross_payload.voiceprint import VoicePrintModel, VoiceStore, load, save, shipped_background
-from ross_payload.voiceprint.background import Adapted
+from ross_payload.sessions.npz_memory import packed_voice, restored_voice
+from ross_payload.voiceprint import EmbeddingPrint, VoiceStore, built_in_model, load, save
+from ross_payload.voiceprint.embedding_print import unit
 
-BACKGROUND = shipped_background()
+MODEL = built_in_model()
 
 
 @pytest.fixture
 def model():
-    rng = np.random.default_rng(0)
-    weights = rng.random(len(BACKGROUND.pitch_weights))
-    voice = Adapted(rng.standard_normal(BACKGROUND.means.shape), weights / weights.sum())
-    return VoicePrintModel(voice, 2.5, BACKGROUND, criterion=0.75)
+    return EmbeddingPrint(unit(np.random.default_rng(0).standard_normal(MODEL.size)), 2.5, MODEL, criterion=0.75)
 
 
 @pytest.fixture
@@ -33,8 +31,7 @@ def mode(path):
 
 def test_what_is_saved_is_loaded(model, store):
     back = load(store.save("ann", model))
-    np.testing.assert_allclose(back.voice.offsets, model.voice.offsets, atol=5e-5)
-    np.testing.assert_allclose(back.voice.pitch_weights, model.voice.pitch_weights, atol=5e-7)
+    np.testing.assert_allclose(back.embedding, model.embedding, atol=1e-6)
     assert (back.seconds, back.criterion) == (model.seconds, model.criterion)
 
 
@@ -82,7 +79,7 @@ def test_a_name_cannot_leave_the_store(name, model, store):
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(model, store):
     path = store.save("ann", model)
     before = path.read_bytes()
-    broken = VoicePrintModel(model.voice, 1.0, BACKGROUND, criterion=object())  # cannot be written as JSON
+    broken = EmbeddingPrint(model.embedding, 1.0, MODEL, criterion=object())  # cannot be written as JSON
     with pytest.raises(TypeError):
         store.save("ann", broken)
     assert path.read_bytes() == before
@@ -105,15 +102,16 @@ def damaged(**changes):
 @pytest.mark.parametrize(
     ("damage", "says"),
     [
-        (lambda text: text[:1000], "expected JSON"),
+        (lambda text: text[:500], "expected JSON"),
         (lambda _: "[]", "expected a voice print"),
         (damaged(format="wav"), "expected a voice print"),
         (damaged(version=7), "version 1, got 7"),
         (damaged(background="0" * 16), "another voice model"),
-        (damaged(offsets=[1.0]), "damaged"),
-        (damaged(offsets=[["a"]]), "damaged"),
+        (damaged(embedding=[1.0]), "damaged"),
+        (damaged(embedding=[["a"]]), "damaged"),
+        (damaged(embedding=[0.0] * MODEL.size), "damaged"),
+        (damaged(criterion=float("nan")), "damaged"),
         (damaged(seconds=float("nan")), "damaged"),
-        (damaged(pitch_weights=[-1.0] * len(BACKGROUND.pitch_weights)), "damaged"),
     ],
 )
 def test_a_damaged_voice_print_is_refused(damage, says, model, store):
@@ -121,3 +119,28 @@ def test_a_damaged_voice_print_is_refused(damage, says, model, store):
     path.write_text(damage(path.read_text()))
     with pytest.raises(ConfigError, match=says):
         store.load("ann")
+
+
+def test_a_print_of_the_earlier_built_in_model_asks_to_enrol_again(store):
+    """What the model before this one wrote: offsets of its Gaussians, weights of the pitch, and its fingerprint."""
+    store.folder.mkdir(parents=True)
+    old = {"format": "ross-voice-print", "version": 1, "background": "c9d07d368d832d11", "seconds": 2.9, "consent": ""}
+    old |= {"criterion": 0.0, "offsets": [[0.25] * 48] * 64, "pitch_weights": [1 / 12] * 12}
+    store.path("ann").write_text(json.dumps(old))
+    with pytest.raises(ConfigError, match="made with another voice model: enrol this voice again"):
+        store.load("ann")
+
+
+def test_the_print_that_an_earlier_session_kept_says_so(tmp_path):
+    old = {"offsets": np.zeros((64, 48)), "pitch_weights": np.full(12, 1 / 12)}
+    old |= {name: np.array(value) for name, value in (("seconds", "2.9"), ("criterion", "0.0"))}
+    np.savez(tmp_path / "voice.npz", background=np.array('"c9d07d368d832d11"'), **old)
+    with pytest.raises(ConfigError, match=r"voice\.npz: made with another built-in model of voices"):
+        restored_voice(tmp_path / "voice.npz")
+
+
+def test_the_print_that_a_session_keeps_is_read_again(model, tmp_path):
+    (tmp_path / "voice.npz").write_bytes(packed_voice(model))
+    again = restored_voice(tmp_path / "voice.npz")
+    assert (again.seconds, again.criterion, again.fingerprint) == (2.5, 0.75, MODEL.fingerprint)
+    np.testing.assert_array_equal(again.embedding, model.embedding)

@@ -2,9 +2,16 @@
 
 import numpy as np
 import pytest
+import soundfile
 
+from ross_payload.errors import ConfigError
+from ross_payload.voiceprint import built_in_model, enrol
+from ross_payload.voiceprint.features import RATE as VOICE_RATE
+from ross_sim.study import voiceprint_study
 from ross_sim.study.room_settings import SETTINGS
 from ross_sim.study.voiceprint_study import Trial, separated_voice, summary
+from ross_sim.talkers.speech import TalkerVoice, load_folder
+from speaker_network import vowel
 
 RATE = 24000
 
@@ -32,3 +39,28 @@ def test_the_separated_voice_is_most_of_all_like_its_talker(room, least):
     alike = [np.corrcoef(loudness, other.reshape(-1, 1200).std(axis=1))[0, 1] for other in voices]
     assert alike[0] > least
     assert alike[0] > max(alike[1:])
+
+
+def test_some_talkers_of_a_folder_are_read_and_the_others_left_alone(tmp_path):
+    for name in ("ann", "bob"):
+        soundfile.write(tmp_path / f"{name}.wav", np.random.default_rng(0).uniform(-0.1, 0.1, 6 * RATE), RATE)
+    (tmp_path / "short.wav").write_bytes(b"no recording")
+    assert [voice.name for voice in load_folder(tmp_path, RATE, ("bob", "cleo"))] == ["bob"]
+    with pytest.raises(ConfigError, match="short"):
+        load_folder(tmp_path, RATE)
+
+
+def test_every_separated_voice_is_scored_against_every_print(monkeypatch):
+    """The scores are those of the prints themselves, though a voice is embedded once."""
+    clips = {"ann": (220.0, 900.0), "bob": (110.0, 500.0), "cleo": (180.0, 1500.0)}
+    voices = [TalkerVoice(name, vowel(*sound), vowel(*sound, seed=1), VOICE_RATE) for name, sound in clips.items()]
+    monkeypatch.setattr(voiceprint_study, "RATE", VOICE_RATE)
+    heard = [(3.0, True, voices, voice.name, voice.speech) for voice in voices]
+    monkeypatch.setattr(voiceprint_study, "scenes", lambda *_: iter(heard))
+    found = list(voiceprint_study.trials(voices, built_in_model(), "S1", 1, 0))
+    assert len(found) == 9
+    prints = {voice.name: enrol(voice.enrolment, VOICE_RATE) for voice in voices}
+    for each in found:
+        voice = next(voice for voice in voices if voice.name == each.talker)
+        assert each.value == pytest.approx(prints[each.print_of].score(voice.speech, VOICE_RATE).value)
+    assert all(each.value > 0 for each in found if each.talker == each.print_of)

@@ -13,7 +13,7 @@ from ross_payload.audio.sinks import checked_options
 from ross_payload.config import Informed, Link, Listening, Stream, as_in_paper, validated
 from ross_payload.errors import ConfigError, refused_as, unknown
 from ross_payload.interfaces import VoicePrint
-from ross_payload.voiceprint import VoiceModel, VoicePrintModel, VoiceStore, enrol
+from ross_payload.voiceprint import BuiltInModel, EmbeddingPrint, VoiceModel, VoiceStore, enrol
 from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_sim.scenario import Scenario, load
 from ross_sim.talkers.speech import TalkerVoice
@@ -27,7 +27,7 @@ class TalkerSelection:
     voices: tuple[TalkerVoice, ...]
     target: str
     voiceprint: VoicePrint
-    synthetic: VoicePrintModel | None = None  # the same, of a target that is no person
+    synthetic: EmbeddingPrint | None = None  # the same, of a target that is no person
 
 
 def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
@@ -107,7 +107,7 @@ def talkers_of(scenario: Scenario, speech: Path | None, target: str | None) -> T
         voice = found
         voices = (voice, *(other for other in voices if other is not voice))
     voiceprint = enrol(voice.enrolment, voice.rate, model)
-    if speech is None and isinstance(voiceprint, VoicePrintModel):
+    if speech is None and isinstance(voiceprint.model, BuiltInModel):
         return TalkerSelection(voices, voice.name, voiceprint, voiceprint)
     return TalkerSelection(voices, voice.name, voiceprint)  # what a network made is replayed by its recorded answers
 

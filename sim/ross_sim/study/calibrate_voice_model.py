@@ -20,7 +20,8 @@ import numpy as np
 from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
-from ross_payload.voiceprint.embedding_model import Calibration, EmbeddingModel
+from ross_payload.voiceprint.embedding_model import EmbeddingModel
+from ross_payload.voiceprint.embedding_print import Calibration
 from ross_payload.voiceprint.model_folder import read_model
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.room_settings import SETTINGS
@@ -32,8 +33,10 @@ MARGIN = 1.0  # [nat]
 COSINES = Calibration((1.0, 1.0), (0.0, 0.0))  # scores are the cosines themselves
 
 
-def logistic(cosines: Real, own: Real) -> tuple[float, float]:
+def logistic(cosines: Real, own: Real, weights: Real | None = None) -> tuple[float, float]:
     """Fit slope [nat] and threshold to cosines (n,), ``own`` (n,) where the voice was that of the print.
+
+    Both classes count alike, unless there are ``weights`` (n,).
 
     >>> slope, threshold = logistic(np.array([0.1, 0.2, 0.5, 0.4, 0.6, 0.7]), np.array([0, 0, 0, 1, 1, 1]))
     >>> bool(0.4 < threshold < 0.5), bool(5 < slope < 100)
@@ -41,8 +44,9 @@ def logistic(cosines: Real, own: Real) -> tuple[float, float]:
     """
     from sklearn.linear_model import LogisticRegression  # noqa: PLC0415  takes a second
 
-    model = LogisticRegression(class_weight="balanced", C=1 / (PENALTY * len(own)), max_iter=1000, tol=1e-8)
-    model.fit(cosines[:, None], own)
+    alike = "balanced" if weights is None else None
+    model = LogisticRegression(class_weight=alike, C=1 / (PENALTY * len(own)), max_iter=1000, tol=1e-8)
+    model.fit(cosines[:, None], own, sample_weight=weights)
     slope = float(model.coef_[0, 0])
     return slope, -float(model.intercept_[0]) / slope
 

@@ -22,7 +22,7 @@ from ross_sim.study import refiner_model
 from ross_sim.study.mixtures import VOICES
 from ross_sim.study.refiner_data import FRAME, RATES, Clip, clip
 from ross_sim.study.refiner_model import initial
-from ross_sim.study.train_voiceprint import recipes, synthetic
+from ross_sim.study.training_voices import recipes, synthetic
 from ross_sim.talkers.speech import load_folder, resampled
 
 N_SYNTHETIC, SYNTHETIC_RATE, SYNTHETIC_SEED = 3, 16000, 5

@@ -1,180 +1,279 @@
-"""Train the background model that the voice print ships with.
+"""Train the model of voices that the voice print ships with.
 
-``python -m ross_sim.study.train_voiceprint --speech DIR [--leave-out NAME ...] [--seed 0] OUT``
+``python -m ross_sim.study.train_voiceprint --readers DIR --speech DIR --work DIR [--seed 0] OUT``
 
-DIR holds one folder of recordings per talker. Every talker is also played slower and faster, which makes further
-voices; synthetic voices of random recipes are added, none of which the simulator casts. One thread computes, whatever
-the machine offers: several would add in another order each time, and the mixture would settle elsewhere.
+The folder of readers has one recording of each and a list, MANIFEST.tsv, that says who is in the set `train`. Of them
+`N_KEPT` are kept out of the training and, with the talkers of other corpora in the folder of speech, calibrate the
+result. What is made on the way is kept in ``--work``: a run that was interrupted goes on from there and ends with the
+same bytes. One thread computes, whatever the machine offers: several would add in another order each time.
 """
 
 from __future__ import annotations
 
-import argparse
-import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import click
 import numpy as np
-from sklearn.linear_model import LogisticRegression
+from numpy.typing import NDArray
 from sklearn.mixture import GaussianMixture
 from threadpoolctl import threadpool_limits
 
-from ross_payload.errors import ConfigError
+from ross_payload.atomic_files import write_whole
+from ross_payload.errors import ConfigError, RossError
 from ross_payload.interfaces import Real
-from ross_payload.voiceprint.background import COHORT_STEP, Background, encode_background, read_background, reliability
-from ross_payload.voiceprint.features import CEPSTRA, Features, analyse
-from ross_sim.cache import cache_folder, cached, fingerprint
+from ross_payload.voiceprint.built_in import (
+    Background,
+    BuiltInModel,
+    Factors,
+    Parameters,
+    encode_model,
+    pitch_of,
+    read_model,
+)
+from ross_payload.voiceprint.disturbed_copies import disturbed
+from ross_payload.voiceprint.features import Features, analyse
+from ross_sim.cache import Array, cached
+from ross_sim.study.calibrate_voice_model import logistic
 from ross_sim.study.mixtures import RATE as MIXTURE_RATE
-from ross_sim.study.voice_augmentation import RATE, at_speed, disturbed, excerpt
-from ross_sim.study.voiceprint_study import OUTSIDE, scenes
-from ross_sim.talkers.speech import TalkerVoice, load_folder
-from ross_sim.talkers.synthetic_voices import Recipe, levelled, speak, speech_text
+from ross_sim.study.reader_mixtures import COLOURED, groups_of, heard
+from ross_sim.study.training_voices import readers, recipes, synthetic
+from ross_sim.study.voice_augmentation import RATE, coloured, excerpt
+from ross_sim.study.voice_factors import discriminants, first_loadings, improved_loadings
+from ross_sim.study.voiceprint_study import DURATIONS, OUTSIDE, TALKERS, scenes
+from ross_sim.talkers.speech import ENROLMENT, TalkerVoice, load_folder, resampled
 
-COHORT_SPEEDS = (0.93, 1.0, 1.07)
-SPEEDS = (0.86, 0.93, 1.0, 1.07, 1.15)
-SYNTHETIC_SPEEDS = (0.95, 1.06)
-N_SYNTHETIC = 28
-LANGUAGES = ("en", "en-US", "en-GB-x-rp", "en-GB-scotland", "en-GB-x-gbclan", "en-GB-x-gbcwmd", "de", "fr")
-N_GAUSSIANS, N_PITCHES, N_FRAMES = 64, 12, 30_000
-RELEVANCE = 8.0
-ENROLMENT = 4.2  # [s]
-N_MIXTURES = 36  # to calibrate with: each of 7 talkers in about 15
+N_SYNTHETIC, SYNTHETIC_SECONDS = 28, 14.0
+N_KEPT, LONG_ENOUGH = 40, 14.2  # readers who calibrate, of those with so much speech [s]
+ONE_PERSON = ("ls4267", "ls8226")  # sound alike: no strangers to each other in trials
+N_ROUNDS = 1  # in which everybody is heard in a mixture
+PIECES = (20.0, 3.0, 3.0, 3.0, 5.0)  # of every separated voice [s]
+CLEAN_PIECES, COPY_PIECE = (20.0, 4.0), 6.0  # of every recording and every disturbed copy of it [s]
+LEAST_FRAMES = 80  # loud ones of a piece
+N_GAUSSIANS, N_FACTORS, SIZE = 64, 150, 100
+FRAMES_OF_EACH, N_FRAMES = 25, 60_000  # that the mixture is fitted to
+INDEPENDENCE, SHRINKAGE = 0.2, 0.05
+N_STEPS = 5  # of expectation maximisation
+ROOMS, N_SCENES = ("S1", "S2", "A0.45"), 4  # mixtures of every room and corpus to calibrate on
+MARGIN = 1.0  # a stranger is heard more often than the target, and has to be so far below [nat]
 
 
 @dataclass(frozen=True, slots=True)
-class Talker:
-    """A voice to train on; several speeds of one talker share the name."""
+class Piece:
+    """Some seconds of a talker."""
 
-    name: str
-    speed: float
-    enrolment: Features  # clean
-    clips: tuple[Features, ...]  # disturbed
+    talker: str
+    features: Features
 
 
-def recipes(n: int, rng: np.random.Generator) -> Iterator[Recipe]:
-    """Draw recipes of synthetic voices, low and high ones in turn."""
-    for index in range(n):
-        low = int(rng.uniform(65, 150) if index % 2 else rng.uniform(140, 300))
-        scale = rng.uniform(84, 104) if index % 2 else rng.uniform(102, 130)
-        first, second, higher = (int(scale + rng.uniform(-7, 7)) for _ in range(3))
-        tilt, speed = int(rng.uniform(60, 140)), int(rng.uniform(135, 180))
-        language = LANGUAGES[int(rng.integers(len(LANGUAGES)))]
-        pitch = (low, int(low * rng.uniform(1.25, 1.4)))
-        yield Recipe(f"train{index}", language, pitch, (first, second, higher), tilt, speed)
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """The embedding of a separated voice."""
+
+    scene: str  # which mixture it was in
+    seconds: float
+    talker: str
+    embedding: Real  # (size,)
 
 
-def synthetic(recipe: Recipe, index: int) -> Real:
-    """Speak about a minute with a recipe, (n,), from the cache when it was spoken before."""
-    text = speech_text(index)
-    key = fingerprint(recipe=asdict(recipe), said=text, rate=RATE, engine=_engine(), use="train")
-    path = cache_folder(None) / "voices" / f"{recipe.name}-{key}.npz"
-    return cached(path, lambda: {"speech": levelled(*speak(recipe, text), RATE)})["speech"].astype(float)
+def kept_out(voices: Mapping[str, Real], seed: int) -> list[str]:
+    """Draw the readers that no parameter is fitted to, sorted."""
+    able = [name for name in sorted(voices) if len(voices[name]) > LONG_ENOUGH * RATE and name not in ONE_PERSON]
+    if len(able) < N_KEPT:
+        raise ConfigError(f"expected at least {N_KEPT} readers of more than {LONG_ENOUGH} s, got {len(able)}")
+    return sorted(np.random.default_rng([seed, 5]).choice(able, N_KEPT, replace=False).tolist())
 
 
-def _engine() -> str:
-    try:
-        return version("espeakng-loader")
-    except PackageNotFoundError as error:
-        raise ConfigError("training needs synthetic voices: install the package espeakng-loader") from error
+def training_pieces(voices: Mapping[str, Real], work: Path, seed: int) -> Iterator[Piece]:
+    """Make pieces of everybody (n,): clean, disturbed, and separated from others in `N_ROUNDS` rounds of mixtures."""
+    for index, (name, voice) in enumerate(sorted(voices.items())):
+
+        def alone(index: int = index, name: str = name, voice: Real = voice) -> dict[str, Array]:
+            rng = np.random.default_rng([seed, 1, index])
+            clips = [(voice, CLEAN_PIECES), *((copy, (COPY_PIECE,)) for copy in disturbed(voice, index))]
+            shaded = [(coloured(clip, rng) if rng.random() < COLOURED else clip, cut) for clip, cut in clips]
+            return _packed([piece for clip, cut in shaded for piece in _pieces(name, clip, cut, rng)])
+
+        yield from _unpacked(cached(work / f"reader-{index:03d}.npz", alone))
+    lengths = {name: len(voice) for name, voice in voices.items()}
+    for number in range(N_ROUNDS):
+        for index, names in enumerate(groups_of(lengths, seed, number)):
+
+            def together(number: int = number, index: int = index, names: Sequence[str] = names) -> dict[str, Array]:
+                rng = np.random.default_rng([seed, 2, number, index])
+                found = zip(names, heard([voices[name] for name in names], rng), strict=True)
+                return _packed([p for name, one in found if one is not None for p in _pieces(name, one, PIECES, rng)])
+
+            yield from _unpacked(cached(work / f"mixture-{number}-{index:03d}.npz", together))
 
 
-def talkers(speech: dict[str, Real], speeds: Sequence[float], n: int, rng: np.random.Generator) -> Iterator[Talker]:
-    """Make the talkers of some recordings at some speeds, each with ``n`` disturbed clips of 2.5 to 10 s."""
-    for name, voice in speech.items():
-        others = [other for key, other in speech.items() if key != name]
-        for speed in speeds:
-            played = at_speed(voice, speed)
-            enrolment = analyse(excerpt(played, ENROLMENT, rng), RATE)
-            clips = [disturbed(excerpt(played, rng.uniform(2.5, 10), rng), others, rng) for _ in range(n)]
-            features = [analyse(clip, RATE) for clip in clips]
-            yield Talker(name, speed, enrolment, tuple(clip for clip in features if clip.seconds > 0.3))
+def _pieces(talker: str, voice: Real, seconds: Sequence[float], rng: np.random.Generator) -> list[Piece]:
+    found = [Piece(talker, analyse(excerpt(voice, each, rng), RATE)) for each in seconds if len(voice)]
+    return [piece for piece in found if len(piece.features.cepstra) >= LEAST_FRAMES]
 
 
-def mixture(people: Sequence[Talker], seed: int) -> Background:
-    """Fit the Gaussian mixtures to the frames of everybody; no cohort and no calibration yet."""
-    rng = np.random.default_rng(seed)
-    frames = np.concatenate([clip.cepstra for person in people for clip in (person.enrolment, *person.clips)])
-    pitch = np.concatenate([clip.pitch for person in people for clip in (person.enrolment, *person.clips)])
-    frames = frames[rng.choice(len(frames), min(N_FRAMES, len(frames)), replace=False)].astype(float)
-    pitch = pitch[rng.choice(len(pitch), min(N_FRAMES, len(pitch)), replace=False), None]
-    kind = {"covariance_type": "diag", "random_state": seed, "max_iter": 200, "tol": 3e-3, "reg_covar": 1e-3}
-    voices, tones = GaussianMixture(N_GAUSSIANS, **kind).fit(frames), GaussianMixture(N_PITCHES, **kind).fit(pitch)
-    return Background(
-        weights=voices.weights_,
-        means=voices.means_,
-        deviations=np.sqrt(voices.covariances_),
-        pitch_weights=tones.weights_,
-        pitch_means=tones.means_[:, 0],
-        pitch_deviations=np.sqrt(tones.covariances_[:, 0]),
-        relevance=np.array(RELEVANCE),
-        cohort=np.zeros((0, N_GAUSSIANS, 2 * CEPSTRA)),
-        calibration=np.array([1.0, 0.0, 0.0]),
-    )
+def _packed(pieces: Sequence[Piece]) -> dict[str, Array]:
+    found = {"talkers": np.array([piece.talker for piece in pieces], dtype="U32")}
+    for index, piece in enumerate(pieces):
+        found |= {f"cepstra{index}": piece.features.cepstra, f"pitch{index}": piece.features.pitch}
+    return found
 
 
-def with_cohort(background: Background, people: Sequence[Talker]) -> Background:
-    """Add the cohort: everybody's offsets, rounded to bytes."""
-    offsets = np.array([background.adapt(person.enrolment).offsets for person in people])
-    return replace(background, cohort=np.clip(np.round(offsets / COHORT_STEP), -127, 127))
+def _unpacked(arrays: Mapping[str, Array]) -> Iterator[Piece]:
+    for index, talker in enumerate(arrays["talkers"]):
+        yield Piece(str(talker), Features(arrays[f"cepstra{index}"], arrays[f"pitch{index}"]))
 
 
-def calibrated(background: Background, voices: Sequence[TalkerVoice], draws: int, seed: int) -> Background:
-    """Fit the calibration to clean and separated recordings of mixtures of ``voices``, at their own rate.
+def mixture(pieces: Sequence[Piece], seed: int) -> dict[str, Array]:
+    """Fit the Gaussian mixture: weights, means and deviations."""
+    rng = np.random.default_rng([seed, 3])
+    each = [p.features.cepstra for p in pieces]
+    drawn = [frames[rng.choice(len(frames), min(FRAMES_OF_EACH, len(frames)), replace=False)] for frames in each]
+    frames = rng.permutation(np.concatenate(drawn))[:N_FRAMES].astype(float)
+    fit = GaussianMixture(
+        N_GAUSSIANS, covariance_type="diag", random_state=seed, max_iter=100, tol=3e-3, reg_covar=1e-3
+    ).fit(frames)
+    return {"weights": fit.weights_, "means": fit.means_, "deviations": np.sqrt(fit.covariances_)}
 
-    Targets and strangers weigh the same. A talker is kept out of the cohort (its first rows, COHORT_SPEEDS of each
-    voice) while trials with this talker's recordings or print are made: in the field it knows neither of them.
+
+def trained(voices: Mapping[str, Real], work: Path, seed: int) -> Parameters:
+    """Learn everything but the calibration from the recordings (n,) of talkers."""
+    pieces = list(training_pieces(voices, work, seed))
+    fitted = cached(work / "gaussians.npz", lambda: mixture(pieces, seed))
+    found = [Background(**fitted).statistics(piece.features.cepstra) for piece in pieces]
+    counts = np.array([count for count, _ in found])
+    sums = np.array([total.ravel() for _, total in found])
+    loadings = cached(work / "loadings-0.npz", lambda: {"all": first_loadings(counts, sums, N_FACTORS)})["all"]
+    for step in range(1, N_STEPS + 1):
+
+        def better(before: Array = loadings) -> dict[str, Array]:
+            return {"all": improved_loadings(counts, sums, before, INDEPENDENCE)}
+
+        loadings = cached(work / f"loadings-{step}.npz", better)["all"]
+    steps = np.abs(loadings).max(axis=0) / 127
+    whole = np.round(loadings / steps)
+    factors = Factors(whole * steps, INDEPENDENCE)
+    vectors = [
+        np.append(factors.of(*each), pitch_of(piece.features)) for each, piece in zip(found, pieces, strict=True)
+    ]
+    centre, directions = discriminants(np.array(vectors), [piece.talker for piece in pieces], SIZE, SHRINKAGE)
+    learnt = {"loadings": whole, "steps": steps, "centre": centre, "directions": directions}
+    neutral = {"slopes": np.ones(2), "thresholds": np.zeros(2), "separated": np.array(0.0)}
+    return Parameters(**fitted, **learnt, independence=np.array(INDEPENDENCE), **neutral)
+
+
+def corpora(folder: Path, held: Mapping[str, Real]) -> dict[str, list[TalkerVoice]]:
+    """Return those to calibrate on, at the rate of mixtures: the readers kept out, and talkers of other corpora."""
+    cut = round(ENROLMENT * MIXTURE_RATE)
+    at_rate = {name: resampled(voice, RATE, MIXTURE_RATE) for name, voice in held.items()}
+    known = [TalkerVoice(name, voice[:-cut], voice[-cut:], MIXTURE_RATE) for name, voice in at_rate.items()]
+    others = [voice for voice in load_folder(folder, MIXTURE_RATE) if voice.name not in OUTSIDE]
+    if len(others) < TALKERS:
+        raise ConfigError(f"{folder}: expected at least {TALKERS} talkers beside {', '.join(OUTSIDE)}")
+    return {"readers": known, "others": others}
+
+
+def calibrated(parameters: Parameters, people: Mapping[str, list[TalkerVoice]], work: Path, seed: int) -> Parameters:
+    """Fit slopes and thresholds to separated voices, every corpus alike, and the criterion of separated prints."""
+    model = BuiltInModel(parameters)
+    heard_of = {corpus: _heard(corpus, voices, model, work, seed) for corpus, voices in people.items()}
+    prints_of = {
+        corpus: {voice.name: model.enrolled(*_enrolment(voice), separated=False).embedding for voice in voices}
+        for corpus, voices in people.items()
+    }
+    fits = []
+    for seconds in DURATIONS:
+        parts = []
+        for corpus, prints in prints_of.items():
+            trials = [(one, name) for one in heard_of[corpus] if one.seconds == seconds for name in prints]
+            cosines = np.array([float(one.embedding @ prints[name]) for one, name in trials])
+            parts.append((cosines, np.array([one.talker == name for one, name in trials])))
+        fits.append(_fitted(parts))
+    slopes = np.array([round(slope, 1) for slope, _ in fits])
+    thresholds = np.array([round(threshold + MARGIN / slope, 3) for slope, threshold in fits])
+    found = replace(parameters, slopes=slopes, thresholds=thresholds)
+    return replace(found, separated=np.array(_criterion(BuiltInModel(found), heard_of["others"])))
+
+
+def _criterion(model: BuiltInModel, heard_in_scenes: Sequence[Heard]) -> float:
+    """Return the ratio [nat] that tells separated voices apart by prints of what was separated of other mixtures.
+
+    It is the mean of those of all durations; the talkers must have spoken for long enough to say something else.
     """
-    rng = np.random.default_rng(seed)
-    names = np.repeat([voice.name for voice in voices], len(COHORT_SPEEDS))
-    owners = np.append(names, [""] * (len(background.cohort) - len(names)))
-    prints = {voice.name: background.adapt(analyse(voice.enrolment, voice.rate)) for voice in voices}
-    evidence, same = [], []
-    for _ in range(draws):
-        for _, _, _, talker, signal in scenes(voices, "S1", rng):
-            clip = analyse(signal, voices[0].rate)
-            for name, voice in prints.items():
-                alone = replace(background, cohort=background.cohort[(owners != name) & (owners != talker)])
-                evidence.append(reliability(clip) * np.append(alone.evidence(voice, clip), 1))
-                same.append(name == talker)
-    fit = LogisticRegression(fit_intercept=False, class_weight="balanced", C=100.0).fit(np.array(evidence), same)
-    return replace(background, calibration=fit.coef_[0])
+    enrolments = [one for one in heard_in_scenes if one.seconds == max(DURATIONS)]
+    criteria = []
+    for seconds in DURATIONS:
+        scored = [one for one in heard_in_scenes if one.seconds == seconds]
+        pairs = [(print_, one) for print_ in enrolments for one in scored if print_.scene != one.scene]
+        ratios = [model.calibration.ratio(float(print_.embedding @ one.embedding), seconds) for print_, one in pairs]
+        own = np.array([print_.talker == one.talker for print_, one in pairs])
+        slope, threshold = logistic(np.array(ratios), own)
+        criteria.append(threshold + MARGIN / slope)
+    return round(float(np.mean(criteria)), 1)
 
 
-def train(speech: dict[str, Real], seed: int, n_clips: int = 24) -> Background:
-    """Train a background model on recordings (n,) by name, and on synthetic voices; it is not calibrated yet."""
-    rng = np.random.default_rng(seed)
-    drawn = {recipe.name: synthetic(recipe, index) for index, recipe in enumerate(recipes(N_SYNTHETIC, rng))}
-    real = tuple(talkers(speech, SPEEDS, n_clips, rng))
-    made = tuple(talkers(drawn, SYNTHETIC_SPEEDS, n_clips // 3, rng))
-    background = mixture((*real, *made), seed)
-    return with_cohort(background, [*(person for person in real if person.speed in COHORT_SPEEDS), *made[::4]])
+def _fitted(parts: Sequence[tuple[Real, NDArray[np.bool_]]]) -> tuple[float, float]:
+    """Fit slope [nat] and threshold to the cosines (n,) of corpora; they, and targets and strangers, count alike."""
+    cosines, own = np.concatenate([values for values, _ in parts]), np.concatenate([same for _, same in parts])
+    shares = [np.where(same, 1 / same.sum(), 1 / (~same).sum()) for _, same in parts]
+    weights = np.concatenate(shares)
+    return logistic(cosines, own, weights * len(own) / weights.sum())
 
 
-def trained(folder: Path, leave_out: Sequence[str], seed: int) -> Background:
-    """Train on the talkers of a folder but those left out, and calibrate with mixtures of the same talkers."""
-    known = [voice for voice in load_folder(folder, RATE) if voice.name not in leave_out]
-    background = train({voice.name: voice.speech.astype(float) for voice in known}, seed)
-    heard = [voice for voice in load_folder(folder, MIXTURE_RATE) if voice.name not in leave_out]
-    return calibrated(background, heard, N_MIXTURES, seed)
+def _enrolment(voice: TalkerVoice) -> tuple[Real, Features]:
+    samples = resampled(voice.enrolment, voice.rate, RATE).astype(float)
+    return samples, analyse(samples, RATE)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Train and write the model."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--speech", type=Path, required=True, help="folder of talkers")
-    parser.add_argument("--leave-out", nargs="*", default=list(OUTSIDE), help="talkers not to train on")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("out", type=Path, help="where the model goes (.npz)")
-    asked = parser.parse_args(arguments)
-    with threadpool_limits(1):
-        content = encode_background(trained(asked.speech, asked.leave_out, asked.seed))
-    asked.out.write_bytes(content)
-    values = read_background(content, asked.out.name).calibration.round(3)
-    sys.stdout.write(f"{asked.out.name}: {len(content) / 1000:.0f} kB, calibration {values}\n")
-    return 0
+def _heard(corpus: str, voices: Sequence[TalkerVoice], model: BuiltInModel, work: Path, seed: int) -> list[Heard]:
+    """Return the separated voices of some mixtures."""
+    found = []
+    for where, room in enumerate(ROOMS):
+        for number in range(N_SCENES):
+
+            def made(room: str = room, where: int = where, number: int = number) -> dict[str, Array]:
+                rng = np.random.default_rng([seed, 4, where, number])
+                heard_here = [each for each in scenes(voices, room, rng) if each[1]]
+                pieces = [Piece(talker, analyse(signal, MIXTURE_RATE)) for *_, talker, signal in heard_here]
+                return _packed(pieces) | {"seconds": np.array([each[0] for each in heard_here])}
+
+            arrays = cached(work / f"{corpus}-{room}-{number:02d}.npz", made)
+            for seconds, piece in zip(arrays["seconds"].tolist(), _unpacked(arrays), strict=True):
+                embedding = model.embedding_of(piece.features)
+                found.append(Heard(f"{room} {number}", seconds, piece.talker, embedding))
+    return found
+
+
+def talkers(folder: Path, seed: int) -> tuple[dict[str, Real], dict[str, Real]]:
+    """Return whom to train on, synthetic voices among them, and the readers kept out: recordings (n,) at `RATE`."""
+    voices = readers(folder, "train")
+    held = {name: voices.pop(name) for name in kept_out(voices, seed)}
+    rng = np.random.default_rng([seed, 6])
+    for index, recipe in enumerate(recipes(N_SYNTHETIC, rng)):
+        voices[recipe.name] = excerpt(synthetic(recipe, index), SYNTHETIC_SECONDS, rng)
+    return voices, held
+
+
+@click.command(help=__doc__)
+@click.option("--readers", "folder", type=click.Path(path_type=Path), required=True, help="Folder with MANIFEST.tsv.")
+@click.option("--speech", type=click.Path(path_type=Path), required=True, help="Folder of talkers of other corpora.")
+@click.option("--work", type=click.Path(path_type=Path), required=True, help="What is made on the way is kept here.")
+@click.option("--seed", type=int, default=0, show_default=True)
+@click.argument("out", type=click.Path(path_type=Path))
+def main(folder: Path, speech: Path, work: Path, seed: int, out: Path) -> None:
+    """Train, calibrate and write the model."""
+    try:
+        with threadpool_limits(1):
+            voices, held = talkers(folder, seed)
+            people = corpora(speech, held)
+            content = encode_model(calibrated(trained(voices, work, seed), people, work, seed))
+        write_whole(out, content)
+    except RossError as error:
+        raise click.ClickException(str(error)) from error
+    read = read_model(content, out.name)
+    click.echo(f"{out.name}: {len(content) / 1000:.0f} kB, {read.fingerprint}, {read.calibration}")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,8 +33,8 @@ class TalkerVoice:
     rate: int  # [Hz]
 
 
-def load_folder(folder: Path, rate: int) -> tuple[TalkerVoice, ...]:
-    """Load every talker of a folder at ``rate`` [Hz], sorted by name.
+def load_folder(folder: Path, rate: int, only: Collection[str] = ()) -> tuple[TalkerVoice, ...]:
+    """Load every talker of a folder, or some ``only``, at ``rate`` [Hz], sorted by name.
 
     Each sub-folder with recordings is a talker: files whose name begins with "enrol" are the enrolment clip, the
     others are speech, joined in order of their names. Each recording in the folder itself is a talker too. Any
@@ -55,7 +55,8 @@ def load_folder(folder: Path, rate: int) -> tuple[TalkerVoice, ...]:
         if talkers.get(entry.stem):
             raise ConfigError(f"{folder}: two talkers are named '{entry.stem}': {entry.name} is the second")
         talkers[entry.stem] = [entry]
-    voices = tuple(_voice(name, talkers[name], rate) for name in sorted(talkers) if talkers[name])
+    wanted = sorted(name for name in talkers if talkers[name] and (not only or name in only))
+    voices = tuple(_voice(name, talkers[name], rate) for name in wanted)
     if not voices:
         raise ConfigError(f"{folder}: expected one sub-folder or one file ({_suffixes()}) per talker, got none")
     return voices

@@ -1,0 +1,132 @@
+"""A voice print that is one vector, compared by its cosine with that of a recording.
+
+A print is the mean of the vectors of the enrolment and of disturbed copies of it ("multi-condition"), since what it is
+compared with was separated from others in a room.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from ross_payload.interfaces import Real, Score
+from ross_payload.voiceprint.disturbed_copies import disturbed
+from ross_payload.voiceprint.features import RATE, at_rate, checked
+
+LEAST_SECONDS = 0.3  # with less a recording tells nothing [s]
+SHORT_S, LONG_S = 3.0, 10.0  # durations at which a model is calibrated [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """From a cosine to a log-likelihood ratio, by the duration of what is scored.
+
+    The ratio [nat] is slope * (cosine - threshold); both are those of `SHORT_S` and `LONG_S`, between them they follow
+    the logarithm of the duration, beyond them they stay.
+    """
+
+    slopes: tuple[float, float]  # [nat]
+    thresholds: tuple[float, float]
+    source: str = ""  # how it was measured, in words; empty: it was not, these are another model's
+
+    def ratio(self, cosine: float, seconds: float) -> float:
+        """Return the log-likelihood ratio [nat] of a cosine that was measured on so many seconds."""
+        where = np.log(np.clip(seconds, SHORT_S, LONG_S) / SHORT_S) / np.log(LONG_S / SHORT_S)
+        slope, threshold = (first + where * (last - first) for first, last in (self.slopes, self.thresholds))
+        return float(slope * (cosine - threshold))
+
+
+class Embedder(Protocol):
+    """A model that turns a recording into a vector."""
+
+    @property
+    def fingerprint(self) -> str:
+        """Sixteen hexadecimal digits that tell this model from another."""
+
+    @property
+    def calibration(self) -> Calibration:
+        """How cosines are read."""
+
+    @property
+    def size(self) -> int:
+        """Numbers of an embedding."""
+
+    def embed(self, samples: Real) -> Real:
+        """Return the embedding of a recording (n,) at `RATE`, of length 1 or, without speech, 0, (size,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class EmbeddingPrint:
+    """One enrolled voice, an ``interfaces.VoicePrint``."""
+
+    embedding: Real = field(repr=False)  # of length 1, (size,)
+    seconds: float  # voiced speech that it was enrolled from [s]
+    model: Embedder = field(repr=False)
+    criterion: float = 0.0  # log-likelihood ratio [nat] at which this print is undecided
+    consent: str = ""  # how the talker agreed, in words; empty: the file does not say
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the model that made it."""
+        return self.model.fingerprint
+
+    def score(self, voice: Real, rate: int) -> Score:
+        """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice.
+
+        A recording of less than 0.3 s, or with hardly any speech, has the score 0, undecided, and is not accepted.
+
+        Raises
+        ------
+        AudioError
+            When the recording is empty, not one channel, not finite, or sampled below 16 kHz.
+        """
+        samples = at_rate(checked(voice, rate), rate)
+        seconds = len(samples) / RATE
+        embedding = self.model.embed(samples) if seconds >= LEAST_SECONDS and samples.any() else np.zeros(0)
+        return self.compared(embedding, seconds)
+
+    def compared(self, embedding: Real, seconds: float) -> Score:
+        """Compare the embedding (size,) of so many seconds with the enrolled voice; 0 is undecided."""
+        if not embedding.any():
+            return Score(0.0, accepted=False)
+        value = self.model.calibration.ratio(float(self.embedding @ embedding), seconds) - self.criterion
+        return Score(value, accepted=value > 0.0)
+
+    def agreed(self, consent: str) -> EmbeddingPrint:
+        """Return the same with how the talker agreed."""
+        return replace(self, consent=consent)
+
+    def values(self) -> dict[str, Any]:
+        """Return what a file keeps, ready for JSON."""
+        return {"embedding": np.round(self.embedding, 6).tolist(), "criterion": self.criterion}
+
+
+def enrolled_print(
+    model: Embedder, samples: Real, seconds: float, *, separated: bool, criterion: float = 0.0
+) -> EmbeddingPrint:
+    """Return the print of a voice (n,) at `RATE`: of its recording and, unless it was ``separated``, of copies."""
+    clips = [samples] if separated else [samples, *disturbed(samples)]
+    return EmbeddingPrint(unit(np.sum([model.embed(clip) for clip in clips], axis=0)), seconds, model, criterion)
+
+
+def restored_print(model: Embedder, values: dict[str, Any], seconds: float, consent: str) -> EmbeddingPrint:
+    """Make a print again from its `EmbeddingPrint.values`.
+
+    Raises
+    ------
+    ValueError
+        When they are not those of a print of this model.
+    """
+    embedding, criterion = np.array(values["embedding"], np.float64), float(values.get("criterion", 0.0))
+    if embedding.shape != (model.size,):
+        raise ValueError(f"expected {model.size} numbers, got {embedding.size}")
+    if not np.isfinite(embedding).all() or not np.isfinite(criterion) or not embedding.any():
+        raise ValueError("expected finite numbers, not all of them 0")
+    return EmbeddingPrint(unit(embedding), seconds, model, criterion, consent)
+
+
+def unit(vector: Real) -> Real:
+    """Return a vector (n,), scaled to length 1; 0 stays 0."""
+    return np.asarray(vector / max(np.linalg.norm(vector), np.finfo(float).tiny))
