@@ -16,6 +16,7 @@
     └── OutputError          results cannot be written any more: exit code 1
 """
 
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
@@ -103,6 +104,17 @@ class OutputError(RossError):
     """Results cannot be written any more: the disk is full or gone."""
 
 
+def reason(error: Exception) -> str:
+    """Return what is wrong, in the system's words where it has some.
+
+    >>> reason(ConnectionRefusedError(111, "Connect call failed ('127.0.0.1', 5760)"))
+    'Connection refused'
+    """
+    if isinstance(error, OSError) and error.errno and error.errno > 0:
+        return os.strerror(error.errno)
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
+
+
 @contextmanager
 def refused_as(kind: type[Exception], what: str) -> Iterator[None]:
     """Let what the system refuses, an OSError, become an error of ours: ``what``, and why.
@@ -115,4 +127,4 @@ def refused_as(kind: type[Exception], what: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise kind(f"{what}: {error.strerror or error}") from error
+        raise kind(f"{what}: {reason(error)}") from error

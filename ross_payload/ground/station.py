@@ -13,6 +13,7 @@ from contextlib import AsyncExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
 
+from ross_payload.errors import reason
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.links.diagnostics import DIAGNOSIS_DELAY_S, advice
 from ross_payload.ground.links.link import GroundLink, LinkState
@@ -20,7 +21,7 @@ from ross_payload.ground.links.routing import Route, RoutingTable
 from ross_payload.ground.links.signing import SigningTime
 from ross_payload.ground.links.tlog import BufferedTlog
 from ross_payload.ground.model.fleet import Fleet
-from ross_payload.transport.ports import Peer, reason
+from ross_payload.transport.ports import Peer
 from ross_protocols.mavlink.codec import Encoder, Packet, message_of
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common

@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Protocol
 
+from ross_payload.errors import reason
 from ross_payload.transport import ports
 from ross_payload.transport.async_task import Backoff
 
@@ -217,5 +218,5 @@ class ReconnectingStream:
         self._fail(error)
 
     def _fail(self, error: Exception) -> None:
-        self.counts = replace(ports.with_failure(self.counts, error), up=False, error=ports.reason(error))
+        self.counts = replace(ports.with_failure(self.counts, error), up=False, error=reason(error))
         self._retry_at = self._now() + self._backoff.wait()

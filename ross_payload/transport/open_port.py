@@ -5,10 +5,10 @@ from __future__ import annotations
 import socket
 from collections.abc import Callable
 
-from ross_payload.errors import ConfigError, LinkError
+from ross_payload.errors import ConfigError, LinkError, reason
 from ross_payload.transport.byte_stream import ReconnectingStream
 from ross_payload.transport.link_url import Address, Serial, Tcp, Udp, parse
-from ross_payload.transport.ports import DEFAULTS, PortOptions, reason
+from ross_payload.transport.ports import DEFAULTS, PortOptions
 from ross_payload.transport.serial_port import SerialOpener
 from ross_payload.transport.tcp import TcpOpener, TcpServer, open_listeners, prepared
 from ross_payload.transport.udp import UdpPeer, UdpServer, open_udp

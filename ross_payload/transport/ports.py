@@ -5,9 +5,10 @@ What cannot be sent at once is dropped and counted: the next report is more wort
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
+
+from ross_payload.errors import reason
 
 Peer = Any  # what a listening port knows a peer by: a socket address, or the number of a connection
 
@@ -76,14 +77,3 @@ def with_failure(counts: Counts, error: Exception) -> Counts:
     if isinstance(error, ConnectionRefusedError):
         return replace(counts, refused=counts.refused + 1, trouble=reason(error))
     return replace(counts, failed=counts.failed + 1, error=reason(error), trouble=reason(error))
-
-
-def reason(error: Exception) -> str:
-    """Return what is wrong, in the system's words where it has some.
-
-    >>> reason(ConnectionRefusedError(111, "Connect call failed ('127.0.0.1', 5760)"))
-    'Connection refused'
-    """
-    if isinstance(error, OSError) and error.errno and error.errno > 0:
-        return os.strerror(error.errno)
-    return (error.strerror if isinstance(error, OSError) else None) or str(error)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import Any
 
+from ross_payload.errors import reason
 from ross_payload.transport import ports
 from ross_payload.transport.async_task import begin
 from ross_payload.transport.byte_stream import Stream
@@ -152,7 +153,7 @@ class TcpServer:
         try:
             taken = client.stream.send(frame)
         except OSError as error:
-            self._lose(peer, ports.reason(error))
+            self._lose(peer, reason(error))
             return
         self.counts = ports.with_outcome(self.counts, taken)
 
@@ -255,7 +256,7 @@ class TcpServer:
             stream.flush()
             return stream.read(most) if stream.fileno() in ready else b""
         except OSError as error:
-            self._lose(number, ports.reason(error))
+            self._lose(number, reason(error))
             return b""
 
     def _lose(self, number: int, why: str) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection
 from concurrent.futures import Future
 from dataclasses import replace
 
+from ross_payload.errors import reason
 from ross_payload.transport import ports
 from ross_payload.transport.async_task import Backoff, begin
 from ross_payload.transport.link_url import Udp
@@ -107,7 +108,7 @@ class UdpPeer:
             try:
                 self._begin(opening.result())
             except (OSError, ValueError) as error:  # a ValueError: a name that cannot be one
-                self.counts = replace(self.counts, error=ports.reason(error), trouble=ports.reason(error))
+                self.counts = replace(self.counts, error=reason(error), trouble=reason(error))
 
     def _begin(self, sock: socket.socket) -> None:
         if self._socket is not None:

@@ -13,11 +13,10 @@ from contextlib import suppress
 from typing import Any, Protocol
 
 from ross_payload import plugins
-from ross_payload.errors import LinkError, refused_as
+from ross_payload.errors import LinkError, reason, refused_as
 from ross_payload.interfaces import Clock, Port
 from ross_payload.transport.byte_stream import Handle, Stream
 from ross_payload.transport.link_url import tcp_endpoint
-from ross_payload.transport.ports import reason
 from ross_payload.transport.tcp import prepared
 
 GROUP = "ross_payload.wires"

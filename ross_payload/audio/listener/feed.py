@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Protocol, Self
 
 from ross_payload.bounded_files import read_bounded
-from ross_payload.errors import AudioError, ConfigError, refused_as, shown
+from ross_payload.errors import AudioError, ConfigError, reason, refused_as, shown
 from ross_payload.interfaces import Samples
 from ross_payload.transport.link_url import LOOPBACK, MAX_PORT, tcp_endpoint
-from ross_payload.transport.ports import reason
 from ross_payload.transport.rtp.session_description import L16, LONGEST, OPUS, Media, Session, parsed
 
 EXPECTED = "expected rtp://ADDRESS:PORT, a file or an http address that ends in .sdp, or tcp://HOST:PORT"

@@ -16,9 +16,8 @@ from typing import Self
 import numpy as np
 
 from ross_payload.audio.listener.feed import Feed, Progress
-from ross_payload.errors import AudioError
+from ross_payload.errors import AudioError, reason
 from ross_payload.interfaces import Samples
-from ross_payload.transport.ports import reason
 from ross_payload.transport.rtp.waveforms import lengthened, shortened
 from ross_protocols.audio.pcm import Decoder, PcmError
 

@@ -9,9 +9,9 @@ import threading
 from typing import Any, Self
 
 from ross_payload.audio.listener.feed import Feed, Progress
-from ross_payload.errors import AudioError
+from ross_payload.errors import AudioError, reason
 from ross_payload.interfaces import Clock, Samples
-from ross_payload.transport.ports import MAX_READ_BYTES, reason
+from ross_payload.transport.ports import MAX_READ_BYTES
 from ross_payload.transport.rtp.receiver import Reception, RtpReceiver
 from ross_payload.transport.rtp.session_description import Session
 

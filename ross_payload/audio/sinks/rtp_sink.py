@@ -23,9 +23,9 @@ from pydantic import Field, field_validator
 from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.audio.sinks.rtp_sender import RtpSender
 from ross_payload.config.table import Table
-from ross_payload.errors import AudioError, shown
+from ross_payload.errors import AudioError, reason, shown
 from ross_payload.interfaces import VoiceBlock
-from ross_payload.transport.ports import MAX_READ_BYTES, reason
+from ross_payload.transport.ports import MAX_READ_BYTES
 from ross_payload.transport.rtp.session_description import L16, OPUS, Media, Session, described
 
 KEPT_S = 1.0  # of samples that wait for the thread; beyond that they are lost

@@ -16,12 +16,12 @@ from pydantic import Field
 
 from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.config.table import Table
-from ross_payload.errors import AudioError, refused_as
+from ross_payload.errors import AudioError, reason, refused_as
 from ross_payload.interfaces import VoiceBlock
 from ross_payload.transport.async_task import Backoff
 from ross_payload.transport.byte_stream import Stream
 from ross_payload.transport.link_url import LOOPBACK, Tcp
-from ross_payload.transport.ports import MAX_READ_BYTES, reason
+from ross_payload.transport.ports import MAX_READ_BYTES
 from ross_payload.transport.tcp import TcpOpener, open_listeners, prepared
 from ross_protocols.audio.pcm import WIDTHS, Header, encode, encode_header
 

@@ -12,9 +12,8 @@ from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
 
-from ross_payload.errors import refused_as
+from ross_payload.errors import reason, refused_as
 from ross_payload.ground.errors import GroundError
-from ross_payload.transport.ports import reason
 from ross_payload.transport.tlog import append_records, tlog_record
 
 MAX_WAITING_BYTES = 16_000_000  # bytes that wait for a slow disk
