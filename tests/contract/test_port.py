@@ -51,7 +51,7 @@ def udpout(stack: ExitStack, patient: bool) -> Rig:
 
 
 def udpin(stack: ExitStack, patient: bool) -> Rig:
-    where = ("127.0.0.1", free_port(socket.SOCK_DGRAM))
+    where = ("127.0.0.1", free_port())
     port = open_port(f"udpin::{where[1]}", SystemClock().now, patient=patient)
     far = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
     far.setblocking(False)
@@ -70,7 +70,7 @@ def tcp(stack: ExitStack, patient: bool) -> Rig:
 
 
 def tcpin(stack: ExitStack, patient: bool) -> Rig:
-    number = free_port(socket.SOCK_STREAM)
+    number = free_port()
     port = open_port(f"tcpin::{number}", SystemClock().now, patient=patient)
     far = stack.enter_context(socket.create_connection(("127.0.0.1", number)))
     far.setblocking(False)

@@ -182,7 +182,7 @@ def minute(chain, listener, number):
 @pytest.mark.soak
 @threadpool_limits.wrap(limits=1)
 def test_an_hour_grows_no_memory_loses_no_count_and_no_time(tmp_path, free_port):
-    Chain.port = free_port(socket.SOCK_STREAM)
+    Chain.port = free_port()
     chain, spent = Chain(tmp_path), resource.getrusage(resource.RUSAGE_SELF).ru_utime
     while not chain.sinks:
         chain.hear_hop(settled=True)

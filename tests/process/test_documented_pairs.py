@@ -5,7 +5,6 @@ import json
 import re
 import shlex
 import signal
-import socket
 import subprocess
 import time
 from contextlib import ExitStack, contextmanager
@@ -31,8 +30,7 @@ MONITOR, DRONE, TELEMETRY = (
 GIMBAL = "docs/how-to/turntable-as-gimbal.md"
 MEET_S = 10.0  # from the start of the later program until the payload is shown
 BUSY_TIMEOUT_S = 60.0  # the same on a computer that is busy with other tests
-UDP, TCP = socket.SOCK_DGRAM, socket.SOCK_STREAM
-PORTS = {"14550": UDP, "14540": UDP, "40001": TCP, "40002": TCP, "8765": TCP}  # printed, or the default
+PORTS = ("14550", "14540", "40001", "40002", "8765")  # printed, or the default
 
 
 class Printed:
@@ -40,7 +38,7 @@ class Printed:
 
     def __init__(self, folder):
         self.folder = folder
-        self._ports = {port: str(ports.free_port(kind)) for port, kind in PORTS.items()}
+        self._ports = {port: str(ports.free_port()) for port in PORTS}
 
     def free(self, text):
         return re.sub("|".join(PORTS), lambda found: self._ports[found[0]], text)

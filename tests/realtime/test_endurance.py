@@ -161,7 +161,7 @@ def bench(tmp_path, process, ground_station, free_port):
             stack.enter_context(process(world, tmp_path, "world", stdout=subprocess.PIPE)).stdout.readline()
         )
         relay = stack.enter_context(Relay((LOOPBACK, int(told["pcm"].rpartition(":")[2]))))
-        ports = {"udp": free_port(socket.SOCK_DGRAM), "tcp": free_port(socket.SOCK_STREAM)}
+        ports = {"udp": free_port(), "tcp": free_port()}
         config = CONFIG.format(host=LOOPBACK, pcm=relay.port, wire=told["wire"], **ports)
         (tmp_path / "ross.toml").write_text(config)
         payload = stack.enter_context(process(["run", "ross.toml"], tmp_path, "payload"))

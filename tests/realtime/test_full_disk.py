@@ -1,7 +1,5 @@
 """A disk that fills while the payload lives: a limit on the size of a file stands for it."""
 
-import socket
-
 import numpy as np
 import soundfile
 
@@ -25,7 +23,7 @@ min_free_gb = 0
 
 
 def test_a_disk_that_fills_ends_the_recording_and_not_the_mission(tmp_path, process, ground_station, free_port):
-    port = free_port(socket.SOCK_DGRAM)
+    port = free_port()
     (tmp_path / "ross.toml").write_text(NOISE.format(port=port) + RECORDING)
     noise = np.random.default_rng(0).integers(-300, 300, (120 * RATE, 2), np.int16)
     soundfile.write(tmp_path / "noise.wav", noise, RATE)

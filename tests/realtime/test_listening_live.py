@@ -73,7 +73,7 @@ def connected(port):
 
 
 def test_it_is_heard_while_it_explores_and_while_other_sinks_fail(tmp_path, process, ground_station, free_port):
-    port, pcm, absent = free_port(socket.SOCK_DGRAM), free_port(socket.SOCK_STREAM), free_port(socket.SOCK_STREAM)
+    port, pcm, absent = free_port(), free_port(), free_port()
     noise = np.random.default_rng(0).integers(-3000, 3000, (120 * RATE, 2), np.int16)
     soundfile.write(tmp_path / "noise.wav", noise, RATE)
     with socket.create_server(("127.0.0.1", 0)) as taken:

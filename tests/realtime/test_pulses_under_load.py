@@ -3,8 +3,6 @@
 The move is then lost, and says so. A busy loop takes a whole core with the priority of everything ordinary.
 """
 
-import socket
-
 import numpy as np
 import pytest
 import soundfile
@@ -66,7 +64,7 @@ def rig(tmp_path, process, ground_station, free_port):
         def start():
             return process(["run", "ross.toml"], tmp_path, "payload", PRIORITIES[priority])
 
-        return Rig(tmp_path, start, ground_station, free_port(socket.SOCK_DGRAM), ahead_ms)
+        return Rig(tmp_path, start, ground_station, free_port(), ahead_ms)
 
     return make
 

@@ -82,7 +82,7 @@ def rig(tmp_path, process, ground_station, free_port):
         def start():
             return process(["run", "ross.toml"], tmp_path, "payload", before)
 
-        return Rig(tmp_path, start, ground_station, free_port(socket.SOCK_DGRAM), ahead_ms, more=more)
+        return Rig(tmp_path, start, ground_station, free_port(), ahead_ms, more=more)
 
     return make
 
@@ -130,7 +130,7 @@ def acknowledged_stops(payload, moments):
 @pytest.fixture
 def listeners(free_port):
     """Streams in a configuration, and a context in which somebody takes each of them."""
-    ports = [free_port(socket.SOCK_STREAM) for _ in range(3)]
+    ports = [free_port() for _ in range(3)]
 
     @contextmanager
     def listening():

@@ -3,7 +3,6 @@
 import os
 import resource
 import signal
-import socket
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -21,7 +20,7 @@ class Ground:
     def __init__(self, *arguments):
         self.port = free_port()
         command = [sys.executable, "-m", "ross_payload.cli", "ground", f"udpin:127.0.0.1:{self.port}"]
-        self._command = [*command, "--port", str(free_port(socket.SOCK_STREAM)), *map(str, arguments)]
+        self._command = [*command, "--port", str(free_port()), *map(str, arguments)]
         self.start()
 
     def start(self):

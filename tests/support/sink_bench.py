@@ -86,7 +86,7 @@ def wav(tmp_path, stack):
 
 
 def tcp(tmp_path, stack):
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     listeners = []
     rig = Rig("tcp", {"port": port}, services(tmp_path), lambda: listeners[0].samples)
 

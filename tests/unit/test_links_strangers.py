@@ -53,7 +53,7 @@ def listening(tmp_path: Path) -> Iterator[Callable[..., Payload]]:
     with ExitStack() as stack:
 
         def start(kind: str, *, signed: bool) -> Payload:
-            port = free_port(socket.SOCK_DGRAM if kind == "udpin" else socket.SOCK_STREAM)
+            port = free_port()
             payload = Payload(f"{kind}:{LOCAL}:{port}", port, tmp_path if signed else None)
             return stack.enter_context(closing(payload))
 

@@ -66,11 +66,11 @@ def test_tcp_goes_both_ways(server: socket.socket) -> None:
 
 def test_a_refused_connection_is_one_clear_line_for_the_impatient() -> None:
     with pytest.raises(LinkError, match=r"^link 'tcp:127.0.0.1:\d+' cannot be opened: Connection refused$"):
-        links_to(f"tcp:127.0.0.1:{free_port(socket.SOCK_STREAM)}")
+        links_to(f"tcp:127.0.0.1:{free_port()}")
 
 
 def test_a_patient_link_waits_for_a_server_that_comes_late() -> None:
-    port, clock = free_port(socket.SOCK_STREAM), LeapingClock()
+    port, clock = free_port(), LeapingClock()
     with links_to(f"tcp:127.0.0.1:{port}", clock=clock, patient=True) as links:
         wait_for(lambda: links.poll() or status(links).error)
         assert (status(links).up, status(links).error) == (False, "Connection refused")
@@ -104,7 +104,7 @@ def test_a_server_that_leaves_and_returns_is_found_again(server: socket.socket) 
 
 
 def test_attempts_become_rarer() -> None:
-    port, clock = free_port(socket.SOCK_STREAM), LeapingClock()
+    port, clock = free_port(), LeapingClock()
     with links_to(f"tcp:127.0.0.1:{port}", clock=clock, patient=True) as links:
         port = links._links[0]._port
         attempts = []
@@ -179,7 +179,7 @@ def joined(links: Router, port: int, count: int) -> list[socket.socket]:
 
 
 def test_a_server_talks_to_all_its_clients() -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     with links_to(f"tcpin::{port}") as links:
         clients = joined(links, port, 3)
         links.component(191).send(BEAT)
@@ -189,7 +189,7 @@ def test_a_server_talks_to_all_its_clients() -> None:
 
 
 def test_frames_of_two_clients_that_come_in_pieces_do_not_mix() -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     one, two = Encoder(255, 190), Encoder(254, 190)
     with links_to(f"tcpin::{port}") as links:
         heard = hears(links)
@@ -211,7 +211,7 @@ def test_frames_of_two_clients_that_come_in_pieces_do_not_mix() -> None:
 
 
 def test_a_client_that_leaves_makes_room_and_the_others_stay() -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     with links_to(f"tcpin::{port}") as links:
         stays, leaves = joined(links, port, 2)
         leaves.close()
@@ -223,7 +223,7 @@ def test_a_client_that_leaves_makes_room_and_the_others_stay() -> None:
 
 
 def test_the_seventeenth_client_takes_the_place_of_the_oldest_that_has_said_nothing() -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     with links_to(f"tcpin::{port}") as links:
         heard = hears(links)
         clients = joined(links, port, 16)
@@ -239,7 +239,7 @@ def test_the_seventeenth_client_takes_the_place_of_the_oldest_that_has_said_noth
 
 
 def test_when_all_sixteen_clients_speak_the_seventeenth_is_turned_away() -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     with links_to(f"tcpin::{port}") as links:
         heard = hears(links)
         clients = joined(links, port, 16)
@@ -254,7 +254,7 @@ def test_when_all_sixteen_clients_speak_the_seventeenth_is_turned_away() -> None
 
 
 def test_a_server_listens_on_the_loopback_only_and_says_when_its_port_is_in_use(server: socket.socket) -> None:
-    port = open_port(f"tcpin::{free_port(socket.SOCK_STREAM)}", SystemClock().now)
+    port = open_port(f"tcpin::{free_port()}", SystemClock().now)
     (listener,) = port._listeners.values()
     assert listener.getsockname()[0] == "127.0.0.1"
     port.close()
@@ -275,7 +275,7 @@ def test_no_link_is_opened_when_one_is_wrong(server: socket.socket) -> None:
 
 def test_the_links_before_a_broken_one_are_closed_again(server: socket.socket) -> None:
     with pytest.raises(LinkError):
-        links_to(f"tcp:127.0.0.1:{port_of(server)}", f"tcp:127.0.0.1:{free_port(socket.SOCK_STREAM)}")
+        links_to(f"tcp:127.0.0.1:{port_of(server)}", f"tcp:127.0.0.1:{free_port()}")
     ground, _ = server.accept()
     with ground:
         assert ground.recv(10) == b""

@@ -35,7 +35,7 @@ async def test_a_link_that_cannot_be_is_one_clear_line(url: str, says: str) -> N
 
 @pytest.mark.parametrize(("kind", "sort"), [("udpin", socket.SOCK_DGRAM), ("tcpin", socket.SOCK_STREAM)])
 async def test_a_port_in_use_says_which_and_what_to_do_and_leaves_nothing_open(kind: str, sort: int) -> None:
-    first, taken = free_port(), free_port(sort)
+    first, taken = free_port(), free_port()
     with socket.socket(socket.AF_INET, sort) as sock:
         sock.bind(("127.0.0.1", taken))
         if sort == socket.SOCK_STREAM:
@@ -55,7 +55,7 @@ async def test_what_stands_behind_a_frame_that_never_ends_is_heard_after_a_silen
 
 @pytest.mark.parametrize("kind", ["udpin", "tcpin"])
 async def test_a_hundred_thousand_random_bytes_do_no_harm(kind: str) -> None:
-    port = free_port(socket.SOCK_DGRAM if kind == "udpin" else socket.SOCK_STREAM)
+    port = free_port()
     async with Station([f"{kind}:127.0.0.1:{port}"]) as station:
         sort = socket.SOCK_DGRAM if kind == "udpin" else socket.SOCK_STREAM
         with socket.socket(socket.AF_INET, sort) as sock:
@@ -74,7 +74,7 @@ async def test_a_hundred_thousand_random_bytes_do_no_harm(kind: str) -> None:
 
 
 async def test_a_flood_lets_others_have_their_turn() -> None:
-    port, quiet = free_port(socket.SOCK_STREAM), free_port()
+    port, quiet = free_port(), free_port()
     async with Station([f"tcpin:127.0.0.1:{port}", f"udpin:127.0.0.1:{quiet}"]) as station:
         _, writer = await asyncio.open_connection("127.0.0.1", port)
         flood = asyncio.create_task(_flood(writer))

@@ -40,7 +40,7 @@ class Server:
 
 
 async def test_a_tcp_client_goes_both_ways_and_finds_a_server_again_within_seconds() -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     async with Station([f"tcp:127.0.0.1:{port}"]) as station:
         await wait_for_async(lambda: station.links()[0].error == "Connection refused")
         for life in (1, 2, 3):
@@ -56,7 +56,7 @@ async def test_a_tcp_client_goes_both_ways_and_finds_a_server_again_within_secon
 
 
 async def test_a_tcp_server_hears_several_clients_and_answers_each() -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     async with Station([f"tcpin:127.0.0.1:{port}"]) as station:
         clients = [await asyncio.open_connection("127.0.0.1", port) for _ in range(3)]
         for number, (_, writer) in enumerate(clients):
@@ -75,7 +75,7 @@ async def test_a_tcp_server_hears_several_clients_and_answers_each() -> None:
 
 
 async def test_a_tcp_server_takes_so_many_clients_and_no_more() -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     async with Station([f"tcpin:127.0.0.1:{port}"]) as station:
         clients = [await asyncio.open_connection("127.0.0.1", port) for _ in range(MAX_PEERS + 5)]
         await wait_for_async(lambda: station.links()[0].peers == MAX_PEERS)
@@ -88,7 +88,7 @@ async def test_a_tcp_server_takes_so_many_clients_and_no_more() -> None:
 
 
 async def test_a_client_that_reads_nothing_does_not_fill_the_memory() -> None:
-    port = free_port(socket.SOCK_STREAM)
+    port = free_port()
     async with Station([f"tcpin:127.0.0.1:{port}"]) as station:
         with socket.create_connection(("127.0.0.1", port)):
             await wait_for_async(lambda: station.links()[0].peers == 1)

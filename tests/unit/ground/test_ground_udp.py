@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import socket
 
 from clocks import LeapingClock
 from ports import free_port
@@ -104,7 +103,7 @@ async def test_when_all_peers_are_good_a_newcomer_waits_until_one_is_silent() ->
 
 
 async def test_hosts_may_be_ipv6() -> None:
-    port, stream = free_port(), free_port(socket.SOCK_STREAM)
+    port, stream = free_port(), free_port()
     ears = [f"udpin:[::1]:{port}", f"tcpin:[::1]:{stream}"]
     mouths = [f"udpout:[::1]:{port}", f"tcp:[::1]:{stream}"]
     async with Station(ears) as station, Station(mouths, system_id=1, component_id=191) as other:
