@@ -4,6 +4,7 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega
 
 from ross_payload.config.parameter_table import TABLE
+from waiting import wait_for
 
 MEASURE_NOISE = 54007
 ACCEPTED = 0
@@ -64,4 +65,4 @@ def test_what_is_set_is_in_force_whatever_came_first_or_twice(flight):
     payload, ground, _ = flight
     for value in (2.0, 4.0, 2.5, 3.5):
         ground.set("EXP_UNIT", value)
-    assert payload.kept() == {"EXP_UNIT": 3.5}
+    wait_for(lambda: payload.kept() == {"EXP_UNIT": 3.5}, what=payload.kept)  # the file is written beside the link
