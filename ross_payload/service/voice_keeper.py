@@ -16,7 +16,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.events import Enrolled, Event
 from ross_payload.interfaces import Input
 from ross_payload.orders import Enrol, Order
-from ross_payload.voiceprint import EnrolledVoice, VoiceStore
+from ross_payload.voiceprint import EmbeddingPrint, VoiceStore
 
 log = logging.getLogger(__name__)
 
@@ -60,13 +60,13 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
 
     def on_event(self, event: Event, hop: Input) -> None:
         """Store a voice that was enrolled, without waiting for the disk."""
-        if isinstance(event, Enrolled) and self._store is not None and isinstance(event.voiceprint, EnrolledVoice):
+        if isinstance(event, Enrolled) and self._store is not None and isinstance(event.voiceprint, EmbeddingPrint):
             when = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
             voice = event.voiceprint.agreed(f"told by the order to enrol, {when}")
             self._names.add(event.name)
             self._writer.submit(self._keep, self._store, event.name, voice)
 
-    def _keep(self, store: VoiceStore, name: str, voice: EnrolledVoice) -> None:
+    def _keep(self, store: VoiceStore, name: str, voice: EmbeddingPrint) -> None:
         try:
             store.save(name, voice)
         except (ConfigError, OSError) as error:

@@ -11,10 +11,10 @@ It serves to pick one voice out of a few that were just separated. It is no proo
 
 from ross_payload.voiceprint.built_in import BuiltInModel, built_in_model
 from ross_payload.voiceprint.embedding_print import EmbeddingPrint
-from ross_payload.voiceprint.speaker_model import EnrolledVoice, VoiceModel, enrol
+from ross_payload.voiceprint.speaker_model import VoiceModel, enrol
 from ross_payload.voiceprint.store import VoiceStore, load, save
 
 __all__ = [
-    "BuiltInModel", "EmbeddingPrint", "EnrolledVoice", "VoiceModel", "VoiceStore", "built_in_model", "enrol", "load",
+    "BuiltInModel", "EmbeddingPrint", "VoiceModel", "VoiceStore", "built_in_model", "enrol", "load",
     "save",
 ]  # fmt: skip

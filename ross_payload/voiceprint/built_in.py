@@ -14,7 +14,6 @@ import io
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib.resources import files
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +24,6 @@ from ross_payload.voiceprint.embedding_print import (
     Calibration,
     EmbeddingPrint,
     enrolled_print,
-    restored_print,
     unit,
 )
 from ross_payload.voiceprint.features import RATE, Features, analyse
@@ -72,10 +70,6 @@ class BuiltInModel:
         """Return the print of a voice (n,) at `RATE`; one that was ``separated`` has a criterion of its own."""
         criterion = round(float(self.parameters.separated), 4) if separated else 0.0
         return enrolled_print(self, samples, features.seconds, separated=separated, criterion=criterion)
-
-    def restored(self, values: dict[str, Any], seconds: float, consent: str) -> EmbeddingPrint:
-        """Make a print again from its `EmbeddingPrint.values`; ValueError when they are not those of this model."""
-        return restored_print(self, values, seconds, consent)
 
     def embed(self, samples: Real) -> Real:
         """Return the embedding of a recording (n,) at `RATE`, of length 1 or, with hardly any voice, 0, (size,)."""

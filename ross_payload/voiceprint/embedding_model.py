@@ -19,7 +19,6 @@ from ross_payload.voiceprint.embedding_print import (
     Calibration,
     EmbeddingPrint,
     enrolled_print,
-    restored_print,
     unit,
 )
 from ross_payload.voiceprint.features import RATE, Features
@@ -59,10 +58,6 @@ class EmbeddingModel:
     def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EmbeddingPrint:
         """Return the print of a voice (n,) at `RATE`: of its recording and, unless it was ``separated``, of copies."""
         return enrolled_print(self, samples, features.seconds, separated=separated)
-
-    def restored(self, values: dict[str, Any], seconds: float, consent: str) -> EmbeddingPrint:
-        """Make a print again from its `EmbeddingPrint.values`; ValueError when they are not those of this network."""
-        return restored_print(self, values, seconds, consent)
 
     def embed(self, samples: Real) -> Real:
         """Return the embedding of a recording (n,) at `RATE`, of length 1, (size,)."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 
 from ross_payload.errors import AudioError
-from ross_payload.interfaces import Real, Score
+from ross_payload.interfaces import Real
 from ross_payload.voiceprint.built_in import built_in_model
 from ross_payload.voiceprint.embedding_print import Embedder, EmbeddingPrint
 from ross_payload.voiceprint.features import Features, analyse, at_rate, checked
@@ -16,40 +16,11 @@ ENROL_SECONDS = 1.5  # least voiced speech to enrol from [s]
 CLIPPED_SHARE = 5e-4  # of the samples, from which a recording counts as clipped
 
 
-@runtime_checkable
-class EnrolledVoice(Protocol):
-    """An ``interfaces.VoicePrint`` that can be kept."""
-
-    @property
-    def seconds(self) -> float:
-        """Voiced speech that it was enrolled from [s]."""
-
-    @property
-    def consent(self) -> str:
-        """How the talker agreed, in words; empty: nothing is known of it."""
-
-    @property
-    def fingerprint(self) -> str:
-        """Of the model that made it."""
-
-    def score(self, voice: Real, rate: int) -> Score:
-        """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice."""
-
-    def agreed(self, consent: str) -> EnrolledVoice:
-        """Return the same with how the talker agreed."""
-
-    def values(self) -> dict[str, Any]:
-        """Return what a file keeps of it, ready for JSON."""
-
-
 class VoiceModel(Embedder, Protocol):
     """Makes prints of voices."""
 
     def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EmbeddingPrint:
         """Return the print of a voice: samples (n,) at `features.RATE`, and what is measured of them."""
-
-    def restored(self, values: dict[str, Any], seconds: float, consent: str) -> EmbeddingPrint:
-        """Make a print again from its values; ValueError, KeyError or TypeError when they are damaged."""
 
 
 def enrol(voice: Real, rate: int, model: VoiceModel | None = None, *, separated: bool = False) -> EmbeddingPrint:

@@ -16,7 +16,8 @@ from ross_payload.atomic_files import write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
 from ross_payload.errors import ConfigError, near, shown
 from ross_payload.voiceprint.built_in import built_in_model
-from ross_payload.voiceprint.speaker_model import EnrolledVoice, VoiceModel
+from ross_payload.voiceprint.embedding_print import EmbeddingPrint, restored_print
+from ross_payload.voiceprint.speaker_model import VoiceModel
 
 FORMAT = "ross-voice-print"
 VERSION = 1
@@ -34,7 +35,7 @@ class Damaged(ConfigError):
     """A file that is no voice print at all, whoever's it was."""
 
 
-def save(voice: EnrolledVoice, path: Path) -> None:
+def save(voice: EmbeddingPrint, path: Path) -> None:
     """Write a voice print as JSON, readable by its owner only; the file is whole or not there at all.
 
     Missing folders are made with mode 0700.
@@ -58,7 +59,7 @@ def save(voice: EnrolledVoice, path: Path) -> None:
         raise ConfigError(f"{path}: the voice print cannot be written: {error.strerror}") from error
 
 
-def load(path: Path, model: VoiceModel | None = None) -> EnrolledVoice:
+def load(path: Path, model: VoiceModel | None = None) -> EmbeddingPrint:
     """Read a voice print that a model made, the built-in one unless another is given.
 
     Raises
@@ -105,14 +106,14 @@ class VoiceStore:
         """Return who is enrolled, sorted."""
         return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
 
-    def save(self, name: str, voice: EnrolledVoice) -> Path:
+    def save(self, name: str, voice: EmbeddingPrint) -> Path:
         """Keep a voice print under a name, in place of an earlier one; returns the file."""
         path = self.path(name)
         save(voice, path)
         self.folder.chmod(0o700)
         return path
 
-    def load(self, name: str, model: VoiceModel | None = None) -> EnrolledVoice:
+    def load(self, name: str, model: VoiceModel | None = None) -> EmbeddingPrint:
         """Return the voice print of a name.
 
         Raises
@@ -151,7 +152,7 @@ class VoiceStore:
             raise ConfigError(f"{self.path(name)}: cannot be deleted: {error.strerror}") from error
 
 
-def _decoded(content: Any, model: VoiceModel, path: Path) -> EnrolledVoice:
+def _decoded(content: Any, model: VoiceModel, path: Path) -> EmbeddingPrint:
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise Damaged(f"{path}: expected a voice print, got something else")
     if content.get("version") != VERSION:
@@ -162,6 +163,6 @@ def _decoded(content: Any, model: VoiceModel, path: Path) -> EnrolledVoice:
         seconds = float(content["seconds"])
         if not np.isfinite(seconds):
             raise ValueError("not finite")
-        return model.restored(content, seconds, str(content.get("consent", ""))[:200])
+        return restored_print(model, content, seconds, str(content.get("consent", ""))[:200])
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise Damaged(f"{path}: damaged voice print: {error!r}") from error

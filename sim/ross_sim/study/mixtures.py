@@ -83,7 +83,11 @@ def images_of(voices: Sequence[Real], places: Real, heading: float, setting: Set
 
     The voices (n,) each are at ``places`` [m], (n_sources, dim); the array is at ``heading`` [rad].
     """
-    responses = setting.responses(places, [heading], rate)[0]
+    return convolved(voices, setting.responses(places, [heading], rate)[0])
+
+
+def convolved(voices: Sequence[Real], responses: Real) -> Real:
+    """Voices (n,) each by impulse responses (2, n_sources, m): of equal power at microphone 1, (n_sources, 2, n)."""
     heard = [fftconvolve(voice[None], responses[:, k], axes=1)[:, : voice.size] for k, voice in enumerate(voices)]
     images = np.stack(heard)
     return np.asarray(images / np.sqrt((images[:, :1] ** 2).mean(axis=2, keepdims=True)))
@@ -106,11 +110,17 @@ def record(
     """
     places = setting.places(azimuths, np.random.default_rng(np.abs(azimuths * 1e6).astype(int)))
     images = images_of(voices, places, heading, setting, rate)
+    return noisy(images, tdoa(azimuths, heading, SPACING, SPEED_OF_SOUND), target, snr_db=SNR_DB, rng=rng, rate=rate)
+
+
+def noisy(
+    images: Real, tau: Real, target: int, *, snr_db: float, rng: np.random.Generator, rate: int = RATE
+) -> Mixture:
+    """Add up images (n_sources, 2, n) of delays ``tau`` [s], (n_sources,), and white noise; noise alone goes ahead."""
     clean = images.sum(axis=0)
-    sigma = np.sqrt((clean[0] ** 2).mean() * 10 ** (-SNR_DB / 10))
+    sigma = np.sqrt((clean[0] ** 2).mean() * 10 ** (-snr_db / 10))
     mixture = clean + sigma * rng.standard_normal(clean.shape)
     lead_in = sigma * rng.standard_normal((2, round(LEAD_IN * rate)))
-    tau = tdoa(azimuths, heading, SPACING, SPEED_OF_SOUND)
     return Mixture(mixture.astype(np.float32), lead_in.astype(np.float32), images, tau, target)
 
 

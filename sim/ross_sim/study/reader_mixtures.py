@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import fftconvolve
 
 from ross_payload.alignment.predicted_gain import best_headings
 from ross_payload.dsp.steering import tdoa
@@ -16,7 +15,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Real
 from ross_payload.separation.auto_separator import separator
 from ross_sim.acoustics.room import RoomSpec, respond
-from ross_sim.study.mixtures import LEAD_IN, Mixture, scene_of, spread
+from ross_sim.study.mixtures import Mixture, convolved, noisy, scene_of, spread
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.voice_augmentation import RATE, coloured
 
@@ -69,14 +68,7 @@ def _recorded(clips: Sequence[Real], rng: np.random.Generator) -> Mixture:
     spots = tuple(tuple(place) for place in places.tolist())
     spec = RoomSpec(tuple(floor.tolist()), t60, RATE, tuple(centre.tolist()), SPACING, spots, SPEED_OF_SOUND)
     heading = float(best_headings(azimuths, directness=float(dry))[int(rng.integers(TALKERS))])
-    responses = respond(spec, [heading])[0]
-    n = len(clips[0])
-    images = np.stack([fftconvolve(v[None], responses[:, k], axes=1)[:, :n] for k, v in enumerate(clips)])
-    images /= np.sqrt((images[:, :1] ** 2).mean(axis=2, keepdims=True))
+    images = convolved(clips, respond(spec, [heading])[0])
     images *= 10 ** (rng.uniform(*LEVELS_DB, TALKERS) / 20)[:, None, None]
-    clean = images.sum(axis=0)
-    sigma = np.sqrt((clean[0] ** 2).mean() * 10 ** (-rng.uniform(*SNR_DB) / 10))
-    mixture = clean + sigma * rng.standard_normal(clean.shape)
-    lead_in = sigma * rng.standard_normal((2, round(LEAD_IN * RATE)))
     tau = tdoa(azimuths, heading, SPACING, SPEED_OF_SOUND)
-    return Mixture(mixture.astype(np.float32), lead_in.astype(np.float32), images, tau, 0)
+    return noisy(images, tau, 0, snr_db=float(rng.uniform(*SNR_DB)), rng=rng, rate=RATE)
