@@ -4,21 +4,16 @@ import csv
 import json
 
 import pytest
-import soundfile
 
-from ross_sim.talkers.synthetic_voices import synthetic_voice
 from short_mission import SHORT
+from voice_folders import voice_folder
 
 pytestmark = pytest.mark.lockstep
 
 
 @pytest.fixture(scope="module")
 def speech(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("voices")
-    for index in range(3):
-        voice = synthetic_voice(index, 16000)
-        soundfile.write(folder / f"{voice.name}.wav", voice.speech[: 9 * 16000], 16000)
-    return folder
+    return voice_folder(tmp_path_factory.mktemp("voices"), range(3), 9)
 
 
 @pytest.fixture

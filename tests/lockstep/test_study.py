@@ -8,9 +8,8 @@ import sys
 import time
 
 import pytest
-import soundfile
 
-from ross_sim.talkers.synthetic_voices import synthetic_voice
+from voice_folders import voice_folder
 
 pytestmark = pytest.mark.process
 
@@ -30,11 +29,7 @@ TASKS = (2 + 3) + 2 * 2 * 2
 
 @pytest.fixture(scope="module")
 def speech(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("voices")
-    for index in (0, 1, 3):
-        voice = synthetic_voice(index, 16000)
-        soundfile.write(folder / f"{voice.name}.wav", voice.speech[: 12 * 16000], 16000)
-    return folder
+    return voice_folder(tmp_path_factory.mktemp("voices"), (0, 1, 3), 12)
 
 
 @pytest.fixture

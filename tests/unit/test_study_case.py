@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import soundfile
 
 from ross_payload import plugins
 from ross_payload.errors import ConfigError
@@ -16,7 +15,7 @@ from ross_sim.study.result_rows import ALIGNED, ESTIMATED, UNALIGNED
 from ross_sim.study.study_case import Failure, attempt, owners_of, perform
 from ross_sim.study.study_design import PRESETS, Task, chosen, mixed, tasks
 from ross_sim.study.talker_placement import Source, check_voices, heard_as, placed, voices_of
-from ross_sim.talkers.synthetic_voices import synthetic_voice
+from voice_folders import voice_folder
 
 pytestmark = pytest.mark.lockstep
 
@@ -29,11 +28,7 @@ EXPLORED = Task("S1", 2, 0, start=0, explorer="joint", unit=1.0)
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("voices")
-    for index in (0, 1, 3):
-        voice = synthetic_voice(index, 16000)
-        soundfile.write(folder / f"{voice.name}.wav", voice.speech[: 20 * 16000], 16000)
-    return Source(folder, (), 16000)
+    return Source(voice_folder(tmp_path_factory.mktemp("voices"), (0, 1, 3), 20), (), 16000)
 
 
 def study(**changes):

@@ -1,5 +1,7 @@
 """The study of the voice print: which rooms it tells apart, and what its errors count."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import soundfile
@@ -9,7 +11,7 @@ from ross_payload.voiceprint import built_in_model, enrol
 from ross_payload.voiceprint.features import RATE as VOICE_RATE
 from ross_sim.study import voiceprint_study
 from ross_sim.study.room_settings import SETTINGS
-from ross_sim.study.voiceprint_study import Trial, separated_voice, summary
+from ross_sim.study.voiceprint_study import Trial, intervals, separated_voice, summary
 from ross_sim.talkers.speech import TalkerVoice, load_folder
 from speaker_network import vowel
 
@@ -25,7 +27,30 @@ def test_every_room_has_a_line_of_its_own_errors():
     found += [trial("S2", "a", "a", -1.0), trial("S2", "b", "a", 1.0), trial("S2", "b", "c", 1.0, present=False)]
     rows = [line.split() for line in summary(found)[1:]]
     assert [row[0] for row in rows] == ["S1", "S2"]
-    assert [row[4:6] for row in rows] == [["0.0", "0.0"], ["100.0", "100.0"]]  # false rejects, false accepts
+    assert [row[4:8] for row in rows] == [["0.0", "(0-0)"] * 2, ["100.0", "(100-100)"] * 2]  # false rejects, accepts
+
+
+def test_the_rooms_have_a_line_together_which_leaves_the_open_one_out():
+    found = []
+    for room, value in (("S1", 9.0), ("S2", 1.0), ("S3", -1.0)):
+        found += [trial(room, "a", "a", value), trial(room, "b", "a", -5.0), trial(room, "b", "c", -5.0, present=False)]
+    lines = [line.split() for line in summary(found)[1:]]
+    assert [line[0] for line in lines] == ["S1", "S2", "S3", "rooms"]
+    assert lines[-1][4:6] == ["50.0", "(0-100)"]  # one of two, and whichever is drawn
+    assert "(2 targets, 4 strangers)" in summary(found)[-1]
+    assert lines[-1][10] == "100.0"  # each is compared with whom it shares a mixture
+
+
+def test_an_interval_is_as_wide_as_mixtures_differ():
+    alike = [
+        Trial("S1", scene, 3.0, True, who, "a", True, value)
+        for scene in range(9)
+        for who, value in (("a", 1.0), ("b", -1.0))
+    ]
+    assert np.all(intervals(alike) == 0.0)
+    one_fails = [replace(each, value=-2.0) if (each.scene, each.talker) == (0, "a") else each for each in alike]
+    low, high = intervals(one_fails)
+    assert low[0] == 0.0 < 1 / 9 < high[0] < 0.5
 
 
 @pytest.mark.parametrize(("room", "least"), [("S1", 0.8), ("S2", 0.5)])

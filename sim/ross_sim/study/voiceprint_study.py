@@ -3,7 +3,8 @@
 Three talkers stand around the array in each room of `--rooms`, white noise 15 dB below the mixture, azimuths known.
 The array turns to each talker's best heading, the separator `auto` separates what it hears for T_check or T_run, and
 the group that holds this talker is scored against the print of everybody in the folder, enrolled from a clean clip, or
-with ``--enrol pointed`` from what is separated of another such mixture, as the order to enrol does.
+with ``--enrol pointed`` from what is separated of another such mixture, as the order to enrol does. In brackets: 95 %
+intervals by drawing whole mixtures anew.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ from ross_sim.talkers.synthetic_voices import synthetic_voices
 
 DURATIONS = (3.0, 10.0)  # T_check, T_run [s]
 TALKERS = 3
+REDRAWN = 1000  # times, for intervals
+COLUMNS = ("false rejects", "false accepts", "EER", "identified", "mixtures rejected")
 ROOMS = ("S1", "S2", "S3", "A0.45")
 OUTSIDE = ("ls3005", "ls3331", "ls2414", "ls3080", "ls533")  # whom no model was trained or chosen on
 
@@ -113,29 +116,67 @@ def pointed_print(
     return enrol(separated_voice(clips, azimuths, 0, SETTINGS[room], rng), RATE, model, separated=True)
 
 
+def values_of(part: Sequence[Trial]) -> tuple[Real, Real]:
+    """Return the values of those who are whom they are compared with, (n,), and of strangers, (m,)."""
+    same = np.array([trial.talker == trial.print_of for trial in part], bool)
+    values = np.array([trial.value for trial in part])
+    return values[same], values[~same]
+
+
+def errors(targets: Real, strangers: Real) -> Real:
+    """Return false rejects and false accepts at the criterion, and the equal error rate, (3,)."""
+    return np.array([np.mean(targets <= 0), np.mean(strangers > 0), equal_error_rate(targets, strangers)])
+
+
+def intervals(part: Sequence[Trial]) -> Real:
+    """Return where 95 % of `errors` lie when whole mixtures are drawn anew with replacement, (2, 3)."""
+    mixtures: dict[tuple[str, int], list[Trial]] = {}
+    for trial in part:
+        mixtures.setdefault((trial.room, trial.scene), []).append(trial)
+    values = [values_of(trials) for trials in mixtures.values()]
+    rng, found = np.random.default_rng(0), []
+    for _ in range(REDRAWN):
+        drawn = rng.integers(len(values), size=len(values))
+        targets, strangers = (np.concatenate([values[index][kind] for index in drawn]) for kind in (0, 1))
+        if targets.size and strangers.size:
+            found.append(errors(targets, strangers))
+    return np.asarray(np.percentile(found, [2.5, 97.5], axis=0))
+
+
 def summary(found: Sequence[Trial]) -> list[str]:
-    """Lines of a table: errors at the criterion, equal error rate, identification, mixtures without the target."""
-    lines = ["                       false rejects  false accepts  EER   identified  mixtures rejected"]
+    """Lines of a table: errors at the criterion, equal error rate, identification, mixtures without the target.
+
+    The last lines are of all rooms but the open one together, when there are several.
+    """
+    lines = [f"{'':21s}" + "".join(f"{name:>18s}" for name in COLUMNS)]
     parts: dict[tuple[str, bool, float], list[Trial]] = {}
     for trial in found:
         parts.setdefault((trial.room, trial.separated, trial.seconds), []).append(trial)
+    for room, separated, seconds in list(parts):
+        if SETTINGS[room].t60:
+            parts.setdefault(("rooms", separated, seconds), []).extend(parts[room, separated, seconds])
+    several = len({room for room, *_ in parts if room != "rooms" and SETTINGS[room].t60}) > 1
     for (room, separated, seconds), part in parts.items():
-        lines.append(f"{room:5s} {'separated' if separated else 'clean':9s} {seconds:4.0f} s  {_row(part)}")
+        if room != "rooms" or several:
+            lines.append(f"{room:5s} {'separated' if separated else 'clean':9s} {seconds:3.0f} s {_row(part)}")
     return lines
 
 
 def _row(part: Sequence[Trial]) -> str:
-    targets = np.array([trial.value for trial in part if trial.talker == trial.print_of])
-    strangers = np.array([trial.value for trial in part if trial.talker != trial.print_of])
-    rivals: dict[tuple[int, str], list[Trial]] = {}
+    rivals: dict[tuple[str, int, str], list[Trial]] = {}
     for trial in part:
-        rivals.setdefault((trial.scene, trial.print_of), []).append(trial)
+        rivals.setdefault((trial.room, trial.scene, trial.print_of), []).append(trial)
     best = [max(group, key=lambda trial: trial.value) for group in rivals.values()]
     right = [trial.talker == trial.print_of for trial in best if trial.present]
     rejected = [trial.value <= 0 for trial in best if not trial.present]
-    shares = (np.mean(targets <= 0), np.mean(strangers > 0), equal_error_rate(targets, strangers), np.mean(right))
-    numbers = "  ".join(f"{100 * float(share):11.1f}" for share in shares)
-    return f"{numbers}  {100 * float(np.mean(rejected)):11.1f}   ({len(targets)} targets, {len(strangers)} strangers)"
+    low, high = intervals(part)
+    cells = [
+        f"{100 * share:.1f} ({100 * least:.0f}-{100 * most:.0f})"
+        for share, least, most in zip(errors(*values_of(part)), low, high, strict=True)
+    ]
+    cells += [f"{100 * float(np.mean(shares)):.1f}" if shares else "-" for shares in (right, rejected)]
+    targets = sum(trial.talker == trial.print_of for trial in part)
+    return "".join(f"{cell:>18s}" for cell in cells) + f"   ({targets} targets, {len(part) - targets} strangers)"
 
 
 def separated_voice(
