@@ -145,8 +145,9 @@ def test_a_wrong_change_gets_one_line(taped, tmp_path, run, setting, words):
     assert error.count("\n") == 1
 
 
-def test_without_the_voice_recorded_answers_serve_the_same_mission_only(taped, tmp_path, run):
+def test_without_the_voice_recorded_answers_serve_the_same_mission_only(taped, tmp_path, run, monkeypatch):
     _, session = taped
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))  # nobody is enrolled there
     copied = tmp_path / "0001"
     shutil.copytree(session, copied)
     (copied / "voice.npz").unlink()
