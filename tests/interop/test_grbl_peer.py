@@ -8,7 +8,6 @@ import math
 import re
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -100,8 +99,8 @@ def test_send_and_wait_as_grbl_s_simple_streaming_does(port):
 
 
 def test_a_jog_is_cancelled_and_ends_where_it_came_to_rest(port):
-    assert tell(port, "$J=G91X180F13500") == [b"ok"]
-    time.sleep(0.5)
+    assert tell(port, "$J=G91X180F1800") == [b"ok"]  # 6 s, however late this process is
+    wait_for(lambda: where(port)[1] > 10.0)
     port.write(b"\x85")
     assert 10.0 < until_idle(port) < 170.0
 
