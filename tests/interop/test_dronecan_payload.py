@@ -117,12 +117,17 @@ def test_a_mission_is_followed_on_the_bus_until_it_has_found_everybody(tmp_path)
         command = [*ROSS, "sitl", "--serve", "--scenario", "scene.toml", "--speed", "4", "--json"]
         with peer_on(bus) as (node, _):
             states, found = [], []
+
+            def final():
+                return found and found[-1].flags & found[-1].FLAG_FINAL
+
             node.add_handler(broadcast(dronecan, STATUS), lambda event: states.append(event.message.state))
             node.add_handler(broadcast(dronecan, SOURCES), lambda event: found.append(event.message))
             command += ["--telemetry", f"udpout:127.0.0.1:{free_port()}"]
             with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL) as payload:
                 try:
-                    spin_until(node, lambda: found and found[-1].flags & found[-1].FLAG_FINAL, within=200)
+                    spin_until(node, lambda: payload.poll() is not None or final(), within=240)
+                    assert payload.returncode is None
                 finally:
                     payload.terminate()
     azimuths = sorted(-math.degrees(source.azimuth) for source in found[-1].sources)

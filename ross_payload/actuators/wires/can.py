@@ -19,7 +19,7 @@ from ross_protocols.can import CanFrame
 _URL = re.compile(r"can:(?P<interface>[a-z0-9_]+):(?P<channel>[^:]+)(:(?P<bitrate>\d{4,8}))?")
 _HUB = re.compile(r"can:socketcand:(?P<host>[^:\[\]]+):(?P<port>\d{1,5})(:(?P<channel>[A-Za-z0-9_.-]{1,16}))?")
 CHANNEL = "can0"  # of a socketcand server, unless told
-GREETING_TIMEOUT_S = 2.0  # [s]: so long a socketcand server may be silent
+GREETING_TIMEOUT_S = 5.0  # [s]: so long a socketcand server may be silent; its computer may be busy
 MAX_FRAMES_PER_READ = 1000  # frames of one look at the bus
 MAX_REFUSED_FRAMES = 10  # with frames that the bus does not take
 
