@@ -6,6 +6,7 @@ import os
 import runpy
 import shutil
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ TALKERS = Path(os.environ.get("ROSS_TALKERS", Path(__file__).parents[3] / "share
 PAGE = "docs/how-to/enter-your-method.md"
 K3 = ("S1-k3-00-aligned", "S1-k3-00-random")
 TURN = "S1-k3-00-turning"
+VOICE = f"{K3[0]}.wav"
 
 
 @pytest.fixture(scope="module")
@@ -60,9 +62,14 @@ def of(recordings, out):
     return "--recordings", recordings, "--out", out
 
 
-def scored(monkeypatch, capsys, audio, estimates, out, *more):
-    arguments = ("--audio", audio, "--estimates", estimates, "--out", out)
-    return called(monkeypatch, capsys, "study", "benchmark", "score", *arguments, *more)
+@pytest.fixture
+def ross(monkeypatch, capsys):
+    """``ross study benchmark`` with more arguments: exit code, output, errors."""
+    return partial(called, monkeypatch, capsys, "study", "benchmark")
+
+
+def scored(ross, audio, estimates, out):
+    return ross("score", "--audio", audio, "--estimates", estimates, "--out", out)
 
 
 def rows_of(path, kind):
@@ -97,13 +104,13 @@ def test_every_true_room_has_forty_scenes_in_every_row():
     assert len(read_list().scenes(quick=True)) == 34
 
 
-def test_a_list_that_names_nobody_is_refused(lists, tmp_path, monkeypatch, capsys):
+def test_a_list_that_names_nobody_is_refused(lists, tmp_path, ross):
     for name in FILES:
         shutil.copy(lists / name, tmp_path)
     text = (tmp_path / FILES[1]).read_text()
     (tmp_path / FILES[1]).write_text(text.replace("9-1-0000", "9-1-0001"))
     more = ("--list", tmp_path, *of(lists / "speech", tmp_path / "audio"))
-    code, _, errors = called(monkeypatch, capsys, "study", "benchmark", "build", *more)
+    code, _, errors = ross("build", *more)
     assert (code, errors.count("\n")) == (2, 1)
     assert "utterance '9-1-0001' is unknown" in errors
 
@@ -151,13 +158,11 @@ def changed(path):
     ],
     ids=["missing", "short", "changed", "no audio"],
 )
-def test_a_recording_that_is_missing_or_differs_is_named_in_one_line(
-    lists, tmp_path, monkeypatch, capsys, damage, words
-):
+def test_a_recording_that_is_missing_or_differs_is_named_in_one_line(lists, tmp_path, ross, damage, words):
     shutil.copytree(lists / "speech", tmp_path / "speech")
     damage(next((tmp_path / "speech").rglob("8-1-0000.flac")))
     more = ("--list", lists, *of(tmp_path / "speech", tmp_path / "audio"))
-    code, _, errors = called(monkeypatch, capsys, "study", "benchmark", "build", *more)
+    code, _, errors = ross("build", *more)
     assert (code, errors.count("\n")) == (2, 1)
     assert words in errors
     assert not (tmp_path / "audio").exists()
@@ -204,27 +209,25 @@ def test_a_talker_arrives_at_microphone_2_earlier_as_the_page_says(audio):
         assert min(abs(lags[found.argmax()] - lead)) < 0.75
 
 
-def test_a_build_goes_on_and_other_scenes_are_not_mixed_with_it(lists, audio, tmp_path, monkeypatch, capsys):
+def test_a_build_goes_on_and_other_scenes_are_not_mixed_with_it(lists, audio, tmp_path, ross):
     begun = tmp_path / "audio"
     shutil.copytree(audio, begun)
     sums = (begun / "SHA256SUMS").read_bytes()
     (begun / "SHA256SUMS").unlink()
     shutil.rmtree(begun / TURN)
-    code, _, errors = called(
-        monkeypatch, capsys, "study", "benchmark", "run", "--audio", begun, "--method", "duet", "--out", begun
-    )
+    code, _, errors = ross("run", "--audio", begun, "--method", "duet", "--out", begun)
     assert code == 2
     assert "is not complete" in errors
     arguments = ("--list", lists, *of(lists / "speech", begun))
-    assert called(monkeypatch, capsys, "study", "benchmark", "build", *arguments)[0] == 0
+    assert ross("build", *arguments)[0] == 0
     assert (begun / "SHA256SUMS").read_bytes() == sums
-    code, _, errors = called(monkeypatch, capsys, "study", "benchmark", "build", "--quick", *arguments)
+    code, _, errors = ross("build", "--quick", *arguments)
     assert code == 2
     assert "holds other scenes" in errors
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "something").touch()
     arguments = ("--list", lists, *of(lists / "speech", tmp_path / "full"))
-    code, _, errors = called(monkeypatch, capsys, "study", "benchmark", "build", *arguments)
+    code, _, errors = ross("build", *arguments)
     assert (code, errors.count("\n")) == (2, 1)
     assert "expected an empty folder" in errors
 
@@ -232,13 +235,13 @@ def test_a_build_goes_on_and_other_scenes_are_not_mixed_with_it(lists, audio, tm
 # ------------------------------------------------------------------------------------------------ scores
 
 
-def test_estimates_are_scored_as_si_sdr_says_and_a_missing_one_is_0_db(audio, tmp_path, monkeypatch, capsys):
+def test_estimates_are_scored_as_si_sdr_says_and_a_missing_one_is_0_db(audio, tmp_path, ross):
     target = json_file(audio / K3[0] / "scene.json")["target"]
     reference, mixture = sound(audio / K3[0] / f"reference-{target}.wav")[0], sound(audio / K3[0] / "mixture.wav")[0]
     estimate = 0.25 * (reference + 0.1 * mixture)
     (tmp_path / "mine").mkdir()
     soundfile.write(tmp_path / "mine" / f"{K3[0]}.wav", estimate, RATE, subtype="FLOAT")
-    code, printed, _ = scored(monkeypatch, capsys, audio, tmp_path / "mine", tmp_path / "rows")
+    code, printed, _ = scored(ross, audio, tmp_path / "mine", tmp_path / "rows")
     rows = rows_of(tmp_path / "rows" / "separation.csv", BenchmarkSeparation)
     assert code == 0
     assert rows[K3[0]].method == "mine"
@@ -248,7 +251,7 @@ def test_estimates_are_scored_as_si_sdr_says_and_a_missing_one_is_0_db(audio, tm
     assert not (tmp_path / "rows" / "localization.csv").exists()
 
 
-def test_azimuths_are_right_in_any_order_and_wrong_with_one_too_many(audio, tmp_path, monkeypatch, capsys):
+def test_azimuths_are_right_in_any_order_and_wrong_with_one_too_many(audio, tmp_path, ross):
     truth = json_file(audio / TURN / "truth.json")["azimuths_deg"]
     for name, told, right in (
         ("right", [azimuth + 360.0 for azimuth in reversed(truth)], True),
@@ -258,45 +261,42 @@ def test_azimuths_are_right_in_any_order_and_wrong_with_one_too_many(audio, tmp_
     ):
         (tmp_path / name).mkdir()
         (tmp_path / name / "azimuths.json").write_text(json.dumps({TURN: told}))
-        assert scored(monkeypatch, capsys, audio, tmp_path / name, tmp_path / "rows")[0] == 0
+        assert scored(ross, audio, tmp_path / name, tmp_path / "rows")[0] == 0
         every = read_rows(tmp_path / "rows" / "localization.csv", [BenchmarkLocalization])[1]
         assert [row.right for row in every if row.method == name] == [right], name
     assert [row.method for row in every] == ["right", "many", "few", "off"]
 
 
 @pytest.mark.parametrize(
-    ("name", "write", "words"),
+    ("written", "words"),
     [
-        (f"{K3[0]}.wav", lambda p: soundfile.write(p, np.ones(10), RATE), "expected 160000 samples of one channel"),
-        (f"{K3[0]}.wav", lambda p: soundfile.write(p, np.ones((160000, 2)), RATE), "got 160000 of 2 at 16000 Hz"),
-        (f"{K3[0]}.wav", lambda p: soundfile.write(p, np.ones(160000), 8000), "at 16000 Hz, as the mixture has"),
-        (
-            f"{K3[0]}.wav",
-            lambda p: soundfile.write(p, np.full(160000, np.nan), RATE, subtype="FLOAT"),
-            "expected finite samples",
-        ),
-        (f"{K3[0]}.wav", lambda p: p.write_text("no sound"), "not a recording that can be read"),
-        ("other.wav", lambda p: soundfile.write(p, np.ones(10), RATE), "expected estimates"),
-        ("azimuths.json", lambda p: p.write_text("[1]"), "expected an object, got list"),
-        ("azimuths.json", lambda p: p.write_text('{"S1": [1]}'), "expected scenes that end with '-turning', got 'S1'"),
-        ("azimuths.json", lambda p: p.write_text(f'{{"{TURN}": 1}}'), "expected a list of at most 20 azimuths"),
-        ("azimuths.json", lambda p: p.write_text(f'{{"{TURN}": ["1"]}}'), "expected a list of at most 20 azimuths"),
+        ((VOICE, lambda p: soundfile.write(p, np.ones(10), RATE)), "expected 160000 samples of one channel"),
+        ((VOICE, lambda p: soundfile.write(p, np.ones((160000, 2)), RATE)), "got 160000 of 2 at 16000 Hz"),
+        ((VOICE, lambda p: soundfile.write(p, np.ones(160000), 8000)), "at 16000 Hz, as the mixture has"),
+        ((VOICE, lambda p: soundfile.write(p, np.full(160000, np.nan), RATE, subtype="FLOAT")), "finite samples"),
+        ((VOICE, lambda p: p.write_text("no sound")), "not a recording that can be read"),
+        (("other.wav", lambda p: soundfile.write(p, np.ones(10), RATE)), "expected estimates"),
+        (("azimuths.json", lambda p: p.write_text("[1]")), "expected an object, got list"),
+        (("azimuths.json", lambda p: p.write_text('{"S1": [1]}')), "that end with '-turning', got 'S1'"),
+        (("azimuths.json", lambda p: p.write_text(f'{{"{TURN}": 1}}')), "expected a list of at most 20 azimuths"),
+        (("azimuths.json", lambda p: p.write_text(f'{{"{TURN}": ["1"]}}')), "expected a list of at most 20 azimuths"),
     ],
-)  # fmt: skip
-def test_estimates_that_do_not_fit_are_refused_in_one_line(audio, tmp_path, monkeypatch, capsys, name, write, words):
+)
+def test_estimates_that_do_not_fit_are_refused_in_one_line(audio, tmp_path, ross, written, words):
     (tmp_path / "mine").mkdir()
+    name, write = written
     write(tmp_path / "mine" / name)
-    code, printed, errors = scored(monkeypatch, capsys, audio, tmp_path / "mine", tmp_path / "rows")
+    code, printed, errors = scored(ross, audio, tmp_path / "mine", tmp_path / "rows")
     assert (code, printed, errors.count("\n")) == (2, "", 1)
     assert words in errors
     assert not (tmp_path / "rows").exists()
 
 
-def test_our_methods_are_scored_as_anybodys_and_the_oracle_is_best(audio, tmp_path, monkeypatch, capsys):
+def test_our_methods_are_scored_as_anybodys_and_the_oracle_is_best(audio, tmp_path, ross):
     for method in ("irm", "duet", "joint"):
         arguments = ("--audio", audio, "--method", method, "--out", tmp_path / method)
-        assert called(monkeypatch, capsys, "study", "benchmark", "run", *arguments)[0] == 0
-        assert scored(monkeypatch, capsys, audio, tmp_path / method, tmp_path / "rows")[0] == 0
+        assert ross("run", *arguments)[0] == 0
+        assert scored(ross, audio, tmp_path / method, tmp_path / "rows")[0] == 0
     every = read_rows(tmp_path / "rows" / "separation.csv", [BenchmarkSeparation])[1]
     gains = {(row.method, row.scene): row.si_sdri_db for row in every}
     assert gains["irm", K3[0]] > gains["duet", K3[0]] > 3.0
@@ -304,20 +304,20 @@ def test_our_methods_are_scored_as_anybodys_and_the_oracle_is_best(audio, tmp_pa
     assert min(turn.errors_deg) < 5.0
 
 
-def test_a_method_that_does_not_exist_is_refused(audio, tmp_path, monkeypatch, capsys):
+def test_a_method_that_does_not_exist_is_refused(audio, tmp_path, ross):
     arguments = ("--audio", audio, "--method", "duett", "--out", tmp_path / "estimates")
-    code, _, errors = called(monkeypatch, capsys, "study", "benchmark", "run", *arguments)
+    code, _, errors = ross("run", *arguments)
     assert (code, errors.count("\n")) == (2, 1)
     assert "did you mean 'duet'?" in errors
     assert not (tmp_path / "estimates").exists()
 
 
-def test_the_program_of_the_page_enters_a_method(audio, tmp_path, monkeypatch, capsys):
+def test_the_program_of_the_page_enters_a_method(audio, tmp_path, monkeypatch, ross):
     program = tmp_path / "my_method.py"
     program.write_text(block(PAGE, "python", "# my_method.py").text)
     monkeypatch.setattr("sys.argv", ["my_method.py", str(audio), str(tmp_path / "mine")])
     runpy.run_path(str(program))
-    assert scored(monkeypatch, capsys, audio, tmp_path / "mine", tmp_path / "rows")[0] == 0
+    assert scored(ross, audio, tmp_path / "mine", tmp_path / "rows")[0] == 0
     gains = [row.si_sdri_db for row in rows_of(tmp_path / "rows" / "separation.csv", BenchmarkSeparation).values()]
     assert min(gains) > 0.3  # the beam is better than one microphone
     with (tmp_path / "rows" / "localization.csv").open() as file:
