@@ -151,10 +151,10 @@ def changed(path):
 @pytest.mark.parametrize(
     ("damage", "words"),
     [
-        (Path.unlink, "8-1-0000 of LibriSpeech is needed and missing: tiny.tar.gz at https://www.openslr.org/12"),
-        (cut, "8-1-0000 of LibriSpeech needs another file than LibriSpeech/tiny/8/1/8-1-0000.flac, which has 175999"),
+        (Path.unlink, "8-1-0000 of LibriSpeech is missing; it is in tiny.tar.gz at https://www.openslr.org/12"),
+        (cut, "8-1-0000 of LibriSpeech is not what LibriSpeech/tiny/8/1/8-1-0000.flac is, which has 175999"),
         (changed, "whose samples have the SHA-256"),
-        (lambda path: path.write_text("no sound"), "which cannot be read: tiny.tar.gz"),
+        (lambda path: path.write_text("no sound"), "which cannot be read; it is in tiny.tar.gz"),
     ],
     ids=["missing", "short", "changed", "no audio"],
 )

@@ -124,8 +124,9 @@ def found(folder: Path, recordings: Iterable[Recording]) -> dict[str, Real]:
             samples[recording.utterance] = own / FULL_SCALE
     if lacking:
         recording, why = lacking[0]
-        more = f", as do {len(lacking) - 1} more" if len(lacking) > 1 else ""
-        raise ConfigError(f"{folder}: {recording.utterance} of {recording.corpus} {why}{more}: {recording.download}")
+        more = f"; so are {len(lacking) - 1} more" if len(lacking) > 1 else ""
+        name = f"{recording.utterance} of {recording.corpus}"
+        raise ConfigError(f"{folder}: {name} {why}{more}; it is in {recording.download}")
     return samples
 
 
@@ -136,10 +137,10 @@ def _of(folder: Path, recording: Recording) -> Integers | str:
     for path in named or recording.of_the_reader(folder):
         samples = _read(path, recording)
         if isinstance(samples, str):
-            differs = differs or f"needs another file than {path.relative_to(folder)}, {samples}"
+            differs = differs or f"is not what {path.relative_to(folder)} is, {samples}"
         else:
             return samples
-    return differs or "is needed and missing"
+    return differs or "is missing"
 
 
 def _read(path: Path, recording: Recording) -> Integers | str:
