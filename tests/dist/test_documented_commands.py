@@ -61,6 +61,7 @@ WHERE = [
     (r"ross sitl --list", RUN, 0),
     (r"ross study missions", ELSEWHERE, "tests/lockstep/test_missions_command.py"),
     (r"ross study table", ELSEWHERE, "tests/unit/test_page_tables.py"),
+    (r"ross study benchmark|python my_method.py", ELSEWHERE, "tests/unit/test_benchmark.py"),
     (r"ross sitl --scenario no-target(; echo \$\?)?$", RUN_IN_SOAK, {0, 3}),
     (r"ross sitl.*--speech (DIR|~/crowd|~/recordings)|ross study separation --speech", NOT_RUN,
      "needs the reader's own recordings"),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from ross_sim.study.benchmark.benchmark_rows import BenchmarkLocalization, BenchmarkSeparation
 from ross_sim.study.mission_design import MissionStudy
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.page_tables import MAKERS
@@ -34,6 +35,13 @@ def test_every_table_of_rows_is_listed():
 def test_every_column_is_listed(kind):
     title = {Separation: "separations", Exploration: "explorations", Timing: "timing", MissionRow: "missions"}[kind]
     section = PAGE.split(f"### Columns of `{title}`")[1].split("##")[0]
+    assert [name for name in columns(kind) if f"`{name}`" not in section] == []
+
+
+@pytest.mark.parametrize("kind", [BenchmarkSeparation, BenchmarkLocalization])
+def test_every_column_of_the_benchmark_is_listed(kind):
+    title = {BenchmarkSeparation: "separation", BenchmarkLocalization: "localization"}[kind]
+    section = PAGE.split(f"### Columns of the benchmark's `{title}.csv`")[1].split("##")[0]
     assert [name for name in columns(kind) if f"`{name}`" not in section] == []
 
 

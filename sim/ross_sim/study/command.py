@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,17 +9,19 @@ import click
 
 from ross_payload.errors import ConfigError
 from ross_payload.plugins import install_line
+from ross_sim.study.benchmark.command import benchmark
 
 DEFAULT = "separators"
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
-ross study missions flies whole missions, ross study table writes tables from rows: see their own --help.
+ross study missions flies whole missions, ross study benchmark compares methods on fixed public scenes, ross study table
+writes tables from rows: see their own --help.
 
 Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by the user."""
 
 
 class _Studies(click.Group):
-    """``ross study missions`` and ``ross study table``; anything else is a study of explorers and separators."""
+    """The studies with a name of their own; anything else is a study of explorers and separators."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read what is no name of a study as arguments of the first one."""
@@ -29,6 +30,13 @@ class _Studies(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         """Find a study by its name."""
         return separators if name == DEFAULT else super().get_command(ctx, name)
+
+    def invoke(self, ctx: click.Context) -> object:
+        """Carry out a study; what is not installed is named with the extra that brings it."""
+        try:
+            return super().invoke(ctx)
+        except ModuleNotFoundError as error:
+            raise ConfigError(f"a study needs the package {error.name}: {install_line('study')}") from error
 
 
 class _Names(click.ParamType[Any]):
@@ -84,13 +92,9 @@ def separators(preset: str, *, out: Path, speech: Path | None, workers: int | No
     Presets: quick, paper, separation, exploration, full. Every option of an axis replaces the preset's.
     """
     changes = {name: value for name, value in axes.items() if value is not None}
+    from ross_sim.study.study_run import conduct
 
-    def conduct() -> int:
-        from ross_sim.study.study_run import conduct
-
-        return conduct(preset, changes, out=out, speech=speech, workers=workers, quick=quick)
-
-    return _with_packages(conduct)
+    return conduct(preset, changes, out=out, speech=speech, workers=workers, quick=quick)
 
 
 @command.command("missions")
@@ -112,13 +116,9 @@ def missions(*, out: Path, speech: Path | None, workers: int | None, settings: t
     Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by the user.
     """
     changes = {name: value for name, value in axes.items() if value is not None} | {"settings": settings}
+    from ross_sim.study.missions_run import conduct_missions
 
-    def conduct() -> int:
-        from ross_sim.study.missions_run import conduct_missions
-
-        return conduct_missions(changes, out=out, speech=speech, workers=workers)
-
-    return _with_packages(conduct)
+    return conduct_missions(changes, out=out, speech=speech, workers=workers)
 
 
 @command.command("table")
@@ -140,9 +140,4 @@ def table(rows: Path, page: Path | None) -> int:
     return 0
 
 
-def _with_packages(conduct: Callable[[], int]) -> int:
-    """Carry out a study; what is not installed is named with the extra that brings it."""
-    try:
-        return conduct()
-    except ModuleNotFoundError as error:
-        raise ConfigError(f"a study needs the package {error.name}: {install_line('study')}") from error
+command.add_command(benchmark)

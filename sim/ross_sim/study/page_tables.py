@@ -20,6 +20,12 @@ from typing import Any
 from ross_payload.atomic_files import replacing
 from ross_payload.errors import ConfigError, OutputError, refused_as, unknown
 from ross_sim.study import live_tables
+from ross_sim.study.benchmark.benchmark_rows import (
+    BenchmarkLocalization,
+    BenchmarkSeparation,
+    localization_table,
+    separation_table,
+)
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
 from ross_sim.study.result_rows import Exploration, Separation
@@ -41,6 +47,8 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
     Separation: {"gains": lambda rows: gains(rows).body(), "losses": lambda rows: losses(rows).body()},
     Exploration: {"finds": _finds},
     live_tables.Row: {"live": live_tables.tables},
+    BenchmarkSeparation: {"benchmark-separation": lambda rows: separation_table(rows).body()},
+    BenchmarkLocalization: {"benchmark-localization": lambda rows: localization_table(rows).body()},
 }
 
 

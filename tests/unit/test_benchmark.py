@@ -1,0 +1,324 @@
+"""The public benchmark: its list, the recordings it asks for, the audio it builds, and how estimates are scored."""
+
+import csv
+import json
+import os
+import runpy
+import shutil
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from command_line import called, called_once
+from manual import block
+from ross_payload.dsp.metrics import si_sdr
+from ross_sim.study.benchmark.benchmark_rows import BenchmarkLocalization, BenchmarkSeparation
+from ross_sim.study.benchmark.recordings import RATE, Recording, described, found, sha256
+from ross_sim.study.benchmark.scene_list import FILES, ROOMS, RoomLine, drawn, read_list, write_list
+from ross_sim.study.row_files import as_csv, read_rows
+from ross_sim.talkers.synthetic_voices import synthetic_voice
+
+TALKERS = Path(os.environ.get("ROSS_TALKERS", Path(__file__).parents[3] / "shared" / "talkers"))
+PAGE = "docs/how-to/enter-your-method.md"
+K3 = ("S1-k3-00-aligned", "S1-k3-00-random")
+TURN = "S1-k3-00-turning"
+VOICE = f"{K3[0]}.wav"
+
+
+@pytest.fixture(scope="module")
+def lists(tmp_path_factory):
+    """A list of three scenes, and the three synthetic voices that speak in it, laid out as LibriSpeech is."""
+    folder, of_the_corpus = (
+        tmp_path_factory.mktemp("list"),
+        {"corpus": "LibriSpeech", "subset": "tiny", "licence": "CC0"},
+    )
+    recordings = []
+    for index in range(3):
+        samples = np.round(32767 * synthetic_voice(index, RATE).speech[: 11 * RATE]).astype(np.int64) + index
+        utterance = f"{index + 7}-1-0000"
+        recordings.append(described(utterance, samples, sex="F", **of_the_corpus))
+        path = folder / "speech" / "LibriSpeech" / "tiny" / str(index + 7) / "1" / f"{utterance}.flac"
+        path.parent.mkdir(parents=True)
+        soundfile.write(path, samples.astype(np.int16), RATE)
+    (folder / FILES[2]).write_bytes(as_csv(recordings, Recording))
+    write_list(folder, (RoomLine("S1", 1, 1),))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def audio(lists, tmp_path_factory):
+    """The audio of the three scenes."""
+    folder = tmp_path_factory.mktemp("built") / "audio"
+    code, _, errors = called_once("study", "benchmark", "build", "--list", lists, *of(lists / "speech", folder))
+    assert (code, errors) == (0, "")
+    return folder
+
+
+def of(recordings, out):
+    return "--recordings", recordings, "--out", out
+
+
+@pytest.fixture
+def ross(monkeypatch, capsys):
+    """``ross study benchmark`` with more arguments: exit code, output, errors."""
+    return partial(called, monkeypatch, capsys, "study", "benchmark")
+
+
+def scored(ross, audio, estimates, out):
+    return ross("score", "--audio", audio, "--estimates", estimates, "--out", out)
+
+
+def rows_of(path, kind):
+    return {row.scene: row for row in read_rows(path, [kind])[1]}
+
+
+def json_file(path):
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def sound(path):
+    return soundfile.read(path, always_2d=True)[0].T
+
+
+# ------------------------------------------------------------------------------------------------ the list
+
+
+def test_the_list_is_what_its_command_makes():
+    shipped = read_list()
+    assert shipped.rooms == ROOMS
+    assert shipped.layouts == drawn(shipped.recordings)
+
+
+def test_every_true_room_has_forty_scenes_in_every_row():
+    counts = {}
+    for scene in read_list().scenes():
+        key = scene.room, scene.layout.k, scene.orientation
+        counts[key] = counts.get(key, 0) + 1
+    assert {key[0] for key in counts} == {"S1", "S2", "S3", "A0.45", "B0.45", "A0.7"}
+    assert min(n for (room, _, _), n in counts.items() if not room.startswith("S")) == 40
+    assert len(read_list().scenes()) == 1500
+    assert len(read_list().scenes(quick=True)) == 34
+
+
+def test_a_list_that_names_nobody_is_refused(lists, tmp_path, ross):
+    for name in FILES:
+        shutil.copy(lists / name, tmp_path)
+    text = (tmp_path / FILES[1]).read_text()
+    (tmp_path / FILES[1]).write_text(text.replace("9-1-0000", "9-1-0001"))
+    more = ("--list", tmp_path, *of(lists / "speech", tmp_path / "audio"))
+    code, _, errors = ross("build", *more)
+    assert (code, errors.count("\n")) == (2, 1)
+    assert "utterance '9-1-0001' is unknown" in errors
+
+
+# ------------------------------------------------------------------------------------------------ the recordings
+
+
+@pytest.mark.skipif(not TALKERS.is_dir(), reason="needs the recordings in ../shared/talkers (or ROSS_TALKERS)")
+def test_all_recordings_are_found_by_their_hash_in_copies_with_another_gain():
+    recordings = read_list().recordings
+    assert {len(samples) for samples in found(TALKERS, recordings).values()} == {each.samples for each in recordings}
+
+
+def test_a_copy_in_a_flat_folder_and_an_amplified_one_of_the_reader_give_the_same_bytes(lists, audio, tmp_path):
+    first, second, third = sorted((lists / "speech").rglob("*.flac"))
+    speech = tmp_path / "speech"
+    (speech / "ls8").mkdir(parents=True)
+    samples = soundfile.read(first, dtype="int16")[0]
+    soundfile.write(speech / f"{first.stem}.wav", samples, RATE)
+    louder = soundfile.read(second, dtype="int16")[0].astype(float)
+    soundfile.write(speech / "ls8" / "a.flac", np.round(1.21 * (louder - louder.mean())).astype(np.int16), RATE)
+    shutil.copy(third, speech)
+    code, _, errors = called_once("study", "benchmark", "build", "--list", lists, *of(speech, tmp_path / "audio"))
+    assert (code, errors) == (0, "")
+    assert (tmp_path / "audio" / "SHA256SUMS").read_bytes() == (audio / "SHA256SUMS").read_bytes()
+
+
+def cut(path):
+    soundfile.write(path, soundfile.read(path)[0][:-1], RATE)
+
+
+def changed(path):
+    samples = soundfile.read(path, dtype="int16")[0]
+    samples[1000] += 1
+    soundfile.write(path, samples, RATE)
+
+
+@pytest.mark.parametrize(
+    ("damage", "words"),
+    [
+        (Path.unlink, "8-1-0000 of LibriSpeech is missing; it is in tiny.tar.gz at https://www.openslr.org/12"),
+        (cut, "8-1-0000 of LibriSpeech is not what LibriSpeech/tiny/8/1/8-1-0000.flac is, which has 175999"),
+        (changed, "whose samples have the SHA-256"),
+        (lambda path: path.write_text("no sound"), "which cannot be read; it is in tiny.tar.gz"),
+    ],
+    ids=["missing", "short", "changed", "no audio"],
+)
+def test_a_recording_that_is_missing_or_differs_is_named_in_one_line(lists, tmp_path, ross, damage, words):
+    shutil.copytree(lists / "speech", tmp_path / "speech")
+    damage(next((tmp_path / "speech").rglob("8-1-0000.flac")))
+    more = ("--list", lists, *of(tmp_path / "speech", tmp_path / "audio"))
+    code, _, errors = ross("build", *more)
+    assert (code, errors.count("\n")) == (2, 1)
+    assert words in errors
+    assert not (tmp_path / "audio").exists()
+
+
+def test_a_hash_does_not_depend_on_a_constant_and_on_nothing_else():
+    samples = np.random.default_rng(0).integers(-9000, 9000, 500)
+    line = described("1-1-0", samples, corpus="", subset="", licence="", sex="")
+    assert replace(line, sha256="") == replace(
+        described("1-1-0", samples + 40, corpus="", subset="", licence="", sex=""), sha256=""
+    )
+    assert line == described("1-1-0", samples + 40, corpus="", subset="", licence="", sex="")
+    assert sha256(samples) != sha256(samples[::-1])
+
+
+# ------------------------------------------------------------------------------------------------ the audio
+
+
+@pytest.mark.parametrize("scene", K3)
+def test_a_mixture_is_the_sum_of_its_references_and_of_noise_15_db_below_it(audio, scene):
+    folder, told = audio / scene, json_file(audio / scene / "scene.json")
+    references = np.stack([sound(folder / f"reference-{k}.wav")[0] for k in range(3)])
+    mixture, noise = sound(folder / "mixture.wav"), sound(folder / "noise.wav")
+    assert mixture.shape == (2, 10 * RATE)
+    assert noise.shape == (2, told["noise_lead_in_s"] * RATE)
+    powers = (references**2).mean(axis=1)
+    assert powers == pytest.approx(np.full(3, powers.mean()), rel=1e-3)
+    left = mixture[0] - references.sum(axis=0)
+    assert 10 * np.log10((references.sum(axis=0) ** 2).mean() / (left**2).mean()) == pytest.approx(15.0, abs=0.1)
+    assert noise.std() == pytest.approx(left.std(), rel=0.02)
+
+
+def test_a_talker_arrives_at_microphone_2_earlier_as_the_page_says(audio):
+    folder, told = audio / TURN, json_file(audio / TURN / "scene.json")
+    mixture, truth = sound(folder / "mixture.wav"), np.deg2rad(json_file(folder / "truth.json")["azimuths_deg"])
+    assert "azimuths_deg" not in told
+    parts = np.split(mixture, len(told["headings_deg"]), axis=1)
+    assert {part.shape[1] for part in parts} == {told["seconds_each"] * RATE}
+    for part, heading in zip(parts, told["headings_deg"], strict=True):
+        first, second = np.fft.rfft(part, axis=1)
+        lags = np.arange(-3, 4)
+        found = np.fft.irfft(second.conj() * first, part.shape[1])[lags]  # positive where microphone 2 leads
+        lead = told["spacing_m"] * np.cos(truth - np.deg2rad(heading)) / told["speed_of_sound_m_s"] * RATE
+        assert min(abs(lags[found.argmax()] - lead)) < 0.75
+
+
+def test_a_build_goes_on_and_other_scenes_are_not_mixed_with_it(lists, audio, tmp_path, ross):
+    begun = tmp_path / "audio"
+    shutil.copytree(audio, begun)
+    sums = (begun / "SHA256SUMS").read_bytes()
+    (begun / "SHA256SUMS").unlink()
+    shutil.rmtree(begun / TURN)
+    code, _, errors = ross("run", "--audio", begun, "--method", "duet", "--out", begun)
+    assert code == 2
+    assert "is not complete" in errors
+    arguments = ("--list", lists, *of(lists / "speech", begun))
+    assert ross("build", *arguments)[0] == 0
+    assert (begun / "SHA256SUMS").read_bytes() == sums
+    code, _, errors = ross("build", "--quick", *arguments)
+    assert code == 2
+    assert "holds other scenes" in errors
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "something").touch()
+    arguments = ("--list", lists, *of(lists / "speech", tmp_path / "full"))
+    code, _, errors = ross("build", *arguments)
+    assert (code, errors.count("\n")) == (2, 1)
+    assert "expected an empty folder" in errors
+
+
+# ------------------------------------------------------------------------------------------------ scores
+
+
+def test_estimates_are_scored_as_si_sdr_says_and_a_missing_one_is_0_db(audio, tmp_path, ross):
+    target = json_file(audio / K3[0] / "scene.json")["target"]
+    reference, mixture = sound(audio / K3[0] / f"reference-{target}.wav")[0], sound(audio / K3[0] / "mixture.wav")[0]
+    estimate = 0.25 * (reference + 0.1 * mixture)
+    (tmp_path / "mine").mkdir()
+    soundfile.write(tmp_path / "mine" / f"{K3[0]}.wav", estimate, RATE, subtype="FLOAT")
+    code, printed, _ = scored(ross, audio, tmp_path / "mine", tmp_path / "rows")
+    rows = rows_of(tmp_path / "rows" / "separation.csv", BenchmarkSeparation)
+    assert code == 0
+    assert rows[K3[0]].method == "mine"
+    assert rows[K3[0]].si_sdri_db == pytest.approx(si_sdr(estimate, reference) - si_sdr(mixture, reference), abs=2e-3)
+    assert (rows[K3[1]].si_sdri_db, rows[K3[1]].missing) == (0.0, True)
+    assert "No estimate of 1 scenes by mine" in printed
+    assert not (tmp_path / "rows" / "localization.csv").exists()
+
+
+def test_azimuths_are_right_in_any_order_and_wrong_with_one_too_many(audio, tmp_path, ross):
+    truth = json_file(audio / TURN / "truth.json")["azimuths_deg"]
+    for name, told, right in (
+        ("right", [azimuth + 360.0 for azimuth in reversed(truth)], True),
+        ("many", [*truth, truth[0] + 180.0], False),
+        ("few", truth[1:], False),
+        ("off", [truth[0] + 11.0, *truth[1:]], False),
+    ):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "azimuths.json").write_text(json.dumps({TURN: told}))
+        assert scored(ross, audio, tmp_path / name, tmp_path / "rows")[0] == 0
+        every = read_rows(tmp_path / "rows" / "localization.csv", [BenchmarkLocalization])[1]
+        assert [row.right for row in every if row.method == name] == [right], name
+    assert [row.method for row in every] == ["right", "many", "few", "off"]
+
+
+@pytest.mark.parametrize(
+    ("written", "words"),
+    [
+        ((VOICE, lambda p: soundfile.write(p, np.ones(10), RATE)), "expected 160000 samples of one channel"),
+        ((VOICE, lambda p: soundfile.write(p, np.ones((160000, 2)), RATE)), "got 160000 of 2 at 16000 Hz"),
+        ((VOICE, lambda p: soundfile.write(p, np.ones(160000), 8000)), "at 16000 Hz, as the mixture has"),
+        ((VOICE, lambda p: soundfile.write(p, np.full(160000, np.nan), RATE, subtype="FLOAT")), "finite samples"),
+        ((VOICE, lambda p: p.write_text("no sound")), "not a recording that can be read"),
+        (("other.wav", lambda p: soundfile.write(p, np.ones(10), RATE)), "expected estimates"),
+        (("azimuths.json", lambda p: p.write_text("[1]")), "expected an object, got list"),
+        (("azimuths.json", lambda p: p.write_text('{"S1": [1]}')), "that end with '-turning', got 'S1'"),
+        (("azimuths.json", lambda p: p.write_text(f'{{"{TURN}": 1}}')), "expected a list of at most 20 azimuths"),
+        (("azimuths.json", lambda p: p.write_text(f'{{"{TURN}": ["1"]}}')), "expected a list of at most 20 azimuths"),
+    ],
+)
+def test_estimates_that_do_not_fit_are_refused_in_one_line(audio, tmp_path, ross, written, words):
+    (tmp_path / "mine").mkdir()
+    name, write = written
+    write(tmp_path / "mine" / name)
+    code, printed, errors = scored(ross, audio, tmp_path / "mine", tmp_path / "rows")
+    assert (code, printed, errors.count("\n")) == (2, "", 1)
+    assert words in errors
+    assert not (tmp_path / "rows").exists()
+
+
+def test_our_methods_are_scored_as_anybodys_and_the_oracle_is_best(audio, tmp_path, ross):
+    for method in ("irm", "duet", "joint"):
+        arguments = ("--audio", audio, "--method", method, "--out", tmp_path / method)
+        assert ross("run", *arguments)[0] == 0
+        assert scored(ross, audio, tmp_path / method, tmp_path / "rows")[0] == 0
+    every = read_rows(tmp_path / "rows" / "separation.csv", [BenchmarkSeparation])[1]
+    gains = {(row.method, row.scene): row.si_sdri_db for row in every}
+    assert gains["irm", K3[0]] > gains["duet", K3[0]] > 3.0
+    (turn,) = read_rows(tmp_path / "rows" / "localization.csv", [BenchmarkLocalization])[1]
+    assert min(turn.errors_deg) < 5.0
+
+
+def test_a_method_that_does_not_exist_is_refused(audio, tmp_path, ross):
+    arguments = ("--audio", audio, "--method", "duett", "--out", tmp_path / "estimates")
+    code, _, errors = ross("run", *arguments)
+    assert (code, errors.count("\n")) == (2, 1)
+    assert "did you mean 'duet'?" in errors
+    assert not (tmp_path / "estimates").exists()
+
+
+def test_the_program_of_the_page_enters_a_method(audio, tmp_path, monkeypatch, ross):
+    program = tmp_path / "my_method.py"
+    program.write_text(block(PAGE, "python", "# my_method.py").text)
+    monkeypatch.setattr("sys.argv", ["my_method.py", str(audio), str(tmp_path / "mine")])
+    runpy.run_path(str(program))
+    assert scored(ross, audio, tmp_path / "mine", tmp_path / "rows")[0] == 0
+    gains = [row.si_sdri_db for row in rows_of(tmp_path / "rows" / "separation.csv", BenchmarkSeparation).values()]
+    assert min(gains) > 0.3  # the beam is better than one microphone
+    with (tmp_path / "rows" / "localization.csv").open() as file:
+        assert [line["k_estimated"] for line in csv.DictReader(file)] == ["0"]
