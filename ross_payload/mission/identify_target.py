@@ -15,7 +15,6 @@ from ross_payload.interfaces import Groups, Real, Scene
 from ross_payload.mission.context import Context, Listening
 from ross_payload.mission.voice_evidence import Evidence, lone_voices
 
-MARGIN = 0.5  # above the criterion: each of several strangers may sound like the target by chance [nat]
 APART = 0.5  # a heading tells of a source when it isolates it by this share of the best one
 
 
@@ -84,26 +83,16 @@ def recognise(
 
 
 def scored(context: Context, groups: Groups, voices: Real, evidence: Evidence | None = None) -> Identification:
-    """Compare every group with the target's voice print; with ``evidence`` those of one source have their score there.
-
-    Who is chosen by it among several voices must exceed the criterion by `MARGIN`.
-    """
+    """Compare every group with the target's voice print; a group of one source may have its score in ``evidence``."""
     scores = []
     for group, (members, voice) in enumerate(zip(groups.members, voices, strict=True)):
         value = evidence.scores.get(members[0]) if evidence is not None and len(members) == 1 else None
-        if value is None:
-            value = _nothing_heard(context).alone(voice)
-        scores.append(_scored(groups, group, value, least(context, evidence)))
+        scores.append(_scored(context, groups, group, _nothing_heard(context).alone(voice) if value is None else value))
     return Identification(groups, voices, tuple(scores))
 
 
-def least(context: Context, evidence: Evidence | None) -> float:
-    """Return what a score must exceed [nat]."""
-    return context.settings.criterion + (0.0 if evidence is None else MARGIN)
-
-
-def _scored(groups: Groups, group: int, value: float, criterion: float) -> GroupScore:
-    accepted = value > criterion
+def _scored(context: Context, groups: Groups, group: int, value: float) -> GroupScore:
+    accepted = value > context.settings.criterion
     if not groups.quality:
         return GroupScore(groups.members[group], value, accepted)
     quality = groups.quality[group]

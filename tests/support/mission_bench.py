@@ -75,7 +75,7 @@ class OneGroupEach:
         return Groups(signals, tuple((k,) for k in range(count)), self.name)
 
 
-SURE = 4.0  # [nat]
+SURE = 5.0  # [nat]
 RECALLED, CHECKED, RUN = "recalled", "checked", "run"
 
 
