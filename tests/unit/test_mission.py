@@ -145,6 +145,28 @@ def test_where_the_check_leaves_a_doubt_the_array_goes_on_listening(doubtful):
     assert second.time - first.time == pytest.approx(SETTINGS.run)  # no turn between them
 
 
+class CountingFrames(OneGroupEach):
+    """Notes how long everything is that it separates."""
+
+    def __init__(self):
+        self.frames = []
+
+    def batch(self, spectrogram, scene):
+        self.frames.append(spectrogram.shape[-1])
+        return super().batch(spectrogram, scene)
+
+
+def test_a_doubtful_score_has_more_of_the_exploration_separated_each_orientation_once():
+    explored = []
+    for score in (1.0, 0.1):
+        separator = CountingFrames()
+        one = rig(explorer=ThreeTalkers(certain=False), separator=separator, voiceprint=Likes(1, {CHECKED: score}))
+        assert one.run().outcome is Outcome.TARGET_FOUND
+        explored.append(separator.frames.count(separator.frames[0]))  # as long as T_unit
+    assert explored[0] <= 3  # the best orientation of everybody
+    assert explored[0] < explored[1] <= SETTINGS.max_rotations + 1
+
+
 def test_all_that_was_heard_of_a_voice_is_compared_together():
     voiceprint = Likes(1)
     lengths, score = [], voiceprint.score
