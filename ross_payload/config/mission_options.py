@@ -78,6 +78,6 @@ class Exploit(Table):
     check_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_check
     run_s: Annotated[float, Field(ge=1, le=600)] = 10.0  # T_run
     runs: Annotated[int, Field(ge=0)] = 1  # how many T_run before the mission is done; 0: until stopped
-    criterion: Annotated[float, Field(allow_inf_nan=False)] = 0.0  # accept a voice above this score
-    max_restarts: Annotated[int, Field(ge=0)] = 2  # number of restarts when the target's score drops
+    criterion: Annotated[float, Field(allow_inf_nan=False)] = 0.5  # accept a voice above this score
+    max_restarts: Annotated[int, Field(ge=0)] = 2  # number of restarts when the target is lost
     track: bool = True  # follow talkers who move while the array listens, and turn a little where that helps

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-
-import numpy as np
 
 from ross_payload.alignment.plan import Plan, Turn, isolation
 from ross_payload.alignment.predicted_gain import predicted_gain
 from ross_payload.events import AlignmentCandidate, AlignmentPlanned, Estimate
 from ross_payload.mission.context import Context
 
+PER_RADIAN = 1.0  # [s] that turning takes, about
 ENOUGH_LESS_DB = 1.0  # [dB] that the present heading may promise less than the best one
 
 
@@ -54,12 +54,17 @@ def good_here(context: Context, estimate: Estimate, source: int) -> bool:
     return (here(context, estimate, source, own.rule).gain_db or 0.0) >= own.gain_db - ENOUGH_LESS_DB
 
 
-def in_order(
-    candidates: Sequence[AlignmentCandidate], recalled: Mapping[int, float], criterion: float
-) -> list[AlignmentCandidate]:
-    """Recognised sources first, by score; the others as they are."""
+def next_visit(
+    context: Context, candidates: Sequence[AlignmentCandidate], scores: Mapping[int, float]
+) -> AlignmentCandidate:
+    """Return the candidate that promises the most per second that a visit takes, with the turn.
 
-    def rank(candidate: AlignmentCandidate) -> float:
-        return -max(recalled.get(candidate.source, -np.inf), criterion)
+    Scores are log-likelihood ratios: of two that are alike the nearer one comes first, and who is much likelier is
+    worth a longer turn. A source that nobody has heard alone yet is undecided.
+    """
 
-    return sorted(candidates, key=rank)
+    def promise(candidate: AlignmentCandidate) -> float:
+        seconds = context.settings.check + PER_RADIAN * abs(candidate.joint - context.pointing.joint)
+        return scores.get(candidate.source, context.settings.criterion) - math.log(seconds)
+
+    return max(candidates, key=promise)

@@ -27,6 +27,7 @@ from ross_payload.events import (
 from ross_payload.interfaces import Complex, Explorer, Input, Observation, Output, Real, Samples, Separator, VoicePrint
 from ross_payload.mission.heading_control import Follower
 from ross_payload.mission.source_tracking import SourceTracker
+from ross_payload.mission.voice_evidence import Evidence
 from ross_payload.mission_state import BUSY
 from ross_payload.orders import Cancel, Order, Set, Shutdown, Stop, Task
 from ross_payload.pointing import Pointing
@@ -128,6 +129,7 @@ class Context:
     holding: Follower | None = None  # the heading that was faced last
     surveyed: tuple[Estimate, bool] | None = None  # what was explored last, and whether in the earth frame
     tracker: SourceTracker | None = None  # of the sources that are listened to
+    evidence: Evidence | None = None  # what was heard of every source since it was found
 
     @property
     def time(self) -> float:

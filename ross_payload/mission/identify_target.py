@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ross_payload.alignment.plan import isolation
+from ross_payload.alignment.plan import HEADINGS, isolation
 from ross_payload.dsp.steering import tdoa
 from ross_payload.events import Estimate, GroupScore
 from ross_payload.interfaces import Groups, Real, Scene
 from ross_payload.mission.context import Context, Listening
+from ross_payload.mission.voice_evidence import Evidence, lone_voices
 
-APART = 0.5  # an orientation tells of a source when it isolates it by this share of the best one
+APART = 0.5  # a heading tells of a source when it isolates it by this share of the best one
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +34,11 @@ class Identification:
         """
         accepted = [g for g, score in enumerate(self.scores) if score.accepted and len(score.members) <= 1]
         return max(accepted, key=lambda g: self.scores[g].value, default=None)
+
+    @property
+    def accepted(self) -> int | None:
+        """The source that is the best accepted group; None when no group sounds like the target."""
+        return next(iter(self.scores[self.best].members), None) if self.best is not None else None
 
     def value_of(self, source: int) -> float:
         """Return the score of the group that holds a source, minus infinity when none does."""
@@ -57,19 +65,29 @@ def separate(context: Context, estimate: Estimate, listening: Listening) -> tupl
     return groups, stft.synthesise(groups.signals, listening.samples.shape[1]).astype(np.float32)
 
 
-def recognise(context: Context, estimate: Estimate, listening: Listening, recalled: dict[int, float]) -> Identification:
-    """Separate and score; for a source that stands alone the score is the mean of this one and the recalled one."""
-    return scored(context, *separate(context, estimate, listening), recalled)
+def recognise(
+    context: Context, estimate: Estimate, listening: Listening, evidence: Evidence | None = None
+) -> Identification:
+    """Separate and score: a source that stands well apart here by all that was heard of it, now and before.
+
+    One that does not keeps the score that it had.
+    """
+    groups, voices = separate(context, estimate, listening)
+    if evidence is None:
+        return scored(context, groups, voices)
+    clear = set(np.flatnonzero(_clear(context, estimate, listening)).tolist())
+    heard = lone_voices(groups, voices)
+    for source in clear & set(heard):
+        evidence.hear(source, heard[source])
+    return scored(context, groups, voices, evidence)
 
 
-def scored(context: Context, groups: Groups, voices: Real, recalled: dict[int, float]) -> Identification:
-    """Compare every group with the target's voice print; as `recognise`."""
+def scored(context: Context, groups: Groups, voices: Real, evidence: Evidence | None = None) -> Identification:
+    """Compare every group with the target's voice print; a group of one source may have its score in ``evidence``."""
     scores = []
     for group, (members, voice) in enumerate(zip(groups.members, voices, strict=True)):
-        value = _likeness(context, voice)
-        if len(members) == 1 and members[0] in recalled:
-            value = (value + recalled[members[0]]) / 2
-        scores.append(_scored(context, groups, group, value))
+        value = evidence.scores.get(members[0]) if evidence is not None and len(members) == 1 else None
+        scores.append(_scored(context, groups, group, _nothing_heard(context).alone(voice) if value is None else value))
     return Identification(groups, voices, tuple(scores))
 
 
@@ -81,37 +99,56 @@ def _scored(context: Context, groups: Groups, group: int, value: float) -> Group
     return GroupScore(groups.members[group], value, accepted, quality.si_sdr, quality.si_sdri)
 
 
-def recall(context: Context, estimate: Estimate) -> dict[int, float]:
-    """Score every source by what the exploration has heard of it: {source: score}.
+def recall(context: Context, estimate: Estimate) -> Evidence:
+    """Return what the exploration has heard of every source at the orientations that are best for one of them.
 
-    Each source's best orientation is separated once, and tells of every source that stands apart well there. Nothing
-    is recalled where nothing was explored.
+    Each is separated once, and tells of every source that stands apart well there. Nothing is recalled where nothing
+    was explored.
     """
+    evidence = _nothing_heard(context)
     if not context.explored or context.tools.voiceprint is None:
-        return {}
-    headings = np.array([heard.heading for heard in context.explored])
-    apart = isolation(
-        [source.azimuth for source in estimate.sources],
-        headings,
-        context.settings.spacing,
-        context.settings.speed_of_sound,
-        [source.elevation or 0.0 for source in estimate.sources],
-    )
-    separated = {int(i): separate(context, estimate, context.explored[i]) for i in sorted(set(apart.argmax(axis=1)))}
-    recalled = {}
+        return evidence
+    apart = _apart(context, estimate, [heard.heading for heard in context.explored])
+    best = sorted(set(apart.argmax(axis=1).tolist()))
     for source, curve in enumerate(apart):
-        where = [i for i in separated if curve[i] >= APART * curve.max()]
-        clips = [voice for i in where for voice in _alone(source, *separated[i])]
-        if clips:
-            recalled[source] = _likeness(context, np.concatenate(clips))
-    return recalled
+        where = [i for i in best if curve[i] >= APART * curve.max()]
+        evidence.hear(source, *_recalled(context, estimate, evidence, source, where))
+    return evidence
 
 
-def _likeness(context: Context, voice: Real) -> float:
-    """Score a voice; 0, undecided, when nobody is sought."""
-    target = context.tools.voiceprint
-    return 0.0 if target is None else target.score(voice, context.settings.rate).value
+def recall_more(context: Context, estimate: Estimate, evidence: Evidence, source: int) -> None:
+    """Let every other orientation tell of a source, too, at which it stands well apart; once is enough."""
+    if source in evidence.complete or not evidence.recalled:
+        return
+    evidence.complete.add(source)
+    apart = _apart(context, estimate, [heard.heading for heard in context.explored])
+    curve, best = apart[source], set(apart.argmax(axis=1).tolist())
+    where = [i for i in np.flatnonzero(curve >= APART * curve.max()).tolist() if i not in best]
+    evidence.hear(source, *_recalled(context, estimate, evidence, source, where))
 
 
-def _alone(source: int, groups: Groups, voices: Real) -> list[Real]:
-    return [voice for members, voice in zip(groups.members, voices, strict=True) if members == (source,)]
+def _recalled(
+    context: Context, estimate: Estimate, evidence: Evidence, source: int, orientations: Sequence[int]
+) -> list[Real]:
+    """What was heard of a source alone at orientations of the exploration; each of them is separated once."""
+    for i in orientations:
+        if i not in evidence.recalled:
+            evidence.recalled[i] = lone_voices(*separate(context, estimate, context.explored[i]))
+    return [evidence.recalled[i][source] for i in orientations if source in evidence.recalled[i]]
+
+
+def _nothing_heard(context: Context) -> Evidence:
+    return Evidence(context.settings.rate, context.tools.voiceprint)
+
+
+def _apart(context: Context, estimate: Estimate, headings: Sequence[float]) -> Real:
+    """Isolation of every source at headings [rad], [s], (k, n_headings)."""
+    azimuths = [source.azimuth for source in estimate.sources]
+    elevations = [source.elevation or 0.0 for source in estimate.sources]
+    return isolation(azimuths, headings, context.settings.spacing, context.settings.speed_of_sound, elevations)
+
+
+def _clear(context: Context, estimate: Estimate, listening: Listening) -> NDArray[np.bool_]:
+    """Whether a heading isolates each source by `APART` of the best one at least, (k,)."""
+    apart = _apart(context, estimate, [listening.heading, *HEADINGS])
+    return np.asarray(apart[:, 0] >= APART * apart.max(axis=1))

@@ -7,7 +7,7 @@ from ross_payload.events import Doubted, Estimate, Finished, Outcome, SourcesEst
 from ross_payload.interfaces import Mission, Output, Result
 from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, FrameChanged, Settings, Step, Tools, hop
-from ross_payload.mission.exploit import run, search
+from ross_payload.mission.exploit import DROPPED, Search, run, search, search_among
 from ross_payload.mission.explore import lead_in
 from ross_payload.mission.slip_detection import survey
 
@@ -74,14 +74,26 @@ def attempts(context: Context, informed: Estimate | None, target: int | None) ->
 def _attempt(
     context: Context, informed: Estimate | None, target: int | None, *, doubts: bool
 ) -> Step[tuple[int | None, str, bool]]:
-    """Return the target's source or why there is none, and whether it was heard to the end."""
+    """Return the target's source or why there is none, and whether it was heard to the end.
+
+    When a voice turns out not to be the target's as soon as it is heard longer, the candidates that are left come next.
+    """
     estimate, source = yield from _where(context, informed)
-    why = ""
+    among = None
     if source is None:
-        source, why = yield from _who(context, estimate, target)
-    if source is not None:
+        among, why = _whom(context, estimate, target)
+        if among is None:
+            return None, why, False
+        source = yield from search(context, among)
+    if source is None:
+        return None, f"none of the {estimate.k} voices is the target's", False
+    while True:
         why = yield from run(context, estimate, source, doubts=doubts)
-    return source, why, source is not None and not why
+        at_once = context.evidence is not None  # fell below the criterion as soon as it was heard longer
+        other = (yield from search(context, among)) if why == DROPPED and at_once and among is not None else None
+        if other is None:
+            return source, why, not why
+        source = other
 
 
 def _where(context: Context, informed: Estimate | None) -> Step[tuple[Estimate, int | None]]:
@@ -92,12 +104,11 @@ def _where(context: Context, informed: Estimate | None) -> Step[tuple[Estimate, 
     return informed, None
 
 
-def _who(context: Context, estimate: Estimate, target: int | None) -> Step[tuple[int | None, str]]:
-    """Turn to the candidates; return the target's source, or None and why."""
+def _whom(context: Context, estimate: Estimate, target: int | None) -> tuple[Search | None, str]:
+    """Return among whom to search for the target, or None and why."""
     if not estimate.sources:
         return None, "nobody is talking"
     candidates = align(context, estimate)
     if not candidates:
         return None, f"no heading within the limits isolates any of the {estimate.k} sources"
-    source = yield from search(context, estimate, candidates, target)
-    return source, f"none of the {estimate.k} voices is the target's"
+    return search_among(context, estimate, candidates, target), ""

@@ -18,6 +18,7 @@ from ross_payload.events import Estimate
 from ross_payload.interfaces import Groups, Real
 from ross_payload.mission.context import Context, Listening
 from ross_payload.mission.identify_target import Identification, recognise, scored, separate
+from ross_payload.mission.voice_evidence import Evidence
 
 SHORTEST = 0.5  # piece [s]
 AROUND = 0.5  # heard before and after a piece to learn from [s]
@@ -34,11 +35,16 @@ class Piece:
     azimuths: Real  # [rad], (k,)
 
 
-def recognise_moving(context: Context, estimate: Estimate, start: int, listening: Listening) -> Identification:
-    """Separate and score a period that began with sample ``start``; in one piece unless somebody has moved."""
+def recognise_moving(
+    context: Context, estimate: Estimate, start: int, listening: Listening, evidence: Evidence | None = None
+) -> Identification:
+    """Separate and score a period that began with sample ``start``; in one piece unless somebody has moved.
+
+    Of who stays what was heard before counts, too: ``evidence``.
+    """
     tracker = context.tracker
     if tracker is None or not tracker.acts:
-        return recognise(context, estimate, listening, {})
+        return recognise(context, estimate, listening, evidence)
     rate, n = context.settings.rate, listening.samples.shape[1]
     hops = 1 if listening.headings is None else len(listening.headings)
     count = max(hops, round(100 * n / rate))
@@ -49,7 +55,7 @@ def recognise_moving(context: Context, estimate: Estimate, start: int, listening
     tracker.forget((start + n) / rate)
     found = pieces(azimuths, headings, edges, round(SHORTEST * rate))
     groups, voices = _joined(context, estimate, listening, found)
-    return scored(context, groups, voices, {})
+    return scored(context, groups, voices)
 
 
 def pieces(azimuths: Real, headings: Real, edges: Real, shortest: int) -> list[Piece]:

@@ -13,11 +13,12 @@ import numpy as np
 
 from ross_payload.angles import difference
 from ross_payload.events import AlignmentCandidate, Checked, Estimate, State
-from ross_payload.mission.align import align, good_here, here, in_order, planned
+from ross_payload.mission.align import align, good_here, here, next_visit, planned
 from ross_payload.mission.context import Context, Listening, Step
 from ross_payload.mission.heading_hold import face_alignment
 from ross_payload.mission.identify_target import Identification, recall, recognise
 from ross_payload.mission.orientation_scan import certain, matched, observe, orientation, say_belief, steady
+from ross_payload.mission.voice_evidence import Evidence
 
 CLEAR = 0.2  # least isolation at the alignment [d / v_p]
 SPOT = np.deg2rad(0.5)  # headings nearer than this are one [rad]
@@ -25,10 +26,10 @@ SPOT = np.deg2rad(0.5)  # headings nearer than this are one [rad]
 
 @dataclass(frozen=True, slots=True)
 class Promise:
-    """An alignment worth a visit, and what the exploration has heard of every source: {source: score}."""
+    """An alignment worth a visit, and what the exploration has heard of every source."""
 
     candidate: AlignmentCandidate
-    recalled: dict[int, float]
+    recalled: Evidence
 
 
 @dataclass(slots=True)
@@ -43,7 +44,7 @@ def promising(context: Context, visits: Visits) -> Promise | None:
     """Return the alignment worth a visit instead of the next orientation, or None.
 
     The belief must be steady; the alignment must set its source apart clearly, and the source must not have been
-    rejected before. Sources that the exploration has recognised come first, then the least travel.
+    rejected before. Who is likelier by what the exploration has heard comes first, and of the like the nearer one.
     """
     if not steady(context.beliefs) or visits.count >= context.settings.max_rotations:
         return None
@@ -54,7 +55,7 @@ def promising(context: Context, visits: Visits) -> Promise | None:
     if not candidates:
         return None
     recalled = recall(context, estimate)
-    return Promise(in_order(candidates, recalled, context.settings.criterion)[0], recalled)
+    return Promise(next_visit(context, candidates, recalled.scores), recalled)
 
 
 def visit(context: Context, promise: Promise, visits: Visits, *, last: bool) -> Step[int | None]:
@@ -69,9 +70,8 @@ def visit(context: Context, promise: Promise, visits: Visits, *, last: bool) -> 
     if candidate.source not in own:
         say_belief(context, final=last or certain(context))
         return None
-    found = recognise(
-        context, after, context.explored[-1], {own[i]: v for i, v in promise.recalled.items() if i in own}
-    )
+    context.evidence = promise.recalled.renamed(own)
+    found = recognise(context, after, context.explored[-1], context.evidence)
     target = None if found.best is None else found.scores[found.best].members[0]
     if target != own[candidate.source]:
         visits.rejected.append(before.sources[candidate.source].azimuth)

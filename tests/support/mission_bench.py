@@ -53,6 +53,17 @@ class ThreeTalkers:
         return Estimate(sources, certain=self.certain)
 
 
+@dataclass
+class Counting(ThreeTalkers):
+    """An explorer that counts how often it begins anew."""
+
+    explorations: int = 0
+
+    def estimate(self, observations):
+        self.explorations += len(observations) == 1
+        return super().estimate(observations)
+
+
 class OneGroupEach:
     """A separator whose group k is the mixture times k + 1, so that a voice print can tell them apart."""
 
@@ -64,17 +75,23 @@ class OneGroupEach:
         return Groups(signals, tuple((k,) for k in range(count)), self.name)
 
 
+SURE = 5.0  # [nat]
 RECALLED, CHECKED, RUN = "recalled", "checked", "run"
 
 
 def occasion(voice):
-    """Tell by its length when a clip was heard: recalled clips are whole multiples of T_unit."""
-    return {RATE // 2: CHECKED, 3 * RATE // 2: RUN}.get(len(voice), RECALLED)
+    """Tell by its length what was heard last: up to four periods of T_unit, then T_check, then T_run, all joined."""
+    tenths = round(len(voice) / RATE * 10)
+    periods = next(n for n in range(5) if (tenths - 7 * n) % 5 == 0)
+    return (RECALLED, CHECKED, CHECKED, RUN)[min((tenths - 7 * periods) // 5, 3)]
 
 
 @dataclass
 class Likes:
-    """A voice print that accepts the group with one number; ``mood`` overrides its score on an occasion."""
+    """A voice print that accepts the group with one number; ``mood`` overrides its score on an occasion.
+
+    Scores are multiples of `SURE` [nat], which leaves no doubt.
+    """
 
     number: int
     mood: dict = field(default_factory=dict)
@@ -86,7 +103,7 @@ class Likes:
         self.heard.append(when)
         mine = self.mood.get(when, 1.0)
         mine = mine(self.heard.count(when)) if callable(mine) else mine
-        value = mine if number == self.number else -1.0
+        value = SURE * (mine if number == self.number else -1.0)
         return Score(value, value > 0)
 
 

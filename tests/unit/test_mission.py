@@ -5,7 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mission_bench import CHECKED, HOP, RATE, RECALLED, RUN, SETTINGS, Likes, OneGroupEach, ThreeTalkers, rig
+from mission_bench import (
+    CHECKED,
+    HOP,
+    RATE,
+    RECALLED,
+    RUN,
+    SETTINGS,
+    SURE,
+    Counting,
+    Likes,
+    OneGroupEach,
+    ThreeTalkers,
+    occasion,
+    rig,
+)
 from ross_payload.alignment.paper_rules import paper_plan
 from ross_payload.events import (
     AlignmentPlanned,
@@ -22,6 +36,7 @@ from ross_payload.events import (
 )
 from ross_payload.interfaces import (
     Groups,
+    Score,
 )
 from ross_payload.orders import Cancel, Stop
 
@@ -111,14 +126,67 @@ def test_no_target_here_is_an_answer_and_not_a_wrong_pick():
     assert result.outcome is Outcome.NO_TARGET
     assert not one.said(Separated)
     planned = one.said(AlignmentPlanned)[-1]
-    assert len(one.said(Checked)) == len(planned.candidates) + 1  # everyone once, the likeliest again
+    assert len(one.said(Checked)) == len(planned.candidates)  # everyone once: nobody comes near
 
 
 def test_a_target_that_pauses_during_the_check_gets_a_second_hearing():
-    one = rig(voiceprint=Likes(1, {RECALLED: -0.5, CHECKED: -0.5}))
+    one = rig(voiceprint=Likes(1, {RECALLED: -0.7, CHECKED: -0.7}))
     assert one.run().outcome is Outcome.TARGET_FOUND
     assert len(one.said(Checked)) == 4
     assert one.said(Checked)[-1].candidate.source == 1
+
+
+@pytest.mark.parametrize("doubtful", [-0.1, 0.1])
+def test_where_the_check_leaves_a_doubt_the_array_goes_on_listening(doubtful):
+    one = rig(voiceprint=Likes(1, {RECALLED: -0.1, CHECKED: doubtful}))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    first, second = one.said(Checked)
+    assert first.candidate == second.candidate
+    assert second.time - first.time == pytest.approx(SETTINGS.run)  # no turn between them
+
+
+class CountingFrames(OneGroupEach):
+    """Notes how long everything is that it separates."""
+
+    def __init__(self):
+        self.frames = []
+
+    def batch(self, spectrogram, scene):
+        self.frames.append(spectrogram.shape[-1])
+        return super().batch(spectrogram, scene)
+
+
+def test_a_doubtful_score_has_more_of_the_exploration_separated_each_orientation_once():
+    explored = []
+    for score in (1.0, 0.1):
+        separator = CountingFrames()
+        one = rig(explorer=ThreeTalkers(certain=False), separator=separator, voiceprint=Likes(1, {CHECKED: score}))
+        assert one.run().outcome is Outcome.TARGET_FOUND
+        explored.append(separator.frames.count(separator.frames[0]))  # as long as T_unit
+    assert explored[0] <= 3  # the best orientation of everybody
+    assert explored[0] < explored[1] <= SETTINGS.max_rotations + 1
+
+
+def test_all_that_was_heard_of_a_voice_is_compared_together():
+    voiceprint = Likes(1)
+    lengths, score = [], voiceprint.score
+    voiceprint.score = lambda voice, rate: (lengths.append(len(voice) / rate), score(voice, rate))[1]
+    rig(voiceprint=voiceprint).run()
+    recalled = (max(lengths) - SETTINGS.check - SETTINGS.run) / SETTINGS.unit
+    assert recalled == pytest.approx(round(recalled))  # whole periods of the exploration
+    assert recalled >= 1
+
+
+def test_of_voices_that_are_alike_the_nearer_one_is_visited_and_a_likelier_one_before_them():
+    alike = rig(likes=7)
+    alike.run()
+    planned = alike.said(AlignmentPlanned)[-1].candidates
+    visited = [event.candidate.source for event in alike.said(Checked)]
+    assert visited[0] == planned[0].source
+    far = planned[-1].source
+    likelier = rig(voiceprint=Likes(far, {RECALLED: 0.0}))
+    likelier.run()
+    assert likelier.said(Checked)[0].candidate.source == far
 
 
 def test_a_voice_that_the_exploration_has_recognised_is_visited_first():
@@ -129,12 +197,9 @@ def test_a_voice_that_the_exploration_has_recognised_is_visited_first():
 
 
 def test_a_voice_recognised_from_another_alignment_is_confirmed_at_its_own():
-    one = rig(voiceprint=Likes(1, {RECALLED: -0.5}))
+    one = rig(explorer=ThreeTalkers(azimuths=(0, 60, 120)), voiceprint=Likes(1, {RECALLED: -1.0}))
     assert one.run().outcome is Outcome.TARGET_FOUND
-    visited = [event.candidate.source for event in one.said(Checked)]
-    assert visited[0] != 1
-    assert visited[-1] == 1
-    assert len(visited) == 2
+    assert [event.candidate.source for event in one.said(Checked)] == [2, 1]
 
 
 class PosingAsOne(OneGroupEach):
@@ -151,8 +216,24 @@ def test_sources_that_pose_as_one_are_never_taken_for_the_target():
     assert any(group.accepted for event in one.said(Checked) for group in event.groups)
 
 
+def test_when_a_voice_turns_out_to_be_another_the_others_are_heard_before_it_is_explored_anew():
+    """Everybody sounds like the target at first, and after T_run one of them does."""
+
+    class Everybody(Likes):
+        def score(self, voice, rate):
+            long = occasion(voice) == RUN
+            return super().score(voice, rate) if long else Score(SURE, accepted=True)
+
+    one = rig(voiceprint=Everybody(2))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert one.said(ScoreDropped)
+    assert [event.target for event in one.said(Separated)][-1] == 2
+    assert len([event for event in one.said(OrientationHeard) if event.index == 0]) == 1
+
+
 def test_a_dropped_score_starts_the_mission_again():
-    one = rig(voiceprint=Likes(1, {RUN: lambda count: -1.0 if count <= 3 else 1.0}))
+    explorer = Counting()
+    one = rig(explorer=explorer, voiceprint=Likes(1, {RUN: lambda _: 1.0 if explorer.explorations > 1 else -1.0}))
     assert one.run().outcome is Outcome.TARGET_FOUND
     assert len(one.said(ScoreDropped)) == 1
     assert len([event for event in one.said(OrientationHeard) if event.index == 0]) == 2

@@ -16,7 +16,7 @@ from ross_sim.talkers.speech import TalkerVoice
 
 ROW = MissionRow(
     "demo-K2-D0", "demo", 2, 0, 7, "0.1", "present", ("a", "b"), (40.0, 150.0), "a", "target_found", True, 2,
-    (0.5, 1.5), 6, 0, 30.0, 14.0, 100.0, 5.0,
+    (0.5, 1.5), 6, 0, 30.0, 20.0, 14.0, 100.0, 5.0,
 )  # fmt: skip
 
 
@@ -118,20 +118,32 @@ def cells(*rows):
 
 
 def test_the_table_counts_what_became_of_the_missions():
-    wrong = replace(ROW, target_right=False, heard_from_s=90.0, si_sdri_db=2.0, k_estimated=3, restarts=2)
-    missed = replace(ROW, outcome="no_target", target_right=False, errors_deg=(0.5, 180.0), heard_from_s=None)
+    wrong = replace(
+        ROW, target_right=False, heard_from_s=90.0, right_from_s=None, si_sdri_db=2.0, k_estimated=3, restarts=2
+    )
+    missed = replace(
+        ROW, outcome="no_target", target_right=False, errors_deg=(0.5, 180.0), heard_from_s=None, right_from_s=60.0
+    )
     away = replace(ROW, target_is="absent", outcome="no_target", target_right=True)
     heard = replace(away, outcome="target_found", target_right=False)
-    told = cells(ROW, replace(ROW, heard_from_s=40.0, si_sdri_db=16.0), wrong, missed, away, heard)
+    ghost = replace(ROW, k_estimated=3, heard_from_s=80.0, right_from_s=20.0)
+    told = cells(ROW, replace(ROW, heard_from_s=40.0, si_sdri_db=16.0), ghost, wrong, missed, away, heard)
     assert told[""] == "demo, K = 2"
-    assert told["K right"].startswith("5/6 (")
-    assert told["all within 5 deg"].startswith("5/6 (")
-    assert told["target found"] == "2/4 (15-85 %)"
+    assert told["K right"].startswith("5/7 (")
+    assert told["all within 5 deg"].startswith("6/7 (")
+    assert told["found, K right"].startswith("2/5 (")
+    assert told["target found"].startswith("3/5 (")
     assert told["absent: no target"].startswith("1/2 (")
-    assert told["heard from [s]"] == "35.0 ± 63.5"
-    assert told["SI-SDRi [dB]"] == "15.0 ± 12.7"
+    assert told["heard from [s]"] == "40.0"
+    assert told["right from [s]"] == "20.0"
+    assert told["SI-SDRi [dB]"] == "14.7 ± 2.9"
     assert told["explored anew"] == "0.3"
     assert told["CPU [s/s]"] == "0.050"
+
+
+def test_medians_have_their_intervals_where_there_are_enough():
+    told = cells(*(replace(ROW, heard_from_s=float(second)) for second in range(1, 11)))
+    assert told["heard from [s]"] == "5.5 (2.0-9.0)"  # ranks 2 and 9 of 10: 97.9 % of the binomial distribution
 
 
 def test_nothing_is_claimed_of_what_was_not_flown():

@@ -215,8 +215,9 @@ def test_without_the_target_among_the_told_it_explores_and_says_so():
 
 
 def test_a_dropped_score_of_an_informed_mission_starts_a_real_exploration():
-    mood = {base.RUN: lambda count: -1.0 if count <= 3 else 1.0}
-    one = base.rig(voiceprint=base.Likes(1, mood), informed=TOLD)
+    explorer = base.Counting()
+    mood = {base.RUN: lambda _: 1.0 if explorer.explorations else -1.0}
+    one = base.rig(explorer=explorer, voiceprint=base.Likes(1, mood), informed=TOLD)
     assert one.run().outcome is Outcome.TARGET_FOUND
     assert len(one.said(ScoreDropped)) == len(one.said(Doubted)) == 1
     assert one.said(ScoreDropped)[0].time < one.said(OrientationHeard)[0].time

@@ -15,7 +15,6 @@ from ross_payload.mission.context import Context, Listening, Tools, hop
 from ross_payload.mission.slip_detection import survey, suspicion
 
 AZIMUTHS = (170, 70, -50)
-DROPS_ONCE = {RUN: lambda count: -1.0 if count <= 3 else 1.0}
 
 
 def estimate(*degrees):
@@ -36,6 +35,11 @@ class Turned(ThreeTalkers):
         each = shift if isinstance(shift, tuple) else (shift,) * len(AZIMUTHS)
         self.azimuths = tuple(a + s for a, s in zip(AZIMUTHS, each, strict=True))
         return super().estimate(observations)
+
+
+def drops_once(explorer):
+    """A mission whose target is lost once it is listened to, until it is explored anew."""
+    return rig(explorer=explorer, voiceprint=Likes(1, {RUN: lambda _: 1.0 if explorer.explorations > 1 else -1.0}))
 
 
 def put_right(one):
@@ -91,7 +95,7 @@ def test_other_people_seldom_stand_where_a_shift_would_put_them():
 
 
 def test_the_mission_says_so_and_goes_on_with_the_azimuths_it_knew():
-    one = rig(explorer=Turned(), voiceprint=Likes(1, DROPS_ONCE))
+    one = drops_once(Turned())
     assert one.run().outcome is Outcome.TARGET_FOUND
     assert [round(math.degrees(event.shift)) for event in one.said(Slipped)] == [12]
     assert put_right(one) == [12.0]
@@ -115,9 +119,7 @@ def test_what_was_heard_is_remembered_with_headings_put_right():
 
 
 def test_after_a_slip_the_alignment_is_that_of_the_azimuths_put_right():
-    slipped, other = (
-        rig(explorer=Turned(shifts=shifts), voiceprint=Likes(1, DROPS_ONCE)) for shifts in ((0, 12), (0, 0))
-    )
+    slipped, other = (drops_once(Turned(shifts=shifts)) for shifts in ((0, 12), (0, 0)))
     slipped.run()
     other.run()
     goals = [[output.goal for output in one.outputs if output.goal is not None][-1] for one in (slipped, other)]
@@ -125,7 +127,7 @@ def test_after_a_slip_the_alignment_is_that_of_the_azimuths_put_right():
 
 
 def test_a_talker_who_walks_is_no_slip():
-    one = rig(explorer=Turned(shifts=(0, (0, 0, 12))), voiceprint=Likes(1, DROPS_ONCE))
+    one = drops_once(Turned(shifts=(0, (0, 0, 12))))
     assert one.run().outcome is Outcome.TARGET_FOUND
     assert one.said(Slipped) == [] == put_right(one)
 
@@ -141,7 +143,7 @@ class Homing(Rig):
 
 
 def test_the_mission_waits_until_the_zero_is_found():
-    one = rig(explorer=Turned(), voiceprint=Likes(1, DROPS_ONCE))
+    one = drops_once(Turned())
     homing = Homing(one.brain)
     assert homing.run().outcome is Outcome.TARGET_FOUND
     place = next(n for n, output in enumerate(homing.outputs) if output.slipped is not None)

@@ -6,8 +6,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import bdtr, stdtrit
 
+LEVEL = 0.95
 Z = 1.959964  # two-sided, 95 %
 
 
@@ -61,3 +62,28 @@ def mean_cell(values: Sequence[float], digits: int = 1) -> str:
         return "-"
     half = half_width(values)
     return f"{np.mean(values):.{digits}f}" + ("" if math.isnan(half) else f" ± {half:.{digits}f}")
+
+
+def median_interval(values: Sequence[float]) -> tuple[float, float]:
+    """The values between which a median lies by the binomial distribution of ranks; without end where they are few.
+
+    >>> median_interval(list(range(1, 11)))
+    (2, 9)
+    >>> median_interval([1.0, 2.0])
+    (-inf, inf)
+    """
+    ordered, n = sorted(values), len(values)
+    below = [rank for rank in range(n // 2) if bdtr(rank, n, 0.5) <= (1 - LEVEL) / 2]
+    return (ordered[len(below) - 1], ordered[-len(below)]) if below else (-math.inf, math.inf)
+
+
+def median_cell(values: Sequence[float], digits: int = 1) -> str:
+    """A median and its interval as a cell of a table.
+
+    >>> median_cell(list(range(1, 11))), median_cell([1.0, 2.0]), median_cell([])
+    ('5.5 (2.0-9.0)', '1.5', '-')
+    """
+    if not len(values):
+        return "-"
+    low, high = median_interval(values)
+    return f"{np.median(values):.{digits}f}" + ("" if math.isinf(low) else f" ({low:.{digits}f}-{high:.{digits}f})")

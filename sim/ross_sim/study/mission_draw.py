@@ -97,6 +97,7 @@ def _judged(finished: Finished, task: MissionTask, study: MissionStudy, staging:
         rotations=values["rotations"],
         restarts=values["restarts"],
         heard_from_s=values["heard_from_s"] if heard else None,
+        right_from_s=values["right_from_s"] if target_is == PRESENT else None,
         si_sdri_db=number(group["si_sdri_db"]) if heard and group else None,
         mission_s=values["mission_s"],
         cpu_s=round(finished.timing["payload_cpu_s"], 3),

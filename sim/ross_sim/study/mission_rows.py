@@ -32,6 +32,7 @@ class MissionRow:
     rotations: int
     restarts: int
     heard_from_s: float | None
+    right_from_s: float | None
     si_sdri_db: float | None
     mission_s: float | None
     cpu_s: float
@@ -40,6 +41,11 @@ class MissionRow:
     def placed(self) -> bool:
         """Whether every talker was found where he or she is."""
         return max(self.errors_deg, default=0.0) <= NEAR_DEG
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether it ends right: the target alone is heard, or nobody where he or she is absent, and K is right."""
+        return self.target_right and self.k_estimated == self.k
 
     @property
     def reason(self) -> str:
@@ -68,7 +74,7 @@ def decode_missions(values: dict[str, Any]) -> MissionResult:
 
     >>> from dataclasses import asdict
     >>> row = MissionRow("t", "demo", 1, 0, 1, "0.1", "present", ("a",), (40.0,), "a", "target_found", True, 1,
-    ...                  (0.5,), 4, 0, 20.0, 15.0, 60.0, 3.0)
+    ...                  (0.5,), 4, 0, 20.0, 20.0, 15.0, 60.0, 3.0)
     >>> decode_missions(asdict(MissionResult("t", (row,)))).missions == (row,)
     True
     """

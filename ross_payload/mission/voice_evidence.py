@@ -1,0 +1,64 @@
+"""What has been heard of every source alone since it was found: all of it together is compared with the target.
+
+A few seconds tell little about a voice, and from one heading they err alike. Each further clip of the same source adds
+to what is known, and nothing that was separated once is separated again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ross_payload.interfaces import Groups, Real, VoicePrint
+
+MOST = 40.0  # of every source that are compared, the latest [s]
+
+
+@dataclass(slots=True)
+class Evidence:
+    """Clips of every source, and how much they sound like the target, by source."""
+
+    rate: int  # [Hz]
+    target: VoicePrint | None  # None: nobody is sought, every score is 0
+    scores: dict[int, float] = field(default_factory=dict)  # of all clips of a source joined [nat]
+    clips: dict[int, list[Real]] = field(default_factory=dict)  # (n_samples,) each
+    recalled: dict[int, dict[int, Real]] = field(default_factory=dict)  # voices by source, by orientation explored
+    complete: set[int] = field(
+        default_factory=set
+    )  # sources of which every orientation was recalled that tells of them
+
+    def seconds(self, source: int) -> float:
+        """How much was heard of a source [s]."""
+        return sum(map(len, self.clips.get(source, []))) / self.rate
+
+    def hear(self, source: int, *clips: Real) -> float:
+        """Add clips (n_samples,) of a source, none or more; return the score of all that was heard of it."""
+        if not clips:
+            return self.scores.get(source, 0.0)
+        self.clips[source] = kept = [*self.clips.get(source, []), *clips]
+        joined = np.concatenate(kept)[-round(MOST * self.rate) :]
+        self.scores[source] = score = self.alone(joined)
+        return score
+
+    def alone(self, voice: Real) -> float:
+        """Score a voice (n_samples,) by itself, whoever it is; 0, undecided, when nobody is sought."""
+        return 0.0 if self.target is None else self.target.score(voice, self.rate).value
+
+    def renamed(self, names: Mapping[int, int]) -> Evidence:
+        """Return the same of the sources that have a name in another estimate, {here: there}."""
+        scores = {names[source]: value for source, value in self.scores.items() if source in names}
+        clips = {names[source]: list(heard) for source, heard in self.clips.items() if source in names}
+        return Evidence(self.rate, self.target, scores, clips)
+
+
+def lone_voices(groups: Groups, voices: Real) -> dict[int, Real]:
+    """Return the voices (n_samples,) of groups of one source, by source.
+
+    >>> groups = Groups(np.zeros((2, 1, 0), complex), ((0, 2), (1,)), "made up")
+    >>> list(lone_voices(groups, np.zeros((2, 5))))
+    [1]
+    """
+    pairs = zip(groups.members, voices, strict=True)
+    return {members[0]: voice for members, voice in pairs if len(members) == 1}
