@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.alignment.predicted_gain import best_headings
+from ross_payload.config import Exploit
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
@@ -34,6 +35,7 @@ from ross_sim.talkers.speech import TalkerVoice, load_folder
 from ross_sim.talkers.synthetic_voices import synthetic_voices
 
 DURATIONS = (3.0, 10.0)  # T_check, T_run [s]
+CRITERION = Exploit().criterion  # of missions, unless it is set [nat]
 TALKERS = 3
 REDRAWN = 1000  # times, for intervals
 COLUMNS = ("false rejects", "false accepts", "EER", "identified", "mixtures rejected")
@@ -125,7 +127,9 @@ def values_of(part: Sequence[Trial]) -> tuple[Real, Real]:
 
 def errors(targets: Real, strangers: Real) -> Real:
     """Return false rejects and false accepts at the criterion, and the equal error rate, (3,)."""
-    return np.array([np.mean(targets <= 0), np.mean(strangers > 0), equal_error_rate(targets, strangers)])
+    return np.array(
+        [np.mean(targets <= CRITERION), np.mean(strangers > CRITERION), equal_error_rate(targets, strangers)]
+    )
 
 
 def intervals(part: Sequence[Trial]) -> Real:
@@ -168,7 +172,7 @@ def _row(part: Sequence[Trial]) -> str:
         rivals.setdefault((trial.room, trial.scene, trial.print_of), []).append(trial)
     best = [max(group, key=lambda trial: trial.value) for group in rivals.values()]
     right = [trial.talker == trial.print_of for trial in best if trial.present]
-    rejected = [trial.value <= 0 for trial in best if not trial.present]
+    rejected = [trial.value <= CRITERION for trial in best if not trial.present]
     low, high = intervals(part)
     cells = [
         f"{100 * share:.1f} ({100 * least:.0f}-{100 * most:.0f})"
