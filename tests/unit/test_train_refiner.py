@@ -20,7 +20,7 @@ from ross_sim.study.voice_augmentation import RATE
 def _short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Clips of 3 s in small rooms without much reverberation: the same code in less time."""
     monkeypatch.setattr(refiner_data, "SECONDS", 3.0)
-    monkeypatch.setattr(refiner_data, "IMAGES", 2e3)
+    monkeypatch.setattr(refiner_data, "T60", (0.22, 0.25))
     monkeypatch.setattr(refiner_data, "PLANE_T60", (0.3, 0.31))
 
 
