@@ -2,7 +2,8 @@
 
 Patches of 4 bins x 2 frames become vectors of channels. Every block mixes channels along frequency (three taps some
 rows apart), with the mean of the other groups and the mean over all rows of the frame, then along time, and adds the
-result to its input. The same weights serve every group: permuting groups permutes the outputs.
+result to its input. The last layer sees the patch again beside what the blocks made of it. The same weights serve every
+group: permuting groups permutes the outputs.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ ROWS, COLUMNS = 4, 2  # bins and frames of a patch
 PLACES = 3  # numbers that say where in the spectrum a patch is
 LIMIT = 8.0  # bound of what comes out
 AT_ONCE = 3000  # patches of all groups worked on together: what they need stays in the cache
-STEPS = (1, 2, 4, 8, 1)  # between the taps of every block [patches]
+STEPS = (1, 2, 4, 8, 1, 2)  # between the taps of every block [patches]
 
 
 Past = tuple[tuple[Real, ...], ...]  # of every block, what its newest columns give to later ones
@@ -48,7 +49,10 @@ class Network:
     enter: Real  # (C, n)
     enter_bias: Real  # (C, 1)
     blocks: tuple[Block, ...]
-    leave: Real  # (ROWS COLUMNS, C)
+    gather: Real  # what is known of the patch, (H, C)
+    recall: Real  # and what it looked like, (H, n)
+    gather_bias: Real  # (H, 1)
+    leave: Real  # (ROWS COLUMNS, H)
     skip: Real  # (ROWS COLUMNS, n)
     leave_bias: Real  # (ROWS COLUMNS, 1)
 
@@ -98,7 +102,9 @@ class Network:
 
     def _leave(self, hidden: Real, patches: Real) -> Real:
         """The output of every bin, whole patches, (n_groups, n_freqs, n_frames)."""
-        out = _product(self.leave, np.maximum(hidden, 0)) + _product(self.skip, patches) + self.leave_bias[..., None]
+        last = _product(self.gather, hidden) + _product(self.recall, patches) + self.gather_bias[..., None]
+        np.maximum(last, 0, out=last)
+        out = _product(self.leave, last) + _product(self.skip, patches) + self.leave_bias[..., None]
         out = LIMIT * np.tanh(out / LIMIT)
         n_groups, _, rows, columns = out.shape
         bins = out.reshape(n_groups, ROWS, COLUMNS, rows, columns).transpose(0, 3, 1, 4, 2)
@@ -208,7 +214,8 @@ def encode_network(arrays: Mapping[str, Real]) -> bytes:
 
 
 def network_of(arrays: Mapping[str, Real]) -> Network:
-    """The network of arrays by name: ``in in_b out skip out_b``, and ``f o c b t d`` and the number of every block."""
+    """The network of arrays ``in in_b hid see hid_b out skip out_b``, ``f o c b t d`` and the number of every block."""
     steps = STEPS[: sum(name.startswith("f") for name in arrays)]
     blocks = tuple(Block(step, *(arrays[f"{part}{i}"] for part in "focbtd")) for i, step in enumerate(steps))
-    return Network(arrays["in"], arrays["in_b"], blocks, arrays["out"], arrays["skip"], arrays["out_b"])
+    last = (arrays[name] for name in ("hid", "see", "hid_b", "out", "skip", "out_b"))
+    return Network(arrays["in"], arrays["in_b"], blocks, *last)

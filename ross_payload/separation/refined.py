@@ -23,7 +23,6 @@ from ross_payload.separation.network import Network, Past, shipped_network
 from ross_payload.separation.refiner_features import HIGHEST, LEAST, STEADY, features, trained_for
 
 BONUS = 0.75  # SI-SDR above that of the local Gaussian model [dB]
-TRUST = np.float32(0.5)  # in the network, which was trained with what follows in view: part of its corrections taken
 KEPT = 3  # frames that the network has seen whose corrections are interpolated
 
 
@@ -106,7 +105,7 @@ class LiveRefined:
         if model.level > 0 and trained_for(scene.frequencies[low]):
             state = self._followed(state, model, noise, scene)
             level = np.float32(model.level)
-            psds[:-1, low] = np.maximum(psds[:-1, low], LEAST * level) * np.exp(TRUST * self._correction(state, scene))
+            psds[:-1, low] = np.maximum(psds[:-1, low], LEAST * level) * np.exp(self._correction(state, scene))
             psds[-1] = np.maximum(psds[-1], STEADY * (level + psds[:-1].sum(axis=0)))
         return replace(state, model=model), separated(model, psds, self.name)
 

@@ -8,11 +8,12 @@ from ross_payload.dsp.covariance import adjugate, determinant
 from ross_payload.interfaces import Real
 
 HIGHEST = 6000.0  # bins above this keep the PSDs of the local Gaussian model [Hz]
-N_FEATURES = 8
+N_FEATURES = 10
 SCALE = 0.2  # of logarithms: the network sees numbers around 1
 LEAST = 1e-7  # of every PSD that is shown
 MISFIT = 1e-3  # of a direction that fits perfectly
 FAR = 8.0  # bound of logarithms of ratios
+BESIDE = 2  # bins on either side that the local covariance is averaged over
 WIDTHS = (6.0, 15.0)  # of bins that the network was trained for [Hz]
 STEADY = 1e-5  # noise in the Wiener filter, relative to everything: no covariance is singular
 
@@ -22,7 +23,8 @@ def features(observed: Real, covariances: Real, psds: Real) -> Real:
 
     Scaled logarithms of: the PSDs of the group, of the others and of the noise; the power of the mixture; how badly
     the direction x / |x| fits the covariance of the group; how much more likely it is than under the others'; the
-    power v_k^2 x^H S^-1 R_k S^-1 x of the Wiener output; the factor by which an update would change the PSD.
+    power v_k^2 x^H S^-1 R_k S^-1 x of the Wiener output; the factor by which an update would change the PSD; how badly
+    the mean of x x^H over the bins around fits the covariance of the group, and how little coherent it is.
 
     Parameters
     ----------
@@ -37,6 +39,10 @@ def features(observed: Real, covariances: Real, psds: Real) -> Real:
     update = np.maximum((observed * opposite).sum(axis=1, keepdims=True) / inner - cross / mixed, 0)
     power = 0.5 * (observed[:, :1] + observed[:, 1:2])
     misfit = np.log(cross / (4 * power**2 + LEAST**2) * 2 * power + MISFIT)
+    near = _around(observed)
+    near_power = 0.5 * (near[:, :1] + near[:, 1:2])
+    near_misfit = np.log(sources @ adjugate(near, axis=1) / (4 * near_power**2 + LEAST**2) * 2 * near_power + MISFIT)
+    incoherence = determinant(np.swapaxes(near, 1, 2))[:, None] / (near_power**2 + LEAST**2)
     likelihood = np.log(determinant(sources) + MISFIT)[..., None] - 2 * misfit
     shown = np.empty((own.shape[1], N_FEATURES, own.shape[0], own.shape[2]), np.float32)
     every = (
@@ -48,6 +54,8 @@ def features(observed: Real, covariances: Real, psds: Real) -> Real:
         SCALE * _margin(likelihood),
         _log(own**2 * update * mixed / inner),
         SCALE * np.clip(np.log(update + np.exp(-FAR)), -FAR, FAR),
+        SCALE * near_misfit,
+        SCALE * np.log(np.maximum(incoherence, 0) + MISFIT),
     )
     for index, feature in enumerate(every):
         shown[:, index] = np.swapaxes(feature, 0, 1)
@@ -56,6 +64,13 @@ def features(observed: Real, covariances: Real, psds: Real) -> Real:
 
 def _log(values: Real) -> Real:
     return np.asarray(SCALE * np.log(np.maximum(values, LEAST)))
+
+
+def _around(observed: Real) -> Real:
+    """Mean of x x^H over some neighbouring frequencies, the first axis; edges are repeated."""
+    padded = np.pad(observed, ((BESIDE, BESIDE), (0, 0), (0, 0)), mode="edge")
+    total = sum(padded[shift : shift + len(observed)] for shift in range(2 * BESIDE + 1))
+    return np.asarray(total / np.float32(2 * BESIDE + 1))
 
 
 def _margin(likelihood: Real) -> Real:

@@ -11,7 +11,6 @@ from ross_payload.plugin_checks import CheckedSeparator, load_separator
 from ross_payload.separation import auto_separator, duet, local_gaussian_model
 from ross_payload.separation.network import network_of
 from ross_payload.separation.refined import Refined
-from ross_payload.separation.refiner_features import N_FEATURES
 from ross_sim.study.refiner_model import initial
 from tests.support.live_mixtures import LONGEST, SCENE, TAU, bins, listened, mixture
 
@@ -39,7 +38,7 @@ def test_duet_guesses_the_noise_that_nobody_knows() -> None:
 
 def test_a_network_that_corrects_nothing_leaves_the_local_gaussian_model() -> None:
     scene, heard = _fine()
-    weights = {name: np.zeros_like(array) for name, array in initial(8, 2, np.random.default_rng(0)).items()}
+    weights = {name: np.zeros_like(array) for name, array in initial(8, 2, 8, np.random.default_rng(0)).items()}
     corrected = listened(Refined(network_of(weights)).live(), heard, scene, renew=8)
     plain = listened(local_gaussian_model.separator.live(), heard, scene, renew=8)
     np.testing.assert_allclose(corrected, plain, rtol=1e-2, atol=1e-3)
@@ -48,14 +47,13 @@ def test_a_network_that_corrects_nothing_leaves_the_local_gaussian_model() -> No
 @pytest.mark.parametrize("lookahead", [0, 1, 2])
 def test_a_correction_reaches_the_frame_that_it_is_about(lookahead: int) -> None:
     scene, heard = _fine()
-    weights = {name: np.zeros_like(array) for name, array in initial(8, 2, np.random.default_rng(0)).items()}
+    weights = {name: np.zeros_like(array) for name, array in initial(8, 2, 8, np.random.default_rng(0)).items()}
     weights["skip"][:, 24:32] = 5 * np.eye(8)  # the power of the mixture raises the PSD: the loud frame only
     heard *= 1e-3
     heard[:, :, 12] *= 1e3
     corrected = listened(Refined(network_of(weights)).live(lookahead), heard, scene)
     plain = listened(local_gaussian_model.separator.live(lookahead), heard, scene)
     changed = np.abs(np.abs(corrected) - np.abs(plain)).sum(axis=(0, 1))
-    assert N_FEATURES == 8
     assert changed.argmax() == 12
 
 

@@ -38,7 +38,7 @@ def _mixture(tau: list[float], seconds: float = 2.0, stft: Stft = STFT) -> tuple
 
 
 def _passive() -> Refined:
-    zeros = {name: 0 * array for name, array in refiner_model.initial(2, 1, np.random.default_rng(0)).items()}
+    zeros = {name: 0 * array for name, array in refiner_model.initial(2, 1, 2, np.random.default_rng(0)).items()}
     return Refined(network_of(zeros))
 
 
@@ -132,11 +132,13 @@ def test_features_of_a_bin_that_one_group_explains() -> None:
     psds = np.array([[1.0, 1e-7, 1e-4]])[..., None]
     shown = features(waves[:, :1].swapaxes(1, 2), covariances, psds)
     assert shown.shape == (2, N_FEATURES, 1, 1)
-    own, _, _, power, misfit, margin, output, _ = shown[:, :, 0, 0].T
+    own, _, _, power, misfit, margin, output, _, near, incoherence = shown[:, :, 0, 0].T
     assert own[0] == pytest.approx(0.0)
     assert power == pytest.approx([0.0, 0.0], abs=1e-6)
     assert misfit[0] < misfit[1]
     assert margin[0] > 0 > margin[1]
+    np.testing.assert_allclose(near, misfit)  # the bins around are this one
+    assert incoherence == pytest.approx(0.2 * np.log(1e-3), abs=1e-3)
     assert output[0] == pytest.approx(0.2 * np.log(0.995), abs=0.02)
 
 

@@ -17,11 +17,13 @@ from ross_payload.separation.refiner_features import N_FEATURES, SCALE, STEADY
 CLIPPED, QUIET = 1e-3, 3e-3  # error that counts as none, and of a group that is silent, relative to its power
 
 
-def initial(n_channels: int, n_blocks: int, rng: np.random.Generator) -> dict[str, Real]:
+def initial(n_channels: int, n_blocks: int, n_last: int, rng: np.random.Generator) -> dict[str, Real]:
     """Random weights by name as `ross_payload.separation.network.network_of` reads them; the output starts near 0."""
-    n_in, n_out, c = N_FEATURES * ROWS * COLUMNS + PLACES, ROWS * COLUMNS, n_channels
+    n_in, n_out, c, h = N_FEATURES * ROWS * COLUMNS + PLACES, ROWS * COLUMNS, n_channels, n_last
     weights = {"in": rng.normal(0, np.sqrt(2 / n_in), (c, n_in)), "in_b": np.zeros((c, 1))}
-    weights |= {"out": rng.normal(0, 0.01, (n_out, c)), "skip": np.zeros((n_out, n_in)), "out_b": np.zeros((n_out, 1))}
+    weights |= {"hid": rng.normal(0, np.sqrt(1 / c), (h, c)), "see": rng.normal(0, np.sqrt(1 / n_in), (h, n_in))}
+    weights |= {"hid_b": np.zeros((h, 1)), "out": rng.normal(0, 0.01, (n_out, h))}
+    weights |= {"skip": np.zeros((n_out, n_in)), "out_b": np.zeros((n_out, 1))}
     for i in range(n_blocks):
         weights[f"f{i}"] = rng.normal(0, np.sqrt(1 / (3 * c)), (3 * c, c))
         weights[f"o{i}"] = rng.normal(0, np.sqrt(0.5 / c), (c, c))
@@ -32,8 +34,10 @@ def initial(n_channels: int, n_blocks: int, rng: np.random.Generator) -> dict[st
     return {name: np.asarray(array, np.float32) for name, array in weights.items()}
 
 
-def corrections(xp: Any, weights: Mapping[str, Any], shown: Any, where: Any) -> Any:
+def corrections(xp: Any, weights: Mapping[str, Any], shown: Any, where: Any, ahead: Any = 1.0) -> Any:
     """Log PSD corrections as `ross_payload.separation.network.Network.corrections`; whole patches only.
+
+    Channels come first here, so that every matrix product is one for all groups.
 
     Parameters
     ----------
@@ -41,19 +45,21 @@ def corrections(xp: Any, weights: Mapping[str, Any], shown: Any, where: Any) -> 
         (n_groups, N_FEATURES, n_freqs, n_frames).
     where
         `ross_payload.separation.network.places`, (PLACES, n_freqs / ROWS).
+    ahead
+        1: what follows is known; 0: it is not, as in `ross_payload.separation.network.Network.advance`.
     """
     n_groups, n_features, n_freqs, n_frames = shown.shape
     rows, columns = n_freqs // ROWS, n_frames // COLUMNS
-    split = shown.reshape(n_groups, n_features, rows, ROWS, columns, COLUMNS).transpose(0, 1, 3, 5, 2, 4)
-    flat = split.reshape(n_groups, -1, rows, columns)
-    same = xp.broadcast_to(where[None, :, :, None], (n_groups, len(where), rows, columns))
-    patches = xp.concatenate([flat, same], axis=1)
-    hidden = xp.maximum(_mix(xp, weights["in"], patches) + weights["in_b"][:, :, None], 0)
+    split = shown.reshape(n_groups, n_features, rows, ROWS, columns, COLUMNS).transpose(1, 3, 5, 0, 2, 4)
+    same = xp.broadcast_to(where[:, None, :, None], (len(where), n_groups, rows, columns))
+    patches = xp.concatenate([split.reshape(-1, n_groups, rows, columns), same], axis=0)
+    hidden = xp.maximum(_mix(weights["in"], patches) + weights["in_b"][..., None, None], 0)
     for i, step in enumerate(STEPS[: sum(name.startswith("f") for name in weights)]):
-        hidden = hidden + _residual(xp, {part: weights[f"{part}{i}"] for part in "focbtd"}, step, hidden)
-    out = _mix(xp, weights["out"], xp.maximum(hidden, 0)) + _mix(xp, weights["skip"], patches)
-    out = LIMIT * xp.tanh((out + weights["out_b"][:, :, None]) / LIMIT)
-    bins = out.reshape(n_groups, ROWS, COLUMNS, rows, columns).transpose(0, 3, 1, 4, 2)
+        hidden = hidden + _residual(xp, {part: weights[f"{part}{i}"] for part in "focbtd"}, step, hidden, ahead)
+    last = _mix(weights["hid"], hidden) + _mix(weights["see"], patches) + weights["hid_b"][..., None, None]
+    out = _mix(weights["out"], xp.maximum(last, 0)) + _mix(weights["skip"], patches)
+    out = LIMIT * xp.tanh((out + weights["out_b"][..., None, None]) / LIMIT)
+    bins = out.reshape(ROWS, COLUMNS, n_groups, rows, columns).transpose(2, 3, 0, 4, 1)
     return bins.reshape(n_groups, n_freqs, n_frames)
 
 
@@ -95,10 +101,10 @@ def filtered(xp: Any, log_psds: Any, covariances: Any, noise: Any, mixture: Any)
     return xp.stack(signals, axis=1)
 
 
-def loss(xp: Any, weights: Mapping[str, Any], batch: Any) -> Any:
+def loss(xp: Any, weights: Mapping[str, Any], batch: Any, ahead: Any = 1.0) -> Any:
     """Mean over the groups of the error over the wanted signal at microphone 1 [dB], bounded at -30 dB."""
     shown, where, covariances, noise, mixture, wanted = batch
-    log_psds = shown[:, 0] / SCALE + corrections(xp, weights, shown, where)
+    log_psds = shown[:, 0] / SCALE + corrections(xp, weights, shown, where, ahead)
     error = ((filtered(xp, log_psds, covariances, noise, mixture) - wanted) ** 2).sum(axis=(0, 2, 3))
     power, heard = (wanted**2).sum(axis=(0, 2, 3)), (mixture[:, 0] ** 2).sum()
     return 10 * xp.log10((error + CLIPPED * power + 1e-4 * heard) / (power + QUIET * heard)).mean()
@@ -109,21 +115,24 @@ def _gram(xp: Any, one: Any, other: Any) -> Any:
     return xp.maximum(one[0] * other[1] + one[1] * other[0] - one[2] * other[2] - one[3] * other[3], 1e-6)
 
 
-def _mix(xp: Any, weights: Any, values: Any) -> Any:
-    return xp.einsum("oc,gcrm->gorm", weights, values)
+def _mix(weights: Any, values: Any) -> Any:
+    """Mix the channels, the first axis of (n_channels, n_groups, n_rows, n_columns)."""
+    return (weights @ values.reshape(len(values), -1)).reshape(-1, *values.shape[1:])
 
 
-def _residual(xp: Any, part: Mapping[str, Any], step: int, hidden: Any) -> Any:
-    inner = _taps(xp, _mix(xp, part["f"], hidden), step, 2) + part["b"][:, :, None]
-    if len(hidden) > 1:
-        mixed = _mix(xp, part["o"], hidden)
-        inner = inner + (mixed.sum(axis=0, keepdims=True) - mixed) / (len(hidden) - 1)
-    inner = inner + _mix(xp, part["c"], hidden.mean(axis=2, keepdims=True))
-    return _taps(xp, _mix(xp, part["t"], xp.maximum(inner, 0)), step, 3) + part["d"][:, :, None]
+def _residual(xp: Any, part: Mapping[str, Any], step: int, hidden: Any, ahead: Any) -> Any:
+    inner = _taps(xp, _mix(part["f"], hidden), step, 2) + part["b"][..., None, None]
+    if hidden.shape[1] > 1:
+        mixed = _mix(part["o"], hidden)
+        inner = inner + (mixed.sum(axis=1, keepdims=True) - mixed) / (hidden.shape[1] - 1)
+    inner = inner + _mix(part["c"], hidden.mean(axis=2, keepdims=True))
+    before, here, after = xp.split(part["t"], 3)
+    taps = xp.concatenate([before, here, ahead * after])
+    return _taps(xp, _mix(taps, xp.maximum(inner, 0)), step, 3) + part["d"][..., None, None]
 
 
 def _taps(xp: Any, stacked: Any, step: int, axis: int) -> Any:
-    before, here, after = xp.split(stacked, 3, axis=1)
+    before, here, after = xp.split(stacked, 3)
     size = stacked.shape[axis]
     margins = [(0, 0)] * 4
     margins[axis] = (step, step)

@@ -1,13 +1,18 @@
-"""Train the network of the separator `refined`: `python -m ross_sim.study.train_refiner --speech DIR OUT`.
+"""Train the refiner: ``python -m ross_sim.study.train_refiner --readers DIR --work DIR [--seed 0] OUT``.
 
-Clips of random mixtures are made once and kept in a folder; then a network is trained on random pieces of them, one
-piece per step, with Adam, a falling step size and an average of the weights. Needs the packages jax and optax.
+Clips of random mixtures are made once; then a network is trained on random pieces of them, one piece per step, with
+Adam and an average of the weights. The folder of readers has a list, MANIFEST.tsv, that says who is in the set
+`train`; clips of `ross_sim.study.refiner_clips.N_KEPT` of them only watch the training. What is made on the way is kept
+in ``--work``: a run that was interrupted goes on from there and ends with the same bytes, because what a step does
+depends on the seed and on its number alone. Needs the packages jax and optax.
 """
 
 from __future__ import annotations
 
 import importlib
+import os
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,159 +20,185 @@ import click
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError, RossError
 from ross_payload.interfaces import Real
-from ross_payload.separation.network import encode_network, places
+from ross_payload.separation.network import encode_network
+from ross_sim.cache import Array, cached, fingerprint
 from ross_sim.study import refiner_model
-from ross_sim.study.mixtures import VOICES
-from ross_sim.study.refiner_data import FRAME, RATES, Clip, clip
+from ross_sim.study.refiner_clips import Batch, clips, kept_out, load, piece
 from ross_sim.study.refiner_model import initial
-from ross_sim.study.training_voices import recipes, synthetic
-from ross_sim.talkers.speech import load_folder, resampled
+from ross_sim.study.training_voices import readers
 
-N_SYNTHETIC, SYNTHETIC_RATE, SYNTHETIC_SEED = 3, 16000, 5
-N_CHANNELS, N_BLOCKS = 32, 4
+N_CLIPS, N_WATCHED = 800, 40
+N_CHANNELS, N_BLOCKS, N_LAST = 48, 6, 64
+N_STEPS = 7_000
 PIECE = 64  # frames
-GROUPS = (2, 3, 4)  # clips with more or fewer only take time
-FASTEST, SLOWEST, WARM = 2e-3, 1e-5, 0.02  # step size of Adam, and the share of the steps in which it rises
-MEMORY = 0.01  # of the average of the weights, per step
-YOUNG = 200  # steps during which the average begins
+GROUPS = (2, 3, 4, 5)
+BLIND = 0.25  # how often nothing is known of what follows, as frame by frame
+FASTEST, SECOND = 1.5e-3, 0.995  # step size of Adam, and its memory of squares
+WARM, FALLING = 300, 0.35  # steps in which the step size rises, and share of them in which it falls to 0 at the end
+MEMORY = 0.004  # of the average of the weights, per step
+EACH = 1000  # steps between what is kept
+ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 
 
-def talkers(folder: Path, leave_out: Sequence[str]) -> dict[str, dict[int, Real]]:
-    """Recordings (n,) by talker and rate [Hz]: those of a folder, and synthetic voices that nobody casts."""
-    voices: dict[str, dict[int, Real]] = {}
-    for rate in RATES:
-        for voice in load_folder(folder, rate):
-            if voice.name not in leave_out:
-                voices.setdefault(voice.name, {})[rate] = voice.speech.astype(float)
-    for index, recipe in enumerate(recipes(N_SYNTHETIC, np.random.default_rng(SYNTHETIC_SEED))):
-        spoken = synthetic(recipe, index)
-        voices[recipe.name] = {rate: resampled(spoken, SYNTHETIC_RATE, rate).astype(float) for rate in RATES}
-    return voices
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """What a training is made of; the defaults are those of the shipped weights."""
+
+    n_steps: int = N_STEPS
+    n_channels: int = N_CHANNELS
+    n_blocks: int = N_BLOCKS
+    n_last: int = N_LAST
+    each: int = EACH
 
 
-def keep(made: Clip, path: Path) -> None:
-    """Write a clip in half precision."""
-    mixture, wanted = (np.stack([part.real, part.imag]) for part in (made.mixture, made.wanted))
-    halves = {"shown": made.shown, "mixture": mixture, "wanted": wanted}
-    exact = {"rate": np.array(made.rate), "covariances": made.covariances, "noise": made.noise}
-    np.savez(path, allow_pickle=False, **{name: a.astype(np.float16) for name, a in halves.items()}, **exact)
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Weights, their average, and the state of the optimiser after some steps, by name."""
+
+    step: int
+    weights: dict[str, Any]
+    mean: dict[str, Any]
+    state: list[Any]
+    shape: Any  # of the state, as jax has it
+    losses: list[float] = field(default_factory=list)  # of the steps since the last that was kept [dB]
 
 
-def clips(voices: Mapping[str, Mapping[int, Real]], folder: Path, count: int, seed: int) -> Iterator[Path]:
-    """Make the clips that a folder lacks."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for index in range(count):
-        path = folder / f"{index:05d}.npz"
-        if not path.exists():
-            keep(clip(voices, seed, index), path)
-        yield path
+def step_size(step: int, n_steps: int) -> float:
+    """Step size of Adam: up at first, level, and down to 0 in a straight line.
 
-
-def load(path: Path) -> dict[str, Real]:
-    """Read a clip, or weights, by name."""
-    with np.load(path, allow_pickle=False) as arrays:
-        return {name: arrays[name] for name in arrays.files}
-
-
-def piece(kept: Mapping[str, Real], start: int) -> tuple[Real, ...]:
-    """What `refiner_model.loss` takes, PIECE frames from ``start``."""
-    n_freqs = kept["shown"].shape[2]
-    where = places(np.arange(n_freqs) * float(kept["rate"]) / FRAME)
-    shown, mixture, wanted = (
-        kept[name][..., start : start + PIECE].astype(np.float32) for name in ("shown", "mixture", "wanted")
-    )
-    return shown, where, kept["covariances"], kept["noise"], mixture, wanted
-
-
-def step_size(share: float) -> float:
-    """Step size when this share of the steps is done: up at first, then down by a cosine.
-
-    >>> step_size(1.0) == SLOWEST
-    True
+    >>> [round(step_size(step, 1000), 5) for step in (0, 299, 500, 825, 1000)]
+    [1e-05, 0.0015, 0.0015, 0.00075, 0.0]
     """
-    return FASTEST * min(1.0, WARM + share / WARM) * (0.5 + 0.5 * float(np.cos(np.pi * share))) + SLOWEST
+    return FASTEST * min((step + 1) / WARM, 1.0, max(n_steps - step, 0) / (FALLING * n_steps))
 
 
-def train(paths: Sequence[Path], n_steps: int, seed: int, start: Mapping[str, Real]) -> dict[str, Real]:
-    """Train a network on clips from ``start``; returns the averaged weights by name.
+def train(paths: Sequence[Path], watched: Sequence[Path], work: Path, recipe: Recipe, seed: int) -> dict[str, Real]:
+    """Train on clips; returns the averaged weights by name.
 
     Raises
     ------
     ConfigError
-        When jax or optax is missing.
+        When jax or optax is missing, or no clip can be used.
     """
-    jax, rng = _import("jax"), np.random.default_rng(seed)
-    known = [kept for kept in map(load, paths) if len(kept["shown"]) in GROUPS]
-    method, step = _method(jax, _import("optax"))
-    weights: Any = dict(start)
-    state, mean, values = method.init(weights), weights, []
-    for index in range(n_steps):
-        kept = known[int(rng.integers(len(known)))]
-        batch = piece(kept, int(rng.integers(kept["shown"].shape[-1] - PIECE)))
-        state.hyperparams["learning_rate"] = jax.numpy.asarray(step_size(index / n_steps))
-        weights, state, value = step(weights, state, batch)
-        memory = max(MEMORY, 1 / (index + 1)) if index < YOUNG else MEMORY
-        mean = jax.tree.map(lambda old, new, part=memory: old + part * (new - old), mean, weights)
-        values.append(float(value))
-        if index % 100 == 99:
-            click.echo(f"step {index + 1}: {np.mean(values[-100:]):.2f} dB")
-    return {name: np.asarray(array) for name, array in mean.items()}
+    jax, optax = _import("jax"), _import("optax")
+    known = list(usable(paths))
+    kept = work / f"steps-{fingerprint(recipe=asdict(recipe), seed=seed, clips=[path.name for path in paths])[:8]}"
+    method, advance, judge = _compiled(jax, optax)
+    weights = initial(recipe.n_channels, recipe.n_blocks, recipe.n_last, np.random.default_rng([seed, 6]))
+    now = Progress(0, weights, weights, *jax.tree.flatten(method.init(weights)))
+    while now.step < recipe.n_steps:
+        done = min(now.step + recipe.each, recipe.n_steps)
+        before = now
+
+        def some(done: int = done, before: Progress = before) -> dict[str, Array]:
+            after = before
+            for step in range(before.step, done):
+                after = _stepped(jax.tree, advance, after, _drawn(known, seed, step), recipe.n_steps)
+            error = np.mean([float(judge(after.mean, load_whole(path))) for path in watched]) if watched else np.nan
+            click.echo(f"step {done}: {np.mean(after.losses):.2f} dB, average of the weights on others {error:.3f} dB")
+            return _packed(after, float(error))
+
+        now = _unpacked(cached(kept / f"{done:06d}.npz", some), replace(now, step=done, losses=[]))
+    return {name: np.asarray(array) for name, array in now.mean.items()}
 
 
-def _method(jax: Any, optax: Any) -> tuple[Any, Any]:
-    """Adam with a step size that is set from outside, and one step of it."""
+def usable(paths: Sequence[Path]) -> Iterator[Path]:
+    """Those clips that have as many groups as the network is trained on."""
+    for path in paths:
+        with np.load(path, allow_pickle=False) as arrays:
+            if arrays["covariances"].shape[1] - 1 in GROUPS:
+                yield path
 
-    def chain(learning_rate: float) -> Any:
-        return optax.chain(optax.clip_by_global_norm(1.0), optax.adam(learning_rate, b2=0.99))
 
-    def step(weights: Any, state: Any, batch: Any) -> Any:
-        value, gradient = slope(weights, batch)
+def load_whole(path: Path) -> Batch:
+    """Read a clip as one piece, as many frames as patches fill."""
+    kept = load(path)
+    return piece(kept, 0, kept["mixture"].shape[-1] // 2 * 2)
+
+
+def _drawn(known: Sequence[Path], seed: int, step: int) -> tuple[Batch, float]:
+    """The piece of a step, and whether the network is shown what follows: 1 or 0."""
+    if not known:
+        raise ConfigError(f"expected clips with {GROUPS[0]} to {GROUPS[-1]} groups, got none")
+    rng = np.random.default_rng([seed, 7, step])
+    kept = load(known[int(rng.integers(len(known)))])
+    start = int(rng.integers(kept["mixture"].shape[-1] - PIECE))
+    return piece(kept, start, PIECE), float(rng.random() >= BLIND)
+
+
+def _stepped(tree: Any, advance: Any, before: Progress, drawn: tuple[Batch, float], n_steps: int) -> Progress:
+    size, memory = step_size(before.step, n_steps), max(MEMORY, 1 / (before.step + 1))
+    state = tree.unflatten(before.shape, before.state)
+    now, value = advance((before.weights, before.mean, state), *drawn, np.array([size, memory], np.float32))
+    weights, mean, state = now
+    losses = [*before.losses, float(value)]
+    return replace(before, step=before.step + 1, weights=weights, mean=mean, state=tree.leaves(state), losses=losses)
+
+
+def _compiled(jax: Any, optax: Any) -> tuple[Any, Any, Any]:
+    """Adam without its step size, one step of it, and the loss of a clip."""
+
+    def error(weights: Any, batch: Any, ahead: Any) -> Any:
+        return refiner_model.loss(jax.numpy, weights, batch, ahead)
+
+    def step(before: Any, batch: Any, ahead: Any, sizes: Any) -> Any:
+        weights, mean, state = before
+        value, gradient = slope(weights, batch, ahead)
         change, state = method.update(gradient, state)
-        return optax.apply_updates(weights, change), state, value
+        weights = jax.tree.map(lambda old, part: old - sizes[0] * part, weights, change)
+        mean = jax.tree.map(lambda old, new: old + sizes[1] * (new - old), mean, weights)
+        return (weights, mean, state), value
 
-    method = optax.inject_hyperparams(chain)(learning_rate=FASTEST)
-    slope = jax.value_and_grad(lambda weights, batch: refiner_model.loss(jax.numpy, weights, batch))
-    return method, jax.jit(step)
+    method = optax.chain(optax.clip_by_global_norm(1.0), optax.scale_by_adam(b2=SECOND))
+    slope = jax.value_and_grad(error)
+    return method, jax.jit(step), jax.jit(lambda weights, batch: error(weights, batch, 1.0))
+
+
+def _packed(progress: Progress, error: float) -> dict[str, Array]:
+    found = {f"weights-{name}": np.asarray(array) for name, array in progress.weights.items()}
+    found |= {f"mean-{name}": np.asarray(array) for name, array in progress.mean.items()}
+    found |= {f"state-{index:04d}": np.asarray(array) for index, array in enumerate(progress.state)}
+    return found | {"losses": np.array(progress.losses), "error": np.array(error)}
+
+
+def _unpacked(arrays: Mapping[str, Array], blank: Progress) -> Progress:
+    def of(kind: str) -> dict[str, Array]:
+        return {name.removeprefix(kind): array for name, array in arrays.items() if name.startswith(kind)}
+
+    states = of("state-")
+    return replace(blank, weights=of("weights-"), mean=of("mean-"), state=[states[name] for name in sorted(states)])
 
 
 def _import(name: str) -> Any:
+    os.environ.setdefault("XLA_FLAGS", ONE_THREAD)  # before jax starts: several would add in another order each time
     try:
         return importlib.import_module(name)
     except ImportError as error:
         raise ConfigError(f"training needs the package {name}: pip install jax optax") from error
 
 
-@click.command()
-@click.option("--speech", type=click.Path(path_type=Path), required=True, help="Folder of talkers.")
-@click.option("--leave-out", multiple=True, default=VOICES, help="Talkers not to train on.")
-@click.option("--clips", "folder", type=click.Path(path_type=Path), required=True, help="Where the clips are kept.")
-@click.option("--count", type=click.IntRange(min=1), default=400, show_default=True, help="Clips.")
-@click.option("--start", type=click.Path(path_type=Path), help="Weights to begin with, instead of random ones.")
-@click.option("--steps", type=click.IntRange(min=1), default=3000, show_default=True)
+@click.command(help=__doc__)
+@click.option("--readers", "folder", type=click.Path(path_type=Path), required=True, help="Folder with MANIFEST.tsv.")
+@click.option("--work", type=click.Path(path_type=Path), required=True, help="What is made on the way is kept here.")
+@click.option("--clips", "n_clips", type=click.IntRange(min=1), default=N_CLIPS, show_default=True)
+@click.option("--steps", type=click.IntRange(min=1), default=N_STEPS, show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.argument("out", type=click.Path(path_type=Path))
-def main(
-    *,
-    speech: Path,
-    leave_out: tuple[str, ...],
-    folder: Path,
-    count: int,
-    start: Path | None,
-    steps: int,
-    seed: int,
-    out: Path,
-) -> None:
+def main(*, folder: Path, work: Path, n_clips: int, steps: int, seed: int, out: Path) -> None:
     """Train and write the weights (.npz)."""
     try:
         with threadpool_limits(1):
-            paths = list(clips(talkers(speech, leave_out), folder, count, seed))
-            weights = load(start) if start else initial(N_CHANNELS, N_BLOCKS, np.random.default_rng(seed))
-            content = encode_network(train(paths, steps, seed, weights))
+            voices = readers(folder, "train")
+            held = {name: voices.pop(name) for name in kept_out(voices, seed)}
+            watched = list(usable(list(clips(held, work / "watched", N_WATCHED, seed + 1))))
+            paths = list(clips(voices, work / "clips", n_clips, seed))
+            content = encode_network(train(paths, watched, work, Recipe(n_steps=steps), seed))
+        write_whole(out, content)
     except RossError as error:
         raise click.ClickException(str(error)) from error
-    out.write_bytes(content)
     click.echo(f"{out.name}: {len(content) / 1000:.0f} kB")
 
 
