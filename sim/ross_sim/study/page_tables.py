@@ -20,6 +20,7 @@ from typing import Any
 from ross_payload.atomic_files import replacing
 from ross_payload.errors import ConfigError, OutputError, refused_as, unknown
 from ross_sim.study import live_tables
+from ross_sim.study.exploration_tables import counts, reliability
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
 from ross_sim.study.result_rows import Exploration, Separation
@@ -39,7 +40,11 @@ def _finds(rows: Sequence[Exploration]) -> str:
 MAKERS: dict[type[Any], dict[str, Maker]] = {
     MissionRow: {"missions": lambda rows: missions(rows).body()},
     Separation: {"gains": lambda rows: gains(rows).body(), "losses": lambda rows: losses(rows).body()},
-    Exploration: {"finds": _finds},
+    Exploration: {
+        "finds": _finds,
+        "counts": lambda rows: counts(rows).body(),
+        "reliability": lambda rows: reliability(rows).body(),
+    },
     live_tables.Row: {"live": live_tables.tables},
 }
 
