@@ -39,6 +39,7 @@ FEWEST = 9.0  # of speech [s]
 MOST = 5  # talkers of one scene
 FOLDS = 6
 PENALTY = 5.0  # inverse of the strength of the penalty on standardised weights
+FURTHER, HAUNTED = 0.4, 0.3  # weights of mixtures of another order, and of those with a ghost
 DIGITS = 5
 
 
@@ -96,12 +97,16 @@ def fit(features: Real, true: Real, weights: Real) -> Logistic:
 
 
 def fit_count(found: Sequence[Descent]) -> Logistic:
-    """Whether there are as many talkers as sources, from mixtures of about the right order; that order counts most."""
+    """Whether there are as many talkers as sources, from mixtures of about the right order; that order counts most.
+
+    Mixtures that are not too large and yet hold a ghost count little: they are right about K by chance.
+    """
     rows = [(row, descent.talkers - len(row.somebody)) for descent in found for row in descent.rows]
     near = [(row, fewer) for row, fewer in rows if -2 <= fewer <= 1]
-    weights = np.array([1.0 if fewer in (0, -1) else 0.4 for _, fewer in near])
+    order = np.array([1.0 if fewer in (0, -1) else FURTHER for _, fewer in near])
+    haunted = np.array([fewer >= 0 and not row.somebody.all() for row, fewer in near])
     features = np.stack([row.features[row.least] for row, _ in near])
-    return fit(features, np.array([fewer >= 0 for _, fewer in near]), weights)
+    return fit(features, np.array([fewer >= 0 for _, fewer in near]), order * np.where(haunted, HAUNTED, 1.0))
 
 
 def chosen(descent: Descent, count: Logistic) -> Row | None:
