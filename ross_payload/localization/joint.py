@@ -58,6 +58,7 @@ class Fit:
 class Stop:
     """When enough has been heard."""
 
+    margin: float = 2.0  # every source is worth this many times its price, the last rival this many times less
     doubt: float = 0.1  # largest probability that there are fewer talkers, and that there are more
     sigma: float = np.deg2rad(2.0)  # largest standard deviation [rad]
     orientations: int = 7
@@ -156,10 +157,11 @@ class Joint:
 
     def _certain(self, data: itd_mixture.Data, fit: Fit, sources: tuple[SourceEstimate, ...]) -> bool:
         """The stop rule: K is beyond doubt, every place is sharp and unambiguous."""
-        clear = 1 - fit.likely <= self.enough.doubt and fit.more <= self.enough.doubt
+        clear = fit.step.worth.min() >= self.enough.margin and fit.rival <= 1 / self.enough.margin
+        sure = 1 - fit.likely <= self.enough.doubt and fit.more <= self.enough.doubt
         sharp = all(source.resolved and source.sigma <= self.enough.sigma for source in sources)
         heard = len(data.headings) >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
-        return bool(clear and sharp and heard and sources)
+        return bool(clear and sure and sharp and heard and sources)
 
 
 def _directness(data: itd_mixture.Data, model: itd_mixture.Mixture, placed: itd_mixture.Mixture) -> float:
