@@ -39,6 +39,22 @@ def histogram(itd: Real, weight: Real, grid: Real) -> Real:
     return np.asarray(low + np.bincount(left + 1, weight * share, len(grid)))
 
 
+def histograms(itd: Real, weight: Real, grid: Real, frames: int) -> Real:
+    """`histogram` of every ``frames`` columns of ``itd`` and ``weight`` (n_rows, n_frames), (n_blocks, n_bins).
+
+    >>> histograms(np.array([[0.0, 1.0, 1.0]]), np.ones((1, 3)), np.array([0.0, 1.0, 2.0]), 2).tolist()
+    [[1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]
+    """
+    n_blocks, n_bins = -(-itd.shape[1] // frames), len(grid)
+    place = (itd - grid[0]) / (grid[1] - grid[0])
+    row, frame = np.nonzero((place >= 0) & (place <= n_bins - 1) & (weight > 0))
+    place, weight = place[row, frame], weight[row, frame]
+    left = np.minimum(place.astype(int), n_bins - 2)
+    share, cell = place - left, frame // frames * n_bins + left
+    counts = np.bincount(cell, weight * (1 - share), n_blocks * n_bins)
+    return np.asarray((counts + np.bincount(cell + 1, weight * share, n_blocks * n_bins)).reshape(n_blocks, n_bins))
+
+
 def kde(counts: Real, grid: Real, bandwidth: float) -> Real:
     """Kernel density of a histogram: Gaussian kernel of standard deviation ``bandwidth`` [s], (n_bins,), sums to 1.
 

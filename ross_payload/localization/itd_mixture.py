@@ -97,6 +97,12 @@ def log_likelihood(data: Data, model: Mixture) -> Real:
     return np.asarray((data.counts * np.log(densities(data, model) + TINY)).sum(axis=(-2, -1)))
 
 
+def claims(data: Data, model: Mixture) -> Real:
+    """Share of every bin that is each source's, diffuse, or nobody's, (n_headings, k + 2, n_bins)."""
+    joint = _joint(data, model)
+    return np.asarray(joint / (joint.sum(axis=-2, keepdims=True) + TINY))
+
+
 def refine(data: Data, model: Mixture, rounds: int, tie: float = TIE) -> Mixture:
     """Expectation maximisation from ``model``; ``tie`` draws the amplitudes to their common directness [counts]."""
     for _ in range(rounds):

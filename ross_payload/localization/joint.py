@@ -16,11 +16,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ross_payload.angles import difference, wrap
-from ross_payload.dsp.density import histogram, itd_grid, kde, prominent_peaks
+from ross_payload.dsp.density import histogram, histograms, itd_grid, kde, prominent_peaks
 from ross_payload.dsp.itd import Trust, band_limits, check_array, period_of, weighted_itd
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
-from ross_payload.localization import itd_mixture, model_order
+from ross_payload.localization import itd_mixture, model_order, talker_evidence
+from ross_payload.localization.talker_evidence import Evidence
 
 COUNT = 0.5  # effective counts per unit of weight: neighbouring bins are not independent
 BANDWIDTH = 0.04  # of the published density [d / v_p]
@@ -31,16 +32,34 @@ OPEN = 0.06  # kernels on the strict histograms are narrower than this in the op
 AMPLITUDE_BIAS = 0.008  # of an amplitude, however long one listens
 LOW = 0.97  # amplitude; a greater one may be that of a source at elevation 0
 CLEAR = 2.5  # standard deviations by which an amplitude must lie below 1
-STEEP = 3.0  # of the confidence over the logarithm of worth over price
 ELSEWHERE = np.deg2rad(20.0)  # an azimuth further off than this is another place [rad]
 RESOLVED = 10.0  # log-likelihood by which the place must beat every other place [nat]
+
+
+@dataclass(frozen=True, slots=True)
+class Histograms:
+    """What is kept of one orientation: weight per ITD bin."""
+
+    blocks: Real  # of all trustworthy bins, for every block of time, (n_blocks, n_bins)
+    strict: Real  # of bins that belong to one talker, (n_bins,)
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """The mixture that was chosen."""
+
+    step: model_order.Step
+    rival: float  # worth over price of the last source that was turned down
+    likely: float  # probability that there are as many talkers as sources, or more
+    more: float  # the largest such probability of the mixtures with more sources
 
 
 @dataclass(frozen=True, slots=True)
 class Stop:
     """When enough has been heard."""
 
-    margin: float = 2.0  # every source is worth this many times its price, every rival this many times less
+    margin: float = 2.0  # every source is worth this many times its price, the last rival this many times less
+    doubt: float = 0.1  # largest probability that there are fewer talkers, and that there are more
     sigma: float = np.deg2rad(2.0)  # largest standard deviation [rad]
     orientations: int = 7
     evidence: float = 100.0  # effective counts
@@ -76,15 +95,18 @@ class Joint:
         low, high = band_limits(self.spacing, self.speed_of_sound)
         band = (frequencies >= low) & (frequencies <= high)
         if not spectrogram.shape[-1] or not band.any():
-            return Observation(heading, grid, np.zeros_like(grid), 0.0, (), np.zeros((2, len(grid))))
+            return Observation(
+                heading, grid, np.zeros_like(grid), 0.0, (), Histograms(np.zeros((0, len(grid))), np.zeros(len(grid)))
+            )
         noise, period = None if noise_psd is None else noise_psd[band], period_of(frequencies, frame_period)
-        rich, strict = (
-            histogram(*weighted_itd(spectrogram[:, band], frequencies[band], period, noise, trust), grid)
+        bins = [
+            weighted_itd(spectrogram[:, band], frequencies[band], period, noise, trust)
             for trust in (self.trust, self.strict)
-        )
+        ]
+        blocks = histograms(*bins[0], grid, max(round(talker_evidence.BLOCK / period), 1))
+        rich, heard = blocks.sum(axis=0), Histograms(blocks, histogram(*bins[1], grid))
         density = kde(rich, grid, BANDWIDTH * unit)
-        features = np.stack([rich, strict])
-        return Observation(heading, grid, density, float(rich.sum()), prominent_peaks(density, grid), features)
+        return Observation(heading, grid, density, float(rich.sum()), prominent_peaks(density, grid), heard)
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
         """Estimate K and all azimuths from every orientation heard so far; see `interfaces.Explorer`."""
@@ -97,27 +119,49 @@ class Joint:
     def _estimate(self, observations: Sequence[Observation], known: int | None) -> Estimate:
         if not observations:
             return Estimate(())
-        rich, strict = self.data(observations)
-        fit = model_order.search(rich, self.price, known)
-        if not len(fit.model.azimuths):
+        evidence = self.evidence(observations)
+        fit = self._counted(evidence) if known is None else self._told(evidence, known)
+        if fit is None:
             return Estimate(())
-        placed = itd_mixture.refine(strict, fit.model, ROUNDS, LOOSE)
-        sources = _sources(rich, fit, strict, placed)
-        return Estimate(sources, self._certain(rich, fit, sources), _directness(rich, fit.model, placed))
+        placed = itd_mixture.refine(evidence.strict, fit.step.model, ROUNDS, LOOSE)
+        sources = _sources(evidence, fit, placed)
+        directness = _directness(evidence.rich, fit.step.model, placed)
+        return Estimate(sources, self._certain(evidence.rich, fit, sources), directness)
 
-    def data(self, observations: Sequence[Observation]) -> tuple[itd_mixture.Data, itd_mixture.Data]:
-        """Rich and strict histograms of all orientations, ITDs in units of d / v_p."""
+    def _counted(self, evidence: Evidence) -> Fit | None:
+        """The largest mixture for which it is likely that there are as many talkers."""
+        rival, doubt = 0.0, 0.0
+        for step in model_order.steps(evidence.rich, self.price):
+            if not step.possible:
+                continue
+            found = talker_evidence.features(evidence, step, rival, [step.least])
+            likely = float(talker_evidence.fitted("count").probability(found)[0])
+            if likely >= talker_evidence.LIKELY:
+                return Fit(step, rival, likely, doubt)
+            rival, doubt = float(step.worth[step.least]), max(doubt, likely)
+        return None
+
+    def _told(self, evidence: Evidence, k: int) -> Fit | None:
+        """The mixture of ``k`` sources."""
+        step = model_order.search(evidence.rich, self.price, k)
+        return None if step is None else Fit(step, 0.0, 1.0, 0.0)
+
+    def evidence(self, observations: Sequence[Observation]) -> Evidence:
+        """Histograms of all orientations, ITDs in units of d / v_p."""
         grid = observations[0].grid * self.speed_of_sound / self.spacing
         headings = np.array([observation.heading for observation in observations])
-        rich, strict = COUNT * np.stack([observation.features for observation in observations], axis=1)
-        return itd_mixture.Data(grid, headings, rich), itd_mixture.Data(grid, headings, strict)
+        blocks = [COUNT * observation.features.blocks for observation in observations]
+        rich = np.stack([block.sum(axis=0) for block in blocks])
+        strict = COUNT * np.stack([observation.features.strict for observation in observations])
+        return Evidence(itd_mixture.Data(grid, headings, rich), itd_mixture.Data(grid, headings, strict), blocks)
 
-    def _certain(self, data: itd_mixture.Data, fit: model_order.Fit, sources: tuple[SourceEstimate, ...]) -> bool:
-        """The stop rule: no source is doubtful, no rival is near, every place is sharp and unambiguous."""
-        clear = fit.worth.min(initial=np.inf) >= self.enough.margin and fit.rival <= 1 / self.enough.margin
+    def _certain(self, data: itd_mixture.Data, fit: Fit, sources: tuple[SourceEstimate, ...]) -> bool:
+        """The stop rule: K is beyond doubt, every place is sharp and unambiguous."""
+        clear = fit.step.worth.min() >= self.enough.margin and fit.rival <= 1 / self.enough.margin
+        sure = 1 - fit.likely <= self.enough.doubt and fit.more <= self.enough.doubt
         sharp = all(source.resolved and source.sigma <= self.enough.sigma for source in sources)
         heard = len(data.headings) >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
-        return bool(clear and sharp and heard and sources)
+        return bool(clear and sure and sharp and heard and sources)
 
 
 def _directness(data: itd_mixture.Data, model: itd_mixture.Mixture, placed: itd_mixture.Mixture) -> float:
@@ -126,13 +170,13 @@ def _directness(data: itd_mixture.Data, model: itd_mixture.Mixture, placed: itd_
     return 1.0 if placed.width < OPEN else float(model.directness * (1 - diffuse))
 
 
-def _sources(
-    data: itd_mixture.Data, fit: model_order.Fit, strict: itd_mixture.Data, placed: itd_mixture.Mixture
-) -> tuple[SourceEstimate, ...]:
+def _sources(evidence: Evidence, fit: Fit, placed: itd_mixture.Mixture) -> tuple[SourceEstimate, ...]:
     """The sources of a fit, ``placed`` by the strict histograms, the one with the most evidence first."""
-    model = fit.model
+    model, data = fit.step.model, evidence.rich
+    every = talker_evidence.features(evidence, fit.step, fit.rival, range(len(model.azimuths)))
+    confidences = talker_evidence.fitted("source").probability(every)
     shares = np.average(model.weights, axis=0, weights=data.counts.sum(axis=1) + itd_mixture.TINY)
-    azimuths, amplitudes = itd_mixture.sigmas(strict, placed)
+    azimuths, amplitudes = itd_mixture.sigmas(evidence.strict, placed)
     sigmas = np.minimum(np.hypot(azimuths, BIAS), np.pi)
     found = []
     for k, azimuth in enumerate(placed.azimuths):
@@ -144,7 +188,7 @@ def _sources(
             SourceEstimate(
                 azimuth=wrap(float(azimuth)),
                 sigma=float(sigmas[k]),
-                confidence=float(1 / (1 + fit.worth[k] ** -STEEP)),
+                confidence=float(confidences[k]),
                 resolved=_resolved(data, model, k),
                 weight=float(shares[k]),
                 elevation=elevation,

@@ -9,7 +9,7 @@ two near others costs more.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +26,9 @@ GRID = np.deg2rad(np.arange(-180.0, 180.0, 5.0))  # azimuths tried [rad]
 REACH = (1.0, 0.75, 0.5)  # amplitudes tried, as a share of the directness
 ASIDE = np.deg2rad(14.0)  # half of the angle between the two that one source is split into [rad]
 MOVED = np.deg2rad(20.0)  # a source that is moved goes further than this [rad]
+TIED = (
+    1e-3  # [nat]; gains that differ by less are equal: one heading does not tell 60 degrees aside from 60 degrees below
+)
 BETTER = 0.5  # [nat] by which another arrangement must be better
 
 
@@ -66,27 +69,43 @@ def wetness(model: Mixture) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
-    """The mixture of the chosen order, and by how much it was chosen."""
+class Step:
+    """The mixture of one order on the way from too many sources to none."""
 
     model: Mixture
     worth: Real  # of every source over its price, (k,)
-    rival: float  # worth over price of the last source that was turned down
+    reduced: Sequence[Mixture]  # the models without each source
+    possible: bool  # not too many sources, and none too near another
+
+    @property
+    def least(self) -> int:
+        """The source that is worth least."""
+        return int(self.worth.argmin())
 
 
-def search(data: Data, price: Price, known: int | None = None) -> Fit:
-    """Fit mixtures of falling order until every source is worth its price, or, when K is known, until K are left."""
-    model, rival = _grow(data, price)
-    while True:
-        if len(model.azimuths) <= MAX_SOURCES and not _too_near(model, price):
+def steps(data: Data, price: Price) -> Iterator[Step]:
+    """Fit mixtures of falling order: the source goes that is worth least, or one of two that are too near."""
+    model = _grow(data, price)
+    while len(model.azimuths):
+        near = _too_near(model, price)
+        possible = len(model.azimuths) <= MAX_SOURCES and not near
+        if possible:
             model = rearrange(data, model, price)
+            near = _too_near(model, price)
         worth, reduced = worths(data, model)
-        worth = worth / (price.of(data, model) * price.factors(model.azimuths, model.widths))
-        least = _least(model, worth, price)
-        if least is None or (least.paid and (worth[least.source] >= 1 if known is None else len(worth) <= known)):
-            return Fit(model, worth, rival)
-        rival = float(worth[least.source]) if least.paid else rival
-        model = itd_mixture.refine(data, reduced[least.source], 6)
+        step = Step(
+            model,
+            worth / (price.of(data, model) * price.factors(model.azimuths, model.widths)),
+            reduced,
+            possible and not near,
+        )
+        yield step
+        model = itd_mixture.refine(data, reduced[_nearest(step) if near else step.least], 6)
+
+
+def search(data: Data, price: Price, known: int) -> Step | None:
+    """Fit the mixture of ``known`` sources, or of fewer when the histograms do not hold so many."""
+    return next((step for step in steps(data, price) if step.possible and len(step.worth) <= known), None)
 
 
 def worths(data: Data, model: Mixture, rounds: int = 8) -> tuple[Real, list[Mixture]]:
@@ -135,22 +154,15 @@ def _refined(data: Data, models: Sequence[Mixture], rounds: int) -> tuple[list[M
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Least:
-    source: int
-    paid: bool  # False: goes in any case
-
-
-def _grow(data: Data, price: Price) -> tuple[Mixture, float]:
-    """Add sources where the likelihood gains most; also the last gain over the price."""
-    model, rival = itd_mixture.empty(data), 0.0
+def _grow(data: Data, price: Price) -> Mixture:
+    """Add sources where the likelihood gains most."""
+    model = itd_mixture.empty(data)
     for _ in range(MAX_SOURCES + SPARE):
         added, gain = _added(data, model, price)
-        rival = gain / price.of(data, model)
-        if rival < HOPEFUL:
+        if gain < HOPEFUL * price.of(data, model):
             break
         model = itd_mixture.refine(data, added, 8)
-    return itd_mixture.refine(data, model, 20), rival
+    return itd_mixture.refine(data, model, 20)
 
 
 def _added(data: Data, model: Mixture, price: Price, not_at: float | None = None) -> tuple[Mixture, float]:
@@ -160,7 +172,7 @@ def _added(data: Data, model: Mixture, price: Price, not_at: float | None = None
     gain, share = itd_mixture.gains(data, model, (azimuths, amplitudes), price.width)
     if not_at is not None:
         gain = np.where(np.abs(difference(azimuths, not_at)) < MOVED, -np.inf, gain)
-    best = int(gain.argmax())
+    best = int((gain >= gain.max() - TIED).argmax())  # the first: as direct as the room allows
     shares = np.maximum(share[:, best], 0.01)
     added = itd_mixture.add(model, float(azimuths[best]), float(amplitudes[best]), price.width, shares)
     return added, float(gain[best])
@@ -176,12 +188,8 @@ def _apart(model: Mixture) -> Real:
     return np.asarray(between + 2 * np.pi * np.eye(len(between)))
 
 
-def _least(model: Mixture, worth: Real, price: Price) -> _Least | None:
-    """The source to take away first: one of two that are too near, else the one worth least."""
-    if not len(worth):
-        return None
-    if _too_near(model, price):
-        apart = _apart(model)
-        pair = np.unravel_index(int(apart.argmin()), apart.shape)
-        return _Least(int(min(pair, key=lambda source: worth[source])), paid=False)
-    return _Least(int(worth.argmin()), paid=len(worth) <= MAX_SOURCES)
+def _nearest(step: Step) -> int:
+    """Of the two sources nearest to each other, the one worth less."""
+    apart = _apart(step.model)
+    pair = np.unravel_index(int(apart.argmin()), apart.shape)
+    return int(min(pair, key=lambda source: step.worth[source]))

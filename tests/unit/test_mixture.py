@@ -96,18 +96,30 @@ def test_the_error_of_an_amplitude_is_about_one_sigma() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("degrees", [(20, -100), (0, 50, 170), (-150, -60, 30, 100)], ids=len)
-def test_k_is_right_in_a_diffuse_field(degrees: tuple[float, ...], seed: int) -> None:
+def test_sources_are_worth_more_than_ghosts_in_a_diffuse_field(degrees: tuple[float, ...], seed: int) -> None:
     """A poor room: ITDs shrunk to 0.82, wide kernels, a fifth of all counts diffuse."""
     azimuths = np.deg2rad(np.array(degrees, dtype=float))
-    fit = model_order.search(heard(azimuths, np.full(len(azimuths), 0.82), (0.13, 0.2), 60, seed), model_order.Price())
-    assert len(fit.model.azimuths) == len(azimuths)
-    assert worst_deg(fit.model, azimuths) < 6
-    assert fit.model.directness == pytest.approx(0.82, abs=0.05)
+    data = heard(azimuths, np.full(len(azimuths), 0.82), (0.13, 0.2), 60, seed)
+    by_order = {len(step.worth): step for step in model_order.steps(data, model_order.Price()) if step.possible}
+    step = by_order[len(azimuths)]
+    assert worst_deg(step.model, azimuths) < 6
+    assert step.model.directness == pytest.approx(0.82, abs=0.05)
+    assert step.worth.min() >= 1 > max((by_order[k].worth.min() for k in by_order if k > len(azimuths)), default=0)
 
 
-def test_a_diffuse_field_alone_is_nobody() -> None:
-    data = heard(np.zeros(1), np.ones(1), (0.1, 0.95), 60, seed=1)
-    assert not len(model_order.search(data, model_order.Price()).model.azimuths)
+def test_orders_fall_by_one_to_a_single_source() -> None:
+    data = heard(np.deg2rad([0.0, 100.0]), np.ones(2), (0.08, 0.05), 100, seed=1)
+    orders = [len(step.worth) for step in model_order.steps(data, model_order.Price())]
+    assert orders == list(range(orders[0], 0, -1))
+
+
+def test_so_many_sources_are_fitted_as_are_told() -> None:
+    data = heard(np.deg2rad([0.0, 100.0, -130.0]), np.ones(3), (0.08, 0.05), 100)
+    assert [len(step.worth) for k in (2, 3) if (step := model_order.search(data, model_order.Price(), k))] == [2, 3]
+
+
+def test_nothing_heard_is_no_source() -> None:
+    assert model_order.search(heard(np.zeros(1), np.ones(1), (0.1, 0.95), 0.0), model_order.Price(), 2) is None
 
 
 def test_a_room_is_wet_when_itds_are_drawn_to_0_and_spread() -> None:

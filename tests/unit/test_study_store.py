@@ -23,7 +23,7 @@ WANTED = {"study": {"seed": 1, "settings": ["S1", "S2"]}, "code": "abc"}
 ROW = Separation("a", "S1", 3, 0, 1, "0.1", "aligned", 2, "anna", 10.5, si_sdri_db=3.25, all_found=True)
 FOUND = Exploration(
     "a", "S1", 2, 0, 1, "0.1", 0, 0.0, "joint", 3.0, 4, 60.0, ("anna", "ben"), (10.0, -20.0), (11.0,), (1.0,),
-    (1.0, 180.0), 1, False, False, None,
+    (0.9,), (1.0, 180.0), 1, False, False, None,
 )  # fmt: skip
 
 
@@ -119,7 +119,8 @@ def test_parquet_keeps_types_lists_and_what_is_not_known(tmp_path):
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 def test_rows_come_back_from_a_file_as_they_were(tmp_path, suffix):
-    path, other = tmp_path / f"rows.{suffix}", replace(FOUND, azimuths_deg=(), sigmas_deg=(), directness=0.5)
+    path = tmp_path / f"rows.{suffix}"
+    other = replace(FOUND, azimuths_deg=(), sigmas_deg=(), confidences=(), directness=0.5)
     if suffix == "csv":
         path.write_bytes(as_csv([FOUND, other], Exploration))
     else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -48,12 +49,29 @@ class Responses:
 
     def at(self, heading: float) -> Samples:
         """Return the responses at a heading [rad], (2, n_sources, n_taps)."""
-        step = microradians(heading)
+        return self._kept(microradians(heading), {})
+
+    def over(self, headings: Sequence[float]) -> Samples:
+        """Return the responses at several headings [rad], (n_headings, 2, n_sources, n_taps).
+
+        Those that are not on disk are simulated together, which finds the images of every source once, not once for
+        each heading.
+        """
+        steps = [microradians(heading) for heading in headings]
+        missing = [step for step in dict.fromkeys(steps) if not self._path(step).exists()]
+        made = respond(self._spec, [step * 1e-6 for step in missing])
+        return np.stack([self._kept(step, dict(zip(missing, made, strict=True))) for step in steps])
+
+    def _path(self, step: int) -> Path:
+        return self._folder / f"{step:07d}.npz"
+
+    def _kept(self, step: int, made: Mapping[int, Samples]) -> Samples:
+        """What is on disk for a heading [microradian]; what is missing there comes from ``made``, or is simulated."""
 
         def make() -> dict[str, Array]:
-            return {"responses": respond(self._spec, [step * 1e-6])[0]}
+            return {"responses": made[step] if step in made else respond(self._spec, [step * 1e-6])[0]}
 
-        path = self._folder / f"{step:07d}.npz"
+        path = self._path(step)
         responses = cached(path, make).get("responses")
         if responses is None or responses.dtype != np.float32 or responses.shape[:2] != (2, len(self._spec.sources)):
             raise ConfigError(f"{path}: expected impulse responses, got something else; delete it")

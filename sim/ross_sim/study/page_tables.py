@@ -26,6 +26,7 @@ from ross_sim.study.benchmark.benchmark_rows import (
     localization_table,
     separation_table,
 )
+from ross_sim.study.exploration_tables import counts, reliability
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
 from ross_sim.study.result_rows import Exploration, Separation
@@ -45,7 +46,11 @@ def _finds(rows: Sequence[Exploration]) -> str:
 MAKERS: dict[type[Any], dict[str, Maker]] = {
     MissionRow: {"missions": lambda rows: missions(rows).body()},
     Separation: {"gains": lambda rows: gains(rows).body(), "losses": lambda rows: losses(rows).body()},
-    Exploration: {"finds": _finds},
+    Exploration: {
+        "finds": _finds,
+        "counts": lambda rows: counts(rows).body(),
+        "reliability": lambda rows: reliability(rows).body(),
+    },
     live_tables.Row: {"live": live_tables.tables},
     BenchmarkSeparation: {"benchmark-separation": lambda rows: separation_table(rows).body()},
     BenchmarkLocalization: {"benchmark-localization": lambda rows: localization_table(rows).body()},

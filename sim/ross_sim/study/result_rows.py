@@ -67,6 +67,7 @@ class Exploration(Scene):
     azimuths_true_deg: tuple[float, ...]
     azimuths_deg: tuple[float, ...]
     sigmas_deg: tuple[float, ...]
+    confidences: tuple[float, ...]
     errors_deg: tuple[float, ...]
     k_estimated: int
     all_found: bool

@@ -54,8 +54,7 @@ class Setting:
         )
         if self.flat:
             return respond(spec, headings)
-        kept = Responses(spec)
-        return np.stack([kept.at(heading) for heading in headings])
+        return Responses(spec).over(headings)
 
 
 SETTINGS = {

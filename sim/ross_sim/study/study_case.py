@@ -192,6 +192,7 @@ def _exploration(case: _Case, rotations: int, heading: float, estimate: Estimate
         azimuths_true_deg=tuple(result_rows.degrees(float(azimuth)) for azimuth in case.stage.azimuths),
         azimuths_deg=tuple(result_rows.degrees(source.azimuth) for source in estimate.sources),
         sigmas_deg=tuple(result_rows.degrees(source.sigma) for source in estimate.sources),
+        confidences=tuple(round(source.confidence, 4) for source in estimate.sources),
         errors_deg=tuple(round(float(error), 6) for error in errors),
         k_estimated=estimate.k, all_found=bool(errors.max() <= NEAR_DEG),
         certain=estimate.certain, directness=result_rows.number(estimate.directness),

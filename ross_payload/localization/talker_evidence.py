@@ -1,0 +1,166 @@
+"""Whether a source of the mixture is somebody: what tells it from a ghost, and the probability that follows.
+
+A ghost lives on the misfit of the model. It is worth little, at few headings, in the strict histograms less than in
+the rich ones, and it has no voice of its own: it sounds whenever a loud talker does, as the reflection of one must, and
+hardly ever alone. A talker has blocks of 50 ms to himself. Two logistic regressions weigh this: one for the source that
+is worth least, on whether there are as many talkers as sources; one for every source that is left. Their weights were
+fitted to simulated rooms by `ross_sim.study.fit_talker_evidence`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+
+from ross_payload.angles import difference
+from ross_payload.interfaces import Real
+from ross_payload.localization import itd_mixture
+from ross_payload.localization.itd_mixture import OTHERS, TINY, Data
+from ross_payload.localization.model_order import Step, wetness
+
+BLOCK = 0.05  # in which one talker speaks or another [s]
+LEAST = 0.03  # worth over price; what is worth less is nothing
+NOBODY = 1e-3  # a gain that stands for none [percent of the evidence]
+NEAR = np.deg2rad(35.0)  # a source between two that are nearer than this may be what both share [rad]
+ALONE = 0.7  # a bin of the histograms is a source's own when this share of it is
+FIRST = -3.0  # log of worth over price before the first step
+STEADIEST = 20.0  # bound of the steadiness of a gain over the headings
+LIKELY = 0.5  # probability above which there are as many talkers as sources
+
+DESCRIBED = (
+    "worth", "second", "rival", "evidence", "evidence_squared", "headings", "sources", "single",
+    "directness", "width", "wetness", "diffuse", "nobody",
+    "strict", "steady", "positive", "median", "widespread", "relative", "share",
+    "narrow", "amplitude", "nearest", "furthest", "between",
+    "margin", "dominance", "bursts", "alike", "dominated", "alone",
+)  # fmt: skip
+PRODUCTS = (
+    ("worth", "wetness"), ("rival", "wetness"), ("second", "wetness"), ("dominance", "wetness"), ("alike", "wetness"),
+    ("worth", "headings"), ("rival", "headings"), ("worth", "directness"), ("worth", "sources"), ("rival", "sources"),
+)  # fmt: skip
+FEATURES = (*DESCRIBED, *(f"{one} {other}" for one, other in PRODUCTS))
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What was heard at all headings: rich and strict histograms, and the rich one of every block of time."""
+
+    rich: Data
+    strict: Data
+    blocks: Sequence[Real]  # effective counts, (n_blocks, n_bins) of every heading
+
+
+@dataclass(frozen=True, slots=True)
+class Logistic:
+    """A logistic regression on `FEATURES`."""
+
+    intercept: float
+    weights: Real  # (n_features,)
+
+    def probability(self, features: Real) -> Real:
+        """Probability for every row of ``features`` (n, n_features), (n,)."""
+        return np.asarray(1 / (1 + np.exp(-np.clip(features @ self.weights + self.intercept, -30, 30))))
+
+
+@cache
+def fitted(name: str) -> Logistic:
+    """The regression ``count`` or ``source`` with the weights of this package."""
+    text = files("ross_payload.localization").joinpath("talker_evidence.json").read_text(encoding="utf-8")
+    found = json.loads(text)[name]
+    return Logistic(float(found["intercept"]), np.array([found["weights"][feature] for feature in FEATURES]))
+
+
+def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int]) -> Real:
+    """What tells some sources of a mixture from ghosts, (n, n_features) in the order of `FEATURES`.
+
+    ``rival`` is the worth over price of the source that went before this mixture, 0 when none did.
+    """
+    model, total = step.model, float(evidence.rich.counts.sum()) + TINY
+    k = len(model.azimuths)
+    counts = evidence.rich.counts.sum(axis=1)
+    shares = np.average(model.weights, axis=0, weights=counts + TINY)
+    worth = np.log(np.maximum(step.worth, LEAST))
+    second = float(np.sort(worth)[1]) if k > 1 else float(worth[0]) + 1.0
+    directness = float(model.directness)
+    common = [
+        second, np.log(rival) if rival > 0 else FIRST, np.log(total), np.log(total) ** 2, np.log(len(counts)),
+        k, k == 1, directness, model.width, wetness(model), shares[-OTHERS], shares[-1],
+    ]  # fmt: skip
+    whole, strict = (_by_heading(data, model) for data in (evidence.rich, evidence.strict))
+    voices = _voices(evidence, model, sources)
+    found = []
+    for source, voice in zip(sources, voices, strict=True):
+        gain = whole - _by_heading(evidence.rich, step.reduced[source])
+        lost = float((strict - _by_heading(evidence.strict, step.reduced[source])).sum())
+        ordered = np.sort(gain)[::-1]
+        middle = max(float(np.median(gain)), TINY) / total * 100 * len(gain)
+        left, right = _neighbours(model.azimuths, source)
+        found.append([
+            worth[source], *common,
+            np.log(max(lost / (float(evidence.strict.counts.sum()) + 1e-9) * 100, NOBODY)),
+            np.clip(gain.mean() / (gain.std() / np.sqrt(len(gain)) + 1e-6), -STEADIEST, STEADIEST),
+            np.mean(gain > 0), np.log(max(middle, NOBODY)),
+            np.clip(1 - ordered[:2].sum() / max(float(gain.sum()), TINY), -2.0, 1.0),
+            worth[source] - np.median(worth), np.log(shares[source] + TINY),
+            np.log(model.widths[source] / model.width), model.amplitudes[source], min(left, right), max(left, right),
+            left < NEAR and right < NEAR, *voice,
+        ])  # fmt: skip
+    return with_products(np.array(found, dtype=float).reshape(len(sources), len(DESCRIBED)))
+
+
+def with_products(described: Real) -> Real:
+    """Append what the regressions need of `PRODUCTS` to (n, n_described): what a worth means depends on the room."""
+    at = {name: index for index, name in enumerate(DESCRIBED)}
+    products = [described[:, at[one]] * described[:, at[other]] for one, other in PRODUCTS]
+    return np.column_stack([described, *products])
+
+
+def _by_heading(data: Data, model: itd_mixture.Mixture) -> Real:
+    """Log-likelihood [nat] of the counts of every heading, (n_headings,)."""
+    return np.asarray((data.counts * np.log(itd_mixture.densities(data, model) + TINY)).sum(axis=-1))
+
+
+def _neighbours(azimuths: Real, source: int) -> tuple[float, float]:
+    """Angles [rad] to the nearest source on either side; pi when there is none."""
+    off = difference(np.delete(azimuths, source), azimuths[source])
+    behind, ahead = -off[off < 0], off[off > 0]
+    return float(behind.min(initial=np.pi)), float(ahead.min(initial=np.pi))
+
+
+def _voices(evidence: Evidence, model: itd_mixture.Mixture, sources: Sequence[int]) -> Real:
+    """How far some sources have a voice of their own, (n, 6).
+
+    Margin over the loudest other, and share, in the blocks where the source sounds; how bursty it is; the largest
+    correlation with another source over the blocks; the evidence in the blocks that it dominates; and the share of its
+    evidence in bins of the histograms that are its own.
+    """
+    claims = itd_mixture.claims(evidence.rich, model)  # (n_headings, k + 2, n_bins)
+    k = len(model.azimuths)
+    loud = np.concatenate([block @ claim[:k].T for block, claim in zip(evidence.blocks, claims, strict=True)])
+    loud = loud[loud.sum(axis=1) > 0].T  # (k, n_blocks)
+    if not loud.shape[1]:
+        return np.zeros((len(sources), 6))
+    share = loud / loud.sum(axis=0)
+    root = np.sqrt(loud)
+    root = root - root.mean(axis=1, keepdims=True)
+    root = root / (np.sqrt((root**2).sum(axis=1, keepdims=True)) + TINY)
+    alike = root @ root.T - 4 * np.eye(k)
+    counts = evidence.rich.counts
+    found = []
+    for source in sources:
+        mine = loud[source]
+        total = float(mine.sum()) + 1e-9
+        others = np.delete(loud, source, axis=0).max(axis=0, initial=0.0)
+        claimed = counts * claims[:, source]
+        dominated = float((mine * share[source]).sum())
+        found.append([
+            np.maximum(mine - others, 0).sum() / total, dominated / total,
+            np.log(max((mine**2).sum() / total**2 * mine.size, TINY)), alike[source].max() if k > 1 else -0.2,
+            np.log(dominated + 0.1), claimed[claims[:, source] > ALONE].sum() / (claimed.sum() + 1e-9),
+        ])  # fmt: skip
+    return np.array(found)

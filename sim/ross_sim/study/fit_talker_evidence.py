@@ -1,0 +1,210 @@
+"""Fit what the explorer `joint` tells: ``python -m ross_sim.study.fit_talker_evidence FOLDER OUT.json``.
+
+The talkers of FOLDER (those of the set `train` when it has a MANIFEST.tsv) talk in many scenes (`evidence_scenes`).
+Every one is explored, and after 2, 4, 8 and 12 rotations mixtures of falling order are fitted. The regression `count`
+learns from the source that is worth least whether there are as many talkers as sources; `source` learns from every
+source of the mixture that `count` chooses, by weights from other scenes, whether somebody is within 10 degrees.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from ross_payload.angles import difference
+from ross_payload.atomic_files import write_whole
+from ross_payload.dsp.stft import Stft
+from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Explorer, Real, Samples
+from ross_payload.localization import model_order, talker_evidence
+from ross_payload.localization.joint import Joint
+from ross_payload.localization.talker_evidence import FEATURES, LIKELY, Logistic
+from ross_sim.study.evidence_scenes import HEADINGS, ROOMS, EvidenceScene, scenes
+from ross_sim.study.exploration import FRAME, NEAR_DEG, observed
+from ross_sim.study.mixtures import RATE
+from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
+from ross_sim.talkers.speech import load_folder, read
+
+ROTATIONS = (2, 4, 8, 12)
+FEWEST = 9.0  # of speech [s]
+MOST = 5  # talkers of one scene
+FOLDS = 6
+PENALTY = 5.0  # inverse of the strength of the penalty on standardised weights
+FURTHER, HAUNTED = 0.4, 0.3  # weights of mixtures of another order, and of those with a ghost
+DIGITS = 5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Row:
+    """One mixture on the way down."""
+
+    features: Real  # of every source, (k, n_features)
+    least: int  # the source that is worth least
+    somebody: Real  # whether a talker is near each source, (k,) of bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Descent:
+    """All mixtures of one scene after some rotations, the largest first."""
+
+    scene: str
+    talkers: int
+    rotations: int
+    rows: tuple[Row, ...]
+
+
+def descents(scene: EvidenceScene, joint: Joint) -> Iterator[Descent]:
+    """Explore a scene."""
+    seen = list(observed(cast(Explorer, joint), Stft(RATE, FRAME, FRAME // 4), scene.heard, HEADINGS))
+    for rotations in ROTATIONS:
+        evidence, rows, rival = joint.evidence(seen[: rotations + 1]), [], 0.0
+        for step in model_order.steps(evidence.rich, joint.price):
+            if step.possible:
+                found = talker_evidence.features(evidence, step, rival, range(len(step.worth)))
+                rows.append(Row(found, step.least, owned(step.model.azimuths, scene.azimuths)))
+                rival = float(step.worth[step.least])
+        yield Descent(scene.name, len(scene.azimuths), rotations, tuple(rows))
+
+
+def owned(sources: Real, talkers: Real) -> Real:
+    """Whether every source (k,) has a talker near, each talker for one source: the pairs with the least error."""
+    from scipy.optimize import linear_sum_assignment  # noqa: PLC0415
+
+    apart = np.rad2deg(np.abs(difference(sources[:, None], talkers))).reshape(len(sources), len(talkers))
+    found = np.zeros(len(sources), dtype=bool)
+    mine, theirs = linear_sum_assignment(np.minimum(apart, 60.0))
+    found[mine] = apart[mine, theirs] <= NEAR_DEG
+    return found
+
+
+def fit(features: Real, true: Real, weights: Real) -> Logistic:
+    """Logistic regression on standardised features, as one on the features themselves."""
+    from sklearn.linear_model import LogisticRegression  # noqa: PLC0415  takes a second
+
+    mean, scale = features.mean(axis=0), np.maximum(features.std(axis=0), 1e-6)
+    model = LogisticRegression(C=PENALTY, max_iter=5000).fit((features - mean) / scale, true, sample_weight=weights)
+    slopes = model.coef_[0] / scale
+    return Logistic(float(model.intercept_[0] - slopes @ mean), slopes)
+
+
+def fit_count(found: Sequence[Descent]) -> Logistic:
+    """Whether there are as many talkers as sources, from mixtures of about the right order; that order counts most.
+
+    Mixtures that are not too large and yet hold a ghost count little: they are right about K by chance.
+    """
+    rows = [(row, descent.talkers - len(row.somebody)) for descent in found for row in descent.rows]
+    near = [(row, fewer) for row, fewer in rows if -2 <= fewer <= 1]
+    order = np.array([1.0 if fewer in (0, -1) else FURTHER for _, fewer in near])
+    haunted = np.array([fewer >= 0 and not row.somebody.all() for row, fewer in near])
+    features = np.stack([row.features[row.least] for row, _ in near])
+    return fit(features, np.array([fewer >= 0 for _, fewer in near]), order * np.where(haunted, HAUNTED, 1.0))
+
+
+def chosen(descent: Descent, count: Logistic) -> Row | None:
+    """The mixture that the explorer would choose."""
+    for row in descent.rows:
+        if count.probability(row.features[[row.least]])[0] >= LIKELY:
+            return row
+    return None
+
+
+def fitted(found: Sequence[Descent]) -> tuple[dict[str, Logistic], list[tuple[Descent, Row | None]]]:
+    """Both regressions, and what `count` chose in every scene by weights from other scenes."""
+    names = sorted({descent.scene for descent in found})
+    fold = {name: index % FOLDS for index, name in enumerate(np.random.default_rng(0).permutation(names))}
+    picked: list[tuple[Descent, Row | None]] = []
+    for index in range(FOLDS):
+        count = fit_count([descent for descent in found if fold[descent.scene] != index])
+        picked += [(descent, chosen(descent, count)) for descent in found if fold[descent.scene] == index]
+    rows = [row for _, row in picked if row is not None]
+    features, true = np.concatenate([row.features for row in rows]), np.concatenate([row.somebody for row in rows])
+    return {"count": fit_count(found), "source": fit(features, true, np.ones(len(true)))}, picked
+
+
+def report(picked: Sequence[tuple[Descent, Row | None]]) -> str:
+    """How often K is right after every number of rotations, in scenes that the weights were not fitted to."""
+    lines = []
+    for rotations in ROTATIONS:
+        by_room: dict[str, list[bool]] = {}
+        for descent, row in ((descent, row) for descent, row in picked if descent.rotations == rotations):
+            room, k = descent.scene.split("-")[:2]
+            right = (0 if row is None else len(row.somebody)) == descent.talkers
+            by_room.setdefault(f"{room} K{k}", []).append(right)
+        lines.append(
+            f"{rotations} rotations: " + ", ".join(f"{n} {np.mean(v):.2f}" for n, v in sorted(by_room.items()))
+        )
+    return "\n".join(lines)
+
+
+def readers(folder: Path) -> list[Samples]:
+    """The voices of a folder that are long enough, (n,) each at `RATE`; with a MANIFEST.tsv those of the set `train`.
+
+    Raises
+    ------
+    ConfigError
+        When there are fewer than five, or a recording cannot be read.
+    """
+    manifest = folder / "MANIFEST.tsv"
+    if manifest.is_file():
+        with manifest.open(newline="", encoding="utf-8") as file:
+            rows = [row for row in csv.DictReader(file, delimiter="\t") if row["set"] == "train"]
+        long = [folder / row["id"] / row["file"] for row in rows if float(row["seconds"]) > FEWEST]
+        found = [read(path, RATE) for path in long]
+    else:
+        found = [voice.speech for voice in load_folder(folder, RATE) if len(voice.speech) > FEWEST * RATE]
+    if len(found) < MOST:
+        raise ConfigError(f"{folder}: expected {MOST} talkers with {FEWEST:g} s of speech, got {len(found)}")
+    return found
+
+
+def encoded(models: dict[str, Logistic], about: str) -> bytes:
+    """As the package keeps them."""
+    plain = {
+        name: {
+            "intercept": round(model.intercept, DIGITS),
+            "weights": {feature: round(float(w), DIGITS) for feature, w in zip(FEATURES, model.weights, strict=True)},
+        }
+        for name, model in models.items()
+    }
+    return (json.dumps({"about": about} | plain, indent=1) + "\n").encode()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Fit, and write the weights."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="recordings of talkers")
+    parser.add_argument("out", type=Path, metavar="OUT.json")
+    parser.add_argument("--rooms", nargs="+", choices=ROOMS, default=list(ROOMS))
+    parser.add_argument("--seed", type=int, default=9000)
+    parser.add_argument("--keep", type=Path, help="folder in which scenes are kept")
+    asked = parser.parse_args(arguments)
+    try:
+        voices = readers(asked.folder)
+    except ConfigError as error:
+        parser.error(str(error))
+    if asked.keep is not None:
+        asked.keep.mkdir(parents=True, exist_ok=True)
+    joint = Joint(SPACING, SPEED_OF_SOUND)
+    with threadpool_limits(1):
+        heard = scenes(asked.rooms, voices, asked.seed, asked.keep)
+        every = [descent for scene in heard for descent in descents(scene, joint)]
+    models, picked = fitted(every)
+    about = (
+        f"{len(every) // len(ROTATIONS)} scenes in {', '.join(asked.rooms)}, {len(voices)} talkers, seed {asked.seed}"
+    )
+    write_whole(asked.out, encoded(models, about))
+    sys.stdout.write(f"{about}\n{report(picked)}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

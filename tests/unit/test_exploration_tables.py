@@ -1,0 +1,61 @@
+"""Tables of K and of the confidence, from rows whose truth is known."""
+
+from __future__ import annotations
+
+import pytest
+
+from ross_sim.study.exploration_tables import counts, last, reliability, sources
+from ross_sim.study.page_tables import tables_of
+from ross_sim.study.result_rows import Exploration
+from ross_sim.study.row_files import as_csv
+
+
+def row(
+    task: str, rotations: int, true: tuple[float, ...], found: tuple[float, ...], told: tuple[float, ...]
+) -> Exploration:
+    errors = tuple(min((abs(a - b) for b in found), default=180.0) for a in true)
+    return Exploration(
+        task, "A0.3", len(true), 1, 7, "0.1", 0, 0.0, "joint", 3.0, rotations, 0.0, tuple("abc"[: len(true)]),
+        true, found, (1.0,) * len(found), told, errors, len(found), max(errors) <= 10, False, None,
+    )  # fmt: skip
+
+
+ROWS = [
+    row("one", 1, (0.0, 90.0), (0.0,), (0.6,)),
+    row("one", 2, (0.0, 90.0), (1.0, 88.0), (0.99, 0.96)),
+    row("two", 2, (0.0, 90.0), (1.0, 88.0, 150.0), (0.99, 0.75, 0.3)),
+    row("three", 2, (0.0, 90.0, 170.0), (1.0, 4.0, 88.0), (0.99, 0.6, 0.99)),
+]
+
+
+def test_only_the_last_rotation_counts() -> None:
+    assert [one.rotations for one in last(ROWS)] == [2, 2, 2]
+
+
+def test_k_is_right_in_so_many_scenes() -> None:
+    cells = {line[0]: line[1:] for line in counts(ROWS).rows}
+    assert [cell.split()[0] for cell in cells["all"]] == ["1/2", "1/1", "2/3"]
+    assert [cell.split()[0] for cell in cells["all right"]] == ["1/2", "0/1", "1/3"]
+    assert (cells["K too small"], cells["K too large"]) == (("0", "0", "0"), ("1", "0", "1"))
+
+
+def test_two_sources_at_one_talker_are_one_talker_and_one_ghost() -> None:
+    told, true = sources(ROWS[3:])
+    assert dict(zip(told.tolist(), true.tolist(), strict=True)) == {0.99: True, 0.6: False}
+    assert sum(true) == 2
+
+
+def test_the_confidence_is_compared_with_what_is_there() -> None:
+    cells = {line[0]: line[1:] for line in reliability(ROWS).rows}
+    assert cells["0 to 0.5"] == ("0.300", "0/1 (0-79 %)")
+    assert cells["0.98 to 1"][1].startswith("4/4")
+    assert float(cells["all"][0]) == pytest.approx(0.821, abs=0.001)
+    assert cells["all"][1].startswith("6/8")
+
+
+def test_both_tables_come_from_a_file_of_rows(tmp_path) -> None:
+    path = tmp_path / "explorations.csv"
+    path.write_bytes(as_csv(ROWS, Exploration))
+    made = tables_of(path)
+    assert made["counts"] == counts(ROWS).body()
+    assert made["reliability"] == reliability(ROWS).body()
