@@ -37,7 +37,7 @@ class Piece:
 def recognise_moving(context: Context, estimate: Estimate, start: int, listening: Listening) -> Identification:
     """Separate and score a period that began with sample ``start``; in one piece unless somebody has moved."""
     tracker = context.tracker
-    if tracker is None or not tracker.acts:
+    if tracker is None or not (tracker.acts or tracker.turned > start / context.settings.rate):
         return recognise(context, estimate, listening, {})
     rate, n = context.settings.rate, listening.samples.shape[1]
     hops = 1 if listening.headings is None else len(listening.headings)
