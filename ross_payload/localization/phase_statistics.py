@@ -17,16 +17,17 @@ BUNDLE = np.radians(1.0)  # frames at headings within this are one [rad]
 class Hearing:
     """How phases tell of azimuths."""
 
-    trust: Trust = field(default_factory=lambda: Trust(neighbourhood=(1, 3), coherence=0.98))
+    trust: Trust = field(default_factory=lambda: Trust(neighbourhood=(1, 3), coherence=0.95))
     low: float = 300.0  # frequencies used [Hz]
     high: float = 8000.0  # [Hz]
-    noise: float = 0.25  # standard deviation of a phase at any frequency [rad]
-    spread: tuple[float, float] = (0.03, 0.06)  # of a delay, in the open and in reverberation [d / v_p]
-    directness: tuple[float, float] = (1.0, 0.96)  # reflections draw delays to 0 by this factor
-    share: float = 3.0  # counts by which shares are drawn to those of before
+    noise: float = 0.2  # standard deviation of a phase at any frequency [rad]
+    spread: tuple[float, float] = (0.03, 0.04)  # of a delay, in the open and in reverberation [d / v_p]
+    directness: tuple[float, float] = (1.0, 0.985)  # reflections draw delays to 0 by this factor
+    share: float = 1.5  # counts by which shares are drawn to those of before
     recent: float = 2.0  # in which shares are forgotten [s]
     talks: float = 3.0  # log-likelihood by which a source must explain the frames of one step to be heard [nat]
     count: float = 0.3  # effective counts per unit of weight: neighbouring bins are not independent
+    tells: float = 320.0  # effective counts per second, at most: bins of one time have their errors in common
     most: int = 300  # bins of one step that are looked at; they count for the others
 
 

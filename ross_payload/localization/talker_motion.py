@@ -1,19 +1,25 @@
 """How talkers move, as seen from the array: they rest, set out, keep their rate, turn back, stop.
 
-A particle is one way in which all sources may be: azimuths, rates, and where each rested last.
+A belief about one talker who has left its place is a point-mass density on a grid of rates and azimuths, (n_rates,
+n_azimuths). It is moved by its rates in the Fourier domain, so that the grid itself does not spread it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from itertools import permutations
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from ross_payload.angles import difference
-from ross_payload.interfaces import Real
+from ross_payload.interfaces import Complex, Real
 
-TINY = 1e-12
+N_AZIMUTHS = 360
+STEP = 2 * np.pi / N_AZIMUTHS  # of the grid [rad]
+AZIMUTHS = np.arange(N_AZIMUTHS) * STEP  # [rad]
+RATES = np.radians([-19.0, -15.0, -12.0, -9.5, -7.5, -5.5, -3.5, -1.5, 0.0, 1.5, 3.5, 5.5, 7.5, 9.5, 12.0, 15.0, 19.0])
+REST = int(np.flatnonzero(RATES == 0)[0])  # the rate of who rests
+TINY = 1e-30
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,18 +27,15 @@ class Motion:
     """How people move, as seen from the array."""
 
     sets_out: float = 0.04  # who rests begins to walk [1/s]
-    tries: float = 6.0  # so many more particles set out, each with so much less weight
     stops: float = 0.05  # who walks stops [1/s]
-    turns: float = 0.1  # who walks turns back [1/s]
+    turns: float = 0.2  # who walks turns back [1/s]
     changes: float = 0.1  # who walks takes any other rate [1/s]
-    mirrored: float = 0.01  # who walks did so on the other side of the axis [1/s]
-    another: float = 1.0  # of two with one delay it was the other one who set out [1/s]
-    one: float = 0.15  # what counts as one delay there [d / v_p]
-    anywhere: float = 0.0005  # whoever it is may be anywhere [1/s]: so that what was lost can be found
-    slowest: float = np.radians(1.5)  # rate [rad/s]
-    fastest: float = np.radians(20.0)  # rate [rad/s]
+    anywhere: float = 0.0005  # who has left its place may be anywhere [1/s]: so that what was lost can be found
+    settles: float = 0.2  # who rests where it was at first is taken to be there as before [1/s]
+    begins: float = 0.4  # who is silent begins to talk [1/s]
+    ends: float = 0.15  # who talks falls silent [1/s]
     steady: float = np.radians(1.0)  # of a rate, per root second [rad/s^1.5]
-    sway: float = np.radians(0.4)  # of an azimuth, per root second [rad/s^0.5]
+    sway: float = np.radians(1.0)  # of an azimuth, per root second [rad/s^0.5]
     aside: float = 1.0  # two people are not in one direction [1/s]
     elbows: float = np.radians(10.0)  # nearer than this [rad]
 
@@ -40,67 +43,60 @@ class Motion:
 MOTION = Motion()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Particles:
-    """Many ways in which all sources may be, each with its weight."""
-
-    azimuths: Real  # [rad], (n_particles, k)
-    rates: Real  # [rad/s], (n_particles, k)
-    homes: Real  # where it rested last [rad], (n_particles, k)
-    weights: Real  # sum to 1, (n_particles,)
+def fresh_rates() -> Real:
+    """How fast somebody walks who sets out: slow rates are likelier, (n_rates,)."""
+    width = np.gradient(RATES)
+    density = np.where(np.abs(RATES) <= np.radians(10.0), 2.0, 1.0) * width
+    density[REST] = 0.0
+    return np.asarray(density / density.sum())
 
 
-def moved(
-    before: Particles, seconds: float, heading: float, random: np.random.Generator, motion: Motion = MOTION
-) -> Particles:
-    """Let every particle live for ``seconds``, while the axis of the array points to a heading [rad]."""
-    azimuths, rates = before.azimuths, before.rates
-    walks, shape = rates != 0, rates.shape
-    draw = random.random(shape)
-    fresh = random.uniform(motion.slowest, motion.fastest, shape) * random.choice([-1.0, 1.0], shape)
-    fresh = np.where(random.random(shape) < 0.5, fresh / 2, fresh)  # slow ones are more
-    limits = np.cumsum([motion.stops, motion.turns, motion.changes]) * seconds
-    changed = np.select([draw < limit for limit in limits], [np.zeros(shape), -rates, fresh], rates)
-    changed = changed + (changed != 0) * motion.steady * np.sqrt(seconds) * random.standard_normal(shape)
-    odds = motion.sets_out * seconds
-    tried = min(motion.tries * odds, 0.5)
-    out = ~walks & (draw < tried)
-    ratio = np.where(walks, 1.0, np.where(out, odds / tried, (1 - odds) / (1 - tried))).prod(axis=1)
-    rates = np.where(walks, changed, np.where(out, fresh, 0.0))
-    azimuths = azimuths + rates * seconds + motion.sway * np.sqrt(seconds) * random.standard_normal(shape)
-    draw = random.random(shape)
-    flipped = (draw < motion.mirrored * seconds) & (rates != 0)
-    azimuths, rates = np.where(flipped, 2 * heading - azimuths, azimuths), np.where(flipped, -rates, rates)
-    homes = np.where((rates == 0) & walks, azimuths, before.homes)
-    after = Particles(azimuths, rates, homes, before.weights)
-    after = _another(after, heading, random.random(len(azimuths)) / max(motion.another * seconds, TINY), motion.one)
-    lost = draw > 1 - motion.anywhere * seconds
-    azimuths = np.where(lost, random.uniform(-np.pi, np.pi, shape), after.azimuths)
-    apart = np.abs(difference(azimuths[:, :, None], azimuths[:, None]))
-    close = (apart < motion.elbows).sum(axis=(1, 2)) - shape[1]
-    weights = before.weights * ratio * np.exp(-0.5 * motion.aside * seconds * close)
-    return Particles(azimuths, after.rates, homes, weights / weights.sum())
+@lru_cache(16)
+def _changes(seconds: float, motion: Motion) -> Real:
+    """Probability of every rate (rows) after every rate (columns), (n_rates, n_rates)."""
+    n, fresh = len(RATES), fresh_rates()
+    width = np.gradient(RATES)
+    drift = motion.steady * np.sqrt(seconds)
+    walks = np.arange(n) != REST
+    near = np.zeros((n, n))
+    for place in range(n - 1):  # neighbours exchange what a random walk of the rate would
+        for one, two in ((place, place + 1), (place + 1, place)):
+            gap = abs(RATES[one] - RATES[two])
+            near[two, one] = min(drift**2 / (2 * gap * width[one]), 0.25)
+    near[REST, :] = near[:, REST] = 0.0
+    near += np.diag(1 - near.sum(axis=0))
+    stops, turns, changes = (1 - np.exp(-rate * seconds) for rate in (motion.stops, motion.turns, motion.changes))
+    out = 1 - np.exp(-motion.sets_out * seconds)
+    after = (1 - stops - turns - changes) * near + turns * np.eye(n)[::-1] + changes * fresh[:, None]
+    after[REST] += stops
+    after[:, REST] = np.where(walks, out * fresh, 1 - out)
+    return np.asarray(after)
 
 
-def _another(particles: Particles, heading: float, drawn: Real, one: float) -> Particles:
-    """Let another source have set out instead: one that rests and whose home has the same delay.
+@lru_cache(16)
+def _travel(seconds: float, sway: float) -> Complex:
+    """Fourier coefficients of how every rate moves an azimuth, (n_rates, n_azimuths // 2 + 1)."""
+    orders = np.arange(N_AZIMUTHS // 2 + 1)
+    return np.asarray(np.exp(-1j * orders * RATES[:, None] * seconds - 0.5 * orders**2 * sway**2 * seconds))
 
-    It is where the mirror image of the first one is, or where that one is itself when their homes are on one side; the
-    first one is at home. What is heard at this heading does not tell the two apart.
-    """
-    azimuths, rates, homes = particles.azimuths.copy(), particles.rates.copy(), particles.homes
-    delays = np.cos(homes - heading)
-    pairs = list(permutations(range(rates.shape[1]), 2))
-    drawn = drawn * len(pairs)  # particles below 1 consider the first pair, those below 2 the second
-    for number, (walker, other) in enumerate(pairs):
-        meant = (drawn >= number) & (drawn < number + 1)
-        meant &= (rates[:, walker] != 0) & (rates[:, other] == 0)
-        meant &= np.abs(delays[:, walker] - delays[:, other]) < one
-        same = np.sin(homes[:, walker] - heading) * np.sin(homes[:, other] - heading) > 0
-        mirrored = np.where(same, azimuths[:, walker], 2 * heading - azimuths[:, walker])
-        rate = np.where(same, rates[:, walker], -rates[:, walker])
-        azimuths[:, other] = np.where(meant, mirrored, azimuths[:, other])
-        rates[:, other] = np.where(meant, rate, rates[:, other])
-        azimuths[:, walker] = np.where(meant, homes[:, walker], azimuths[:, walker])
-        rates[:, walker] = np.where(meant, 0.0, rates[:, walker])
-    return replace(particles, azimuths=azimuths, rates=rates)
+
+def moved(belief: Real, seconds: float, motion: Motion = MOTION) -> Real:
+    """Let somebody live for ``seconds``: what is believed then, (n_rates, n_azimuths), summing to 1."""
+    spectra = np.fft.rfft(_changes(seconds, motion) @ belief, axis=1) * _travel(seconds, motion.sway)
+    after = np.maximum(np.fft.irfft(spectra, N_AZIMUTHS, axis=1), 0.0)
+    lost = motion.anywhere * seconds
+    after = (1 - lost) * after / after.sum() + lost * after.sum(axis=1, keepdims=True) / after.sum() / N_AZIMUTHS
+    return np.asarray(after)
+
+
+def around(azimuth: float, sigma: float) -> Real:
+    """Gaussian density on the grid around an azimuth [rad], (n_azimuths,), summing to 1."""
+    density = np.exp(-0.5 * (difference(AZIMUTHS, azimuth) / sigma) ** 2)
+    return np.asarray(density / density.sum())
+
+
+def talks(before: Real, seconds: float, motion: Motion = MOTION) -> Real:
+    """Probability that somebody talks ``seconds`` later, for the probabilities that they do now, (k,)."""
+    total = motion.begins + motion.ends
+    mean = motion.begins / total
+    return np.asarray(mean + (before - mean) * np.exp(-total * seconds))

@@ -1,26 +1,27 @@
-"""Track the azimuths of sources from frame to frame: a particle filter over all sources together.
+"""Track the azimuths of sources from frame to frame: a multiple-hypothesis filter over all sources together.
 
-A particle says where every source is and how fast it moves. That is more than a Kalman filter can hold: two microphones
-hear only ``cos(azimuth - heading)``, so a source that walks past the axis of the array may have gone on or turned back;
-and when one of two sources with one delay sets out, it may be either. What is possible stays so until the array turns
-or the walk tells.
+A hypothesis says which sources have left the place where they rested; the others are there, and do not drift. What it
+believes of every source that has left is a point-mass density over azimuth and rate (Bucy and Senne 1971): two
+microphones hear only ``cos(azimuth - heading)``, so a source that walks past the axis of the array may have gone on
+or turned back, and when one of two sources with one delay sets out, it may be either. The first is in the density,
+the second in the weights of hypotheses (Reid 1979); both stay possible until the array turns or the walk tells.
 
-*Prediction.* A source rests, sets out, keeps its rate, turns back, stops. Who is silent spreads.
+*Prediction.* A source that has left rests, sets out, keeps its rate, turns back, stops. Another one sets out: part of
+a hypothesis becomes the one in which that source has left, too. Hypotheses with the same sources are merged.
 
 *Correction.* The phases between the microphones in trustworthy bins are a mixture: of every source von Mises around
 ``2 pi f tau`` with ``tau = (d / v_p) a cos(azimuth - heading)``, also above the frequency where that wraps, and of
-nobody evenly spread. The share of every source in these frames is found by expectation maximisation under what is
-predicted. A particle is weighed by how well the mixture explains the phases with all sources where it has them: what
-somebody else explains does not draw a source away. Where exactly somebody rests tells nothing of who walks: all
-particles that have a source at rest share one likelihood for it (Rao-Blackwellisation), and its place is drawn anew
-by itself. Otherwise chance in what a loud source says would select among the few particles that have a quiet one
-walk. Systematic resampling (Kitagawa 1996) follows when few are left, by the roots of the weights.
+nobody evenly spread. The share of every source in these frames is found by expectation maximisation under what a
+hypothesis predicts. With one source that has left this is exact but for the shares; several are corrected in turn,
+each given what is believed of the others (variational factorisation). A hypothesis is weighed by how well it has
+predicted the phases.
 
-Random numbers follow from the seed and the number of steps: the same frames give the same tracks.
+Nothing is drawn at random: the same frames give the same tracks.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,94 +29,42 @@ from numpy.typing import NDArray
 from scipy.special import i0e
 
 from ross_payload.alignment.predicted_gain import OPEN
-from ross_payload.angles import difference, wrap
+from ross_payload.angles import difference
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Real
 from ross_payload.localization.phase_statistics import HEARING, FrameStatistics, Hearing
-from ross_payload.localization.talker_motion import MOTION, Motion, Particles, moved
+from ross_payload.localization.talker_motion import (
+    AZIMUTHS,
+    MOTION,
+    N_AZIMUTHS,
+    REST,
+    Motion,
+    around,
+    fresh_rates,
+    moved,
+    talks,
+)
+from ross_payload.localization.track_hypotheses import Hypothesis, Members, Tracks
 
-PARTICLES = 2500
-N_AZIMUTHS = 180
-STEP = 2 * np.pi / N_AZIMUTHS  # of the grid on which beliefs are told [rad]
-AZIMUTHS = np.arange(N_AZIMUTHS) * STEP  # [rad]
-SMOOTH = np.radians(3.0)  # of the beliefs there [rad]
-PEAK = np.radians(30.0)  # to either side of the peak that is averaged [rad]
-LEAST = np.radians(0.5)  # standard deviation of what is known best [rad]
-FEWEST = 1 / 200  # share of the particles that counts after a step at least
+PLACE = np.radians(1.5)  # of where somebody rests, beside that of the exploration [rad]
+MOST = 8  # hypotheses
+UNLIKELY = 1e-4  # least weight of a hypothesis: phases that echoes share tell less than they seem to
+ANYWHERE = 0.5  # share of what is from nobody that has a delay at least: two sources in one bin, an echo
+SOMETIMES = 0.01  # nobody talks or is silent for sure
 TINY = 1e-12
-
-N_RESTS = 120
-REST = 2 * np.pi / N_RESTS  # who rests is within one and a half of these [rad]
 DELAYS = np.linspace(-1.0, 1.0, 201)  # [d / v_p]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Tracks:
-    """What is believed of all sources at one time."""
-
-    particles: Particles
-    steps: int  # so far
-    seed: int
-    heading: float  # of the array when it was last heard [rad]
-    elevations: Real  # cosines, (k,)
-    shares: Real  # of the bins, the last is nobody's, (k + 1,)
-    ages: Real  # since each was heard [s], (k,)
-    unit: float  # d / v_p [s]
-    wet: bool  # in reverberation
-
-    @property
-    def places(self) -> Real:
-        """Probability of every azimuth of the grid, smoothed, (k, n_azimuths)."""
-        cells = np.round(self.particles.azimuths / STEP).astype(int) % N_AZIMUTHS
-        counts = np.zeros((cells.shape[1], N_AZIMUTHS))
-        for source, cell in enumerate(cells.T):
-            counts[source] = np.bincount(cell, self.particles.weights, N_AZIMUTHS)
-        smooth = np.exp(-0.5 * (np.arange(N_AZIMUTHS // 2 + 1) * SMOOTH) ** 2)
-        return np.maximum(np.fft.irfft(np.fft.rfft(counts, axis=1) * smooth, N_AZIMUTHS, axis=1), 0.0)
-
-    @property
-    def azimuths(self) -> Real:
-        """Likeliest azimuth of every source [rad], in (-pi, pi]: the mean around the highest peak, (k,)."""
-        peaks = AZIMUTHS[self.places.argmax(axis=1)]
-        off = difference(self.particles.azimuths, peaks)
-        near = self.particles.weights[:, None] * (np.abs(off) <= PEAK)
-        means = (near * off).sum(axis=0) / (near.sum(axis=0) + TINY)
-        return np.array([wrap(float(azimuth)) for azimuth in peaks + means])
-
-    @property
-    def sigmas(self) -> Real:
-        """Root mean square deviation of the azimuth from the likeliest one [rad], other peaks included, (k,)."""
-        off = difference(self.particles.azimuths, self.azimuths)
-        return np.asarray(np.sqrt(self.particles.weights @ off**2 + LEAST**2))
-
-    @property
-    def rates(self) -> Real:
-        """Mean rate of every source around its likeliest azimuth [rad/s], (k,)."""
-        near = self.particles.weights[:, None] * (np.abs(difference(self.particles.azimuths, self.azimuths)) <= PEAK)
-        return np.asarray((near * self.particles.rates).sum(axis=0) / (near.sum(axis=0) + TINY))
-
-    def gone(self, azimuths: Real, by: float, heard: float) -> NDArray[np.bool_]:
-        """Which particle has which source away from an azimuth of its own [rad], (n_particles, k).
-
-        By more than ``by`` [rad], and so that its delay at this heading differs by more than ``heard`` [d / v_p].
-        """
-        places = self.particles.azimuths
-        delays = np.cos(places - self.heading) - np.cos(azimuths - self.heading)
-        return np.asarray(
-            (np.abs(difference(places, azimuths)) > by) & (np.abs(self.elevations * delays) > heard), dtype=np.bool_
-        )
-
-
-def begin(estimate: Estimate, spacing: float, speed_of_sound: float, seed: int = 0) -> Tracks:
+def begin(estimate: Estimate, spacing: float, speed_of_sound: float) -> Tracks:
     """Begin with what an exploration has found: its azimuths and sigmas, and everybody at rest."""
     azimuths = np.array([source.azimuth for source in estimate.sources])
-    sigmas = np.maximum([source.sigma for source in estimate.sources], np.radians(0.5))
-    k, random = len(azimuths), np.random.default_rng([seed, 0])
-    places = azimuths + sigmas * random.standard_normal((PARTICLES, k))
+    k = len(azimuths)
     return Tracks(
-        particles=Particles(places, np.zeros((PARTICLES, k)), places, np.full(PARTICLES, 1 / PARTICLES)),
-        steps=0,
-        seed=seed,
+        hypotheses=(Hypothesis(1.0, {}, np.ones(k)),),
+        homes=azimuths,
+        rests=np.array([around(s.azimuth, float(np.hypot(s.sigma, PLACE))) for s in estimate.sources]).reshape(
+            k, N_AZIMUTHS
+        ),
         heading=0.0,
         elevations=np.cos([source.elevation or 0.0 for source in estimate.sources]),
         shares=np.full(k + 1, 1 / (k + 1)),
@@ -135,136 +84,178 @@ def step(tracks: Tracks, heard: FrameStatistics, motion: Motion = MOTION, hearin
 
 def predict(tracks: Tracks, seconds: float, motion: Motion = MOTION) -> Tracks:
     """Return what is believed ``seconds`` later when nothing is heard."""
-    random = np.random.default_rng([tracks.seed, tracks.steps + 1])
-    particles = moved(tracks.particles, seconds, tracks.heading, random, motion)
-    return replace(tracks, particles=particles, steps=tracks.steps + 1, ages=tracks.ages + seconds)
+    seconds = round(seconds, 6)
+    parts: list[Hypothesis] = []
+    out = 1 - float(np.exp(-motion.sets_out * seconds))
+    back = 1 - float(np.exp(-motion.settles * seconds))
+    for each in tracks.hypotheses:
+        left, weight, talking = {}, each.weight, talks(each.talking, seconds, motion)
+        for source, belief in each.left.items():
+            left[source] = moved(belief, seconds, motion)
+            left[source], kept = _aside(tracks, left, source, seconds, motion)
+            weight *= kept
+        for source in range(len(tracks.homes)):
+            rest = {other: belief for other, belief in left.items() if other != source}
+            if source in left:  # who has come back
+                near = np.abs(difference(AZIMUTHS, tracks.homes[source])) <= 2 * PLACE
+                share = back * float(left[source][REST, near].sum())
+                belief = left[source].copy()
+                belief[REST, near] *= 1 - back
+                left[source] = belief / belief.sum()
+                parts.append(Hypothesis(weight * share, rest, talking))
+                weight *= 1 - share
+            else:
+                fresh = fresh_rates()[:, None] * tracks.rests[source]
+                parts.append(Hypothesis(weight * out, {**left, source: fresh}, talking))
+                weight *= 1 - out
+        parts.append(Hypothesis(weight, dict(left), talking))
+    return replace(tracks, hypotheses=_merged(parts), ages=tracks.ages + seconds)
+
+
+def _aside(tracks: Tracks, left: dict[int, Real], source: int, seconds: float, motion: Motion) -> tuple[Real, float]:
+    """Make it unlikely that somebody who has left is where somebody else rests; return how likely it was before."""
+    others = [home for k, home in enumerate(tracks.homes) if k != source and k not in left]
+    factor = np.ones(N_AZIMUTHS)
+    for home in others:
+        factor[np.abs(difference(AZIMUTHS, home)) < motion.elbows] *= np.exp(-motion.aside * seconds)
+    after = left[source] * factor
+    kept = float(after.sum())
+    return after / kept, kept
+
+
+def _merged(parts: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+    """Hypotheses with the same members become one; the likeliest are kept, none of them as unlikely as it seems."""
+    groups: dict[Members, list[Hypothesis]] = {}
+    for part in parts:
+        groups.setdefault(part.members, []).append(replace(part, weight=max(part.weight, TINY)))
+    totals = {members: sum(part.weight for part in group) for members, group in groups.items()}
+    kept = sorted(totals, key=lambda members: (-totals[members], len(members), members))[:MOST]
+    whole = sum(totals[members] for members in kept)
+    weights = {members: max(totals[members] / whole, UNLIKELY) for members in kept}
+    whole = sum(weights.values())
+    found = []
+    for members in kept:
+        odds = [part.weight / totals[members] for part in groups[members]]
+        mixed = list(zip(odds, groups[members], strict=True))
+        left = {k: sum((odd * part.left[k] for odd, part in mixed), np.zeros(())) for k in members}
+        talking = sum((odd * part.talking for odd, part in mixed), np.zeros(()))
+        found.append(Hypothesis(weights[members] / whole, left, np.asarray(talking)))
+    return tuple(found)
+
+
+def _either(density: Real, others: Real, share: float, counts: Real, talking: float) -> tuple[Real, Real]:
+    """Log-likelihood of every case of a source, (n_cases,): that it talks, and that it does or is silent.
+
+    Who talks has its share of the bins, or a quarter of it; what the others have then is ``others`` (n,).
+    """
+    alone = others / max(1 - share, TINY)
+    rest = (alone + TINY).astype(density.dtype)[:, None]
+    loud, soft = (counts @ np.log(part * density + (1 - part) * rest) for part in (share, share / 4))
+    heard = np.log(talking / 2) + np.logaddexp(loud, soft)
+    return heard, np.logaddexp(heard, np.log(1 - talking) + counts @ np.log(alone + TINY))
+
+
+@dataclass(slots=True, eq=False)
+class _Evidence:
+    """What some frames say: density of every bin's phase for every azimuth of every source.
+
+    Azimuths with one delay at every heading of these frames are told apart by nothing, and are computed once.
+    """
+
+    density: list[Real]  # by source, (n, n_cases)
+    case: list[NDArray[np.intp]]  # by source: which of them an azimuth is, (n_azimuths,)
+    counts: Real  # effective, (n,)
+    nobody: Real  # density of every bin's phase for what is from no source, (n,)
+
+    def marginal(self, source: int, places: Real) -> Real:
+        """Density of every bin's phase for a source that is believed to be somewhere, (n,)."""
+        density, case = self.density[source], self.case[source]
+        return np.asarray(density @ np.bincount(case, places, density.shape[1]).astype(density.dtype))
 
 
 def _correct(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> Tracks:
-    likelihood, counts = _likelihood(tracks, heard, hearing), heard.weights  # (n, n_delays)
-    particles, resting = tracks.particles, _resting(tracks.particles)
-    cells = [_cells(tracks, heading, hearing) for heading in heard.headings]  # (n_particles, k) each
-    bundles = [np.flatnonzero(heard.bundle == index) for index in range(len(cells))]
-    marginal = np.empty((len(tracks.ages) + 1, len(counts)))
-    rested = np.empty((len(tracks.ages), len(counts)))
-    marginal[-1] = 1 / (2 * np.pi)
-    for cell, bins in zip(cells, bundles, strict=True):
-        marginal[:-1, bins] = _places(cell, particles.weights) @ likelihood[bins].T
-        rested[:, bins] = _places(cell, particles.weights[:, None] * resting + TINY) @ likelihood[bins].T
-    shares = _shares(tracks.shares, marginal, counts, hearing.share)
-    log_weights = np.log(particles.weights + TINY)
-    alone = np.zeros(resting.shape)
-    total = shares @ marginal + TINY
-    for cell, bins in zip(cells, bundles, strict=True):
-        table = np.concatenate([likelihood[bins].T[None].repeat(len(rested), 0), rested[:, None, bins]], axis=1)
-        log_weights += _explained(np.where(resting, len(DELAYS), cell), table, shares) @ counts[bins]
-        for k, share in enumerate(shares[:-1]):
-            others = total[bins] - share * marginal[k, bins]
-            alone[:, k] += (np.log(share * likelihood[bins].T + others) @ counts[bins])[cell[:, k]]
-    weights = _tempered(log_weights)
-    own = shares[:-1, None] * marginal[:-1] / total
-    talks = -np.log1p(-np.minimum(own, 1 - TINY)) @ counts >= hearing.talks
+    evidence = _evidence(tracks, heard, hearing)
+    k = len(tracks.homes)
+    at_rest = np.stack([evidence.marginal(source, tracks.rests[source]) for source in range(k)])
+    found, logs, shares, telling = [], [], np.zeros(k + 1), np.zeros(k)
+    for each in tracks.hypotheses:
+        after, log, own, tells = _corrected(each, at_rest, tracks.shares, evidence, hearing)
+        found.append(after)
+        logs.append(np.log(each.weight) + log)
+        shares += each.weight * own
+        telling += each.weight * tells
+    weights = np.exp(np.array(logs) - max(logs))
+    weights /= weights.sum()
+    corrected = [replace(each, weight=weight) for each, weight in zip(found, weights.tolist(), strict=True)]
     keep = np.exp(-heard.seconds / hearing.recent)
-    mixed_shares = keep * tracks.shares + (1 - keep) * shares + 0.01 / len(shares)
-    random = np.random.default_rng([tracks.seed, tracks.steps, 1])
-    settled = _settled(replace(particles, weights=weights), resting, alone, random)
+    mixed = keep * tracks.shares + (1 - keep) * shares + 0.01 / len(shares)
     return replace(
         tracks,
-        particles=_resampled(settled, random),
-        shares=mixed_shares / mixed_shares.sum(),
-        ages=np.where(talks, 0.0, tracks.ages),
+        hypotheses=_merged(corrected),
+        shares=mixed / mixed.sum(),
+        ages=np.where(telling >= hearing.talks, 0.0, tracks.ages),
         heading=float(heard.headings[-1]),
     )
 
 
-def _places(cells: NDArray[np.intp], weights: Real) -> Real:
-    """Probability of every delay for every source, (k, n_delays)."""
-    each = np.broadcast_to(weights.reshape(len(cells), -1), cells.shape)
-    found = np.stack([np.bincount(cell, one, len(DELAYS)) for cell, one in zip(cells.T, each.T, strict=True)])
-    return np.asarray(found / found.sum(axis=1, keepdims=True))
+def _corrected(
+    hypothesis: Hypothesis, at_rest: Real, before: Real, evidence: _Evidence, hearing: Hearing
+) -> tuple[Hypothesis, float, Real, Real]:
+    """Correct one hypothesis; return it, the log-likelihood of the frames, shares, and how each source was heard."""
+    counts = evidence.counts
+    marginal = np.vstack([at_rest, evidence.nobody[None]])
+    left, talking = dict(hypothesis.left), hypothesis.talking.copy()
+    for source, belief in left.items():
+        marginal[source] = evidence.marginal(source, belief.sum(axis=0))
+    shares = _shares(before, marginal, counts, hearing.share)
+    log = float(counts @ np.log(shares @ marginal + TINY))
+    for source in range(len(at_rest)):
+        mixture = shares @ marginal + TINY
+        log -= float(counts @ np.log(mixture))
+        others = np.maximum(mixture - shares[source] * marginal[source], TINY)
+        away = source in left
+        density = evidence.density[source] if away else marginal[source][:, None]
+        places = left[source].sum(axis=0) if away else np.ones(1)
+        heard, each = _either(density, others, float(shares[source]), counts, float(talking[source]))
+        if away:
+            heard, each = heard[evidence.case[source]], each[evidence.case[source]]
+        highest = float(each[places > TINY].max())
+        gain = np.exp(np.minimum(each - highest, 50.0))
+        total = float(places @ gain) + TINY
+        talking[source] = np.clip(places @ np.exp(np.minimum(heard - highest, 50.0)) / total, SOMETIMES, 1 - SOMETIMES)
+        log += highest + np.log(total)
+        if away:
+            left[source] = left[source] * gain
+            left[source] /= left[source].sum()
+            marginal[source] = evidence.marginal(source, left[source].sum(axis=0))
+    own = shares[:-1, None] * marginal[:-1] / (shares @ marginal + TINY)
+    tells = -np.log1p(-np.minimum(own, 1 - TINY)) @ counts
+    return Hypothesis(hypothesis.weight, left, talking), log, shares, np.asarray(tells)
 
 
-def _resting(particles: Particles) -> NDArray[np.bool_]:
-    """Which particle has which source at rest where it mostly rests, (n_particles, k)."""
-    still = particles.rates == 0
-    cells = np.round(particles.azimuths / REST).astype(int) % N_RESTS
-    found = np.zeros(still.shape, dtype=np.bool_)
-    for k, cell in enumerate(cells.T):
-        counts = np.bincount(cell, particles.weights * still[:, k], N_RESTS)
-        peak = (counts + np.roll(counts, 1) + np.roll(counts, -1)).argmax()
-        found[:, k] = still[:, k] & (np.abs(difference(particles.azimuths[:, k], peak * REST)) <= 1.5 * REST)
-    return found
-
-
-def _explained(cells: NDArray[np.intp], table: Real, shares: Real) -> Real:
-    """Log-likelihood of every bin for every particle, (n_particles, n): computed once for those that are alike.
-
-    ``table`` (k, n_delays + 1, n) has the likelihood of every delay, and of being at rest at the end.
-    """
-    alike = np.zeros(len(cells), dtype=np.intp)
-    for cell in cells.T:
-        alike = np.unique(alike * table.shape[1] + cell, return_inverse=True)[1]
-    first = np.unique(alike, return_index=True)[1]
-    mixed = sum(share * rows[each] for share, rows, each in zip(shares, table, cells[first].T, strict=False))
-    return np.asarray(np.log(mixed + shares[-1] / (2 * np.pi))[alike])
-
-
-def _settled(particles: Particles, resting: NDArray[np.bool_], alone: Real, random: np.random.Generator) -> Particles:
-    """Draw anew where those are who rest, every source by itself: their places tell nothing of who walks.
-
-    ``alone`` (n_particles, k) is the log-likelihood of the place of one source, the others being anywhere.
-    """
-    azimuths, homes = particles.azimuths.copy(), particles.homes.copy()
-    for k, still in enumerate(resting.T):
-        of = np.flatnonzero(still)
-        if not len(of):
-            continue
-        chosen = of[_drawn(_tempered(np.log(particles.weights[of] + TINY) + alone[of, k]), random)]
-        random.shuffle(chosen)
-        azimuths[of, k], homes[of, k] = azimuths[chosen, k], homes[chosen, k]
-    return replace(particles, azimuths=azimuths, homes=homes)
-
-
-def _drawn(weights: Real, random: np.random.Generator) -> NDArray[np.intp]:
-    """Indices by systematic sampling, (n,)."""
-    n = len(weights)
-    return np.searchsorted(np.cumsum(weights), (np.arange(n) + random.random()) / n).clip(max=n - 1)
-
-
-def _tempered(log_weights: Real) -> Real:
-    """Weights that sum to 1, flattened until at least a few particles count: nothing is decided by one."""
-    for _ in range(8):
-        weights = np.exp(log_weights - log_weights.max())
-        weights /= weights.sum()
-        if 1 / (weights**2).sum() >= len(weights) * FEWEST:
-            break
-        log_weights = log_weights / 1.5
-    return np.asarray(weights)
-
-
-def _resampled(particles: Particles, random: np.random.Generator) -> Particles:
-    """Draw particles by the root of their weights, so that what is unlikely now is not soon forgotten."""
-    weights = particles.weights
-    if 1 / (weights**2).sum() > len(weights) / 2:
-        return particles
-    root = np.sqrt(weights) / np.sqrt(weights).sum()
-    chosen = _drawn(root, random)
-    left = weights[chosen] / root[chosen]
-    return Particles(particles.azimuths[chosen], particles.rates[chosen], particles.homes[chosen], left / left.sum())
-
-
-def _likelihood(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> Real:
-    """Probability density of every phase for every delay of the grid, von Mises, (n, n_delays)."""
+def _evidence(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> _Evidence:
+    """Density of every phase for every azimuth of every source, von Mises."""
     turned = 2 * np.pi * tracks.unit * heard.frequencies
     variance = hearing.noise**2 + (turned * hearing.spread[tracks.wet]) ** 2
     kappa = (1 / variance)[:, None]
-    off = np.cos(heard.phases[:, None] - turned[:, None] * DELAYS) - 1
-    return np.asarray(np.exp(kappa * off) / (2 * np.pi * i0e(kappa)))
+    off = np.cos((heard.phases[:, None] - turned[:, None] * DELAYS).astype(np.float32)) - 1
+    table = np.exp(kappa.astype(np.float32) * off) / (2 * np.pi * i0e(kappa)).astype(np.float32)  # (n, n_delays)
+    bins = np.arange(len(turned))[:, None]
+    counts = heard.weights * min(1.0, hearing.tells * heard.seconds / max(float(heard.weights.sum()), TINY))
+    made: dict[float, tuple[Real, NDArray[np.intp]]] = {}
+    for elevation in tracks.elevations.tolist():
+        if elevation not in made:
+            cells = _cells(heard.headings, elevation, hearing.directness[tracks.wet])
+            unique, case = np.unique(cells, axis=1, return_inverse=True)
+            made[elevation] = table[bins, unique[heard.bundle]], case.reshape(-1)
+    both = [made[elevation] for elevation in tracks.elevations.tolist()]
+    nobody = ((1 - ANYWHERE) / (2 * np.pi) + ANYWHERE * table.mean(axis=1)).astype(np.float64)
+    return _Evidence([density for density, _ in both], [case for _, case in both], counts, nobody)
 
 
-def _cells(tracks: Tracks, heading: float, hearing: Hearing) -> NDArray[np.intp]:
-    """Delay of every source of every particle, as an index into the grid, (n_particles, k)."""
-    delay = hearing.directness[tracks.wet] * tracks.elevations * np.cos(tracks.particles.azimuths - heading)
+def _cells(headings: Real, elevation: float, directness: float) -> NDArray[np.intp]:
+    """Delay of every azimuth at every heading, as an index into the grid, (n_headings, n_azimuths)."""
+    delay = directness * elevation * np.cos(AZIMUTHS - headings[:, None])
     return np.asarray(np.round((delay + 1) / (DELAYS[1] - DELAYS[0])), dtype=np.intp)
 
 

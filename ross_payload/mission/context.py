@@ -165,7 +165,7 @@ class Context:
             return
         psd = self.noise_psd.get(stft.frame)
         spacing, speed = settings.spacing, settings.speed_of_sound
-        self.tracker = self.tools.tracker(estimate, source, stft, spacing, speed, self.lead_in, psd, settings.seed)
+        self.tracker = self.tools.tracker(estimate, source, stft, spacing, speed, self.lead_in, psd)
 
     def publish(self, event: Event) -> None:
         """Send an event with the next Output."""

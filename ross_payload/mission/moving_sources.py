@@ -43,7 +43,7 @@ def recognise_moving(
     Of who stays what was heard before counts, too: ``evidence``.
     """
     tracker = context.tracker
-    if tracker is None or not tracker.acts:
+    if tracker is None or not (tracker.acts or tracker.turned > start / context.settings.rate):
         return recognise(context, estimate, listening, evidence)
     rate, n = context.settings.rate, listening.samples.shape[1]
     hops = 1 if listening.headings is None else len(listening.headings)

@@ -22,29 +22,30 @@ from ross_payload.events import Estimate, SourcesTracked
 from ross_payload.interfaces import Complex, Input, Real, Samples
 from ross_payload.localization import tracking
 from ross_payload.localization.phase_statistics import statistics
-from ross_payload.localization.tracking import Tracks
+from ross_payload.localization.track_hypotheses import Tracks
 from ross_payload.pointing import Pointing
 
 UPDATE = 0.25  # [s] between corrections
 SAY = 0.5  # [s] between events
 ECHOES = 0.1  # heard before frames to know which echoes are still to come [s]
 LEVEL = 3.0  # heard for the noise level where nobody measured it [s]
-TURNING = np.radians(15.0)  # frames heard while the array turns faster tell of its motor [rad/s]
+TURNING = np.radians(30.0)  # frames heard while the array turns faster tell of its motor [rad/s]
 MOVED = np.radians(5.0)  # away from the place of the exploration [rad]
-SURE = 0.9  # probability of that, from which on the source has moved
+SURE = 0.7  # probability of that, from which on the source has moved
 STIRRED = 0.7  # probability that anybody has moved from which on a turn may tell who
 UNSURE = 0.6  # and up to which it has not
 HEARD = (0.08, 0.12)  # change of its delay that cannot come from echoes, in the open and in rooms [d / v_p]
 TELLING = 1.3  # times that, the delay of who stays would have changed if the array had slipped
-LASTING = 6  # corrections in a row that must say so
+LASTING = 2  # corrections in a row that must say so
 FAR = 3  # a correction says it for as many as its delay has changed by times HEARD, at most so many
 ALIKE = np.radians(5.0)  # between the shifts of sources that a slip has moved [rad]
 FRESH = 1.0  # a source that was heard within this can witness [s]
-LOST = np.radians(30.0)  # standard deviation of a track that is lost [rad]
+LOST = 0.5  # probability of the likeliest place, below which a track is lost
 SHORT = np.radians(30.0)  # turns are no longer than this [rad]
 FINE = np.radians(2.5)  # between headings that are tried [rad]
-MARGIN_DB = 1.5  # a turn must promise more than this [dB]
+MARGIN_DB = 0.7  # a turn must promise more than this [dB]
 PER_DEGREE = 0.02  # and so much for every degree [dB]
+UNSEEN = np.radians(6.5)  # standard deviation from which on a turn may tell whether somebody has moved [rad]
 DWELL = 2.0  # [s] at rest between turns
 AHEAD = 0.75  # [s] that a turn is planned ahead
 
@@ -60,7 +61,6 @@ class SourceTracker:
     speed_of_sound: float  # [m/s]
     lead_in: Samples | None  # (2, n)
     noise_psd: Real | None  # known already, (n_freqs,)
-    seed: int = 0
     tracks: Tracks = field(init=False)
     moved: list[bool] = field(init=False)  # whose track acts
     stirred: bool = False  # somebody has moved, whoever it is
@@ -73,11 +73,12 @@ class SourceTracker:
     _ends: list[tuple[int, float]] = field(default_factory=list)  # sample, and heading there [rad]
     _first: int = 0  # index of the first sample that is kept, since tracking began
     _frames: int = 0  # told
+    _planned: int = -1  # of them, when a turn was last considered
     _said: float = 0.0
 
     def __post_init__(self) -> None:
         """Begin where the exploration has found the sources."""
-        self.tracks = tracking.begin(self.anchor, self.spacing, self.speed_of_sound, self.seed)
+        self.tracks = tracking.begin(self.anchor, self.spacing, self.speed_of_sound)
         self.moved, self._streak = [False] * self.anchor.k, [0] * self.anchor.k
         self._samples = np.zeros((2, 0), np.float32)
 
@@ -89,13 +90,18 @@ class SourceTracker:
     @property
     def lost(self) -> bool:
         """Whether it is not known any more where the source is that is listened to."""
-        return self.acts and bool(self.tracks.sigmas[self.source] > LOST)
+        return self.acts and bool(self.tracks.held[self.source] < LOST)
 
     @property
     def azimuths(self) -> Real:
         """Where the sources are taken to be [rad], (k,)."""
         told = np.array([source.azimuth for source in self.anchor.sources])
-        return np.where(self.moved, self.tracks.azimuths, told)
+        return np.where(self.moved, self.tracks.azimuths + self.tracks.rates * self.behind, told)
+
+    @property
+    def behind(self) -> float:
+        """How long ago the middle of what was heard last was, for which the tracks stand [s]."""
+        return (UPDATE + self.stft.frame / self.stft.rate) / 2
 
     @property
     def estimate(self) -> Estimate:
@@ -173,9 +179,7 @@ class SourceTracker:
     def corrected(self, time: float) -> None:
         """Decide at a mission time [s] who has moved: for sure, for a while, and beside somebody who has not."""
         told = np.array([source.azimuth for source in self.anchor.sources])
-        gone = self.tracks.gone(told, MOVED, HEARD[self.tracks.wet])
-        weights = self.tracks.particles.weights
-        each, anybody = weights @ gone, float(weights @ gone.any(axis=1))
+        each, anybody = self.tracks.gone(told, MOVED, HEARD[self.tracks.wet])
         witness = self._witness(told, each)
         if not witness and self._alike(told, each >= SURE):
             self.moved, self.stirred = [False] * self.anchor.k, False
@@ -216,13 +220,17 @@ class SourceTracker:
         """
         if not settled:
             self.turned = time
-        if not (self.acts or self.stirred) or time - self.turned < DWELL:
+        if time - self.turned < DWELL or self._planned == self._frames:
             return None
+        if not (self.acts or self.stirred or self.tracks.spreads.max(initial=0.0) > UNSEEN):
+            return None
+        self._planned = self._frames  # nothing new is known before the next correction
         ahead = tracking.predict(self.tracks, AHEAD)
         offsets = np.arange(-round(SHORT / FINE), round(SHORT / FINE) + 1) * FINE
         offsets = offsets[(here.joint + offsets >= lower) & (here.joint + offsets <= upper) | (offsets == 0.0)]
-        beliefs = Beliefs(tracking.AZIMUTHS, ahead.places, ahead.elevations, self.anchor.directness)
-        value = worth(beliefs, self.source, here.heading, here.heading + offsets)
+        odds, ways = ahead.ways
+        beliefs = Beliefs(odds, ways, ahead.azimuths, ahead.spreads, ahead.elevations, self.anchor.directness)
+        value = worth(beliefs, self.source, here.heading + offsets)
         gain = value - value[offsets == 0.0] - PER_DEGREE * np.degrees(np.abs(offsets))
         if gain.max() <= MARGIN_DB:
             return None

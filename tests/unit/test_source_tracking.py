@@ -22,6 +22,7 @@ from ross_payload.events import (
     TurnStarted,
 )
 from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input
+from ross_payload.localization import tracking
 from ross_payload.mission.context import Context, Listening, Tools
 from ross_payload.mission.heading_hold import REALIGNED
 from ross_payload.mission.mission_sequence import mission
@@ -95,20 +96,18 @@ def test_who_walks_is_told_and_who_stays_keeps_the_place_of_the_exploration():
 
 
 def test_who_has_gone_far_acts_sooner():
-    """A delay that has changed by three times what echoes can do needs a third of the corrections."""
+    """A delay that has changed by twice what echoes can do needs half of the corrections."""
     tracker = tracker_of(estimate(-60, 100))
-    near = replace(tracker.tracks, heading=0.9, ages=np.array([9.0, 0.0]))
     needed = []
     for shift in (8.0, 30.0):
-        moved = near.particles.azimuths + np.radians([0.0, shift])
-        tracker.tracks = replace(near, particles=replace(near.particles, azimuths=moved), ages=np.zeros(2))
+        there = tracking.begin(estimate(-60, 100 + shift), SPACING, SPEED)
+        tracker.tracks = replace(there, heading=0.9)
         tracker.moved, tracker._streak, count = [False, False], [0, 0], 0
         while not tracker.acts and count < 20:
             tracker.corrected(0.25 * count)
             count += 1
         needed.append(count)
-    assert needed[0] == 6
-    assert needed[1] == 2
+    assert needed == [2, 1]
     assert tracker.moved == [False, True]
 
 
@@ -221,3 +220,28 @@ def test_a_period_is_separated_piece_by_piece_with_the_delays_of_each():
     assert heard[0][1] > heard[-1][1]
     assert np.allclose(found.voices[1], 0.2, atol=0.01)  # faded into one another without a dip
     assert [score.members for score in found.scores] == [(0,), (1,)]
+
+
+def test_a_period_in_which_the_array_has_turned_is_cut_also_when_nobody_has_moved():
+    heard = []
+
+    class Notes:
+        name = "notes"
+
+        def batch(self, spectrogram, scene):
+            heard.append(np.asarray(scene.tau))
+            return Groups(np.stack([spectrogram[0]] * 2), ((0,), (1,)), self.name)
+
+    stft, told = Stft(RATE, 512, 128), estimate(60, 150)
+    context = Context(SETTINGS, Tools(ThreeTalkers(), stft, Notes(), stft, Likes(1)))
+    context.tracker = SourceTracker(told, 0, stft, SPACING, SPEED, None, None)
+    headings = np.radians(np.repeat([0.0, 30.0], 200))
+    samples = np.full((2, 4 * RATE), 0.1, np.float32)
+    for turned, pieces in ((-1.0, 1), (2.0, 2)):
+        heard.clear()
+        context.tracker.turned = turned
+        recognise_moving(context, told, 0, Listening(math.radians(15), samples, 0.3, headings))
+        assert len(heard) == pieces
+    unit = SPACING / SPEED
+    assert heard[0] == pytest.approx(unit * np.cos(np.radians([60, 150])))
+    assert heard[1] == pytest.approx(unit * np.cos(np.radians([30, 120])))

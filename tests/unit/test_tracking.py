@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from ross_payload.alignment.predicted_gain import predicted_gain
-from ross_payload.alignment.realignment import Beliefs, sides, told, worth
+from ross_payload.alignment.realignment import Beliefs, told, worth
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.localization import tracking
 from ross_payload.localization.phase_statistics import FrameStatistics, silence, statistics
+from ross_payload.localization.talker_motion import AZIMUTHS
 
 SPACING, SPEED = 0.05, 343.0
 STEP = 0.25
@@ -34,7 +35,7 @@ def phases(azimuths, heading, rng, n=60):
 def follow(paths, seconds, heading=lambda time: 0.6, seed=0, silent=()):
     """Follow sources at paths [deg] (functions of time); those in ``silent`` say nothing; yields time and tracks."""
     rng = np.random.default_rng(seed)
-    tracks = tracking.begin(found(*(path(0.0) for path in paths)), SPACING, SPEED, seed)
+    tracks = tracking.begin(found(*(path(0.0) for path in paths)), SPACING, SPEED)
     for time in np.arange(STEP, seconds + STEP / 2, STEP):
         heard = [path(time - STEP / 2) for k, path in enumerate(paths) if k not in silent]
         now = phases(heard, heading(time), rng) if heard else silence(STEP)
@@ -45,7 +46,7 @@ def follow(paths, seconds, heading=lambda time: 0.6, seed=0, silent=()):
 def overheard(path, seconds, loud, heading=0.6, seed=0):
     """Follow a quiet source at a path [deg] beside a loud one at rest: it has a few bins in some steps only."""
     rng = np.random.default_rng(seed)
-    tracks = tracking.begin(found(loud, path(0.0)), SPACING, SPEED, seed)
+    tracks = tracking.begin(found(loud, path(0.0)), SPACING, SPEED)
     for number, time in enumerate(np.arange(STEP, seconds + STEP / 2, STEP)):
         both = [phases([loud], heading, rng, 120)]
         both += [phases([path(time - STEP / 2)], heading, rng, 24)] if number % 5 == 0 else []
@@ -55,6 +56,17 @@ def overheard(path, seconds, loud, heading=0.6, seed=0):
         bundle = np.zeros(sum(len(each.bundle) for each in both), np.intp)
         tracks = tracking.step(tracks, FrameStatistics(STEP, np.array([heading]), bundle, *joined))
         yield time, tracks
+
+
+def beliefs_of(tracks):
+    odds, ways = tracks.ways
+    return Beliefs(odds, ways, tracks.azimuths, tracks.spreads, tracks.elevations, 1.0)
+
+
+def odds_of(tracks, k, degrees, within=15.0):
+    """How likely source ``k`` is near an azimuth [deg]."""
+    off = np.abs(np.angle(np.exp(1j * (AZIMUTHS - math.radians(degrees)))))
+    return float(tracks.places[k][off < math.radians(within)].sum())
 
 
 def at(degrees):
@@ -148,30 +160,72 @@ def test_errors_are_as_large_as_sigma_says():
 def test_past_the_axis_both_sides_stay_possible_until_the_array_turns():
     turned = 6.0
     path = walk(40.0, 8.0)  # the axis points to 34 deg: it cannot be told which way the source has gone
-    doubts = []
     for time, tracks in follow([path, at(-100.0)], 9.0, heading=lambda time: 0.6 if time < turned else 0.25):
-        beliefs = Beliefs(tracking.AZIMUTHS, tracks.places, tracks.elevations, 1.0)
-        doubts.append(sides(beliefs, 0.6).doubt[0])
         if time == turned - STEP:
-            headings = 0.6 + np.radians([0.0, -20.0])
-            here, there = told(beliefs, 0.6, headings)
-            assert there > here + 1.0  # a turn would tell
-    assert max(doubts[12:23]) > 0.1
+            mirrored = 2 * math.degrees(0.6) - path(time)
+            assert odds_of(tracks, 0, path(time)) > 0.2
+            assert odds_of(tracks, 0, mirrored) > 0.02
+            here, there = told(beliefs_of(tracks), 0.6 + np.radians([0.0, -20.0]))
+            assert there > here + 0.5  # a turn would tell
     assert off(tracks, 0, path(time)) < 5.0
+    assert odds_of(tracks, 0, path(time)) > 0.9
+
+
+def test_of_two_with_one_delay_either_may_have_set_out_until_the_array_turns():
+    """Sources 1 and 2 are 50 degrees to either side of the axis, and 2 sets out; source 0 is the one listened to."""
+    axis, turned = 40.0, 5.0
+    path = walk(axis - 50.0, -8.0)
+    heading = lambda time: math.radians(axis if time < turned else axis + 25.0)  # noqa: E731
+    for time, tracks in follow([at(160.0), at(axis + 50.0), path], 8.0, heading=heading):
+        if time == turned - STEP:
+            stays = [odds_of(tracks, 1, axis + 50.0), odds_of(tracks, 2, axis - 50.0)]
+            assert min(stays) > 0.15
+            assert sum(stays) == pytest.approx(1.0, abs=0.2)
+            here, there = told(beliefs_of(tracks), np.radians([axis, axis + 25.0]))
+            assert there > here + 2.0
+    assert off(tracks, 2, path(time)) < 5.0
+    assert max(off(tracks, 0, 160.0), off(tracks, 1, axis + 50.0)) < 2.0
+    assert odds_of(tracks, 1, axis + 50.0) > 0.95
+
+
+def test_what_was_taken_for_sure_is_corrected_when_it_turns_out_wrong():
+    """A hypothesis is never so unlikely that a second or two in which it alone fits cannot bring it back."""
+    path, rng = walk(-10.0, -8.0), np.random.default_rng(0)
+    tracks = tracking.begin(found(160.0, 90.0, -10.0), SPACING, SPEED)
+    for time in np.arange(STEP, 5.0, STEP):
+        heading = math.radians(40.0 if time <= 3.0 else 65.0)  # either may have set out until the array turns
+        tracks = tracking.step(tracks, phases([160.0, 90.0, path(time - STEP / 2)], heading, rng))
+        if time == 3.0:
+            wrong = max(tracks.hypotheses, key=lambda each: (each.members == (1,)) * each.weight)
+            rest = [replace(each, weight=1e-9) for each in tracks.hypotheses if each is not wrong]
+            tracks = replace(tracks, hypotheses=(replace(wrong, weight=1.0), *rest))
+    assert off(tracks, 2, path(time)) < 6.0
+    assert off(tracks, 1, 90.0) < 3.0
+
+
+def test_those_at_rest_do_not_drift_while_somebody_walks_past_for_half_a_minute():
+    def to_and_fro(time):
+        return 100.0 - 40.0 * math.cos(2 * math.pi * time / 30.0)
+
+    errors = []
+    for _, tracks in follow([at(-20.0), to_and_fro, at(170.0)], 30.0, seed=3):
+        errors.append((off(tracks, 0, -20.0), off(tracks, 2, 170.0)))
+    assert np.sqrt(np.mean(np.square(errors), axis=0)).max() < 1.5
+    assert np.max(errors) < 5.0
 
 
 def test_where_everything_is_clear_a_heading_is_worth_the_predicted_gain():
     azimuths = np.radians([-30.0, 100.0, -150.0])
     tracks = tracking.begin(found(-30.0, 100.0, -150.0), SPACING, SPEED)
     headings = np.radians([60.0, 80.0, 110.0])
-    value = worth(Beliefs(tracking.AZIMUTHS, tracks.places, tracks.elevations, 1.0), 0, headings[0], headings)
+    value = worth(beliefs_of(tracks), 0, headings)
     gain = predicted_gain(azimuths, headings, directness=1.0)[0]
     assert np.allclose(value - value[0], gain - gain[0], atol=0.5)
 
 
 def test_the_same_frames_give_the_same_tracks():
     one, two = (list(follow([at(0.0), walk(90.0, 5.0)], 2.0))[-1][1] for _ in range(2))
-    assert np.array_equal(one.particles.azimuths, two.particles.azimuths)
+    assert np.array_equal(one.places, two.places)
 
 
 def test_nobody_is_followed_when_nobody_was_found():

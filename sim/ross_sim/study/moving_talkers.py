@@ -1,11 +1,12 @@
 """Talkers who move while the array listens: how well they are followed, and what that costs the target's voice.
 
-``python -m ross_sim.study.moving_talkers --speech DIR [--draws 6] [--seed S] [--settings S1,S2] [--speeds 5,10]``
+``python -m ross_sim.study.moving_talkers --speech DIR [--start explored] [--draws 6] [--seed S] [--settings S1,S2]``
 
-Every draw is a whole mission in lock-step: the array explores, turns to a talker and listens. From then on one talker
-walks to and fro in the gap between two others, at least 25 degrees away from both and 60 degrees to either side at
-most; the others stay. The same mission is flown again with a tracker that is told the true azimuths: what the target's
-voice loses against that is what tracking costs.
+Every draw is a whole mission in lock-step: the array is told the true azimuths, or explores (``--start explored``),
+turns to a talker and listens. From then on one talker walks to and fro in the gap between two others, at least
+25 degrees away from both and 60 degrees to either side at most; the others stay. The same mission is flown again with a
+tracker that is told the true azimuths all the time: what the target's voice loses against that is what tracking costs.
+With ``--known FOLDER`` such missions are flown once, and what they gave is kept there.
 
 Whoever is nearest is listened to (the voice print accepts everybody), so that the figures are about tracking alone.
 """
@@ -26,6 +27,9 @@ from ross_payload.angles import difference, wrap
 from ross_payload.config import validated
 from ross_payload.events import Event, OrientationHeard
 from ross_payload.interfaces import Input, Real
+from ross_payload.localization.talker_motion import RATES, around
+from ross_payload.localization.track_hypotheses import Hypothesis
+from ross_payload.localization.tracking import PLACE
 from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.voiceprint import enrol
 from ross_payload.voiceprint.model_folder import ModelFolder
@@ -39,18 +43,34 @@ from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of
 
 RATE = 16000  # [Hz]
-SETS_OUT, WALKS = 45.0, 60.0  # when somebody sets out, and for how long [s]
+SETS_OUT = {"true": 12.0, "explored": 45.0}  # when somebody sets out, by what is known at the start [s]
+WALKS = 60.0  # for how long [s]
 APART, WIDEST = 25.0, 60.0  # from the neighbours at least, and to either side at most [deg]
 ANYBODY = -1e6  # criterion of a voice print that accepts everybody
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One mission that is flown: where, how fast somebody walks, and what is known at the start."""
+
+    setting: str
+    speed_deg_s: float
+    seed: int
+    k: int = 3
+    start: str = "true"  # azimuths are told, or "explored"
+
+    @property
+    def sets_out(self) -> float:
+        """When somebody sets out [s]."""
+        return SETS_OUT[self.start]
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
     """One mission, and the same with known azimuths."""
 
-    setting: str
-    speed_deg_s: float
-    seed: int
+    case: Case
+    walker: str  # name
     walker_is_target: bool
     walker_rms_deg: float  # of the azimuth while it walks
     others_rms_deg: float
@@ -70,17 +90,18 @@ class Row:
 class Counter(MissionView):
     """Counts explorations and small turns from the time on at which somebody sets out."""
 
-    def __init__(self) -> None:
+    def __init__(self, since: float) -> None:
+        self.since = since
         self.explorations = self.turns = 0
 
     def on_event(self, event: Event, hop: Input) -> None:
         """Count."""
-        if event.time >= SETS_OUT:
+        if event.time >= self.since:
             self.explorations += isinstance(event, OrientationHeard) and event.index == 0
             self.turns += getattr(event, "reason", "") == "sources have moved"
 
 
-def told(truth: Callable[[float], Real]) -> type[SourceTracker]:
+def told(truth: Callable[[float], Real], sets_out: float) -> type[SourceTracker]:
     """Return a tracker that is told the true azimuth of every source at a mission time [s]."""
 
     class ToldTracker(SourceTracker):
@@ -89,90 +110,101 @@ def told(truth: Callable[[float], Real]) -> type[SourceTracker]:
         def corrected(self, time: float) -> None:
             """Take the truth for what was heard."""
             SourceTracker.corrected(self, time)
-            now, soon = truth(time), truth(time + 0.1)
+            now, soon = truth(time - self.behind), truth(time - self.behind + 0.1)
             near = np.abs(difference(np.array([s.azimuth for s in self.anchor.sources])[:, None], truth(0.0))).argmin(1)
-            shape = self.tracks.particles.rates.shape
-            self.tracks = replace(
-                self.tracks,
-                particles=replace(
-                    self.tracks.particles,
-                    azimuths=np.broadcast_to(now[near], shape).copy(),
-                    rates=np.broadcast_to(difference(soon, now)[near] * 10, shape).copy(),
-                ),
-            )
-            self.moved = [bool(time >= SETS_OUT)] * self.anchor.k
+            rates = np.abs(RATES - difference(soon, now)[near, None] * 10).argmin(axis=1)
+            left = {
+                k: np.outer(np.eye(len(RATES))[rates[k]], around(float(now[near[k]]), PLACE)) for k in range(len(near))
+            }
+            self.tracks = replace(self.tracks, hypotheses=(Hypothesis(1.0, left, np.ones(len(near))),))
+            self.moved = [bool(time >= sets_out)] * self.anchor.k
 
     return ToldTracker
 
 
-def staged(setting: str, speed: float, k: int, rng: np.random.Generator) -> tuple[Scenario, int]:
+def staged(case: Case, rng: np.random.Generator) -> tuple[Scenario, int]:
     """Draw a layout; return the scenario and who walks: the one with the widest gap between its neighbours."""
-    azimuths = np.rad2deg(spread(k, rng))
-    gaps = [np.sort((np.delete(azimuths, i) - azimuths[i]) % 360) for i in range(k)]
+    azimuths = np.rad2deg(spread(case.k, rng))
+    gaps = [np.sort((np.delete(azimuths, i) - azimuths[i]) % 360) for i in range(case.k)]
     walker = int(np.argmax([gap[0] + 360 - gap[-1] for gap in gaps]))
     ends = min(gaps[walker][0] - APART, WIDEST), max(gaps[walker][-1] - 360 + APART, -WIDEST)
     talkers: list[dict[str, object]] = [{"azimuth_deg": float(azimuth)} for azimuth in azimuths]
-    path, time, off = [{"at_s": SETS_OUT, "azimuth_deg": float(azimuths[walker])}], SETS_OUT, 0.0
-    while time < SETS_OUT + WALKS + 20:
+    path, time, off = [{"at_s": case.sets_out, "azimuth_deg": float(azimuths[walker])}], case.sets_out, 0.0
+    while time < case.sets_out + WALKS + 20:
         goal = ends[0] if len(path) % 2 else ends[1]
-        time, off = time + abs(goal - off) / speed, goal
+        time, off = time + abs(goal - off) / case.speed_deg_s, goal
         path.append({"at_s": time, "azimuth_deg": float(azimuths[walker] + off)})
     talkers[walker]["path"] = path
-    room = SETTINGS[setting]
+    room = SETTINGS[case.setting]
+    payload: dict[str, object] = {
+        "audio": {"rate_hz": RATE},
+        "explore": {"min_rotations": 4, "max_rotations": 6},
+        "exploit": {"runs": 7, "criterion": ANYBODY},
+    }
+    if case.start == "true":
+        payload["informed"] = {"azimuths_deg": azimuths.tolist()}
     values = {
-        "title": f"{setting}, {speed:g} deg/s",
+        "title": f"{case.setting}, {case.speed_deg_s:g} deg/s",
         "room": {"size_m": room.size, "t60_s": room.t60},
         "talkers": talkers,
         "noise": {"snr_db": 15},
-        "payload": {
-            "audio": {"rate_hz": RATE},
-            "explore": {"min_rotations": 4, "max_rotations": 6},
-            "exploit": {"runs": 7, "criterion": ANYBODY},
-        },
+        "payload": payload,
     }
     return validated(Scenario, values, "study"), walker
 
 
-def row(setting: str, speed: float, k: int, seed: int, voices: Sequence[TalkerVoice]) -> Row:
-    """Fly one mission twice."""
-    rng = np.random.default_rng([seed, k])
-    scenario, walker = staged(setting, speed, k, rng)
-    chosen = tuple(voices[int(i)] for i in rng.choice(len(voices), k, replace=False))
-    payload = scenario.payload.model_copy(update={"seed": seed})
+def row(case: Case, voices: Sequence[TalkerVoice], kept: Path | None = None) -> Row:
+    """Fly one mission twice; what known azimuths give is kept in a folder, where there is one."""
+    rng = np.random.default_rng([case.seed, case.k])
+    scenario, walker = staged(case, rng)
+    chosen = tuple(voices[int(i)] for i in rng.choice(len(voices), case.k, replace=False))
+    payload = scenario.payload.model_copy(update={"seed": case.seed})
     scenario = scenario.model_copy(update={"payload": payload})
     model = ModelFolder.default().in_use(payload.voice_print.model)
     company = TalkerSelection(chosen, chosen[0].name, enrol(chosen[0].enrolment, chosen[0].rate, model))
-
-    def truth(time: float) -> Real:
-        return np.array([wrap(float(azimuth)) for azimuth in scenario.azimuths_at(np.array([time]))[:, 0]])
-
-    counter = Counter()
+    counter, name = Counter(case.sets_out), chosen[walker].name
     heard = perform(scenario, company, counter, None, None)
-    known = perform(scenario, company, MissionView(), None, None, tracker=told(truth))
-    name = chosen[walker].name
-    tracks = [each for each in heard.report["tracks"] if SETS_OUT <= each["time_s"] <= SETS_OUT + WALKS]
+    tracks = [each for each in heard.report["tracks"] if 0 <= each["time_s"] - case.sets_out <= WALKS]
     mine = np.array([[t["azimuth_error_deg"], t["sigma_deg"]] for t in tracks if t["name"] == name]).reshape(-1, 2)
     rest = np.array([t["azimuth_error_deg"] for t in tracks if t["name"] not in (name, None)])
     target: list[str] = next((p["talkers"] for p in heard.report["periods"]), [])
     return Row(
-        setting=setting,
-        speed_deg_s=speed,
-        seed=seed,
+        case=case,
+        walker=name,
         walker_is_target=target == [name],
         walker_rms_deg=_rms(mine[:, 0]),
         others_rms_deg=_rms(rest),
         normalised=_rms(mine[:, 0] / mine[:, 1]),
         turns=counter.turns,
         explorations=counter.explorations,
-        si_sdr_db=quality(heard),
-        known_si_sdr_db=quality(known),
+        si_sdr_db=quality(heard, case),
+        known_si_sdr_db=_known(case, scenario, company, kept),
         followed=float(np.mean(np.abs(mine[:, 0]) < 15.0)) if len(mine) else math.nan,
     )
 
 
-def quality(mission: Finished) -> float:
+def _known(case: Case, scenario: Scenario, company: TalkerSelection, kept: Path | None) -> float:
+    """Mean SI-SDR [dB] of the target with a tracker that is told where everybody is."""
+    names = "-".join(voice.name for voice in company.voices)
+    setting, speed, seed = case.setting, case.speed_deg_s, case.seed
+    file = None if kept is None else kept / f"{setting}-{speed:g}-{seed}-{case.start}-{names}.json"
+    if file is not None and file.exists():
+        return float(json.loads(file.read_text()))
+
+    def truth(time: float) -> Real:
+        return np.array([wrap(float(azimuth)) for azimuth in scenario.azimuths_at(np.array([time]))[:, 0]])
+
+    mission = perform(scenario, company, MissionView(), None, None, tracker=told(truth, case.sets_out))
+    found = quality(mission, case)
+    if file is not None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps(found))
+    return found
+
+
+def quality(mission: Finished, case: Case) -> float:
     """Mean SI-SDR [dB] of the target over the periods while somebody walks."""
-    periods = [each for each in mission.report["periods"] if SETS_OUT < each["time_s"] <= SETS_OUT + WALKS + 10]
+    periods = [each for each in mission.report["periods"] if 0 < each["time_s"] - case.sets_out <= WALKS + 10]
     values = [each["si_sdr_db"] for each in periods if each["si_sdr_db"] is not None]
     return float(np.mean(values)) if values else math.nan
 
@@ -184,8 +216,8 @@ def table(rows: Sequence[Row]) -> list[str]:
         "| new explorations | lost [dB] | median |",
         "| --- " * 11 + "|",
     ]
-    for setting, speed in dict.fromkeys((each.setting, each.speed_deg_s) for each in rows):
-        some = [each for each in rows if (each.setting, each.speed_deg_s) == (setting, speed)]
+    for setting, speed in dict.fromkeys((each.case.setting, each.case.speed_deg_s) for each in rows):
+        some = [each for each in rows if (each.case.setting, each.case.speed_deg_s) == (setting, speed)]
         errors, lost = np.array([each.walker_rms_deg for each in some]), np.array([each.lost_db for each in some])
         cells = [
             f"{setting}, {speed:g} deg/s",
@@ -212,11 +244,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Print one line per mission, and the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, help="folder of recordings; default: synthetic voices")
+    parser.add_argument("--start", choices=SETS_OUT, default="true", help="azimuths are told, or explored first")
     parser.add_argument("--draws", type=int, default=6)
     parser.add_argument("--seed", type=int, default=0, help="of the first draw; the next have the next seeds")
     parser.add_argument("--settings", default="S1,S2", help="rooms, separated by commas")
     parser.add_argument("--speeds", default="5,10", help="[deg/s], separated by commas")
     parser.add_argument("--talkers", type=int, default=3)
+    parser.add_argument("--known", type=Path, help="folder where missions with known azimuths are kept")
     parser.add_argument("--json", type=Path, help="also write the rows there")
     asked = parser.parse_args(arguments)
     voices = voices_of(asked.speech, RATE)
@@ -224,7 +258,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for setting in asked.settings.split(","):
         for speed in map(float, asked.speeds.split(",")):
             for seed in range(asked.seed, asked.seed + asked.draws):
-                rows.append(row(setting, speed, asked.talkers, seed, voices))
+                rows.append(row(Case(setting, speed, seed, asked.talkers, asked.start), voices, asked.known))
                 sys.stdout.write(f"{rows[-1]}\n")
                 sys.stdout.flush()
     sys.stdout.write("\n".join(table(rows)) + "\n")

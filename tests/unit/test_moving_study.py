@@ -1,0 +1,59 @@
+"""The study of talkers who move: what is known at the start, who walks where, and what its table says."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ross_sim.study.moving_talkers import APART, WALKS, Case, Row, staged, table
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_true_azimuths_are_told_and_are_those_of_the_talkers(seed):
+    case = Case("S1", 10.0, seed)
+    scenario, _ = staged(case, np.random.default_rng([seed, 3]))
+    told = scenario.payload.informed.azimuths_deg
+    assert told == pytest.approx([talker.azimuth_deg for talker in scenario.talkers])
+
+
+def test_an_exploration_is_told_nothing_of_the_same_layout():
+    layouts = [staged(Case("S2", 5.0, 4, start=start), np.random.default_rng(4))[0] for start in ("true", "explored")]
+    assert layouts[1].payload.informed is None
+    assert [t.azimuth_deg for t in layouts[0].talkers] == [t.azimuth_deg for t in layouts[1].talkers]
+
+
+@pytest.mark.parametrize("speed", [5.0, 10.0])
+def test_one_walks_at_its_speed_and_away_from_the_others(speed):
+    case = Case("S1", speed, 1)
+    scenario, walker = staged(case, np.random.default_rng([1, 3]))
+    times = np.arange(0.0, case.sets_out + WALKS, 0.1)
+    azimuths = np.degrees(scenario.azimuths_at(times))
+    rates = np.abs(np.diff(azimuths, axis=1)) * 10
+    assert rates[walker, times[1:] < case.sets_out].max() == 0
+    assert np.median(rates[walker, times[1:] > case.sets_out + 0.1]) == pytest.approx(speed, abs=1e-6)
+    others = np.delete(azimuths, walker, axis=0)
+    assert np.ptp(others, axis=1).max() == 0
+    assert np.abs((azimuths[walker] - others + 180) % 360 - 180).min() > APART - 1e-6
+
+
+def test_the_table_has_a_line_for_every_room_and_speed_with_the_rms_over_missions():
+    def row(setting, seed, rms, known):
+        return Row(
+            case=Case(setting, 5.0, seed),
+            walker="somebody",
+            walker_is_target=False,
+            walker_rms_deg=rms,
+            others_rms_deg=0.0,
+            normalised=1.0,
+            turns=4,
+            explorations=0,
+            si_sdr_db=8.0,
+            known_si_sdr_db=known,
+            followed=1.0,
+        )
+
+    lines = table([row("S1", 0, 3.0, 9.0), row("S1", 1, 4.0, 10.0), row("S2", 0, 2.0, 8.0)])
+    assert len(lines) == 4
+    cells = [cell.strip() for cell in lines[2].split("|")[1:-1]]
+    assert cells[:3] == ["S1, 5 deg/s", "2", f"{math.sqrt(12.5):.1f}"]
+    assert cells[-2:] == ["1.5", "1.5"]
