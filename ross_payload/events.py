@@ -50,7 +50,7 @@ class SourceEstimate:
 
     azimuth: float  # [rad]
     sigma: float  # one standard deviation of the azimuth [rad]
-    confidence: float  # probability that somebody is within 10 deg, 0 to 1
+    confidence: float  # probability that a talker is within 10 deg, 0 to 1
     resolved: bool  # front told from back
     weight: float = 0.0  # share of the evidence, 0 to 1
     elevation: float | None = None  # [rad], None: not told from 0; the sign is taken, not heard

@@ -11,6 +11,7 @@ import pytest
 import soundfile
 
 from command_line import called
+from ports import free_port
 from ross_payload.audio.sinks import SinkServices, checked_options, info_of, make_sink, sdp_server
 from ross_payload.audio.sinks.sdp_server import MOST_CLIENTS, SdpServer
 from ross_payload.config import Config, validated
@@ -171,8 +172,7 @@ class Streams:
 
 
 def test_a_payload_serves_descriptions_where_its_configuration_says_so(caplog):
-    with ear() as sock:
-        port = sock.getsockname()[1]
+    port = free_port()
     config = validated(Config, {"listening": {"sdp_port": port}}, "it")
     with described(Streams(), config):
         with urllib.request.urlopen(f"http://127.0.0.1:{port}/stream-1.sdp", timeout=30) as answer:
@@ -188,8 +188,7 @@ def test_a_payload_serves_descriptions_where_its_configuration_says_so(caplog):
 
 @pytest.mark.parametrize("codec", ["opus", "L16"])
 def test_a_stream_is_listened_to_by_its_session_description(tmp_path, monkeypatch, capsys, codec):
-    with ear() as sock:
-        port = sock.getsockname()[1]
+    port = free_port()
     out = tmp_path / "heard.flac"
     with (
         opened(port, tmp_path, codec=codec) as sink,

@@ -43,7 +43,7 @@ def explorations():
                 yield Exploration(
                     f"{setting}-{explorer}", setting, 3, 0, 0, "0.1", 0, 0.0, explorer, 3.0, r, 15.0 * r,
                     ("anna", "ben", "cleo"), (170.0, 70.0, -50.0), found, tuple(1.0 for _ in found),
-                    errors, len(found), bool(r), r >= 3, None,
+                    tuple(0.9 for _ in found), errors, len(found), bool(r), r >= 3, None,
                 )  # fmt: skip
 
 

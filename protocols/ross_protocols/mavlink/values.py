@@ -151,7 +151,7 @@ class Source:
     count: int  # K
     azimuth: float  # [rad]
     sigma: float  # [rad]
-    confidence: float  # probability that somebody is within 10 deg
+    confidence: float  # probability that a talker is within 10 deg
     weight: float  # 0 to 1
     earth: bool
     resolved: bool

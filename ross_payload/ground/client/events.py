@@ -27,7 +27,7 @@ class SourceEstimate:
     azimuth_deg: float
     mirror_deg: float | None  # where it may be instead; None: it is told from its mirror image
     sigma_deg: float
-    confidence: float  # probability that somebody is within 10 deg
+    confidence: float  # probability that a talker is within 10 deg
     earth: bool  # azimuths count from north
     target: bool  # the enrolled voice
     rate_deg_s: float | None = None  # of the azimuth, clockwise; None: it is not tracked

@@ -48,7 +48,7 @@ def _right(rows: Sequence[Exploration]) -> str:
 
 
 def reliability(rows: Sequence[Exploration]) -> Table:
-    """Mean confidence and share of sources that are somebody, by confidence, after the last rotation."""
+    """Mean confidence and share of sources that are talkers, by confidence, after the last rotation."""
     told, true = sources(last(rows))
     lines = []
     for low, high in pairwise(EDGES):
@@ -58,8 +58,8 @@ def reliability(rows: Sequence[Exploration]) -> Table:
                 (f"{low:g} to {high:g}", f"{told[here].mean():.3f}", rate_cell(int(true[here].sum()), int(here.sum())))
             )
     lines.append(("all", f"{told.mean():.3f}", rate_cell(int(true.sum()), len(true))))
-    about = f"Sources by confidence; a source is somebody when a talker of its own is within {NEAR_DEG:g} deg."
-    return Table("Confidence", ("confidence", "mean", "somebody there"), tuple(lines), about)
+    about = f"Sources by confidence; a source counts as a talker when one of its own is within {NEAR_DEG:g} deg."
+    return Table("Confidence", ("confidence", "mean", "a talker there"), tuple(lines), about)
 
 
 def sources(rows: Sequence[Exploration]) -> tuple[Real, Real]:
