@@ -3,6 +3,7 @@
 from contextlib import contextmanager
 
 import pytest
+from playwright.sync_api import expect
 
 from browsing import eventually
 from emulated_log import log
@@ -59,7 +60,7 @@ def test_who_has_control_is_seen_by_the_other_and_anybody_stops(fly, open_page):
         sees(one, "You have control", ".control")
         sees(two, "has control", ".control")
         assert "You" not in two.locator(".control").text_content()
-        assert two.get_by_role("button", name="Explore").is_disabled()
+        expect(two.get_by_role("button", name="Explore")).to_be_disabled()
         two.get_by_role("button", name="Take control").click()
         sees(two, "You have control", ".control")
         eventually(one, lambda: one.get_by_role("button", name="Explore").is_disabled())

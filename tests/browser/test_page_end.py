@@ -1,6 +1,7 @@
 """When telemetry ends: nothing on the page says that all is well, and a simulation that is over says so."""
 
 import pytest
+from playwright.sync_api import expect
 
 from browsing import eventually
 from fleet_bench import FleetThread
@@ -45,9 +46,9 @@ def test_a_simulation_that_has_ended_has_nothing_to_stop_and_says_so(simulated, 
     sees(page, OVER, "#ended")
     assert page.locator(".brand .tag").inner_text() == "Ended"
     assert page.locator("#no-telemetry").count() == 0
-    assert page.get_by_role("button", name="Explore", exact=True).is_disabled()
+    expect(page.get_by_role("button", name="Explore", exact=True)).to_be_disabled()
     assert "nothing is streamed any more" in page.locator(LISTEN).inner_text()
-    assert page.get_by_role("button", name="Listen", exact=True).is_disabled()
+    expect(page.get_by_role("button", name="Listen", exact=True)).to_be_disabled()
     stop = page.get_by_role("button", name="Stop: nothing is running")
     assert stop.get_attribute("aria-disabled") == "true"
     stop.click(force=True)  # a click on it is not lost: it says why

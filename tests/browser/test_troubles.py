@@ -92,7 +92,7 @@ def test_what_is_odd_is_told_in_words(lone, open_page):
 def test_nobody_heard_says_what_to_look_at(alone, open_page):
     page = open_page(alone.url)
     page.get_by_text("No payload found.").wait_for()
-    assert page.get_by_role("button", name="Stop", exact=True).is_enabled()
+    expect(page.get_by_role("button", name="Stop", exact=True)).to_be_enabled()
 
 
 def test_a_dropped_log_is_played_and_compared(alone, open_page, tmp_path):

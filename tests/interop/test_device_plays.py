@@ -39,8 +39,10 @@ def test_what_it_plays_arrives_whole_and_soon_and_again_after_the_server_was_kil
         count = int(player.stdout.read())
         reader.join()
     said = [line.strip() for line in log if line.startswith("stream 0")]
-    assert said[0] == "stream 0: the sound output 'pulse' was disconnected"
-    assert said[1].startswith("stream 0: works again after ")
-    assert len(said) == 2, said
+    killed = said.index(
+        "stream 0: the sound output 'pulse' was disconnected"
+    )  # a busy computer may open it late before
+    assert said[killed + 1].startswith("stream 0: works again after ")
+    assert len(said) == killed + 2, said
     assert count > 300, "whoever writes goes on"
     assert "Traceback" not in "".join(log)
