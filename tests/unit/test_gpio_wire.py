@@ -118,6 +118,14 @@ def test_more_segments_than_the_library_takes_wait_for_room(gpio: FakeLgpio, por
     assert sum(level for _, line, level in gpio.edges if line == PulseLine.STEP) == 25
 
 
+def test_torque_that_comes_on_late_is_no_underrun(port: GpioPulses, clock: SimClock) -> None:
+    port.send(segment(0.0, 0.01, *pulse(0.0)))
+    clock.sleep(0.05)
+    port.send(segment(0.01, 0.01, (0.0, PulseLine.ENABLE, False)))
+    clock.sleep(0.05)
+    assert port.receive() == [Played(0.01), Played(0.02)]
+
+
 def test_a_stream_that_ran_dry_takes_no_step_until_it_is_told_anew(
     gpio: FakeLgpio, port: GpioPulses, clock: SimClock
 ) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from ross_payload.actuators.registry import checked_options
-from ross_payload.actuators.tb6600.pulse_segments import EDGE, PulseLine, Segment
+from ross_payload.actuators.tb6600.pulse_segments import EDGE, PulseLine, RanOut, Segment
 from ross_payload.config import Config
 from ross_sim.devices.stepper import Motor
 from ross_sim.devices.tb6600_far_end import Tb6600FarEnd, far_end
@@ -103,6 +103,15 @@ def test_edges_handed_over_late_are_noticed() -> None:
     module.port.send(segment_of([*UP, *PULSE]))
     module.advance(3.0)
     assert module.violations[0].rule == "handed over late"
+    assert any(isinstance(report, RanOut) for report in module.port.receive())
+
+
+def test_torque_that_comes_on_late_loses_no_position() -> None:
+    module = played([])
+    module.port.send(segment_of([(0.0, PulseLine.ENABLE, True), (0.0, PulseLine.ENABLE, False), *UP]))
+    module.advance(3.0)
+    assert module.violations == ()
+    assert not any(isinstance(report, RanOut) for report in module.port.receive())
 
 
 def played(*parts: Iterable[Any]) -> Tb6600FarEnd:

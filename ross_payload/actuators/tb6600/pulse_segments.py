@@ -49,6 +49,11 @@ class Segment:
         return self.start + self.duration
 
 
+def takes_steps(segment: Segment) -> bool:
+    """Whether any edge of a segment is a step: only then can the position be lost when it comes too late."""
+    return bool(((segment.edges["line"] == PulseLine.STEP) & segment.edges["level"]).any())
+
+
 def without_steps(segment: Segment) -> Segment:
     """Return what is left of a segment that came too late: every level that it sets, and no new step."""
     edges = segment.edges

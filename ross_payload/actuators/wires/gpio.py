@@ -133,7 +133,8 @@ class GpioPulses:
         dry = not (self._playing or self._waiting)
         continues = abs(segment.start - self._end) < 1e-9
         self._end = segment.end
-        if dry and continues and len(segment.edges) and self._clock.now() > segment.start + LATE:
+        too_late = continues and self._clock.now() > segment.start + LATE
+        if dry and too_late and pulse_segments.takes_steps(segment):
             self._reports.append(pulse_segments.RanOut(segment.end))
             segment = pulse_segments.without_steps(segment)
         if dry:

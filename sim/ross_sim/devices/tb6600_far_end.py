@@ -112,9 +112,9 @@ class Tb6600FarEnd:
             self._arrived(*self._underway.popleft())
 
     def _arrived(self, arrival: float, segment: pulse_segments.Segment) -> None:
-        """Line up the edges; a segment that comes after its time takes no step, and is reported."""
+        """Line up the edges; steps that come after their time are not taken, and that is reported."""
         late = arrival - segment.start - float(segment.edges["time"][0]) if len(segment.edges) else 0.0
-        if late > 1e-9:
+        if late > 1e-9 and pulse_segments.takes_steps(segment):
             self._inputs.late(late, arrival)
             self.port.report(pulse_segments.RanOut(segment.end))
             segment = pulse_segments.without_steps(segment)
