@@ -21,7 +21,6 @@ from ross_payload.interfaces import Services
 from ross_payload.mavlink import Router
 
 PERIOD = 0.010  # of the pump [s]
-LOST = "the position is lost"  # until it is homed
 
 
 class Process:
@@ -77,8 +76,8 @@ class Driver:
             time.sleep(0.005)
 
     def ready(self) -> None:
-        """Wait until it may be moved; home it when it has to be, as after pulses that a pause of the computer lost."""
-        self.until(lambda: self.actuator.state().healthy or LOST in self.actuator.state().fault)
+        """Wait until it may be moved; home it when it has to be."""
+        self.until(lambda: self.actuator.state().healthy)
         if not self.actuator.state().homed:
             self.actuator.home()
         self.until(lambda: self.actuator.state().homed and self.actuator.state().settled, 30.0)
