@@ -39,9 +39,7 @@ def test_what_it_plays_arrives_whole_and_soon_and_again_after_the_server_was_kil
         count = int(player.stdout.read())
         reader.join()
     said = [line[line.index("stream 0") :].strip() for line in log if "stream 0" in line]  # libraries end no line
-    killed = said.index(
-        "stream 0: the sound output 'pulse' was disconnected"
-    )  # a busy computer may open it late before
+    killed = said.index("stream 0: the sound output 'pulse' was disconnected")  # before, it may have opened late
     assert said[killed + 1].startswith("stream 0: works again after ")
     assert len(said) == killed + 2, said
     assert count > 300, "whoever writes goes on"
