@@ -57,3 +57,8 @@ def test_the_table_has_a_line_for_every_room_and_speed_with_the_rms_over_mission
     cells = [cell.strip() for cell in lines[2].split("|")[1:-1]]
     assert cells[:3] == ["S1, 5 deg/s", "2", f"{math.sqrt(12.5):.1f}"]
     assert cells[-2:] == ["1.5", "1.5"]
+
+
+def test_the_tracker_alone_has_no_loss_in_the_table():
+    alone = Row(Case("S1", 5.0, 0), "somebody", False, 3.0, 0.0, 1.0, 4, 0, math.nan, math.nan, 1.0)
+    assert [cell.strip() for cell in table([alone])[2].split("|")[-3:-1]] == ["-", "-"]

@@ -7,6 +7,8 @@ turns to a talker and listens. From then on one talker walks to and fro in the g
 25 degrees away from both and 60 degrees to either side at most; the others stay. The same mission is flown again with a
 tracker that is told the true azimuths all the time: what the target's voice loses against that is what tracking costs.
 With ``--known FOLDER`` such missions are flown once, and what they gave is kept there.
+With ``--tracker-alone`` every mission is flown once, and separated by the cheapest separator: nothing that is separated
+acts on the tracks, since every score is accepted.
 
 Whoever is nearest is listened to (the voice print accepts everybody), so that the figures are about tracking alone.
 """
@@ -153,12 +155,18 @@ def staged(case: Case, rng: np.random.Generator) -> tuple[Scenario, int]:
     return validated(Scenario, values, "study"), walker
 
 
-def row(case: Case, voices: Sequence[TalkerVoice], kept: Path | None = None) -> Row:
-    """Fly one mission twice; what known azimuths give is kept in a folder, where there is one."""
+def row(case: Case, voices: Sequence[TalkerVoice], kept: Path | None = None, *, alone: bool = False) -> Row:
+    """Fly one mission twice; what known azimuths give is kept in a folder, where there is one.
+
+    For the tracker ``alone`` it is flown once, and there is no SI-SDR.
+    """
     rng = np.random.default_rng([case.seed, case.k])
     scenario, walker = staged(case, rng)
     chosen = tuple(voices[int(i)] for i in rng.choice(len(voices), case.k, replace=False))
-    payload = scenario.payload.model_copy(update={"seed": case.seed})
+    exploit = scenario.payload.exploit
+    if alone:
+        exploit = exploit.model_copy(update={"separator": "duet"})
+    payload = scenario.payload.model_copy(update={"seed": case.seed, "exploit": exploit})
     scenario = scenario.model_copy(update={"payload": payload})
     model = ModelFolder.default().in_use(payload.voice_print.model)
     company = TalkerSelection(chosen, chosen[0].name, enrol(chosen[0].enrolment, chosen[0].rate, model))
@@ -177,8 +185,8 @@ def row(case: Case, voices: Sequence[TalkerVoice], kept: Path | None = None) -> 
         normalised=_rms(mine[:, 0] / mine[:, 1]),
         turns=counter.turns,
         explorations=counter.explorations,
-        si_sdr_db=quality(heard, case),
-        known_si_sdr_db=_known(case, scenario, company, kept),
+        si_sdr_db=math.nan if alone else quality(heard, case),
+        known_si_sdr_db=math.nan if alone else _known(case, scenario, company, kept),
         followed=float(np.mean(np.abs(mine[:, 0]) < 15.0)) if len(mine) else math.nan,
     )
 
@@ -229,8 +237,7 @@ def table(rows: Sequence[Row]) -> list[str]:
             f"{_rms(np.array([each.normalised for each in some])):.2f}",
             f"{np.mean([each.turns for each in some]):.1f}",
             f"{sum(each.explorations for each in some)}",
-            f"{np.mean(lost):.1f}",
-            f"{np.median(lost):.1f}",
+            *("-" if np.isnan(lost).all() else f"{value:.1f}" for value in (np.mean(lost), np.median(lost))),
         ]
         lines.append(f"| {' | '.join(cells)} |")
     return lines
@@ -251,6 +258,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--speeds", default="5,10", help="[deg/s], separated by commas")
     parser.add_argument("--talkers", type=int, default=3)
     parser.add_argument("--known", type=Path, help="folder where missions with known azimuths are kept")
+    parser.add_argument("--tracker-alone", action="store_true", help="fly once: what is lost is not measured")
     parser.add_argument("--json", type=Path, help="also write the rows there")
     asked = parser.parse_args(arguments)
     voices = voices_of(asked.speech, RATE)
@@ -258,7 +266,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for setting in asked.settings.split(","):
         for speed in map(float, asked.speeds.split(",")):
             for seed in range(asked.seed, asked.seed + asked.draws):
-                rows.append(row(Case(setting, speed, seed, asked.talkers, asked.start), voices, asked.known))
+                case = Case(setting, speed, seed, asked.talkers, asked.start)
+                rows.append(row(case, voices, asked.known, alone=asked.tracker_alone))
                 sys.stdout.write(f"{rows[-1]}\n")
                 sys.stdout.flush()
     sys.stdout.write("\n".join(table(rows)) + "\n")
