@@ -103,6 +103,16 @@ class Vehicle(Table):
         return Yaw(-math.radians(self.yaw_deg), math.radians(self.amplitude_deg), math.radians(self.rate_deg_s))
 
 
+class Microphones(Table):
+    """[microphones]: what the array truly is, where that is not what the payload is told; what is absent is."""
+
+    spacing_m: Annotated[float, Field(ge=0.005, le=1.0)] | None = None
+    offset_deg: Degrees | None = None  # as offset_deg of [array]
+    gain_db: tuple[Decibels, Decibels] = (0.0, 0.0)  # of microphones 1 and 2, before the payload's own
+    invert: tuple[bool, bool] = (False, False)  # their polarity
+    swapped: bool = False  # their cables
+
+
 class Scenario(Table):
     """The whole file."""
 
@@ -112,6 +122,7 @@ class Scenario(Table):
     room: Room = Room()
     talkers: tuple[Talker, ...]
     noise: Noise = Noise()
+    microphones: Microphones | None = Field(default=None, exclude_if=lambda value: value is None)
     vehicle: Vehicle | None = None  # absent: the mount stands still
     troubles: tuple[Trouble, ...] = ()
 
@@ -126,6 +137,18 @@ class Scenario(Table):
         except ConfigError as error:
             raise ValueError(str(error)) from error
         return self
+
+    @property
+    def spacing(self) -> float:
+        """The true distance between the microphones [m]."""
+        told = None if self.microphones is None else self.microphones.spacing_m
+        return self.payload.array.spacing_m if told is None else told
+
+    @property
+    def offset(self) -> float:
+        """The true offset of the array's axis [rad]."""
+        told = None if self.microphones is None else self.microphones.offset_deg
+        return self.payload.offset if told is None else math.radians(told)
 
     def spec(self) -> RoomSpec:
         """Return the room with every talker in place.
@@ -213,7 +236,7 @@ class Scenario(Table):
             t60=self.room.t60_s,
             rate=self.payload.audio.rate_hz,
             array_centre=self.centre(),
-            spacing=self.payload.array.spacing_m,
+            spacing=self.spacing,
             sources=tuple(sources),
             speed_of_sound=self.payload.array.speed_of_sound_m_s,
         )
