@@ -22,6 +22,7 @@ HIGHEST = 8000.0  # [Hz]
 BELOW_HALF = 0.95  # of half the rate: converters cut off what is above
 PIECE = 16  # frames that are added at once: no sum of them takes long
 FULL = 1 - 2**-15  # what a 16-bit converter says at full scale
+HEARD = 0.05  # mean share of the power that both microphones have in common where a sound is heard
 TINY = 1e-20
 
 

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ross_payload.angles import wrap
-from ross_payload.calibration.cross_spectrum import HeadingSpectrum
+from ross_payload.calibration.cross_spectrum import HEARD, HeadingSpectrum
 from ross_payload.calibration.turn_fit import Turn, TurnFit, fit, second_source
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
 
 FEWEST = 6  # headings
 STEADY = 2 / 3  # share of the headings at which the sound must be heard
-HEARD = 0.05  # mean share of the power that both microphones have in common, at a heading at which it is heard
 QUIETER_DB = 15.0  # than at the median heading: a pause
 SMALLEST = math.radians(90.0)  # turn [rad]
 DELAY_FROM = math.radians(150.0)  # turn after which a delay between the converters can be told [rad]
@@ -28,9 +27,10 @@ DIRECT = 0.65  # least share of direct sound
 VAGUE = 0.05  # largest uncertainty of the spacing, as a share of it
 WIDEST = 0.3  # spacing that is looked for, or twice the configured one [m]
 SWAPPED = math.radians(45.0)  # an offset so near to half a turn is that of microphones that are swapped [rad]
-BIAS = 0.05  # of the spacing, and of the azimuth [rad], for each unit of sound that is not direct
+BIAS = 6e-6  # of delays, if nothing of the sound came straight: what reflections add however long one listens [s]
 SPACING_FLOOR = 1e-3  # of the spacing: what remains however long one listens
 ANGLE_FLOOR = math.radians(0.05)  # [rad]
+DELAY_FLOOR = 1e-7  # [s]
 GAIN_FLOOR = 0.03  # [dB]
 
 
@@ -101,7 +101,7 @@ def calibrate(
     variance = np.diag(found.covariance)
     bias = BIAS * (1 - found.direct)
     spacing, gain = found.amplitude * length, _gain(turn, found)
-    spacing_sigma = math.hypot(math.sqrt(variance[0]) * length, bias * spacing, SPACING_FLOOR * spacing)
+    spacing_sigma = math.hypot(math.sqrt(variance[0]) * length, bias * length, SPACING_FLOOR * spacing)
     if spacing_sigma > VAGUE * spacing:
         told = f"{1e3 * spacing:.1f} +- {1e3 * spacing_sigma:.1f} mm"
         raise NotCalibrated(f"the spacing is too uncertain ({told}): listen longer, turn further, or go nearer")
@@ -109,12 +109,12 @@ def calibrate(
     free = span >= DELAY_FROM
     return Calibration(
         spacing, spacing_sigma,
-        found.azimuth, math.hypot(math.sqrt(variance[1]), bias / 2, ANGLE_FLOOR),
+        found.azimuth, math.hypot(math.sqrt(variance[1]), bias / found.amplitude, ANGLE_FLOOR),
         offset, swapped,
         *gain,
         inverted=found.inverted,
         delay=found.delay if free else None,
-        delay_sigma=math.hypot(math.sqrt(variance[2]), bias * found.amplitude / 2, 1e-7) if free else None,
+        delay_sigma=math.hypot(math.sqrt(variance[2]), bias, DELAY_FLOOR) if free else None,
         direct=found.direct, headings=len(usable), turn=span,
     )  # fmt: skip
 
