@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ross_payload.calibration.cross_spectrum import HEARD, heading_spectrum
+from ross_payload.calibration.cross_spectrum import heading_spectrum
 from ross_payload.interfaces import Real, Samples
 
 BLOCK = 0.01  # [s]
@@ -24,8 +24,10 @@ PEAK = 0.1  # of the generalised cross-correlation: there is one delay
 COPY = 0.9999  # share of the power in common at nearly all frequencies: no noise of their own
 COPIED = 0.9  # of the frequencies
 EDGE_DB = 30.0  # that one channel falls off against the other above some frequency
+FEW = 0.1  # share of the bins there that may differ
 EDGES = np.arange(3000.0, 8000.0, 500.0)  # [Hz]
 LONG = 0.25  # wavelengths that the spacing may be, where both must have much in common
+LITTLE = 0.2  # mean share of the power in common there
 LEAST_BINS = 8
 
 
@@ -71,7 +73,7 @@ def _compared(samples: Samples, rate: int, spacing: float, speed_of_sound: float
     if np.mean(heard.weight > COPY) > COPIED:
         yield ChannelTrouble(None, "have no noise of their own: one is a copy of the other")
     low = heard.frequencies <= LONG * speed_of_sound / spacing
-    if np.count_nonzero(low) >= LEAST_BINS and _loud(samples, rate) and float(heard.weight[low].mean()) < HEARD:
+    if np.count_nonzero(low) >= LEAST_BINS and _loud(samples, rate) and float(heard.weight[low].mean()) < LITTLE:
         yield ChannelTrouble(None, "have nothing in common: one is processed, or they hear different things")
 
 
@@ -111,8 +113,9 @@ def _edge(level_db: Real, frequencies: Real) -> tuple[int, float] | None:
     reference = float(np.median(level_db[frequencies < EDGES[0]]))
     for frequency in EDGES:
         above = level_db[frequencies >= frequency] - reference
-        if above.size >= LEAST_BINS and abs(float(np.median(above))) > EDGE_DB:
-            return (1 if np.median(above) < 0 else 0), float(frequency)
+        lower, upper = np.quantile(above, (FEW, 1 - FEW)) if above.size >= LEAST_BINS else (0.0, 0.0)
+        if lower > EDGE_DB or upper < -EDGE_DB:
+            return (0 if lower > 0 else 1), float(frequency)
     return None
 
 

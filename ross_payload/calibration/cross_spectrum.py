@@ -21,8 +21,9 @@ LOWEST = 300.0  # [Hz]: rumble and mains hum lie below
 HIGHEST = 8000.0  # [Hz]
 BELOW_HALF = 0.95  # of half the rate: converters cut off what is above
 PIECE = 16  # frames that are added at once: no sum of them takes long
+OVERLAPPED = 0.95  # independent frames per frame: Hann windows that overlap by half (Welch 1967)
 FULL = 1 - 2**-15  # what a 16-bit converter says at full scale
-HEARD = 0.05  # mean share of the power that both microphones have in common where a sound is heard
+HEARD = 0.025  # mean share of the power that both microphones have in common where a sound is heard
 TINY = 1e-20
 
 
@@ -44,7 +45,7 @@ def heading_spectrum(samples: Samples, rate: int, heading: float) -> HeadingSpec
     """Condense what was heard at rest at one heading [rad]; samples (2, n). None when it is shorter than two frames.
 
     The weight is the magnitude-squared coherence less what independent noise would have by chance (Carter 1987):
-    (n C - 1) / (n - 1) of n independent frames.
+    ``(n C - 1) / (n - 1)`` of n independent frames.
     """
     frame = 2 ** round(math.log2(FRAME * rate))
     stft = Stft(rate, frame, frame // 2)
@@ -53,7 +54,7 @@ def heading_spectrum(samples: Samples, rate: int, heading: float) -> HeadingSpec
     band = (stft.frequencies >= LOWEST) & (stft.frequencies <= min(HIGHEST, BELOW_HALF * rate / 2))
     cross, first, second, count = _sums(samples, stft, band)
     coherence = np.abs(cross) ** 2 / (first * second + TINY**2)
-    independent = max(count / 2, 2.0)  # neighbours overlap by half
+    independent = max(OVERLAPPED * count, 2.0)
     common = (independent * coherence - 1) / (independent - 1)
     power = float(np.mean(first + second)) / (2 * count * frame)
     return HeadingSpectrum(

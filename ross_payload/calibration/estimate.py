@@ -20,11 +20,12 @@ QUIETER_DB = 15.0  # than at the median heading: a pause
 SMALLEST = math.radians(90.0)  # turn [rad]
 DELAY_FROM = math.radians(150.0)  # turn after which a delay between the converters can be told [rad]
 BROAD = 1000.0  # [Hz] that must be heard well
-WELL = 0.1  # share of the power in common, in a bin that is heard well
+WELL = 0.25  # share of the power in common, in a bin that is heard well
 OTHER = 0.15  # of the direct sound: a second source
 OTHER_LEAST = 0.1  # of everything
 DIRECT = 0.65  # least share of direct sound
 VAGUE = 0.05  # largest uncertainty of the spacing, as a share of it
+NARROWEST = 0.005  # spacing [m]
 WIDEST = 0.3  # spacing that is looked for, or twice the configured one [m]
 SWAPPED = math.radians(45.0)  # an offset so near to half a turn is that of microphones that are swapped [rad]
 BIAS = 6e-6  # of delays, if nothing of the sound came straight: what reflections add however long one listens [s]
@@ -96,7 +97,7 @@ def calibrate(
         raise NotCalibrated(f"expected a turn of at least {_deg(SMALLEST)} deg, got {_deg(span)}")
     widest = max(WIDEST, 2 * configured) / speed_of_sound
     found = fit(turn, widest, free_delay=span >= DELAY_FROM)
-    _check_room(turn, found)
+    _check_room(turn, found, speed_of_sound)
     length = speed_of_sound / math.cos(elevation)
     variance = np.diag(found.covariance)
     bias = BIAS * (1 - found.direct)
@@ -165,7 +166,12 @@ def _usable(heard: Sequence[HeadingSpectrum]) -> list[HeadingSpectrum]:
     return usable
 
 
-def _check_room(turn: Turn, found: TurnFit) -> None:
+def _check_room(turn: Turn, found: TurnFit, speed_of_sound: float) -> None:
+    if found.amplitude * speed_of_sound < NARROWEST:
+        raise NotCalibrated(
+            "the delay is the same at all headings: expected a sound at one place, not from all sides or on the "
+            "turntable, and two channels"
+        )
     share, where = second_source(turn, found)
     if share > max(OTHER * found.direct, OTHER_LEAST):
         apart = abs(_deg(wrap(where - found.azimuth)))

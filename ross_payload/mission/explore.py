@@ -36,7 +36,7 @@ def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
         context.explored, context.observations, context.beliefs = [], [], []
         try:
             found = yield from _orientations(context)
-            _check_array(context)
+            check_array(context)
             return found
         except FrameChanged as changed:
             if not left:
@@ -45,7 +45,7 @@ def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
             context.publish(Doubted(context.time, changed.reason))
 
 
-def _check_array(context: Context) -> None:
+def check_array(context: Context) -> None:
     """Say when what was heard contradicts what is configured of the array."""
     settings = context.settings
     spectra = (heading_spectrum(heard.samples, settings.rate, heard.heading) for heard in context.explored)

@@ -12,10 +12,12 @@ from ross_payload.doctor.calibration_session import Rig, TurnPlan, turned
 from ross_payload.interfaces import Services
 from ross_payload.mavlink import Router
 from ross_payload.service.runner import Observer
+from ross_payload.sessions.manifest import Beginning
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, Fault, far_end_of
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.mission_session import POLL, aboard
+from ross_sim.sitl.recording import recorded
 from ross_sim.sitl.world import World
 from ross_sim.talkers.speech import TalkerVoice
 
@@ -54,11 +56,13 @@ def turned_in(
     observers: tuple[Observer, ...] = (),
     *,
     shaft: Shaft | None = None,
+    tape: Path | None = None,
     cache: Path | None = None,
 ) -> tuple[list[HeadingSpectrum], World]:
     """Turn in a scenario and listen; return what was heard at every heading, and the world with its truth.
 
-    ``shaft`` is the error of the true joint angle at every angle [rad]; None: there is none.
+    ``shaft`` is the error of the true joint angle at every angle [rad], None: there is none; in the folder ``tape``
+    the session is recorded.
 
     Raises
     ------
@@ -76,4 +80,8 @@ def turned_in(
         mount, _ = aboard(scenario, clock, links)
         clock.every(POLL, links.poll)
         stack.enter_context(world.source)
-        return turned(Rig(clock, actuator, world.source, mount), config, plan, observers), world
+        able = actuator.capabilities
+        begin = Beginning("session", config, able.lower, able.upper)
+        recorder = stack.enter_context(recorded(tape, begin, clock, links))
+        seeing = observers if recorder is None else (*observers, recorder)
+        return turned(Rig(clock, actuator, world.source, mount), config, plan, seeing), world
