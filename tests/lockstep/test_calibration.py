@@ -16,6 +16,9 @@ from ross_payload.errors import ActuatorFault, NotHomed
 from ross_payload.events import State, StateChanged
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.calibration_flight import turned_in
+from ross_sim.study import calibration_study
+from ross_sim.study.calibration_rows import CalibrationRow
+from ross_sim.study.row_files import read_rows
 from ross_sim.talkers.speech import TalkerVoice
 
 RATE, SPEED = 16000, 343.0
@@ -130,3 +133,27 @@ def test_ctrl_c_brakes_it_and_ends_it():
     assert 110 < len(watch.joints) < 200
     assert abs(watch.joints[-1] - watch.joints[-2]) < 2 * math.radians(0.1125)  # at rest but for the last steps
     assert not any(isinstance(event, StateChanged) and event.state is State.DONE for event in watch.events)
+
+
+def test_a_study_writes_what_became_of_every_array(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(calibration_study, "PLAN", TurnPlan(headings=6, seconds=0.8))
+    arguments = ("study", "calibration", "--settings", "S1", "--sounds", "noise", "--draws", "2", "--seed", "3")
+    code, out, _ = called(monkeypatch, capsys, *arguments, "--out", tmp_path / "rows.csv")
+    assert code == 0
+    kind, rows = read_rows(tmp_path / "rows.csv", [CalibrationRow])
+    assert kind is CalibrationRow
+    assert [row.draw for row in rows] == [0, 1]
+    assert all(abs(row.spacing_error_mm) < 1 and row.polarity_right and row.swap_right for row in rows)
+    assert rows[0].spacing_mm != rows[1].spacing_mm
+    assert "| S1, noise | 2/2 |" in out
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "why"), [("--settings", "S9", "room 'S9'"), ("--sounds", "hum", "sound 'hum'")]
+)
+def test_a_study_of_what_there_is_not_is_one_line(tmp_path, monkeypatch, capsys, option, value, why):
+    code, _, err = called(monkeypatch, capsys, "study", "calibration", "--out", tmp_path / "rows.csv", option, value)
+    assert code == 2
+    assert why in err
+    assert err.count("\n") == 1
+    assert not list(tmp_path.iterdir())

@@ -33,6 +33,7 @@ from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of
 
 RATE = 16000  # [Hz]
+PLAN = TurnPlan()  # as `ross calibrate` turns
 NOISE, TALKER = "noise", "talker"
 SPACING_M = (0.03, 0.1)
 GAIN_DB, OFFSET_DEG = 3.0, 40.0  # to either side at most
@@ -116,7 +117,7 @@ def phone_noise(rng: np.random.Generator) -> Samples:
     return np.asarray(noise / np.sqrt(np.mean(noise**2)), dtype=np.float32)
 
 
-def measured(draw: Draw, talkers: Sequence[TalkerVoice], plan: TurnPlan | None = None) -> CalibrationRow:
+def measured(draw: Draw, talkers: Sequence[TalkerVoice]) -> CalibrationRow:
     """Calibrate one array."""
     rng = np.random.default_rng([draw.seed, draw.number])
     if draw.sound == NOISE:
@@ -125,7 +126,7 @@ def measured(draw: Draw, talkers: Sequence[TalkerVoice], plan: TurnPlan | None =
     else:
         voice = talkers[draw.number % len(talkers)]
     scenario = scenario_of(draw)
-    heard, world = turned_in(scenario, [voice], plan or TurnPlan(), shaft=StepErrors(rng))
+    heard, world = turned_in(scenario, [voice], PLAN, shaft=StepErrors(rng))
     speed = scenario.payload.array.speed_of_sound_m_s
     try:
         return _row(draw, calibrate(heard, speed, azimuth=draw.azimuth), world.clock.now())
