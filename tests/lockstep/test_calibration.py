@@ -148,11 +148,9 @@ def test_a_study_writes_what_became_of_every_array(tmp_path, monkeypatch, capsys
     assert "| S1, noise | 2/2 |" in out
 
 
-@pytest.mark.parametrize(
-    ("option", "value", "why"), [("--settings", "S9", "room 'S9'"), ("--sounds", "hum", "sound 'hum'")]
-)
-def test_a_study_of_what_there_is_not_is_one_line(tmp_path, monkeypatch, capsys, option, value, why):
-    code, _, err = called(monkeypatch, capsys, "study", "calibration", "--out", tmp_path / "rows.csv", option, value)
+@pytest.mark.parametrize(("asked", "why"), [(("--settings", "S9"), "room 'S9'"), (("--sounds", "hum"), "sound 'hum'")])
+def test_a_study_of_what_there_is_not_is_one_line(tmp_path, monkeypatch, capsys, asked, why):
+    code, _, err = called(monkeypatch, capsys, "study", "calibration", "--out", tmp_path / "rows.csv", *asked)
     assert code == 2
     assert why in err
     assert err.count("\n") == 1
