@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mission_bench import SETTINGS
+from mission_bench import SETTINGS, rig
 from ross_payload.calibration.consistency import Contradiction, contradiction
 from ross_payload.config import Config, validated
-from ross_payload.events import ArrayContradicted
+from ross_payload.events import ArrayContradicted, OrientationHeard, State, StateChanged
 from ross_payload.mission import explore
 from ross_payload.mission.context import Context, Listening
 from ross_payload.service.assemble import settings_of
@@ -91,3 +91,20 @@ def test_no_step_of_the_check_takes_long(monkeypatch):
     monkeypatch.setattr(np.fft, "irfft", lambda a, n=None, **k: largest.append(n) or irfft(a, n, **k))
     contradiction(spectra(TURN), 0.05, SPEED)
     assert max(n for n in largest if n) <= 2**16 + 2**14
+
+
+def test_every_exploration_of_a_mission_looks_at_the_array(monkeypatch):
+    looked = []
+
+    def found(heard, spacing, speed_of_sound, *, level):
+        looked.append((spacing, speed_of_sound, level))
+        return Contradiction(gain_db=2.0)
+
+    monkeypatch.setattr(explore, "contradiction", found)
+    one = rig()
+    one.run()
+    assert looked == [(0.05, 343.0, True)]
+    (event,) = one.said(ArrayContradicted)
+    assert (event.gain_db, event.spacing, event.inverted) == (2.0, None, False)
+    last = max(e.time for e in one.said(OrientationHeard))
+    assert last <= event.time < min(e.time for e in one.said(StateChanged) if e.state is State.ALIGN_TURN) + 0.1
