@@ -27,7 +27,8 @@ COLUMNS = ("from_s", "to_s", "joint_deg")
 def from_session(config: Config, path: Path) -> tuple[list[HeadingSpectrum], bool]:
     """Return what was heard at every heading at rest of a session, and whether in the earth frame.
 
-    Gain, polarity and heading offset are those of ``config``, whatever they were when it was recorded.
+    Of two frames the one with more headings is used. Gain, polarity and heading offset are those of ``config``,
+    whatever they were when it was recorded.
 
     Raises
     ------
@@ -41,13 +42,14 @@ def from_session(config: Config, path: Path) -> tuple[list[HeadingSpectrum], boo
         raise ConfigError(f"{path}: expected channels {list(now)} (audio.channels), got a recording of {list(then)}")
     if recorded.audio.rate_hz != config.audio.rate_hz:
         raise ConfigError(f"{path}: expected {config.audio.rate_hz} Hz (audio.rate_hz), got {recorded.audio.rate_hz}")
-    correction, rate, earth, heard = config.offset - recorded.offset, config.audio.rate_hz, False, []
+    correction, rate = config.offset - recorded.offset, config.audio.rate_hz
+    heard: dict[bool, list[HeadingSpectrum]] = {False: [], True: []}  # by frame: those of two do not go together
     for heading, samples, known in _rests(session.inputs(config.audio, anew=True), round(LONGEST_S * rate)):
         found = heading_spectrum(samples, rate, heading + correction)
         if found is not None:
-            heard.append(found)
-            earth = known
-    return heard, earth
+            heard[known].append(found)
+    earth = len(heard[True]) > len(heard[False])
+    return heard[earth], earth
 
 
 def from_wav(config: Config, path: Path, table: Path, base: Attitude) -> list[HeadingSpectrum]:

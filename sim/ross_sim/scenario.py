@@ -20,6 +20,7 @@ from ross_payload.interfaces import Real
 from ross_sim.acoustics.room import RoomSpec
 from ross_sim.autopilot.simulated_autopilot import Yaw
 from ross_sim.devices.far_end import Fault
+from ross_sim.microphone_table import Microphones
 from ross_sim.noise_tables import Decibels, Noise, NoiseSource
 from ross_sim.talkers.path import Path as Walk
 from ross_sim.talkers.speech import TalkerVoice
@@ -103,16 +104,6 @@ class Vehicle(Table):
         return Yaw(-math.radians(self.yaw_deg), math.radians(self.amplitude_deg), math.radians(self.rate_deg_s))
 
 
-class Microphones(Table):
-    """[microphones]: what the array truly is, where that is not what the payload is told; what is absent is."""
-
-    spacing_m: Annotated[float, Field(ge=0.005, le=1.0)] | None = None
-    offset_deg: Degrees | None = None  # as offset_deg of [array]
-    gain_db: tuple[Decibels, Decibels] = (0.0, 0.0)  # of microphones 1 and 2, before the payload's own
-    invert: tuple[bool, bool] = (False, False)  # their polarity
-    swapped: bool = False  # their cables
-
-
 class Scenario(Table):
     """The whole file."""
 
@@ -141,14 +132,12 @@ class Scenario(Table):
     @property
     def spacing(self) -> float:
         """The true distance between the microphones [m]."""
-        told = None if self.microphones is None else self.microphones.spacing_m
-        return self.payload.array.spacing_m if told is None else told
+        return (self.microphones or Microphones()).spacing(self.payload.array)
 
     @property
     def offset(self) -> float:
         """The true offset of the array's axis [rad]."""
-        told = None if self.microphones is None else self.microphones.offset_deg
-        return self.payload.offset if told is None else math.radians(told)
+        return (self.microphones or Microphones()).offset(self.payload.array)
 
     def spec(self) -> RoomSpec:
         """Return the room with every talker in place.
