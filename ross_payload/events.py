@@ -214,6 +214,16 @@ class Slipped(Event):
 
 
 @dataclass(frozen=True, slots=True)
+class ArrayContradicted(Event):
+    """What an exploration heard contradicts what is configured of the array; what is None or False agrees."""
+
+    spacing: float | None  # that explains more [m]
+    configured: float  # spacing [m]
+    gain_db: float | None  # of microphone 2 over microphone 1
+    inverted: bool  # the microphones have opposite polarity
+
+
+@dataclass(frozen=True, slots=True)
 class Enrolled(Event):
     """The talker at a source agreed to be enrolled, and is."""
 

@@ -10,22 +10,27 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NoReturn
 
+import numpy as np
+
 from ross_payload.actuators.registry import checked_options, describe, open_actuator
 from ross_payload.actuators.tb6600.pulse_segments import RECORDING
 from ross_payload.audio.audio_health import HealthMonitor
+from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.file_source import FileSource
 from ross_payload.audio.open_source import open_source
+from ross_payload.calibration.channel_check import channel_troubles
 from ross_payload.config import Config
 from ross_payload.doctor import computer_checks, speed, wire_checks
 from ross_payload.doctor.findings import Finding, Verdict, fail, ok, warn
 from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ActuatorError, AudioEnded, RossError
 from ross_payload.health import AudioHealth, AudioTrouble
-from ross_payload.interfaces import Capabilities, Clock, Services
+from ross_payload.interfaces import Capabilities, Clock, Samples, Services
 
 Check = Callable[[Config, Machine], Iterator[Finding]]
 LISTENING_S = 4.0  # the slowest judgement of the microphones takes three
 CHECK_WIRING = "check the cable and audio.channels: `ross devices --tap`"
+RAW = "name raw channels in audio.channels; some arrays need another firmware for them: docs/how-to/microphones"
 TROUBLES: dict[AudioTrouble, tuple[Verdict, str, str]] = {
     AudioTrouble.ABSENT: (Verdict.FAIL, "no audio arrives", "plug them in; `ross devices` lists what there is"),
     AudioTrouble.DEAD_1: (Verdict.FAIL, "microphone 1 is dead", CHECK_WIRING),
@@ -45,20 +50,33 @@ TROUBLES: dict[AudioTrouble, tuple[Verdict, str, str]] = {
 def microphones(config: Config, clock: Clock) -> Iterator[Finding]:
     """Whether audio arrives from both microphones, and how it is."""
     try:
-        health = measured(config, clock)
+        health, samples = measured(config, clock)
     except RossError as error:
         yield fail("microphones", str(error), "`ross devices` lists what there is; is ross.service using them?")
         return
     found = [TROUBLES[each] for each in TROUBLES if each in health.trouble]
     for verdict, text, todo in found:
         yield Finding("microphones", verdict, text, todo)
-    if not found:
+    named = set() if any(verdict is Verdict.FAIL for verdict, _, _ in found) else set(processed(config, samples))
+    for text in sorted(named):
+        yield fail("channels", text, RAW)
+    if not found and not named:
         levels = " and ".join(f"{level:.0f}" for level in health.level_db)
         yield ok("microphones", f"{config.audio.source}, levels {levels} dB re full scale")
 
 
-def measured(config: Config, clock: Clock) -> AudioHealth:
-    """Listen, at most to the end of a file; return how the microphones are.
+def processed(config: Config, samples: Samples) -> Iterator[str]:
+    """Say which channels are no raw microphones, by their numbers in the configuration."""
+    array, channels = config.array, ChannelMap.of(config.audio).channels
+    for each in channel_troubles(samples, config.audio.rate_hz, array.spacing_m, array.speed_of_sound_m_s):
+        which = (
+            f"channels {channels[0]} and {channels[1]}" if each.channel is None else f"channel {channels[each.channel]}"
+        )
+        yield f"{which} {each.found}"
+
+
+def measured(config: Config, clock: Clock) -> tuple[AudioHealth, Samples]:
+    """Listen, at most to the end of a file; return how the microphones are, and what was heard (2, n).
 
     Raises
     ------
@@ -67,12 +85,15 @@ def measured(config: Config, clock: Clock) -> AudioHealth:
     """
     with open_source(config, clock) as source:
         monitor = HealthMonitor(config, None if isinstance(source, FileSource) else source)
+        heard = [np.zeros((2, 0), np.float32)]
         try:
             for _ in range(round(LISTENING_S * config.audio.rate_hz / config.hop)):
-                monitor.listen(source.read(config.hop))
+                block = source.read(config.hop)
+                monitor.listen(block)
+                heard.append(block.samples)
         except AudioEnded:
             pass
-        return monitor.health()
+        return monitor.health(), np.concatenate(heard, axis=1)
 
 
 def actuator(config: Config, machine: Machine, clock: Clock) -> Iterator[Finding]:

@@ -66,6 +66,7 @@ class Settings:
     park: float = 0.0  # joint angle where it parks [rad]
     follow: float = math.radians(2.0)  # a heading that is off by more is followed [rad]
     track: bool = False  # follow sources that move while it listens
+    level: bool = True  # sources are about as high as the array; not so below a vehicle that flies
 
 
 Planner = Callable[[Sequence[SourceEstimate], Turn, float, float | None], Plan]  # as `ross_payload.alignment.plan.plan`

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ross_payload.angles import wrap, wrap_axis
-from ross_payload.events import Doubted, Estimate, State
+from ross_payload.calibration.consistency import contradiction
+from ross_payload.calibration.cross_spectrum import HEARD, heading_spectrum
+from ross_payload.events import ArrayContradicted, Doubted, Estimate, State
 from ross_payload.mission.context import Context, FrameChanged, Step, listen
 from ross_payload.mission.heading_hold import face
 from ross_payload.mission.orientation_scan import certain, orientation, say_belief
@@ -33,12 +35,25 @@ def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
         context.drop_frame()
         context.explored, context.observations, context.beliefs = [], [], []
         try:
-            return (yield from _orientations(context))
+            found = yield from _orientations(context)
+            check_array(context)
+            return found
         except FrameChanged as changed:
             if not left:
                 raise
             left -= 1
             context.publish(Doubted(context.time, changed.reason))
+
+
+def check_array(context: Context) -> None:
+    """Say when what was heard contradicts what is configured of the array."""
+    settings = context.settings
+    spectra = (heading_spectrum(heard.samples, settings.rate, heard.heading) for heard in context.explored)
+    heard = [each for each in spectra if each is not None and each.heard >= HEARD]
+    found = contradiction(heard, settings.spacing, settings.speed_of_sound, level=settings.level)
+    if found:
+        told = ArrayContradicted(context.time, found.spacing, settings.spacing, found.gain_db, found.inverted)
+        context.publish(told)
 
 
 def _orientations(context: Context) -> Step[tuple[Estimate, int | None]]:

@@ -45,6 +45,7 @@ def settings_of(config: Config, lower: float, upper: float) -> Settings:
         park=math.radians(config.guard.park_deg),
         follow=math.radians(config.mount.follow_deg),
         track=exploit.track,
+        level=config.mount.source == "fixed",
     )
 
 

@@ -45,11 +45,29 @@ def line(event: events.Event) -> Line | None:
             said = Severity.WARNING, f"target lost, score {event.value:.1f} below {event.criterion:.1f}"
         case events.Slipped():
             said = Severity.WARNING, f"all azimuths shifted by {rotation(event.shift, 0)}: the array has slipped"
+        case events.ArrayContradicted():
+            said = Severity.WARNING, f"array: {contradicted(event)}: ross calibrate"
         case events.Doubted():
             said = Severity.WARNING, f"exploring after all: {event.reason}"
         case events.Finished():
             said = SEVERITIES.get(event.outcome, Severity.WARNING), f"mission over: {event.reason}"
     return said
+
+
+def contradicted(event: events.ArrayContradicted) -> str:
+    """Say what of the array is not as it is configured.
+
+    >>> contradicted(events.ArrayContradicted(9.0, spacing=0.064, configured=0.05, gain_db=-2.0, inverted=False))
+    'spacing seems 64 mm, not 50, microphone 2 is 2.0 dB softer'
+    """
+    parts = []
+    if event.inverted:
+        parts.append("polarity of one microphone is reversed")
+    if event.spacing is not None:
+        parts.append(f"spacing seems {1e3 * event.spacing:.0f} mm, not {1e3 * event.configured:.0f}")
+    if event.gain_db is not None:
+        parts.append(f"microphone 2 is {abs(event.gain_db):.1f} dB {'louder' if event.gain_db > 0 else 'softer'}")
+    return ", ".join(parts)
 
 
 def microphone_text(before: AudioHealth, now: AudioHealth) -> Line | None:

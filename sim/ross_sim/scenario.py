@@ -20,6 +20,7 @@ from ross_payload.interfaces import Real
 from ross_sim.acoustics.room import RoomSpec
 from ross_sim.autopilot.simulated_autopilot import Yaw
 from ross_sim.devices.far_end import Fault
+from ross_sim.microphone_table import Microphones
 from ross_sim.noise_tables import Decibels, Noise, NoiseSource
 from ross_sim.talkers.path import Path as Walk
 from ross_sim.talkers.speech import TalkerVoice
@@ -112,6 +113,7 @@ class Scenario(Table):
     room: Room = Room()
     talkers: tuple[Talker, ...]
     noise: Noise = Noise()
+    microphones: Microphones | None = Field(default=None, exclude_if=lambda value: value is None)
     vehicle: Vehicle | None = None  # absent: the mount stands still
     troubles: tuple[Trouble, ...] = ()
 
@@ -126,6 +128,16 @@ class Scenario(Table):
         except ConfigError as error:
             raise ValueError(str(error)) from error
         return self
+
+    @property
+    def spacing(self) -> float:
+        """The true distance between the microphones [m]."""
+        return (self.microphones or Microphones()).spacing(self.payload.array)
+
+    @property
+    def offset(self) -> float:
+        """The true offset of the array's axis [rad]."""
+        return (self.microphones or Microphones()).offset(self.payload.array)
 
     def spec(self) -> RoomSpec:
         """Return the room with every talker in place.
@@ -213,7 +225,7 @@ class Scenario(Table):
             t60=self.room.t60_s,
             rate=self.payload.audio.rate_hz,
             array_centre=self.centre(),
-            spacing=self.payload.array.spacing_m,
+            spacing=self.spacing,
             sources=tuple(sources),
             speed_of_sound=self.payload.array.speed_of_sound_m_s,
         )

@@ -60,6 +60,8 @@ WHERE = [
     (r"\(umask 077", RUN, 0),
     (r"ross sitl --list", RUN, 0),
     (r"ross study missions", ELSEWHERE, "tests/lockstep/test_missions_command.py"),
+    (r"ross calibrate ross.toml", ELSEWHERE, "tests/unit/test_calibrate_command.py"),
+    (r"ross study calibration", ELSEWHERE, "tests/lockstep/test_calibration.py"),
     (r"ross study table", ELSEWHERE, "tests/unit/test_page_tables.py"),
     (r"ross study benchmark|python my_method.py", ELSEWHERE, "tests/unit/test_benchmark.py"),
     (r"ross sitl --scenario no-target(; echo \$\?)?$", RUN_IN_SOAK, {0, 3}),

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from ross_sim.study.benchmark.benchmark_rows import BenchmarkLocalization, BenchmarkSeparation
+from ross_sim.study.calibration_rows import CalibrationRow
 from ross_sim.study.mission_design import MissionStudy
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.page_tables import MAKERS
@@ -31,9 +32,15 @@ def test_every_table_of_rows_is_listed():
     assert [name for made in MAKERS.values() for name in made if f"`{name}`" not in section] == []
 
 
-@pytest.mark.parametrize("kind", [Separation, Exploration, Timing, MissionRow])
+@pytest.mark.parametrize("kind", [Separation, Exploration, Timing, MissionRow, CalibrationRow])
 def test_every_column_is_listed(kind):
-    title = {Separation: "separations", Exploration: "explorations", Timing: "timing", MissionRow: "missions"}[kind]
+    title = {
+        Separation: "separations",
+        Exploration: "explorations",
+        Timing: "timing",
+        MissionRow: "missions",
+        CalibrationRow: "calibrations",
+    }[kind]
     section = PAGE.split(f"### Columns of `{title}`")[1].split("##")[0]
     assert [name for name in columns(kind) if f"`{name}`" not in section] == []
 

@@ -17,6 +17,7 @@ from rich.text import Text
 from ross_payload import events
 from ross_payload.bounded_files import printable
 from ross_payload.interfaces import Input, Real
+from ross_payload.telemetry.status_texts import contradicted
 from ross_protocols.angle_text import bearing, bearings, frame, rotation
 
 BARS = " ▁▂▃▄▅▆▇█"
@@ -217,6 +218,8 @@ def in_words(event: events.Event, *, earth: bool) -> str:  # noqa: PLR0911, PLR0
             return f"the score dropped to {value:+.1f}, below {criterion:.1f}: starting again"
         case events.Slipped(shift=shift):
             return f"all azimuths shifted by {rotation(shift)}: the array has slipped; corrected"
+        case events.ArrayContradicted():
+            return f"the array is not as configured: {contradicted(event)}"
         case events.Doubted(reason=reason):
             return f"exploring after all: {reason}"
         case events.Finished(reason=reason):

@@ -47,7 +47,7 @@ def noise_heard(
         return None
     sounds = [_sound(source, rate, seed) for source, seed in zip(sources, seeds.spawn(len(sources)), strict=True)]
     responses = Responses(scenario.spec_of_noise(), cache)
-    loudness = _gains(sources, sounds, responses.at(scenario.payload.offset), reference)
+    loudness = _gains(sources, sounds, responses.at(scenario.offset), reference)
     return TalkerSignals([Timeline.of(sound, rate) for sound in sounds], loudness, responses, rate)
 
 

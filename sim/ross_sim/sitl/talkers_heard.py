@@ -46,7 +46,7 @@ def talkers_heard(scenario: Scenario, voices: Sequence[TalkerVoice], cache: Path
         raise ConfigError(f"voice '{wrong.name}': expected {rate} Hz, as the payload has, got {wrong.rate} Hz")
     responses = Responses(scenario.spec(), cache)
     levels = [talker.level_db for talker in scenario.talkers]
-    loudness = gains([voice.speech for voice in voices], levels, responses.at(scenario.payload.offset), LEVEL)
+    loudness = gains([voice.speech for voice in voices], levels, responses.at(scenario.offset), LEVEL)
     timelines = [
         Timeline.of(voice.speech, rate, scenario.start(talker), talker.end_s, talker.pauses)
         for voice, talker in zip(voices, scenario.talkers, strict=True)

@@ -21,7 +21,7 @@ from ross_sim.devices.far_end import FarEnd, Fault
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.noise_heard import noise_heard
 from ross_sim.sitl.talkers_heard import LEVEL, talkers_heard
-from ross_sim.sitl.world_microphones import FULL_SCALE, WorldMicrophones
+from ross_sim.sitl.world_microphones import FULL_SCALE, WorldMicrophones, hardware_of, wiring_of
 from ross_sim.talkers.speech import TalkerVoice
 
 Counts = NDArray[np.int32]
@@ -96,9 +96,9 @@ class World:
         self.clock = clock
         self._wait = wait
         self.rate = scenario.payload.audio.rate_hz
-        self.source = WorldMicrophones(self)
+        self.source = WorldMicrophones(self, None if scenario.microphones is None else wiring_of(scenario))
         self._far_end = far_end
-        self._offset = scenario.payload.offset
+        self._offset = scenario.offset
         self._angle = far_end.angle()
         self._vehicle = Yaw() if scenario.vehicle is None else scenario.vehicle.motion()
         self._turned = self._vehicle.turned(clock.now())
@@ -110,7 +110,8 @@ class World:
         self._motor = MotorNoise(motor_rms, np.random.Generator(np.random.PCG64(motor)))
         self._talkers = talkers_heard(scenario, voices, cache)
         self._noise_sources = noise_heard(scenario, reference, room, cache)
-        self._spacing = scenario.payload.array.spacing_m
+        self._spacing = scenario.spacing
+        self._hardware = hardware_of(scenario)
         self._microphones: Microphones | None = None
         self._around: Microphones | None = None  # what they hear of the noise sources
         self._lived = clock.now()
@@ -171,7 +172,7 @@ class World:
             kept, noises, headings = self._images, self._noise, self.headings()
             self._images, self._noise, self._headings = [], [], self._headings[-1:]
         images = np.concatenate([np.zeros((2, len(self.azimuths), 0), np.int32), *kept], axis=-1)
-        return Rendered(_samples(images), _mixture(kept, noises), headings)
+        return Rendered(_samples(images), self._hardware.heard(_mixture(kept, noises)), headings)
 
     def images(self) -> Samples:
         """Every talker alone at microphone 1, noise-free, for all that was rendered so far, (n_talkers, n)."""
@@ -183,7 +184,7 @@ class World:
 
     def mixture(self) -> Samples:
         """What the converter puts out at both microphones, (2, n)."""
-        return _mixture(self._images, self._noise)
+        return self._hardware.heard(_mixture(self._images, self._noise))
 
     def headings(self) -> Real:
         """The true heading at the ends of every quantum since the opening [rad], frame of the room, (n_quanta + 1,)."""
@@ -208,7 +209,8 @@ class World:
             self._images.append(images)
             self._noise.append(counts)
             self._headings.append(quantum.headings[1])
-        return quantum.begin, _samples(_converted(images.sum(axis=1, dtype=np.int32) + counts))
+        heard = _samples(_converted(images.sum(axis=1, dtype=np.int32) + counts))
+        return quantum.begin, self._hardware.heard(heard)
 
 
 def _troubles(scenario: Scenario, far_end: FarEnd) -> deque[tuple[float, Fault, bool]]:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from dataclasses import dataclass, replace
 from typing import Protocol, Self
 
 import numpy as np
 
+from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import AudioBlock, AudioFlag, Samples
+from ross_sim.scenario import Scenario
 
 FULL_SCALE = 2**23  # of a 24-bit converter [counts]
 
@@ -29,11 +32,56 @@ class Sounding(Protocol):
         """Return when the next quantum began [s] and what is heard, (2, n), as soon as it is over."""
 
 
-class WorldMicrophones:
-    """The world's AudioSource: reading renders until enough has been heard; nothing is ever skipped."""
+@dataclass(frozen=True, slots=True)
+class Hardware:
+    """What microphones and cables do to the sound at two places."""
 
-    def __init__(self, world: Sounding) -> None:
+    factors: tuple[float, float] = (1.0, 1.0)  # gain and polarity of microphones 1 and 2
+    swapped: bool = False  # cables
+
+    def heard(self, samples: Samples) -> Samples:
+        """Return what two channels carry, (2, n), rounded and clipped by the converter."""
+        if self == IDEAL:
+            return samples
+        counts = np.rint(samples * np.array(self.factors)[:, None] * FULL_SCALE)
+        heard = np.clip(counts, -FULL_SCALE, FULL_SCALE - 1).astype(np.float32) / np.float32(FULL_SCALE)
+        return np.asarray(heard[::-1] if self.swapped else heard, dtype=np.float32)
+
+
+IDEAL = Hardware()
+
+
+def hardware_of(scenario: Scenario) -> Hardware:
+    """Return what the microphones of a scenario are like."""
+    told = scenario.microphones
+    if told is None:
+        return IDEAL
+    signs = [-1.0 if inverted else 1.0 for inverted in told.invert]
+    first, second = (sign * 10 ** (gain / 20) for sign, gain in zip(signs, told.gain_db, strict=True))
+    return Hardware((first, second), told.swapped)
+
+
+def wiring_of(scenario: Scenario) -> ChannelMap:
+    """Return what the payload makes of both channels, which are 0 and 1 here: gain, polarity, and their order."""
+    wiring = ChannelMap.of(scenario.payload.audio)
+    first, second = np.argsort(wiring.channels).argsort().tolist()
+    return replace(wiring, channels=(first, second))
+
+
+class WorldMicrophones:
+    """The world's AudioSource: reading renders until enough has been heard; nothing is ever skipped.
+
+    Parameters
+    ----------
+    world
+        What sounds.
+    wiring
+        What the payload does to the samples of both channels; None: nothing.
+    """
+
+    def __init__(self, world: Sounding, wiring: ChannelMap | None = None) -> None:
         self._world = world
+        self._wiring = wiring
         self._blocks: deque[Samples] = deque()
         self._available = 0
         self._index = 0
@@ -61,7 +109,11 @@ class WorldMicrophones:
         index, self._index = self._index, self._index + n
         clipped = samples.size and (samples.max() >= 1 - 1 / FULL_SCALE or samples.min() <= -1)
         flags = AudioFlag.CLIPPED if clipped else AudioFlag.NONE
-        return AudioBlock(samples, index, self._began + index / self.rate, flags=flags)
+        time = self._began + index / self.rate
+        if self._wiring is None:
+            return AudioBlock(samples, index, time, flags=flags)
+        mapped = self._wiring.apply(samples[list(self._wiring.channels)])
+        return AudioBlock(mapped.samples, index, time, flags=mapped.flags, raw=mapped.raw)
 
     def __enter__(self) -> Self:
         """Open the microphones, once.

@@ -14,8 +14,8 @@ from ross_sim.study.benchmark.command import benchmark
 DEFAULT = "separators"
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
-ross study missions flies whole missions, ross study benchmark compares methods on fixed public scenes, ross study table
-writes tables from rows: see their own --help.
+ross study missions flies whole missions, ross study benchmark compares methods on fixed public scenes, ross study
+calibration calibrates arrays, ross study table writes tables from rows: see their own --help.
 
 Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by the user."""
 
@@ -119,6 +119,23 @@ def missions(*, out: Path, speech: Path | None, workers: int | None, settings: t
     from ross_sim.study.missions_run import conduct_missions
 
     return conduct_missions(changes, out=out, speech=speech, workers=workers)
+
+
+@command.command("calibration")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="CSV file for the rows.")
+@click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
+@click.option("--settings", type=_Names(), default="S1,S2", help="Rooms; default S1,S2.")
+@click.option("--sounds", type=_Names(), default="noise,talker", help="Default noise,talker.")
+@click.option("--draws", type=click.IntRange(1, 10000), default=20, help="Arrays per room and sound; default 20.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, help="Of everything random; default 0.")
+def calibration(**asked: Any) -> int:
+    """Calibrate random arrays by turning them: rooms x sounds x draws, with the real driver of a stepper.
+
+    Exit codes: 0 done, 1 the rows cannot be written, 2 bad input, 130 stopped by the user.
+    """
+    from ross_sim.study.calibration_study import conduct
+
+    return conduct(**asked)
 
 
 @command.command("table")

@@ -26,6 +26,7 @@ from ross_sim.study.benchmark.benchmark_rows import (
     localization_table,
     separation_table,
 )
+from ross_sim.study.calibration_rows import CalibrationRow, calibrations
 from ross_sim.study.exploration_tables import counts, reliability
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
@@ -51,6 +52,7 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
         "counts": lambda rows: counts(rows).body(),
         "reliability": lambda rows: reliability(rows).body(),
     },
+    CalibrationRow: {"calibrations": lambda rows: calibrations(rows).body()},
     live_tables.Row: {"live": live_tables.tables},
     BenchmarkSeparation: {"benchmark-separation": lambda rows: separation_table(rows).body()},
     BenchmarkLocalization: {"benchmark-localization": lambda rows: localization_table(rows).body()},

@@ -1,0 +1,93 @@
+"""Whether what an exploration heard contradicts what is configured of the array: spacing, gain, polarity.
+
+Several people talk, nobody knows where, and the turn serves another end. So less is told than by a calibration: only
+what cannot be explained by rooms, elevations and pauses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ross_payload.calibration.cross_spectrum import HeadingSpectrum
+from ross_payload.calibration.turn_fit import AZIMUTHS, Steered, Turn
+from ross_payload.interfaces import Real
+
+FEWEST = 5  # headings
+LONG = 0.125  # wavelengths that the spacing may be, where polarity shows: 45 deg of phase along the axis
+LEAST_BINS = 8
+OPPOSITE = -0.5  # mean cosine of the phase below which polarity is reversed
+GAIN_DB = 1.5  # that is worth a word: it costs 2.5 dB of separation
+SURE = 4.0  # standard deviations
+RATIOS = np.arange(0.4, 2.51, 0.05)  # spacing that is tried, over the configured one
+WIDE, NARROW = 1.15, 0.75  # ratios beyond which the configured spacing is wrong
+LEFT = 1.3  # times as much must the configured spacing leave unexplained
+
+
+@dataclass(frozen=True, slots=True)
+class Contradiction:
+    """What the configuration seems to have wrong; what is None or False agrees."""
+
+    spacing: float | None = None  # that explains more [m]
+    gain_db: float | None = None  # of microphone 2 over microphone 1
+    inverted: bool = False
+
+    def __bool__(self) -> bool:
+        """Whether anything is wrong."""
+        return self.inverted or self.spacing is not None or self.gain_db is not None
+
+
+def contradiction(
+    heard: Sequence[HeadingSpectrum], spacing: float, speed_of_sound: float, *, level: bool = True
+) -> Contradiction:
+    """Compare what was heard at the headings of an exploration with the configured spacing [m].
+
+    Sources far above or below the array shorten all delays. Unless they are about ``level`` with it, a spacing that
+    seems too small is not taken for wrong.
+    """
+    if len(heard) < FEWEST:
+        return Contradiction()
+    turn = Turn.of(heard)
+    if _inverted(turn, spacing, speed_of_sound):  # nothing else can be told
+        return Contradiction(inverted=True)
+    found = _spacing(turn, spacing, speed_of_sound)
+    return Contradiction(found if found is None or level or found > spacing else None, _gain(turn))
+
+
+def _inverted(turn: Turn, spacing: float, speed_of_sound: float) -> bool:
+    """Sound that is long against the spacing has nearly the same phase at both, wherever it comes from."""
+    long = turn.frequencies <= LONG * speed_of_sound / spacing
+    weight = turn.weight[:, long]
+    if np.count_nonzero(long) < LEAST_BINS or not weight.sum() > 0:
+        return False
+    return bool((weight * turn.phase[:, long].real).sum() < OPPOSITE * weight.sum())
+
+
+def _gain(turn: Turn) -> float | None:
+    weights = turn.weight.sum(axis=1)
+    if not weights.min() > 0:
+        return None
+    levels = (turn.weight * turn.level_db).sum(axis=1) / weights
+    mean, error = float(levels.mean()), float(levels.std(ddof=1)) / np.sqrt(len(levels))
+    return mean if abs(mean) > GAIN_DB and abs(mean) > SURE * error else None
+
+
+def _spacing(turn: Turn, spacing: float, speed_of_sound: float) -> float | None:
+    """The spacing with which one source at rest explains most, where that leaves clearly less than the configured one.
+
+    The others who talk are left in any case, and do not decide: all of them would want the same spacing.
+    """
+    explained = explained_by(turn, RATIOS * spacing / speed_of_sound)
+    right = (RATIOS > NARROW) & (RATIOS < WIDE)
+    best, near = int(explained.argmax()), float(explained[right].max())
+    if right[best] or 1 - near < LEFT * (1 - explained[best]):
+        return None
+    return float(RATIOS[best] * spacing)
+
+
+def explained_by(turn: Turn, amplitudes: Real) -> Real:
+    """Largest share of the weight that one source at rest explains with each amplitude d / v_p [s], (n_amplitudes,)."""
+    steered, cosines = Steered(turn, turn.phase), np.cos(AZIMUTHS - turn.headings[:, None])
+    return np.array([steered.share(amplitude * cosines).max() for amplitude in amplitudes])

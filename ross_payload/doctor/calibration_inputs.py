@@ -1,0 +1,118 @@
+"""What was heard at every heading, from a recording: a session folder, or a WAV with a table of joint angles."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from ross_payload.angles import wrap
+from ross_payload.audio.audio_files import read_audio
+from ross_payload.audio.channel_map import ChannelMap
+from ross_payload.bounded_files import read_bounded
+from ross_payload.calibration.cross_spectrum import HeadingSpectrum, heading_spectrum
+from ross_payload.config import Config
+from ross_payload.errors import ConfigError, refused_as
+from ross_payload.interfaces import Attitude, Input, Samples
+from ross_payload.sessions.session_reader import RecordedSession
+
+REST = math.radians(0.2)  # hops at headings within this are heard at one [rad]
+LONGEST_S = 10.0  # of listening at one heading that is used [s]
+COLUMNS = ("from_s", "to_s", "joint_deg")
+
+
+def from_session(config: Config, path: Path) -> tuple[list[HeadingSpectrum], bool]:
+    """Return what was heard at every heading at rest of a session, and whether in the earth frame.
+
+    Of two frames the one with more headings is used. Gain, polarity and heading offset are those of ``config``,
+    whatever they were when it was recorded.
+
+    Raises
+    ------
+    ConfigError
+        When it is no session, or was heard through other channels or at another rate.
+    """
+    session = RecordedSession.open(path)
+    recorded = session.configuration()
+    now, then = ChannelMap.of(config.audio).channels, ChannelMap.of(recorded.audio).channels
+    if now != then:
+        raise ConfigError(f"{path}: expected channels {list(now)} (audio.channels), got a recording of {list(then)}")
+    if recorded.audio.rate_hz != config.audio.rate_hz:
+        raise ConfigError(f"{path}: expected {config.audio.rate_hz} Hz (audio.rate_hz), got {recorded.audio.rate_hz}")
+    correction, rate = config.offset - recorded.offset, config.audio.rate_hz
+    heard: dict[bool, list[HeadingSpectrum]] = {False: [], True: []}  # by frame: those of two do not go together
+    for heading, samples, known in _rests(session.inputs(config.audio, anew=True), round(LONGEST_S * rate)):
+        found = heading_spectrum(samples, rate, heading + correction)
+        if found is not None:
+            heard[known].append(found)
+    earth = len(heard[True]) > len(heard[False])
+    return heard[earth], earth
+
+
+def from_wav(config: Config, path: Path, table: Path, base: Attitude) -> list[HeadingSpectrum]:
+    """Return what was heard in every stretch of a WAV that a table gives the joint angle of.
+
+    The table is CSV with the columns from_s, to_s and joint_deg: degrees counter-clockwise from the zero of the joint.
+
+    Raises
+    ------
+    RossError
+        When a file is missing or is not what it should be.
+    """
+    samples, rate = read_audio(path)
+    wiring = ChannelMap.of(config.audio)
+    if rate != config.audio.rate_hz:
+        raise ConfigError(f"{path}: expected {config.audio.rate_hz} Hz (audio.rate_hz), got {rate} Hz")
+    if samples.shape[1] < wiring.needed:
+        raise ConfigError(f"{path}: expected at least {wiring.needed} channels, got {samples.shape[1]}")
+    both, heard = np.ascontiguousarray(samples[:, list(wiring.channels)].T, dtype=np.float32), []
+    for number, (begin, end, joint) in enumerate(_table(table), start=2):
+        if not 0 <= begin < end <= len(samples) / rate:
+            length = f"{len(samples) / rate:g}"
+            raise ConfigError(
+                f"{table}: line {number}: expected 0 <= from_s < to_s <= {length}, got {begin:g}, {end:g}"
+            )
+        part = wiring.apply(both[:, round(begin * rate) : round(end * rate)]).samples
+        found = heading_spectrum(part, rate, base.yaw + math.radians(joint) + config.offset)
+        if found is not None:
+            heard.append(found)
+    return heard
+
+
+def _table(path: Path) -> Iterator[tuple[float, float, float]]:
+    with refused_as(ConfigError, f"{path}: cannot be read"):
+        data = read_bounded(path)
+    try:
+        lines = list(csv.DictReader(data.decode("utf-8-sig").splitlines()))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ConfigError(f"{path}: expected CSV in UTF-8, got something else") from error
+    for number, line in enumerate(lines, start=2):
+        try:
+            values = [float(line[name]) for name in COLUMNS]
+        except (KeyError, TypeError, ValueError) as error:
+            wanted = ", ".join(COLUMNS)
+            raise ConfigError(f"{path}: line {number}: expected numbers in the columns {wanted}") from error
+        if not all(map(math.isfinite, values)):
+            raise ConfigError(f"{path}: line {number}: expected finite numbers, got {values}")
+        yield values[0], values[1], values[2]
+
+
+def _rests(inputs: Iterable[Input], longest: int) -> Iterator[tuple[float, Samples, bool]]:
+    """Heading [rad], samples (2, n) and frame of every stretch at rest."""
+    blocks: list[Samples] = []
+    heading, earth = 0.0, False
+    for hop in inputs:
+        here = hop.pointing.heading
+        same = abs(wrap(here - heading)) < REST and abs(wrap(hop.heading_start - heading)) < REST
+        if blocks and not (hop.settled and same and hop.pointing.earth == earth):
+            yield heading, np.concatenate(blocks, axis=1)[:, -longest:], earth
+            blocks = []
+        if hop.settled:
+            if not blocks:
+                heading, earth = here, hop.pointing.earth
+            blocks.append(hop.block.samples)
+    if blocks:
+        yield heading, np.concatenate(blocks, axis=1)[:, -longest:], earth

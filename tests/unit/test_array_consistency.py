@@ -1,0 +1,110 @@
+"""Every exploration looks whether the array is as it is configured, and says so where it is not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mission_bench import SETTINGS, rig
+from ross_payload.calibration.consistency import Contradiction, contradiction
+from ross_payload.config import Config, validated
+from ross_payload.events import ArrayContradicted, OrientationHeard, State, StateChanged
+from ross_payload.mission import explore
+from ross_payload.mission.context import Context, Listening
+from ross_payload.service.assemble import settings_of
+from ross_payload.telemetry.status_texts import line
+from ross_protocols.mavlink.values import Severity
+from turned_array import RATE, SPEED, around, heard_at, spectra
+
+THREE = (0.7, 2.6, -1.4)
+TURN = around(9, 120.0)
+
+
+@pytest.mark.parametrize("azimuths", [(0.7,), (0.7, 2.6), THREE])
+def test_an_array_that_is_as_configured_is_not_doubted(azimuths):
+    assert not contradiction(spectra(TURN, azimuths=azimuths), 0.05, SPEED)
+
+
+@pytest.mark.parametrize(("azimuths", "true"), [((0.7,), 0.064), (THREE, 0.1), ((0.7,), 0.03), (THREE, 0.03)])
+def test_another_spacing_is_noticed(azimuths, true):
+    found = contradiction(spectra(TURN, azimuths=azimuths, spacing=true), 0.05, SPEED)
+    assert found.spacing == pytest.approx(true, rel=0.12)
+    assert (found.gain_db, found.inverted) == (None, False)
+
+
+def test_below_a_vehicle_a_spacing_that_seems_too_small_may_be_an_elevation():
+    heard = spectra(TURN, spacing=0.03)
+    assert contradiction(heard, 0.05, SPEED, level=True).spacing is not None
+    assert not contradiction(heard, 0.05, SPEED, level=False)
+    assert not settings_of(validated(Config, {"mount": {"source": "autopilot"}}, ""), -3, 3).level
+
+
+def test_a_gain_difference_is_noticed_and_a_small_one_is_not():
+    assert contradiction(spectra(TURN, azimuths=THREE, gain_db=-2.5), 0.05, SPEED).gain_db == pytest.approx(
+        -2.5, abs=0.2
+    )
+    assert not contradiction(spectra(TURN, azimuths=THREE, gain_db=0.8), 0.05, SPEED)
+
+
+def test_reversed_polarity_is_noticed_and_nothing_else_is_said_then():
+    found = contradiction(spectra(TURN, azimuths=THREE, inverted=True, gain_db=3.0), 0.05, SPEED)
+    assert found == Contradiction(inverted=True)
+
+
+def test_a_few_headings_tell_nothing():
+    assert not contradiction(spectra(TURN[:4], spacing=0.1), 0.05, SPEED)
+
+
+def explored(**like):
+    """A context that has explored, and what it has to say."""
+    context = Context(replace(SETTINGS, rate=RATE), tools=None)
+    pairs = zip(TURN, heard_at(TURN, **like), strict=True)
+    context.explored = [Listening(float(heading), samples) for heading, samples in pairs]
+    explore.check_array(context)
+    return [event for event in context.pending if isinstance(event, ArrayContradicted)]
+
+
+def test_an_exploration_says_what_contradicts_the_configuration():
+    (event,) = explored(spacing=0.064, gain_db=2.0)
+    assert event.spacing == pytest.approx(0.064, abs=0.003)
+    severity, text = line(event)
+    assert severity is Severity.WARNING
+    assert (
+        text
+        == f"array: spacing seems {1e3 * event.spacing:.0f} mm, not 50, microphone 2 is 2.0 dB louder: ross calibrate"
+    )
+
+
+def test_an_exploration_says_nothing_when_all_agrees_or_nobody_talks():
+    assert explored() == []
+    assert explored(silent=range(9)) == []
+
+
+def test_polarity_is_told_in_words():
+    assert "polarity of one microphone is reversed" in line(ArrayContradicted(1.0, None, 0.05, None, inverted=True))[1]
+
+
+def test_no_step_of_the_check_takes_long(monkeypatch):
+    """What it computes at once is a small array: 65,536 numbers at most, whatever was heard."""
+    largest = []
+    irfft = np.fft.irfft
+    monkeypatch.setattr(np.fft, "irfft", lambda a, n=None, **k: largest.append(n) or irfft(a, n, **k))
+    contradiction(spectra(TURN), 0.05, SPEED)
+    assert max(n for n in largest if n) <= 2**16 + 2**14
+
+
+def test_every_exploration_of_a_mission_looks_at_the_array(monkeypatch):
+    looked = []
+
+    def found(heard, spacing, speed_of_sound, *, level):
+        looked.append((spacing, speed_of_sound, level))
+        return Contradiction(gain_db=2.0)
+
+    monkeypatch.setattr(explore, "contradiction", found)
+    one = rig()
+    one.run()
+    assert looked == [(0.05, 343.0, True)]
+    (event,) = one.said(ArrayContradicted)
+    assert (event.gain_db, event.spacing, event.inverted) == (2.0, None, False)
+    last = max(e.time for e in one.said(OrientationHeard))
+    assert last <= event.time < min(e.time for e in one.said(StateChanged) if e.state is State.ALIGN_TURN) + 0.1
