@@ -147,7 +147,9 @@ class VehicleFarEnd:
     def make(cls, config: Options) -> VehicleFarEnd:
         """Make a vehicle that can do a little more than the options ask for, pointing north: PX4 for Offboard."""
         speed, acceleration = math.radians(config.max_speed_deg_s), math.radians(config.max_acceleration_deg_s2)
-        body = YawDynamics(Airframe(SPARE_SPEED * speed, SPARE_ACCELERATION * acceleration, max(4 * acceleration, TORQUE)))
+        body = YawDynamics(
+            Airframe(SPARE_SPEED * speed, SPARE_ACCELERATION * acceleration, max(4 * acceleration, TORQUE))
+        )
         if config.px4_mode == "offboard":
             return cls(Px4(body), offboard=True)
         return cls(Copter(body))
