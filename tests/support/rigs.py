@@ -49,7 +49,7 @@ SPEEDS = {
     "mavlink_gimbal": math.radians(90),
     "vehicle_yaw": math.radians(90),
 }  # of back ends that are slower than the paper's
-OPENING = {"canopen_drive": 0.8, "vehicle_yaw": 2.5}  # of what is asked and told a lot before it is ready [s]
+OPENING = {"canopen_drive": 0.8, "vehicle_yaw": 2.0}  # of what is asked and told a lot before it is ready [s]
 LAG = {
     "vehicle_yaw": 0.8,
     "mavlink_gimbal": 0.3,

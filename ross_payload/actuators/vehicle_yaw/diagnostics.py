@@ -13,7 +13,7 @@ STALE_ATTITUDE_S = 0.45
 LATE_ATTITUDE_S = STALE_ATTITUDE_S / 2  # [s] of an attitude on its way, which no link in order takes
 # how far a vehicle may be behind its set-point [rad], and this many [s] more: autopilots shape what they are told
 MAX_LAG_RAD, MAX_LAG_S = math.radians(10), 0.5
-ARRIVAL_TIMEOUT_S = 3.0  # after its time a vehicle may not be farther from its goal than in wind
+ARRIVAL_TIMEOUT_S = 3.0  # a vehicle may be off its goal at the end of its time, and in a gust
 WELCOME = (common.MAV_RESULT_ACCEPTED, common.MAV_RESULT_IN_PROGRESS, common.MAV_RESULT_TEMPORARILY_REJECTED)
 
 
@@ -26,14 +26,25 @@ def contradiction(seen: GimbalFeedback) -> str:
     return ""
 
 
-def following_error(seen: GimbalFeedback, motion: Motion | None, resolution: float, now: float) -> str:
-    """Say when a vehicle lags behind its set-points, or stays beside its goal: too weak, held, or turned by others."""
-    if motion is None or seen.time < motion.begin or now - seen.time > STALE_ATTITUDE_S or not seen.steady:
+def following_error(seen: GimbalFeedback, motion: Motion, near: float, now: float) -> str:
+    """Say when a vehicle lags behind its set-points, or stays beside its goal: too weak, held, or turned by others.
+
+    Parameters
+    ----------
+    seen
+        Where it points.
+    motion
+        Where it should.
+    near
+        When it was about where it should be last [s].
+    now
+        The time [s].
+    """
+    if seen.time < motion.begin or now - seen.time > STALE_ATTITUDE_S or not seen.steady:
         return ""
     angle, rate = motion.at(seen.time)
-    behind = abs(angle - seen.angle)
-    astray = behind > 2 * resolution and seen.time > motion.end + ARRIVAL_TIMEOUT_S
-    if astray or behind > MAX_LAG_RAD + MAX_LAG_S * abs(rate):
+    lags = seen.time <= motion.end and abs(angle - seen.angle) > MAX_LAG_RAD + MAX_LAG_S * abs(rate)
+    if lags or seen.time - max(near, motion.end) > ARRIVAL_TIMEOUT_S:
         where = f"{math.degrees(seen.angle):.1f} deg, not at {math.degrees(angle):.1f}"
         return f"the vehicle does not follow: its yaw is {where}; home and rearm"
     return ""

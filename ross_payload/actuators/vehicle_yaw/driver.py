@@ -27,6 +27,7 @@ from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
 
 STILL_RAD_S = math.radians(5)  # with which a vehicle that holds its yaw in wind swings
 FASTEST_RAD_S = math.radians(120)  # at which no payload turns a vehicle; a pilot may, a little faster
+ASKING_S = 2.0  # in which an autopilot must tell what it was asked for
 FRESH_S = 0.1  # an attitude that is older is no place to brake from
 STOP_PERIOD_S = 0.1  # between two stops, until the vehicle stands
 REMIND_PERIOD_S = 1.0  # between set-points of a vehicle that is not yet at its goal after its time
@@ -51,10 +52,12 @@ class VehicleYaw(Driver):
         self._plan = SetPoints(self.capabilities, still=STILL_RAD_S)
         self._commands: YawCommands | None = None
         self._held = False  # somebody holds it for a task: only then it matters whether it may be turned
-        self._pending: Move | None = None  # waits for the next poll
+        self._held_at = -math.inf  # since when [s]
+        self._pending: Move | None = None  # waits until all is known
         self._stopping = -math.inf  # when the last stop was sent [s]; minus infinity: none is under way
         self._yielded = False  # since the last goal the vehicle was left to others
         self._stands = False  # and stands since then
+        self._near = -math.inf  # when it was about where it should be last [s]
         self._us: ComponentId | None = None
         self._fault = ""
         self._settled = False  # as last published
@@ -86,6 +89,7 @@ class VehicleYaw(Driver):
             self._fault = ""
             self._feedback.clear_doubts()
         if isinstance(request, Move) or request is Request.TAKE_CONTROL:
+            self._held_at = self._held_at if self._held else now
             self._held = True
         elif request is Request.RELEASE_CONTROL:
             self._held = False
@@ -105,7 +109,7 @@ class VehicleYaw(Driver):
             return
         if self._held and (self._fault or self._objection(now)):
             self._yield(commands, now)
-        if self._pending is not None:
+        if self._pending is not None and not self._ignorance(now):
             self._begin(self._pending, commands, now)
         self._look_whether_it_follows(commands, now)
         if self._stopping > -math.inf:
@@ -209,7 +213,9 @@ class VehicleYaw(Driver):
                 self._stands = True
                 self._plan.hold(seen.angle, now)
             return
-        fault = diagnostics.following_error(seen, motion, self.capabilities.resolution, now)
+        if abs(motion.at(seen.time)[0] - seen.angle) <= 2 * self.capabilities.resolution:
+            self._near = seen.time
+        fault = diagnostics.following_error(seen, motion, self._near, now)
         if fault:
             self._fault = self._fault or fault
             self._yield(commands, now)
@@ -222,15 +228,14 @@ class VehicleYaw(Driver):
             self._plan.halt(now)
 
     def _go_on_stopping(self, commands: YawCommands, now: float) -> None:
-        """Repeat a stop until the vehicle stands; then its goal is where it stands."""
+        """Repeat a stop until the vehicle stands."""
         motion = self._plan.motion
         if motion is None:
             self._stopping = -math.inf
         elif now > motion.end and abs(self._feedback.rate) < STILL_RAD_S and self._feedback.time > motion.begin:
             self._stopping = -math.inf
             if not commands.streams:
-                self._plan.hold(self._feedback.angle, now)
-                self._plan.sent = now
+                self._plan.motion = None
         elif now - self._stopping >= STOP_PERIOD_S - ROUNDING_S:
             self._stopping = now
             self._port.send(commands.stop(motion.plan.goal, now))
@@ -254,9 +259,14 @@ class VehicleYaw(Driver):
 
     def _objection(self, now: float) -> str:
         seen = self._feedback
-        why = self._watch.missing() or self._watch.objection(now)
+        why = self._watch.missing() or self._watch.objection()
         why = why or diagnostics.silence(seen, now) or diagnostics.contradiction(seen)
-        return why or (self._commands.missing() if self._commands is not None else "")
+        waits = self._plan.motion is None and now - self._held_at < ASKING_S
+        return why or ("" if waits else self._ignorance(now))
+
+    def _ignorance(self, now: float) -> str:
+        """Say what has not been told that must be known in a turn; the autopilot has just been asked for it."""
+        return self._watch.ignorance(now) or (self._commands.missing() if self._commands is not None else "")
 
     def _trouble(self, now: float) -> str:
         """Say what is wrong; whether it may be turned matters to a task only."""

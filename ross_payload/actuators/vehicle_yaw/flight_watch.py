@@ -31,13 +31,13 @@ from ross_protocols.mavlink.vehicle_control import (
 
 ASK_PERIOD_S = 1.0  # between two looks whether messages flow
 ENOUGH = 0.6  # of the rate that was asked for: it is not asked for again
-STALE_S = 0.5  # modes and sticks that are older prove nothing
+STICK_STALE_S = 0.3  # a stick that is told more seldom proves nothing
+MODE_STALE_S = {ARDUPILOT: 0.3, PX4: 1.2}  # nor a mode; PX4 tells a new one at once, and the same one twice a second
 RATES: dict[int, dict[int, float]] = {  # by autopilot: how often it must tell what [Hz]
     ARDUPILOT: {ATTITUDE: 50.0, HEARTBEAT: 10.0, RC_CHANNELS: 20.0},  # it tells a new mode at once, too
     PX4: {ATTITUDE: 50.0, CURRENT_MODE: 20.0, RC_CHANNELS: 20.0, MANUAL_CONTROL: 20.0,
           GLOBAL_POSITION: 5.0, LOCAL_POSITION: 10.0},
 }  # fmt: skip
-OPTIONAL = (MANUAL_CONTROL, RC_CHANNELS)  # of which one is enough, and no message says that there is none
 Place = tuple[float, float, float]  # north, east, down [m]
 
 
@@ -55,7 +55,7 @@ class FlightWatch:
     place: Place | None = None
     _mode_times: tuple[float, float] = (-math.inf, -math.inf)  # of the last two reports of the mode [s]
     _stick: float = math.nan  # from its centre [us]
-    _stick_time: float = -math.inf  # [s]
+    _stick_times: tuple[float, float] = (-math.inf, -math.inf)  # of the last two reports of the stick [s]
     _counts: dict[int, int] = field(default_factory=dict)  # messages since the last look
     _looked: float = -math.inf  # [s]
 
@@ -74,15 +74,16 @@ class FlightWatch:
         status = vehicle_control.flight_status(message)
         if status is not None and (self.whom is not None or status.autopilot in RATES):
             self.whom, self.kind, self.multicopter = packet.sender, status.autopilot, status.multicopter
-            self.armed = status.armed
-            self._on_mode(status.mode, now)
+            self.armed, self.mode = status.armed, status.mode
+        if packet.name == ("HEARTBEAT" if self.kind == ARDUPILOT else "CURRENT_MODE"):
+            self._mode_times = (self._mode_times[1], now)
         number = message.get_msgId()
         self._counts[number] = self._counts.get(number, 0) + 1
         stick = vehicle_control.yaw_stick(message, self.options.yaw_channel or 1, self.options.stick_centre_us)
         if stick is not None:
-            self._stick, self._stick_time = stick, now
+            self._stick, self._stick_times = stick, (self._stick_times[1], now)
         if packet.name == "CURRENT_MODE":
-            self._on_mode(message.custom_mode, now)
+            self.mode = message.custom_mode
         elif packet.name == "LOCAL_POSITION_NED":
             self.place = (message.x, message.y, message.z)
         self.position = vehicle.position_of(message) or self.position
@@ -105,8 +106,8 @@ class FlightWatch:
             return "the autopilot does not fly a multicopter with ArduPilot or PX4: it cannot be turned"
         return ""
 
-    def objection(self, now: float) -> str:
-        """Say why the vehicle may not be turned now; empty when it may."""
+    def objection(self) -> str:
+        """Say why the vehicle may not be turned, as far as it was told; empty when it may."""
         if not self.armed:
             return "the vehicle is not armed: it is turned only while it is armed"
         wanted, name = self.wanted_mode, vehicle_control.mode_name
@@ -115,25 +116,23 @@ class FlightWatch:
                 f"the flight mode is {name(self.kind, self.mode)}: the vehicle is turned only in"
                 f" {name(self.kind, wanted)}"
             )
-        if now - self._mode_times[1] > STALE_S or self._mode_times[1] - self._mode_times[0] > STALE_S:
-            return f"the autopilot has not told its flight mode every {STALE_S:g} s: a change would be noticed too late"
-        return self._objection_of_pilot(now)
-
-    def pilot_turns(self, now: float) -> bool:
-        """Tell whether the pilot's yaw stick is off its centre."""
-        return self.options.yaw_channel > 0 and abs(self._stick) > self.options.stick_dead_band_us
-
-    def _objection_of_pilot(self, now: float) -> str:
-        if self.options.yaw_channel == 0:
-            return ""
-        if now - self._stick_time > STALE_S or math.isnan(self._stick):
-            return (
-                f"the autopilot does not tell the pilot's yaw stick (RC_CHANNELS, channel {self.options.yaw_channel}):"
-                " yaw_channel = 0 if nobody holds one"
-            )
-        if self.pilot_turns(now):
+        if self.options.yaw_channel and abs(self._stick) > self.options.stick_dead_band_us:
             return f"the pilot moves the yaw stick ({self._stick:+.0f} us): the vehicle is the pilot's"
         return ""
 
-    def _on_mode(self, mode: int, now: float) -> None:
-        self.mode, self._mode_times = mode, (self._mode_times[1], now)
+    def ignorance(self, now: float) -> str:
+        """Say what is not told often enough to turn the vehicle; empty when all is."""
+        before, last = self._mode_times
+        stale = MODE_STALE_S[self.kind]
+        if now - last > stale or last - before > stale:
+            name = "HEARTBEAT" if self.kind == ARDUPILOT else "CURRENT_MODE"
+            return f"the autopilot does not send {name} every {stale:g} s: another mode would be noticed too late"
+        channel = self.options.yaw_channel
+        before, last = self._stick_times
+        seldom = now - last > STICK_STALE_S or last - before > STICK_STALE_S
+        if channel and (seldom or math.isnan(self._stick)):
+            return (
+                f"the autopilot does not tell the pilot's yaw stick (RC_CHANNELS, channel {channel}):"
+                " yaw_channel = 0 if nobody holds one"
+            )
+        return ""

@@ -32,6 +32,7 @@ SYSTEM_TIME = 2  # message id
 USUAL = {HEARTBEAT: 1.0, ATTITUDE: 0.25, RC_CHANNELS: 0.5, SYSTEM_TIME: 1.0}  # periods until somebody asks [s]
 SHORTEST = 0.01  # of the periods that it can be asked for [s]
 EARLY = 1e-9  # of rounding [s]
+STATE_PERIOD_S = 0.5  # in which PX4 publishes its state when nothing has changed
 BOOT = 100.0  # what its clock shows when its life begins here [s]
 LATITUDE, LONGITUDE = 473977000, 85455000  # where it hovers, in 1e-7 degrees
 
@@ -39,7 +40,7 @@ LATITUDE, LONGITUDE = 473977000, 85455000  # where it hovers, in 1e-7 degrees
 class FlyingAutopilot:
     """Component 1 of a multicopter that hovers.
 
-    `armed`, `mute`, `trembling` and the ``stick`` of ``modes`` may be set while it lives.
+    `armed`, `mute`, `trembling`, `altimeter_error` and the ``stick`` of ``modes`` may be set while it lives.
 
     Parameters
     ----------
@@ -56,12 +57,14 @@ class FlyingAutopilot:
         self.armed = True
         self.mute = False
         self.trembling: Callable[[], float] | None = None  # error of its compass [rad]
+        self.altimeter_error = 0.0  # [m]
         self._adjustable = {ATTITUDE, RC_CHANNELS, SYSTEM_TIME, GLOBAL_POSITION, LOCAL_POSITION}
         self._adjustable |= {HEARTBEAT} if self.ardupilot else {CURRENT_MODE, MANUAL_CONTROL}
         self._periods = dict(USUAL)
         self._due: dict[int, float] = {}
         self._steps = 0
         self._said_mode = modes.mode
+        self._mode_told, self._mode_is_news = -math.inf, True  # by CURRENT_MODE of PX4
         self._lags = cycle(STAMP_LAGS)
         self._past: list[tuple[float, float]] = [(0.0, modes.body.yaw)]  # when [s], true yaw [rad]
 
@@ -100,9 +103,14 @@ class FlyingAutopilot:
     def live(self, now: float) -> list[Any]:
         """Return what is due at ``now`` [s]."""
         ready = [number for number in self._periods if now >= self._due.get(number, now) - EARLY]
-        if self.modes.mode != self._said_mode:  # ArduPilot tells it at once, PX4 in its stream of modes
-            self._said_mode = self.modes.mode
-            ready += [HEARTBEAT] if self.ardupilot and HEARTBEAT not in ready else []
+        changed, self._said_mode = self.modes.mode != self._said_mode, self.modes.mode
+        if changed and self.ardupilot and HEARTBEAT not in ready:
+            ready.append(HEARTBEAT)  # at once
+        self._mode_is_news = self._mode_is_news or changed or now - self._mode_told >= STATE_PERIOD_S - EARLY
+        if CURRENT_MODE in ready and not self._mode_is_news:
+            ready.remove(CURRENT_MODE)
+        elif CURRENT_MODE in ready:
+            self._mode_told, self._mode_is_news = now, False
         for number in ready:
             self._due[number] = max(self._due.get(number, now) + self._periods[number], now)
         return [] if self.mute else [self._message(number, now) for number in ready]
@@ -155,7 +163,8 @@ class FlyingAutopilot:
         return vehicle.attitude(VehicleAttitude(now + BOOT - lag, wrap(yaw), 0.0, 0.0, self.modes.body.rate))
 
     def _position(self, milliseconds: int) -> Any:
-        height = round(self.modes.altitude * 1e3) if isinstance(self.modes, Px4) else 100_000
+        altitude = self.modes.altitude if isinstance(self.modes, Px4) else 100.0
+        height = round((altitude + self.altimeter_error) * 1e3)
         heading = round(math.degrees(clockwise(self.yaw)) % 360.0 * 100) % 36000
         return common.MAVLink_global_position_int_message(
             milliseconds, LATITUDE, LONGITUDE, height, 10_000, 0, 0, 0, heading

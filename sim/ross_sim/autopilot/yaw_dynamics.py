@@ -14,7 +14,7 @@ import numpy as np
 
 from ross_payload.angles import wrap
 
-STEP = 0.002  # of the controller [s]
+STEP = 0.005  # of the controller [s]
 SMOOTHING_S = 0.15  # time constant of the target (ATC_INPUT_TC)
 ANGLE_GAIN = 4.5  # (ATC_ANG_YAW_P) [1/s]
 RATE_GAIN, RATE_INTEGRAL = 12.0, 6.0  # of the rate loop [1/s], [1/s^2]

@@ -21,6 +21,7 @@ from ross_sim.autopilot.yaw_dynamics import Airframe, Wind, YawDynamics
 from ross_sim.devices.far_end import OF_VEHICLES, Fault, WireEnd, checked
 from ross_sim.devices.gimbal_far_end import AGAIN, STATION, SYSTEM, CrowdedLine, MavlinkEnd
 
+NOTICE_S = 1.5  # in which it is known that a vehicle is disarmed, from heartbeats
 PUSH_US, PUSH_S = 200.0, 0.5  # how far, and for how long, a pilot pushes the yaw stick
 TREMBLE = math.radians(4)  # of a compass that is broken, standard deviation [rad]
 TURN = math.radians(60)  # from where the vehicle points to where a ground station wants it [rad]
@@ -54,11 +55,13 @@ class VehicleFarEnd:
         self._rival: float | None = None  # the yaw that a ground station wants [rad]
         self._rival_due = 0.0  # [s]
         self._damaged = False
+        self._disarmed = 0.0  # when [s]
         self._released = math.inf  # when the pilot lets go of the stick [s]
         self._chance = np.random.default_rng(0)
         self._up, self._down = (CrowdedLine(self._chance, latency=latency) for _ in range(2))
         self._now = 0.0
-        self.turned_after: list[str] = []  # orders to turn that came in vain, in words
+        self.orders: list[tuple[float, str]] = []  # to turn or to stop: when they came [s], which
+        self._words: list[str] = []
 
     def blow(self, wind: Wind, chance: np.random.Generator) -> None:
         """Let a wind blow."""
@@ -117,11 +120,11 @@ class VehicleFarEnd:
                 else:
                     self.modes.enter(self._automatic, self._now)
             case Fault.DISARMED:
-                self.autopilot.armed = not on
+                self.autopilot.armed, self._disarmed = not on, self._now
 
     def complaints(self) -> list[str]:
         """Return which orders to turn came while the vehicle was not the payload's."""
-        return list(dict.fromkeys(self.turned_after))
+        return list(dict.fromkeys(self._words))
 
     def _interfere(self, away: float, now: float) -> None:
         """Let a ground station turn the vehicle elsewhere, and insist."""
@@ -134,14 +137,16 @@ class VehicleFarEnd:
             self.autopilot.on_packet(packet, now)
 
     def _inspect(self, packet: Packet) -> None:
-        """Note an order to turn while nobody may give one: a vehicle that is disarmed or in another mode."""
+        """Note orders; one to turn a vehicle that has not been armed for a while is worth a word."""
         message = packet.message
-        turns = packet.name in ("COMMAND_LONG", "COMMAND_INT") and message.command in (
-            vehicle_control.CONDITION_YAW,
-            vehicle_control.DO_REPOSITION,
-        )
-        if turns and not self.autopilot.armed:
-            self.turned_after.append("an order to turn a vehicle that is not armed")
+        if packet.name not in ("COMMAND_LONG", "COMMAND_INT"):
+            return
+        if message.command not in (vehicle_control.CONDITION_YAW, vehicle_control.DO_REPOSITION):
+            return
+        stops = message.command == vehicle_control.CONDITION_YAW and bool(message.param4)
+        self.orders.append((self._now, "stop" if stops else "turn"))
+        if not self.autopilot.armed and self._now - self._disarmed > NOTICE_S:
+            self._words.append("an order to turn a vehicle that is not armed")
 
     @classmethod
     def make(cls, config: Options) -> VehicleFarEnd:
