@@ -137,5 +137,5 @@ DETECTIONS: dict[tuple[str, Fault], Detection | None] = {
     ("vehicle_yaw:offboard", Fault.MODE): Detection(
         0.1, "the flight mode is Position: the vehicle is turned only in Offboard"
     ),
-    ("vehicle_yaw:offboard", Fault.DISARMED): Detection(1.1, "the vehicle is not armed"),
+    ("vehicle_yaw:offboard", Fault.DISARMED): Detection(1.1, "the vehicle is not armed|does not follow"),
 }

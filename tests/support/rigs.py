@@ -141,9 +141,14 @@ class Rig:
         return self.clock.now() - begin
 
 
+def options_of(kind: str, role: str) -> dict[str, Any]:
+    """The options of a back end in one of its roles."""
+    return OPTIONS.get(kind, {}) | ROLES.get(role, {})
+
+
 def rig_of(kind: str, **guard: Any) -> Rig:
     kind, _, role = kind.partition(":")
-    options = OPTIONS.get(kind, {}) | ROLES.get(role, {})
+    options = options_of(kind, role)
     config = Config.model_validate({"actuator": {"kind": kind, "options": options}, "guard": guard})
     clock = SimClock()
     far_end: FarEnd = plugins.load("ross_sim.far_ends", kind).make(checked_options(config))

@@ -124,7 +124,8 @@ class FlightWatch:
         """Say what is not told often enough to turn the vehicle; empty when all is."""
         before, last = self._mode_times
         stale = MODE_STALE_S[self.kind]
-        if now - last > stale or last - before > stale:
+        seldom = self.kind == ARDUPILOT and last - before > stale  # a heartbeat a second is told from none
+        if now - last > stale or seldom:
             name = "HEARTBEAT" if self.kind == ARDUPILOT else "CURRENT_MODE"
             return f"the autopilot does not send {name} every {stale:g} s: another mode would be noticed too late"
         channel = self.options.yaw_channel
