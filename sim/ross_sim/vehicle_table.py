@@ -14,7 +14,8 @@ from ross_sim.autopilot.yaw_dynamics import Wind
 from ross_sim.devices.far_end import FarEnd
 from ross_sim.devices.vehicle_far_end import VehicleFarEnd
 
-GUSTS = frozenset(("gust_deg_s2", "gust_s"))  # keys of a vehicle that is turned itself
+GUSTS = frozenset(("gust_deg_s2", "gust_s"))  # keys of a vehicle that is turned itself alone
+LINK = frozenset(("latency_ms",))  # of any vehicle
 Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
@@ -22,8 +23,8 @@ class Vehicle(Table):
     """[vehicle]: what carries the mount; it yaws to and fro, and an autopilot tells the payload over MAVLink.
 
     The room is that of a mount which points to ``yaw_deg``: azimuths of talkers count from there. A vehicle that is
-    turned itself, with the actuator ``vehicle_yaw``, begins to the north; azimuths count from there, and only gusts can
-    be told of it.
+    turned itself, with the actuator ``vehicle_yaw``, begins to the north; azimuths count from there, and only gusts and
+    the latency of its link, each way, can be told of it.
     """
 
     yaw_deg: Degrees = 0.0  # the middle, clockwise from north as on a compass
@@ -49,14 +50,15 @@ class Vehicle(Table):
             Which key.
         """
         turned = payload.actuator.kind == VEHICLE_YAW
-        wrong = sorted(self.model_fields_set - GUSTS if turned else self.model_fields_set & GUSTS)
+        wrong = sorted(self.model_fields_set - GUSTS - LINK if turned else self.model_fields_set & GUSTS)
         if wrong:
-            expected = " and ".join(sorted(GUSTS)) if turned else f"the actuator {VEHICLE_YAW} for it"
+            expected = ", ".join(sorted(GUSTS | LINK)) if turned else f"the actuator {VEHICLE_YAW} for it"
             raise ValueError(f"vehicle.{wrong[0]}: expected {expected}")
 
     def in_wind(self, far_end: FarEnd, seed: int) -> FarEnd:
-        """Let the gusts blow on a vehicle that is turned itself; any other far end stays as it is."""
+        """Let gusts blow on a vehicle that is turned itself, behind its link; any other far end stays as it is."""
         if isinstance(far_end, VehicleFarEnd):
             wind = Wind(math.radians(self.gust_deg_s2), self.gust_s)
+            far_end.delay(self.latency_ms / 1e3)
             far_end.blow(wind, np.random.Generator(np.random.PCG64(seed)))
         return far_end

@@ -93,8 +93,8 @@ def test_five_degrees_and_back_are_five_degrees_and_back(kind: str) -> None:
         ("canopen_drive", "vendor 0x0, product 0x402, revision 0x10000, serial 0x1"),
         ("mavlink_gimbal", "ROSS simulated, firmware 1.0.0"),
         ("mavlink_gimbal:manager", "ROSS simulated, firmware 1.0.0"),
-        ("vehicle_yaw", "ArduCopter, system 1"),
-        ("vehicle_yaw:offboard", "PX4, system 1"),
+        ("vehicle_yaw", "ArduCopter, system 1; it may be turned"),
+        ("vehicle_yaw:offboard", "PX4, system 1; "),
     ],
 )
 def test_a_device_is_called_what_it_calls_itself(kind: str, name: str) -> None:

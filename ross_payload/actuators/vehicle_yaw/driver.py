@@ -64,10 +64,10 @@ class VehicleYaw(Driver):
 
     @property
     def identity(self) -> str:
-        """Which autopilot it is."""
+        """Which autopilot it is, and whether it may be turned now."""
         kinds = {vehicle_control.ARDUPILOT: "ArduCopter", vehicle_control.PX4: "PX4"}
-        whom = self._watch.whom
-        return "" if whom is None else f"{kinds.get(self._watch.kind, 'autopilot')}, system {whom.system}"
+        whom, may = self._watch.whom, self._watch.objection() or "it may be turned"
+        return "" if whom is None else f"{kinds.get(self._watch.kind, 'autopilot')}, system {whom.system}; {may}"
 
     def open(self, port: Port, now: float) -> None:
         """Look for the autopilot; nothing is turned."""

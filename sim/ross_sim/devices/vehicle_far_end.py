@@ -67,6 +67,10 @@ class VehicleFarEnd:
         """Let a wind blow."""
         self.modes.body.wind, self.modes.body.chance = wind, chance
 
+    def delay(self, latency: float) -> None:
+        """Let the wire take its time [s], each way."""
+        self._up.latency = self._down.latency = latency
+
     def push(self, deflection: float) -> None:
         """Move the pilot's yaw stick [us]; to 0 he lets go of it."""
         self.modes.stick, self._released = CENTRE + deflection, math.inf
