@@ -255,6 +255,23 @@ def test_another_flight_mode_ends_a_turn_within_0_2_s_and_nothing_is_sent_into_i
     assert max(took) <= 0.15
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_turn_that_outlasts_its_task_is_the_pilot_s_too(kind):
+    bench = in_a_turn(kind, 0.0, ignores_stick=True)
+    bench.actuator.release_control()
+    bench.clock.sleep(0.1)
+    assert bench.state.rate > 0.2
+    begin = bench.clock.now()
+    bench.far_end.push(-60.0)
+    bench.clock.sleep(0.15)
+    late = bench.clock.now()
+    bench.clock.sleep(2.0)
+    assert bench.orders(late) == []
+    there = bench.yaw_deg
+    bench.clock.sleep(2.0)
+    assert bench.yaw_deg == pytest.approx(there, abs=0.3), begin
+
+
 def test_a_stick_that_an_autopilot_ignores_stops_the_vehicle_all_the_same():
     bench = in_a_turn("ardupilot", 0.0, ignores_stick=True)
     here, fastest = bench.yaw_deg, math.degrees(bench.state.rate)

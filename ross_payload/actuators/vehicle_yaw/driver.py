@@ -56,6 +56,7 @@ class VehicleYaw(Driver):
         self._pending: Move | None = None  # waits until all is known
         self._stopping = -math.inf  # when the last stop was sent [s]; minus infinity: none is under way
         self._yielded = False  # since the last goal the vehicle was left to others
+        self._turning = False  # a goal was given, and is not reached yet
         self._stands = False  # and stands since then
         self._near = -math.inf  # when it was about where it should be last [s]
         self._us: ComponentId | None = None
@@ -74,7 +75,7 @@ class VehicleYaw(Driver):
         self._port = port
         self._feedback.forget()
         self._fault, self._held, self._pending, self._plan.motion = "", False, None, None
-        self._yielded = False
+        self._yielded = self._turning = False
 
     def read(self, now: float) -> None:
         """Take in what has arrived."""
@@ -107,7 +108,7 @@ class VehicleYaw(Driver):
         commands = self._commands
         if commands is None:
             return
-        if self._held and (self._fault or self._objection(now)):
+        if self._matters and (self._fault or self._objection(now)):
             self._yield(commands, now)
         if self._pending is not None and not self._ignorance(now):
             self._begin(self._pending, commands, now)
@@ -125,6 +126,7 @@ class VehicleYaw(Driver):
         rate, resting = self._plan.rest(seen, self.capabilities.resolution, now)
         rested = resting >= self._options.settle_ms * 1e-3 - ROUNDING_S
         self._settled = rested and self._pending is None and not trouble and not self._stopping > -math.inf
+        self._turning = self._turning and not self._settled
         return ActuatorState(
             seen.angle, rate, self._settled, homed=True, healthy=not trouble, time=seen.time, fault=trouble
         )
@@ -172,7 +174,7 @@ class VehicleYaw(Driver):
 
     def _begin(self, move: Move, commands: YawCommands, now: float) -> None:
         """Go to a goal from where the plan is, or the vehicle if there is none."""
-        self._pending, self._yielded = None, False
+        self._pending, self._yielded, self._turning = None, False, True
         if self._plan.motion is None or self._stopping > -math.inf or self._settled:
             self._stopping = -math.inf
             for message in commands.begin():
@@ -246,6 +248,7 @@ class VehicleYaw(Driver):
         if self._yielded:
             return
         self._yielded, self._stands, self._stopping = True, False, -math.inf
+        self._turning = False
         motion, settled = self._plan.motion, self._settled
         if motion is None:
             return
@@ -271,7 +274,12 @@ class VehicleYaw(Driver):
     def _trouble(self, now: float) -> str:
         """Say what is wrong; whether it may be turned matters to a task only."""
         unknown = self._watch.missing() or self._fault or diagnostics.contradiction(self._feedback)
-        return unknown or (self._objection(now) if self._held else diagnostics.silence(self._feedback, now))
+        return unknown or (self._objection(now) if self._matters else diagnostics.silence(self._feedback, now))
+
+    @property
+    def _matters(self) -> bool:
+        """Whether it matters that the vehicle may be turned: to a task, and to a turn that outlasts its task."""
+        return self._held or self._turning or self._pending is not None
 
     def _inside(self, angle: float) -> bool:
         able, margin = self.capabilities, self.capabilities.resolution
