@@ -227,7 +227,7 @@ def ended_after(bench, begin):
 @pytest.mark.parametrize("ignores", [False, True], ids=["the autopilot heeds it", "the autopilot ignores it"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_yaw_stick_ends_a_turn_within_0_2_s(kind, ignores):
-    """Measured at ten phases between the stick and the messages that tell of it: 0.1 s was aimed at."""
+    """At ten phases between the stick and the messages that tell of it; 0.2 s are required, 0.1 s were aimed at."""
     took = []
     for phase in np.arange(10) * 0.013:
         bench = in_a_turn(kind, float(phase), ignores_stick=ignores)
@@ -239,7 +239,7 @@ def test_the_yaw_stick_ends_a_turn_within_0_2_s(kind, ignores):
             took.append(ended_after(bench, begin))
             assert bench.modes.turns is (ignores or kind == "hold")  # by then it is a stop that holds the yaw
         assert "the pilot moves the yaw stick" in bench.state.fault
-    assert max(took) <= 0.15
+    assert max(took) <= (0.075 if kind == "offboard" else 0.105)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -252,7 +252,7 @@ def test_another_flight_mode_ends_a_turn_within_0_2_s_and_nothing_is_sent_into_i
         took.append(ended_after(bench, begin))
         assert "the flight mode is" in bench.state.fault
         assert bench.orders(begin + 0.15) == []
-    assert max(took) <= 0.15
+    assert max(took) <= 0.075
 
 
 @pytest.mark.parametrize("kind", KINDS)
