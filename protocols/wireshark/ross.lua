@@ -57,6 +57,7 @@ messageName = {
     [300] = 'PROTOCOL_VERSION',
     [396] = 'COMPONENT_INFORMATION_BASIC',
     [397] = 'COMPONENT_METADATA',
+    [436] = 'CURRENT_MODE',
     [0] = 'HEARTBEAT',
     [33] = 'GLOBAL_POSITION_INT',
     [148] = 'AUTOPILOT_VERSION',
@@ -982,6 +983,10 @@ f.COMPONENT_INFORMATION_BASIC_serial_number = ProtoField.new("serial_number (cha
 f.COMPONENT_METADATA_time_boot_ms = ProtoField.new("time_boot_ms (uint32_t) [ms]", "mavlink_proto.COMPONENT_METADATA_time_boot_ms", ftypes.UINT32, nil)
 f.COMPONENT_METADATA_file_crc = ProtoField.new("file_crc (uint32_t)", "mavlink_proto.COMPONENT_METADATA_file_crc", ftypes.UINT32, nil)
 f.COMPONENT_METADATA_uri = ProtoField.new("uri (char)", "mavlink_proto.COMPONENT_METADATA_uri", ftypes.STRING, nil)
+
+f.CURRENT_MODE_standard_mode = ProtoField.new("standard_mode (uint8_t)", "mavlink_proto.CURRENT_MODE_standard_mode", ftypes.UINT8, nil)
+f.CURRENT_MODE_custom_mode = ProtoField.new("custom_mode (uint32_t)", "mavlink_proto.CURRENT_MODE_custom_mode", ftypes.UINT32, nil)
+f.CURRENT_MODE_intended_custom_mode = ProtoField.new("intended_custom_mode (uint32_t)", "mavlink_proto.CURRENT_MODE_intended_custom_mode", ftypes.UINT32, nil)
 
 f.HEARTBEAT_type = ProtoField.new("type (MAV_TYPE)", "mavlink_proto.HEARTBEAT_type", ftypes.UINT8, enumEntryName.MAV_TYPE)
 f.HEARTBEAT_autopilot = ProtoField.new("autopilot (MAV_AUTOPILOT)", "mavlink_proto.HEARTBEAT_autopilot", ftypes.UINT8, enumEntryName.MAV_AUTOPILOT)
@@ -2171,6 +2176,23 @@ function payload_fns.payload_397(buffer, tree, msgid, offset, limit, pinfo)
     subtree = tree:add_le(f.COMPONENT_METADATA_file_crc, tvbrange)
     tvbrange = padded(offset + 8, 100)
     subtree = tree:add_le(f.COMPONENT_METADATA_uri, tvbrange)
+end
+-- dissect payload of message type CURRENT_MODE
+function payload_fns.payload_436(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 9 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 9)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 8, 1)
+    subtree = tree:add_le(f.CURRENT_MODE_standard_mode, tvbrange)
+    tvbrange = padded(offset + 0, 4)
+    subtree = tree:add_le(f.CURRENT_MODE_custom_mode, tvbrange)
+    tvbrange = padded(offset + 4, 4)
+    subtree = tree:add_le(f.CURRENT_MODE_intended_custom_mode, tvbrange)
 end
 -- dissect payload of message type HEARTBEAT
 function payload_fns.payload_0(buffer, tree, msgid, offset, limit, pinfo)

@@ -15,11 +15,38 @@ from ross_payload.config.mission_options import APART_DEG, Exploit, Explore, Inf
 from ross_payload.config.table import Degrees, Model, Positive, Table, read_toml, validated
 
 __all__ = [
-    "APART_DEG", "Actuator", "Array", "Audio", "Config", "Degrees", "Dronecan", "Exploit", "Explore",
-    "Gimbal", "Guard",
-    "Informed", "Link", "Listening", "Model", "Mount", "Positive", "Recording", "Service", "Stream",
-    "Table", "Telemetry", "VoicePrints", "as_in_paper", "load", "read_toml", "validated",
+    "APART_DEG",
+    "VEHICLE_YAW",
+    "Actuator",
+    "Array",
+    "Audio",
+    "Config",
+    "Degrees",
+    "Dronecan",
+    "Exploit",
+    "Explore",
+    "Gimbal",
+    "Guard",
+    "Informed",
+    "Link",
+    "Listening",
+    "Model",
+    "Mount",
+    "Positive",
+    "Recording",
+    "Service",
+    "Stream",
+    "Table",
+    "Telemetry",
+    "VoicePrints",
+    "as_in_paper",
+    "load",
+    "read_toml",
+    "validated",
 ]  # fmt: skip
+
+
+VEHICLE_YAW = "vehicle_yaw"  # the actuator whose joint angle counts from north
 
 
 class Config(Table):
@@ -52,6 +79,19 @@ class Config(Table):
             raise ValueError(
                 f"gimbal.component_id: expected another id than telemetry.component_id, got {number} for both"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _yaw_counts_once(self) -> Config:
+        if self.actuator.kind != VEHICLE_YAW:
+            return self
+        if self.mount.source != "fixed" or self.mount.yaw_deg not in (None, 0.0):
+            found = f"yaw_deg = {self.mount.yaw_deg:g}" if self.mount.source == "fixed" else "source = 'autopilot'"
+            raise ValueError(
+                f"mount: expected no [mount], as the joint angle of vehicle_yaw is the yaw of the vehicle, got {found}"
+            )
+        if self.gimbal.mode != "off":
+            raise ValueError(f"gimbal.mode: expected 'off', as a vehicle is no gimbal, got '{self.gimbal.mode}'")
         return self
 
     @property

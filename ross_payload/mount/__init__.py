@@ -10,7 +10,7 @@ from bisect import bisect_right
 from dataclasses import dataclass
 
 from ross_payload.angles import wrap
-from ross_payload.config import Config
+from ross_payload.config import VEHICLE_YAW, Config
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Attitude, Clock, Mount
 from ross_payload.mavlink import Component, Received, Router
@@ -158,8 +158,11 @@ class FixedMount:
 
 
 def fixed_mount(config: Config) -> FixedMount:
-    """Make the mount of a base that never turns; a compass turns clockwise, we do not."""
-    yaw = config.mount.yaw_deg
+    """Make the mount of a base that never turns; a compass turns clockwise, we do not.
+
+    A vehicle that is itself the joint is turned on the earth: its joint angle is 0 to the north.
+    """
+    yaw = 0.0 if config.actuator.kind == VEHICLE_YAW else config.mount.yaw_deg
     return FixedMount(None if yaw is None else -math.radians(yaw))
 
 

@@ -102,6 +102,8 @@ def _check_links(config: Config) -> None:
             raise ConfigError(f"{key} = '{value}': expected a link of role 'autopilot', got none")
     if config.actuator.kind == "mavlink_gimbal" and not config.links:
         raise ConfigError("actuator.kind = 'mavlink_gimbal': expected [[links]] as the way to it, got none")
+    if config.actuator.kind == settings.VEHICLE_YAW and "autopilot" not in roles:
+        raise ConfigError(f"actuator.kind = '{settings.VEHICLE_YAW}': expected a link of role 'autopilot', got none")
 
 
 def _check_audio(config: Config) -> None:

@@ -18,18 +18,17 @@ from ross_payload.config import Config, Degrees, Positive, Table, read_toml, val
 from ross_payload.errors import ConfigError, unknown
 from ross_payload.interfaces import Real
 from ross_sim.acoustics.room import RoomSpec
-from ross_sim.autopilot.simulated_autopilot import Yaw
-from ross_sim.devices.far_end import Fault
+from ross_sim.devices.far_end import FarEnd, Fault, far_end_of
 from ross_sim.microphone_table import Microphones
 from ross_sim.noise_tables import Decibels, Noise, NoiseSource
 from ross_sim.talkers.path import Path as Walk
 from ross_sim.talkers.speech import TalkerVoice
+from ross_sim.vehicle_table import Seconds, Vehicle
 
 MOUTH = 1.6  # height of a talker's mouth above the floor, unless the file says so [m]
 LEAD_IN = 2.0  # at least so long does nobody talk, unless the file says so [s]
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
-Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Place = tuple[Finite, Finite] | tuple[Finite, Finite, Finite]
 
 
@@ -85,25 +84,6 @@ class Trouble(Table):
     end_s: Positive | None = None  # absent: never
 
 
-class Vehicle(Table):
-    """[vehicle]: what carries the mount; it yaws to and fro, and an autopilot tells the payload over MAVLink.
-
-    The room is that of a mount which points to ``yaw_deg``: azimuths of talkers count from there.
-    """
-
-    yaw_deg: Degrees = 0.0  # the middle, clockwise from north as on a compass
-    amplitude_deg: Annotated[float, Field(ge=0, le=180)] = 0.0  # to either side; 0: at rest
-    rate_deg_s: Annotated[float, Field(gt=0, le=360)] = 10.0  # how fast it yaws
-    attitude_hz: Annotated[float, Field(gt=0, le=100)] = 25.0  # ATTITUDE
-    latency_ms: Annotated[float, Field(ge=0, le=1000)] = 40.0  # of the link, at least
-    jitter_ms: Annotated[float, Field(ge=0, le=1000)] = 20.0  # on top of it, at most
-    silent: tuple[tuple[Seconds, Seconds], ...] = ()  # [[from, to], ...] when the autopilot says nothing
-
-    def motion(self) -> Yaw:
-        """Return how it yaws, in radians, counter-clockwise."""
-        return Yaw(-math.radians(self.yaw_deg), math.radians(self.amplitude_deg), math.radians(self.rate_deg_s))
-
-
 class Scenario(Table):
     """The whole file."""
 
@@ -116,6 +96,12 @@ class Scenario(Table):
     microphones: Microphones | None = Field(default=None, exclude_if=lambda value: value is None)
     vehicle: Vehicle | None = None  # absent: the mount stands still
     troubles: tuple[Trouble, ...] = ()
+
+    @model_validator(mode="after")
+    def _flown_by_one(self) -> Self:
+        if self.vehicle is not None:
+            self.vehicle.check(self.payload)
+        return self
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
@@ -138,6 +124,17 @@ class Scenario(Table):
     def offset(self) -> float:
         """The true offset of the array's axis [rad]."""
         return (self.microphones or Microphones()).offset(self.payload.array)
+
+    def far_end(self) -> FarEnd:
+        """Make the simulated device for the payload's actuator, in the wind of the scenario.
+
+        Raises
+        ------
+        ConfigError
+            When there is none, or an option is wrong.
+        """
+        far_end = far_end_of(self.payload)
+        return far_end if self.vehicle is None else self.vehicle.in_wind(far_end, self.payload.seed)
 
     def spec(self) -> RoomSpec:
         """Return the room with every talker in place.

@@ -1,12 +1,15 @@
 """The manual says what the code says, and builds without a warning."""
 
 import importlib.util
+import json
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from ross_payload.actuators.vehicle_yaw.options import Options
 
 ROOT = Path(__file__).parents[2]
 
@@ -17,6 +20,14 @@ def test_a_generated_page_says_what_the_code_says(script, page):
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert module.tables() in (ROOT / "docs" / "reference" / f"{page}.md").read_text(encoding="utf-8")
+
+
+def test_every_option_of_a_vehicle_that_yaws_is_told_with_its_default():
+    page = (ROOT / "docs" / "reference" / "vehicle-yaw.md").read_text(encoding="utf-8")
+    rows = {}
+    for keys, default in re.findall(r"^\| (`\w+`(?:, `\w+`)*) \| ([^|]+) \|", page, re.MULTILINE):
+        rows |= dict(zip(re.findall(r"`(\w+)`", keys), re.findall(r"`([^`]+)`", default), strict=True))
+    assert rows == {name: json.dumps(field.default).removesuffix(".0") for name, field in Options.model_fields.items()}
 
 
 @pytest.mark.parametrize("page", ["safety", "links", "actuator-faults"])

@@ -16,6 +16,7 @@ from waiting import wait_for
 pytest.importorskip("can")
 
 KINDS = {"gimbal": {}, "servo": {}, "drive": {}, "grbl": {}, "stepper": {"ahead_ms": 100.0}}
+VEHICLE = {"turn_vehicle": True, "resolution_deg": 0.5}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -29,6 +30,20 @@ def test_a_driver_turns_a_device_in_another_process_to_where_it_says(kind, tmp_p
             return abs(math.radians(process.ask("status")["angle_deg"]) - start - 0.3) < 0.005
 
         wait_for(there)
+        assert process.ask("status")["complaints"] == []
+
+
+@pytest.mark.parametrize("mode", ["hold", "offboard"])  # "hold" is of PX4: here it is an ArduCopter
+def test_an_autopilot_in_another_process_turns_its_vehicle_until_the_pilot_objects(mode, tmp_path):
+    option = ("--option", f"px4_mode={mode}")
+    with device(tmp_path, "vehicle", *option) as process, driver(process.told, **VEHICLE, px4_mode=mode) as one:
+        one.ready()
+        one.turn(0.3)
+        wait_for(lambda: abs(process.ask("status")["angle_deg"] - math.degrees(0.3)) < 1.0)
+        one.actuator.command(-2.0)
+        one.until(lambda: one.actuator.state().rate < -0.3)
+        process.ask("mode")
+        one.until(lambda: "the flight mode is" in one.actuator.state().fault)
         assert process.ask("status")["complaints"] == []
 
 

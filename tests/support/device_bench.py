@@ -53,8 +53,8 @@ def ross(folder: Path, *command: str, before: tuple[str, ...] = ROSS) -> Iterato
 
 @contextmanager
 def device(folder: Path, kind: str, *more: str) -> Iterator[Process]:
-    """Start ``ross device``; a gimbal at a free port."""
-    free = kind == "gimbal" and "--wire" not in more and "--config" not in more
+    """Start ``ross device``; a gimbal or a vehicle at a free port."""
+    free = kind in ("gimbal", "vehicle") and "--wire" not in more and "--config" not in more
     wire = ("--wire", f"udpout:127.0.0.1:{free_port()}") if free else ()
     with ross(folder, "device", kind, "--json", *wire, *more) as process:
         yield process
@@ -96,7 +96,8 @@ class Driver:
 @contextmanager
 def driver(told: dict[str, Any], pump: bool = True, watchdog_s: float = 0.5, **options: Any) -> Iterator[Driver]:
     """Open the driver that fits what a device has told; feedback older than ``watchdog_s`` is a fault."""
-    links = [{"url": told["wire"], "role": "autopilot"}] if told["kind"] == "mavlink_gimbal" else []
+    on_links = told["kind"] in ("mavlink_gimbal", "vehicle_yaw")
+    links = [{"url": told["wire"], "role": "autopilot"}] if on_links else []
     port = {} if links else {"port": told["wire"]}
     actuator = {"kind": told["kind"], "options": port | options}
     config = Config.model_validate({"actuator": actuator, "links": links, "guard": {"watchdog_s": watchdog_s}})

@@ -44,6 +44,9 @@ TOLERATED = {
     "mavlink_gimbal": Excess(
         angle_deg=0.5, speed_deg_s=1.0, acceleration=0.2, report_deg_s=2.0, report_acceleration=1.0
     ),  # its own loop around a plan, its rate measured by itself
+    "vehicle_yaw": Excess(
+        angle_deg=0.5, speed_deg_s=2.0, acceleration=0.6, report_deg_s=2.0, report_acceleration=3.5
+    ),  # the autopilot shapes what it is told, and brakes a stop by itself; at its goal it may swing by 5 deg/s
     "dronecan_servo": Excess(angle_deg=0.5, speed_deg_s=1.0, acceleration=0.5),  # set-points in steps of 20 ms
     "canopen_drive": Excess(
         angle_deg=0.5, speed_deg_s=1.0, acceleration=0.3, report_deg_s=1.0, report_acceleration=3.1

@@ -25,20 +25,41 @@ KINDS = (
     "dronecan_servo:gimbal",
     "grbl",
     "canopen_drive",
+    "vehicle_yaw",
+    "vehicle_yaw:offboard",
 )
+NIMBLE = {  # a vehicle that turns as fast as what the contract was written for
+    "turn_vehicle": True,
+    "max_speed_deg_s": 90.0,
+    "max_acceleration_deg_s2": 112.5,
+    "resolution_deg": 0.5,
+    "settle_ms": 200.0,
+}
 ROLES: dict[str, dict[str, Any]] = {  # options of each
     "manager": {"role": "manager"},
     "gimbal": {"command": "gimbal"},
     "model": {"feedback": "model"},
+    "offboard": {"px4_mode": "offboard"},
     "switch": {"zero": "switch", "home_offset_deg": -15.0, "home_speed_deg_s": 40.0},
 }
 SPEED, ACCELERATION = math.radians(225), math.radians(112.5)
 LOWER, UPPER = math.radians(-200), math.radians(200)
-SPEEDS = {"mavlink_gimbal": math.radians(90)}  # of back ends that are slower than the paper's
-OPENING = {"canopen_drive": 0.8}  # of what is asked and told a lot before it is ready [s]
-LAG = {"mavlink_gimbal": 0.3, "canopen_drive": 0.1}  # of what creeps into its goal, or is enabled by it [s]
-RIPPLE = {"mavlink_gimbal": 0.04, "canopen_drive": 0.04, "grbl": 0.03}  # of a measured rate [rad/s]
-LATE = {"grbl": 0.02}  # of travel beyond 100 ms: steps that grbl has prepared cannot be taken back [s]
+OPTIONS: dict[str, dict[str, Any]] = {"vehicle_yaw": NIMBLE}  # of every role
+SPEEDS = {
+    "mavlink_gimbal": math.radians(90),
+    "vehicle_yaw": math.radians(90),
+}  # of back ends that are slower than the paper's
+OPENING = {"canopen_drive": 0.8, "vehicle_yaw": 2.0}  # of what is asked and told a lot before it is ready [s]
+LAG = {
+    "vehicle_yaw": 0.8,
+    "mavlink_gimbal": 0.3,
+    "canopen_drive": 0.1,
+}  # of what creeps into its goal, or is enabled by it [s]
+RIPPLE = {"vehicle_yaw": 0.1, "mavlink_gimbal": 0.04, "canopen_drive": 0.04, "grbl": 0.03}  # of a measured rate [rad/s]
+LATE = {
+    "vehicle_yaw": 0.1,
+    "grbl": 0.02,
+}  # of travel beyond 100 ms: steps that grbl has prepared cannot be taken back [s]
 SEARCH = 20.0  # for a switch [s]
 HOMING = 2.5  # of what does not know where it is [s]
 SWING = math.radians(0.5)  # by which a rotor may swing about its windings while it moves
@@ -120,9 +141,15 @@ class Rig:
         return self.clock.now() - begin
 
 
+def options_of(kind: str, role: str) -> dict[str, Any]:
+    """The options of a back end in one of its roles."""
+    return OPTIONS.get(kind, {}) | ROLES.get(role, {})
+
+
 def rig_of(kind: str, **guard: Any) -> Rig:
     kind, _, role = kind.partition(":")
-    config = Config.model_validate({"actuator": {"kind": kind, "options": ROLES.get(role, {})}, "guard": guard})
+    options = options_of(kind, role)
+    config = Config.model_validate({"actuator": {"kind": kind, "options": options}, "guard": guard})
     clock = SimClock()
     far_end: FarEnd = plugins.load("ross_sim.far_ends", kind).make(checked_options(config))
     clock.before_calls(far_end.advance)

@@ -11,6 +11,8 @@ import soundfile
 from command_line import called
 
 LINK = "[[links]]\nurl = {!r}\n"
+VEHICLE = "[actuator]\nkind = 'vehicle_yaw'\n"
+AUTOPILOT = "[[links]]\nurl = 'udpin:127.0.0.1:14550'\nrole = 'autopilot'\n"
 BAD = {
     "a URL of something else": LINK.format("file:///etc/passwd"),
     "a port that is none": LINK.format("udpin:127.0.0.1:99999"),
@@ -39,6 +41,17 @@ BAD = {
     "no way to the gimbal": "[actuator]\nkind = 'mavlink_gimbal'\n",
     "two gimbals": LINK.format("udpin:127.0.0.1:14550")
     + "[actuator]\nkind = 'mavlink_gimbal'\n[gimbal]\nmode='device'",
+    "no way to the autopilot": VEHICLE + "options = { turn_vehicle = true }\n",
+    "a vehicle that nobody has said may be turned": VEHICLE + AUTOPILOT,
+    "a vehicle whose yaw is counted twice": VEHICLE
+    + "options = { turn_vehicle = true }\n[mount]\nsource = 'autopilot'\n"
+    + AUTOPILOT,
+    "a vehicle that is turned by its mount": VEHICLE
+    + "options = { turn_vehicle = true }\n[mount]\nyaw_deg = 30\n"
+    + AUTOPILOT,
+    "a vehicle shown as a gimbal": VEHICLE
+    + "options = { turn_vehicle = true }\n[gimbal]\nmode = 'device'\n"
+    + AUTOPILOT,
     "no such actuator": "[actuator]\nkind = 'crane'\n",
     "an option that is none": "[actuator.options]\nmicrostep = 16\n",
     "a pin twice": "[actuator.options]\nport = 'pulses:lgpio:0:17,17,22'\n",

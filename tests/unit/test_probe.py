@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from rigs import KINDS, ROLES, CuttableWire
+from rigs import KINDS, CuttableWire, options_of
 from ross_payload import plugins
 from ross_payload.actuators.motion import Trapezoid
 from ross_payload.actuators.registry import checked_options
@@ -32,9 +32,9 @@ class Workbench:
 
     def __init__(self, kind: str, far: dict[str, Any] | None = None, **options: Any) -> None:
         kind, _, role = kind.partition(":")
-        self.config = self._config(kind, ROLES.get(role, {}) | options)
+        self.config = self._config(kind, options_of(kind, role) | options)
         self.clock = SimClock()
-        built = self._config(kind, ROLES.get(role, {}) | (far or {}))
+        built = self._config(kind, options_of(kind, role) | (far or {}))
         self.far_end: FarEnd = plugins.load("ross_sim.far_ends", kind).make(checked_options(built))
         self.wire = CuttableWire(self.far_end.port)
         self.low = self.high = self.far_end.angle()
@@ -93,6 +93,8 @@ def test_five_degrees_and_back_are_five_degrees_and_back(kind: str) -> None:
         ("canopen_drive", "vendor 0x0, product 0x402, revision 0x10000, serial 0x1"),
         ("mavlink_gimbal", "ROSS simulated, firmware 1.0.0"),
         ("mavlink_gimbal:manager", "ROSS simulated, firmware 1.0.0"),
+        ("vehicle_yaw", "ArduCopter, system 1; it may be turned"),
+        ("vehicle_yaw:offboard", "PX4, system 1; "),
     ],
 )
 def test_a_device_is_called_what_it_calls_itself(kind: str, name: str) -> None:

@@ -18,7 +18,7 @@ from ross_payload.orders import Cancel, Shutdown, Stop
 from ross_payload.service.assemble import explorer_of, informed_of, settings_of, tools_of
 from ross_payload.service.runner import Runner
 from ross_sim.clock import SimClock
-from ross_sim.sitl.mission_session import far_end_of
+from ross_sim.devices.far_end import far_end_of
 
 CONFIG = Config.model_validate({"actuator": {"kind": "ideal"}, "array": {"offset_deg": 10}})
 

@@ -795,6 +795,7 @@ MAVLINK_MSG_ID_COMMAND_CANCEL = 80
 MAVLINK_MSG_ID_PROTOCOL_VERSION = 300
 MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC = 396
 MAVLINK_MSG_ID_COMPONENT_METADATA = 397
+MAVLINK_MSG_ID_CURRENT_MODE = 436
 
 
 class MAVLink_ross_information_message(MAVLink_message):
@@ -1540,6 +1541,47 @@ class MAVLink_component_metadata_message(MAVLink_message):
 setattr(MAVLink_component_metadata_message, "name", mavlink_msg_deprecated_name_property())
 
 
+class MAVLink_current_mode_message(MAVLink_message):
+    """
+    The flight mode that the vehicle is in. PX4 sends it when the mode
+    changes; a heartbeat waits for its second.
+    """
+
+    id = MAVLINK_MSG_ID_CURRENT_MODE
+    msgname = "CURRENT_MODE"
+    fieldnames = ["standard_mode", "custom_mode", "intended_custom_mode"]
+    ordered_fieldnames = ["custom_mode", "intended_custom_mode", "standard_mode"]
+    fieldtypes = ["uint8_t", "uint32_t", "uint32_t"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {}
+    fieldunits_by_name: Dict[str, str] = {}
+    native_format = bytearray(b"<IIB")
+    orders = [2, 0, 1]
+    lengths = [1, 1, 1]
+    array_lengths = [0, 0, 0]
+    crc_extra = 193
+    unpacker = struct.Struct("<IIB")
+    instance_field = None
+    instance_offset = -1
+
+    def __init__(self, standard_mode: int, custom_mode: int, intended_custom_mode: int):
+        MAVLink_message.__init__(self, MAVLink_current_mode_message.id, MAVLink_current_mode_message.msgname)
+        self._fieldnames = MAVLink_current_mode_message.fieldnames
+        self._instance_field = MAVLink_current_mode_message.instance_field
+        self._instance_offset = MAVLink_current_mode_message.instance_offset
+        self.standard_mode = standard_mode
+        self.custom_mode = custom_mode
+        self.intended_custom_mode = intended_custom_mode
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.custom_mode, self.intended_custom_mode, self.standard_mode), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_current_mode_message, "name", mavlink_msg_deprecated_name_property())
+
+
 mavlink_map: Dict[int, Type[MAVLink_message]] = {
     MAVLINK_MSG_ID_ROSS_INFORMATION: MAVLink_ross_information_message,
     MAVLINK_MSG_ID_ROSS_STATUS: MAVLink_ross_status_message,
@@ -1556,6 +1598,7 @@ mavlink_map: Dict[int, Type[MAVLink_message]] = {
     MAVLINK_MSG_ID_PROTOCOL_VERSION: MAVLink_protocol_version_message,
     MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC: MAVLink_component_information_basic_message,
     MAVLINK_MSG_ID_COMPONENT_METADATA: MAVLink_component_metadata_message,
+    MAVLINK_MSG_ID_CURRENT_MODE: MAVLink_current_mode_message,
 }
 
 
@@ -2535,3 +2578,27 @@ class MAVLink(object):
 
         """
         self.send(self.component_metadata_encode(time_boot_ms, file_crc, uri), force_mavlink1=force_mavlink1)
+
+    def current_mode_encode(self, standard_mode: int, custom_mode: int, intended_custom_mode: int) -> MAVLink_current_mode_message:
+        """
+        The flight mode that the vehicle is in. PX4 sends it when the mode
+        changes; a heartbeat waits for its second.
+
+        standard_mode             : A mode that autopilots share, MAV_STANDARD_MODE; 0: none of them. (type:uint8_t)
+        custom_mode               : The mode in the autopilot's own numbers, as in HEARTBEAT. (type:uint32_t)
+        intended_custom_mode        : The mode that was asked for, if it is another one. (type:uint32_t)
+
+        """
+        return MAVLink_current_mode_message(standard_mode, custom_mode, intended_custom_mode)
+
+    def current_mode_send(self, standard_mode: int, custom_mode: int, intended_custom_mode: int, force_mavlink1: bool = False) -> None:
+        """
+        The flight mode that the vehicle is in. PX4 sends it when the mode
+        changes; a heartbeat waits for its second.
+
+        standard_mode             : A mode that autopilots share, MAV_STANDARD_MODE; 0: none of them. (type:uint8_t)
+        custom_mode               : The mode in the autopilot's own numbers, as in HEARTBEAT. (type:uint32_t)
+        intended_custom_mode        : The mode that was asked for, if it is another one. (type:uint32_t)
+
+        """
+        self.send(self.current_mode_encode(standard_mode, custom_mode, intended_custom_mode), force_mavlink1=force_mavlink1)

@@ -79,6 +79,10 @@ class GimbalFeedback:
         self.clear_doubts()
         self.lost_vehicle = False
 
+    def count_anew(self) -> None:
+        """Choose the turn inside the travel again: what has no cable may have been turned round and round."""
+        self.angle = self._first(wrap(self.angle))
+
     def clear_doubts(self) -> None:
         """Forget what contradicted."""
         self.restarted = self.duplicated = False

@@ -1,4 +1,4 @@
-"""The plan that a gimbal follows, and the set-points that are due of it."""
+"""The plan that a gimbal, or a vehicle that yaws, follows, and the set-points that are due of it."""
 
 from __future__ import annotations
 
@@ -15,10 +15,24 @@ STILL_RAD_S = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
 
 
 class SetPoints:
-    """What is sent while the gimbal is ours (``motion``), or while a turn of somebody else is braked (``braking``)."""
+    """What is sent while the gimbal is ours (``motion``), or while a turn of somebody else is braked (``braking``).
 
-    def __init__(self, capabilities: Capabilities) -> None:
+    Parameters
+    ----------
+    capabilities
+        Travel and acceleration.
+    ahead
+        How far ahead of the plan a set-point is [s]: until the next one comes.
+    still
+        What it trembles with at rest [rad/s].
+    """
+
+    def __init__(
+        self, capabilities: Capabilities, *, ahead: float = SET_POINT_PERIOD_S, still: float = STILL_RAD_S
+    ) -> None:
         self._able = capabilities
+        self.ahead = ahead
+        self._still = still
         self.motion: Motion | None = None  # None: not in control
         self.braking: Motion | None = None
         self.sent = -math.inf  # when the last set-point went out [s]
@@ -64,20 +78,20 @@ class SetPoints:
         if now - self.sent < period - ROUNDING_S:
             return None
         self.sent = now
-        return motion.at(now + SET_POINT_PERIOD_S)[0]
+        return motion.at(now + self.ahead)[0]
 
     def rest(self, seen: GimbalFeedback, resolution: float, now: float) -> tuple[float, float]:
         """Return the rate [rad/s], 0 while it only trembles, and for how long it has rested where it should be [s]."""
         motion = self.motion
         over = motion is None or now >= motion.end
-        rate = 0.0 if over and abs(seen.rate) < STILL_RAD_S else seen.rate
+        rate = 0.0 if over and abs(seen.rate) < self._still else seen.rate
         there = motion is None or abs(seen.angle - motion.plan.goal) <= resolution
         if not (over and there and rate == 0.0) or self.restless == math.inf:
             self.restless = now
         return rate, now - self.restless
 
     def _there(self, seen: GimbalFeedback, now: float) -> tuple[float, float]:
-        rate = seen.rate if abs(seen.rate) >= STILL_RAD_S else 0.0
+        rate = seen.rate if abs(seen.rate) >= self._still else 0.0
         return self._within(seen.angle + rate * (now - seen.time)), rate
 
     def _within(self, angle: float) -> float:

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from ross_protocols.can import CanFrame
-from ross_sim.devices.far_end import Fault, WireEnd
+from ross_sim.devices.far_end import OF_DEVICES, Fault, WireEnd
 
 EARLY = 1e-6  # so much before its time something is due [s]
 BITRATE = 1e6  # [bit/s]
@@ -165,7 +165,7 @@ class NodesOnBus:
 class CanFarEnd:
     """A device on a bus with the payload, and with whom a fault brings: what all devices on CAN have in common."""
 
-    faults = frozenset(Fault)
+    faults = OF_DEVICES
 
     def __init__(self, chance: np.random.Generator, device: Node) -> None:
         self._chance = chance

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 from ross_payload.actuators.registry import checked_options
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
-from ross_payload.config import Config
+from ross_payload.config import VEHICLE_YAW, Config
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clock
 from ross_payload.transport.link_url import Tcp, Udp, parse, tcp_endpoint
@@ -22,9 +22,11 @@ from ross_payload.transport.open_port import open_port
 from ross_sim.devices.far_end import FarEnd
 from ross_sim.devices.gimbal_far_end import GimbalFarEnd
 from ross_sim.devices.gimbal_manager import SET_ATTITUDE
+from ross_sim.devices.vehicle_far_end import VehicleFarEnd
 from ross_sim.devices.wire_servers import TICK, Served, Side, WireServer, side_of
 
 LINK = "udpout:127.0.0.1:14560"  # of a gimbal, unless told: it speaks first
+ON_LINKS = ("mavlink_gimbal", VEHICLE_YAW)  # actuators that share the payload's links
 PTY = "serial:pty"  # of a controller on a serial line, unless told
 BAUD = 115200  # of a pseudo terminal, which has none
 
@@ -78,14 +80,14 @@ class JoinedCoupling:
 
 
 class EncodedWire:
-    """The wire of a gimbal, for who has frames already.
+    """The wire of a gimbal or a vehicle, for who has frames already.
 
     An autopilot stands between: what it tells the gimbal alone does not come out on this side.
     """
 
-    def __init__(self, far_end: GimbalFarEnd) -> None:
+    def __init__(self, far_end: GimbalFarEnd | VehicleFarEnd) -> None:
         self._wire = far_end.port
-        self._routed = far_end.autopilot is not None
+        self._routed = isinstance(far_end, GimbalFarEnd) and far_end.autopilot is not None
 
     def send(self, frame: bytes) -> None:
         """Let the gimbal and its autopilot hear bytes."""
@@ -124,7 +126,7 @@ def connected(config: Config, wire: str | None, far_end: FarEnd, *, epoch: float
         When it cannot be opened.
     """
     clock = SystemClock()
-    if isinstance(far_end, GimbalFarEnd):
+    if isinstance(far_end, GimbalFarEnd | VehicleFarEnd):
         url = wire or LINK
         link = open_port(url, clock.now)
         stack.callback(link.close)
@@ -158,7 +160,7 @@ def configured_wire(config: Config) -> str:
 
     A device can join a CAN bus and serve a TCP port; a serial line or a pin of this computer has no other end here.
     """
-    if config.actuator.kind == "mavlink_gimbal":
+    if config.actuator.kind in ON_LINKS:
         urls = (link.url for link in config.links if link.role == "autopilot")
         return next((opposite(url) for url in urls if not url.startswith("serial:")), "")
     options = checked_options(config)
@@ -193,9 +195,12 @@ def advice(config: Config, address: str) -> str:
     url = "udpin:127.0.0.1:14560"
     """
     kind = config.actuator.kind
-    if kind != "mavlink_gimbal":
+    if kind not in ON_LINKS:
         return f'[actuator]\nkind = "{kind}"\noptions = {{ port = "{address}" }}'
     link = f'[[links]]\nurl = "{address}"'
+    if kind == VEHICLE_YAW:
+        mode = ', px4_mode = "offboard"' if checked_options(config).px4_mode == "offboard" else ""
+        return f'[actuator]\nkind = "{kind}"\noptions = {{ turn_vehicle = true{mode} }}\n\n{link}\nrole = "autopilot"'
     if checked_options(config).role == "manager":
         return f'[actuator]\nkind = "{kind}"\noptions = {{ role = "manager" }}\n\n{link}'
     return f'[actuator]\nkind = "{kind}"\n\n{link}\nrole = "autopilot"'

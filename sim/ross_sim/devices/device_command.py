@@ -11,6 +11,7 @@ import click
 
 KINDS = {
     "gimbal": "mavlink_gimbal",
+    "vehicle": "vehicle_yaw",
     "servo": "dronecan_servo",
     "drive": "canopen_drive",
     "grbl": "grbl",

@@ -30,7 +30,13 @@ class Fault(StrEnum):
     SATURATED = "saturated"  # other nodes saturate the bus
     DUPLICATE = "duplicate"  # another node on the bus uses an id that is taken
     CORRUPT = "corrupt"  # what it sends arrives damaged
+    PILOT = "pilot"  # the pilot pushes the yaw stick for half a second
+    MODE = "mode"  # the pilot chooses a flight mode in which only the stick turns the vehicle
+    DISARMED = "disarmed"  # the vehicle is disarmed on the ground
 
+
+OF_VEHICLES = frozenset((Fault.PILOT, Fault.MODE, Fault.DISARMED))  # what happens to vehicles that fly
+OF_DEVICES = frozenset(Fault) - OF_VEHICLES
 
 SLIP = math.radians(10)  # [rad]
 

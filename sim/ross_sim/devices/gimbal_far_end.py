@@ -21,7 +21,7 @@ from ross_protocols.mavlink import gimbal_messages
 from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
 from ross_protocols.mavlink.component_id import NOBODY, ComponentId
 from ross_protocols.mavlink.dialect import common
-from ross_sim.devices.far_end import SLIP, Fault, WireEnd, checked
+from ross_sim.devices.far_end import OF_DEVICES, SLIP, Fault, WireEnd, checked
 from ross_sim.devices.gimbal_device import EARLY, Device, Servo
 from ross_sim.devices.gimbal_manager import ArduPilot
 
@@ -101,7 +101,7 @@ class GimbalFarEnd:
         self.port = MavlinkEnd()
         self.device = Device(ComponentId(SYSTEM, gimbal_messages.COMPONENTS[0]), servo, vehicle, earth=earth)
         self.autopilot = ArduPilot(ComponentId(SYSTEM, 1), self.device.address, servo, vehicle) if autopilot else None
-        self.faults = frozenset(Fault)
+        self.faults = OF_DEVICES
         self.words: list[str] = []
         stations: list[MavlinkNode] = [self.device] if self.autopilot is None else [self.device, self.autopilot]
         self._plugs = [_plugged(station) for station in stations]
@@ -225,13 +225,14 @@ class CrowdedLine:
 
     chance: Generator
     crowded: bool = False
+    latency: float = 0.0  # of a line that nobody fills [s]
     _under_way: deque[tuple[float, bytes]] = field(default_factory=deque)
 
     def pass_on(self, frames: list[bytes], now: float) -> list[bytes]:
         """Take frames in; return those that have arrived by ``now`` [s]."""
         for frame in frames:
             if not (self.crowded and self.chance.random() < LOSS):
-                self._under_way.append((now + DELAY * self.crowded, frame))
+                self._under_way.append((now + self.latency + DELAY * self.crowded, frame))
         arrived = []
         while self._under_way and self._under_way[0][0] <= now + EARLY:
             arrived.append(self._under_way.popleft()[1])

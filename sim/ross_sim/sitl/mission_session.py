@@ -16,7 +16,7 @@ from ross_payload.actuators.registry import open_actuator
 from ross_payload.angles import wrap
 from ross_payload.audio.audio_files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
-from ross_payload.config import Config, Link
+from ross_payload.config import VEHICLE_YAW, Config, Link
 from ross_payload.config import Guard as Rules
 from ross_payload.errors import OutputError
 from ross_payload.events import Separated
@@ -39,8 +39,8 @@ from ross_payload.telemetry.component import Telemetry
 from ross_payload.timebase import Timebase
 from ross_sim.autopilot import simulated_autopilot as simulated
 from ross_sim.clock import SimClock
-from ross_sim.devices.far_end import FarEnd, far_end_of, wire
-from ross_sim.scenario import Cast, Scenario, Vehicle
+from ross_sim.devices.far_end import FarEnd, wire
+from ross_sim.scenario import Cast, Scenario
 from ross_sim.sitl.ground_truth import write_azimuths
 from ross_sim.sitl.mission_cost import Cost
 from ross_sim.sitl.mission_view import MissionView
@@ -53,6 +53,7 @@ from ross_sim.sitl.report import EventLog, Truth, report
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import TalkerSelection
 from ross_sim.sitl.world import World
+from ross_sim.vehicle_table import Vehicle
 
 POLL = 0.010  # [s] between two polls of drivers and links
 Looking = AbstractContextManager[list[Observer]]
@@ -146,7 +147,7 @@ def _staged(
     """Open everything that a mission needs; ``stack`` closes it."""
     config, clock = scenario.payload, SimClock()
     links = stack.enter_context(Router.open(config.links, clock, system_id=config.telemetry.system_id))
-    far_end = far_end_of(config)
+    far_end = scenario.far_end()
     cast = scenario.cast(company.voices)
     world = World(scenario, cast.talkers, far_end, clock, config.seed, cache=cache)
     collector = Collector(_wav(stack, out, config))
@@ -197,7 +198,7 @@ def room_yaw(scenario: Scenario) -> float:
 def aboard(scenario: Scenario, clock: SimClock, links: Router) -> tuple[Mount, Timebase]:
     """Make the mount, the time, and the autopilot that tells them, if there is one."""
     config, timebase = scenario.payload, Timebase(clock)
-    if scenario.vehicle is not None:
+    if scenario.vehicle is not None and config.actuator.kind != VEHICLE_YAW:  # which is an autopilot
         _attach_autopilot(scenario.vehicle, clock, links, config.seed)
     timebase.attach(links.component(config.telemetry.component_id))
     return mount_of(config, clock, links, timebase), timebase

@@ -35,7 +35,7 @@ from ross_payload.sessions.session_store import SessionStore
 from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.voiceprint import VoiceStore
 from ross_sim.clock import QUANTUM, SimClock
-from ross_sim.devices.far_end import FarEnd, far_end_of
+from ross_sim.devices.far_end import FarEnd
 from ross_sim.live_world.world_loop import STRETCH
 from ross_sim.paced_clock import RealTimeClock
 from ross_sim.scenario import Scenario
@@ -77,7 +77,7 @@ def serve(
     scenario = _adapted(scenario, company, always=always)
     with ExitStack() as stack, threadpool_limits(limits=1):
         cast, asked = scenario.cast(company.voices), ListenedSpeed(speed)
-        far_end, simulated = far_end_of(scenario.payload), SimClock()
+        far_end, simulated = scenario.far_end(), SimClock()
         clock = RealTimeClock(simulated, asked, scenario.payload.audio.buffer_s / 2) if speed else simulated
         waiting = (lambda: clock.sleep(QUANTUM)) if speed else None
         world = World(scenario, cast.talkers, far_end, simulated, scenario.payload.seed, wait=waiting)

@@ -1,0 +1,1 @@
+"""Two fixed microphones on a multicopter: its autopilot yaws the vehicle."""

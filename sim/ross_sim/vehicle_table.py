@@ -1,0 +1,64 @@
+"""The table [vehicle] of a scenario: what carries the array, or is turned itself."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from ross_payload.config import VEHICLE_YAW, Config, Degrees, Table
+from ross_sim.autopilot.simulated_autopilot import Yaw
+from ross_sim.autopilot.yaw_dynamics import Wind
+from ross_sim.devices.far_end import FarEnd
+from ross_sim.devices.vehicle_far_end import VehicleFarEnd
+
+GUSTS = frozenset(("gust_deg_s2", "gust_s"))  # keys of a vehicle that is turned itself alone
+LINK = frozenset(("latency_ms",))  # of any vehicle
+Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class Vehicle(Table):
+    """[vehicle]: what carries the mount; it yaws to and fro, and an autopilot tells the payload over MAVLink.
+
+    The room is that of a mount which points to ``yaw_deg``: azimuths of talkers count from there. A vehicle that is
+    turned itself, with the actuator ``vehicle_yaw``, begins to the north; azimuths count from there, and only gusts and
+    the latency of its link, each way, can be told of it.
+    """
+
+    yaw_deg: Degrees = 0.0  # the middle, clockwise from north as on a compass
+    amplitude_deg: Annotated[float, Field(ge=0, le=180)] = 0.0  # to either side; 0: at rest
+    rate_deg_s: Annotated[float, Field(gt=0, le=360)] = 10.0  # how fast it yaws
+    attitude_hz: Annotated[float, Field(gt=0, le=100)] = 25.0  # ATTITUDE
+    latency_ms: Annotated[float, Field(ge=0, le=1000)] = 40.0  # of the link, at least
+    jitter_ms: Annotated[float, Field(ge=0, le=1000)] = 20.0  # on top of it, at most
+    silent: tuple[tuple[Seconds, Seconds], ...] = ()  # [[from, to], ...] when the autopilot says nothing
+    gust_deg_s2: Annotated[float, Field(ge=0, le=1000)] = 0.0  # yaw that gusts of wind give, standard deviation
+    gust_s: Annotated[float, Field(gt=0, le=60)] = 0.5  # how long a gust lasts: its correlation time
+
+    def motion(self) -> Yaw:
+        """Return how it yaws, in radians, counter-clockwise."""
+        return Yaw(-math.radians(self.yaw_deg), math.radians(self.amplitude_deg), math.radians(self.rate_deg_s))
+
+    def check(self, payload: Config) -> None:
+        """Refuse keys of a vehicle that carries a turntable where it is turned itself, and the other way round.
+
+        Raises
+        ------
+        ValueError
+            Which key.
+        """
+        turned = payload.actuator.kind == VEHICLE_YAW
+        wrong = sorted(self.model_fields_set - GUSTS - LINK if turned else self.model_fields_set & GUSTS)
+        if wrong:
+            expected = ", ".join(sorted(GUSTS | LINK)) if turned else f"the actuator {VEHICLE_YAW} for it"
+            raise ValueError(f"vehicle.{wrong[0]}: expected {expected}")
+
+    def in_wind(self, far_end: FarEnd, seed: int) -> FarEnd:
+        """Let gusts blow on a vehicle that is turned itself, behind its link; any other far end stays as it is."""
+        if isinstance(far_end, VehicleFarEnd):
+            wind = Wind(math.radians(self.gust_deg_s2), self.gust_s)
+            far_end.delay(self.latency_ms / 1e3)
+            far_end.blow(wind, np.random.Generator(np.random.PCG64(seed)))
+        return far_end

@@ -1,0 +1,390 @@
+"""A vehicle that its autopilot yaws: what turns it, what must not, and whose it is."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from ross_payload.errors import ActuatorFault, ConfigError
+from ross_protocols.mavlink import vehicle_control
+from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.vehicle import VehicleAttitude, quaternion
+from ross_protocols.mavlink.vehicle_control import GUIDED, HEARTBEAT, LOITER, RC_CHANNELS
+from ross_sim.autopilot.flight_modes import CENTRE, Copter
+from ross_sim.autopilot.flying_autopilot import FlyingAutopilot
+from ross_sim.autopilot.yaw_dynamics import Wind, YawDynamics
+from ross_sim.clock import QUANTUM
+from ross_sim.devices.far_end import Fault
+from vehicle_rig import AIRFRAME, KINDS, Bench
+
+pytestmark = pytest.mark.lockstep
+
+US, VEHICLE = ComponentId(1, 191), ComponentId(1, 1)
+LATENCY = 0.02  # of the link, each way [s]
+
+
+def on_the_wire(message):
+    """A message as the other side reads it."""
+    (packet,) = Decoder().feed(Encoder(*US).encode(message))
+    return packet.message
+
+
+# ---------------------------------------------------------------------------------------------------- it turns
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_goes_to_headings_counted_counter_clockwise_from_north(kind):
+    bench = Bench(kind)
+    for goal in (90.0, -60.0, 10.0):
+        bench.turn(goal)
+        bench.clock.sleep(1.0)
+        assert bench.yaw_deg == pytest.approx(goal, abs=1.0)
+        assert math.degrees(bench.state.angle) == pytest.approx(bench.yaw_deg, abs=0.2)
+    assert bench.far_end.complaints() == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_in_gusts_it_arrives_and_stays(kind):
+    bench = Bench(kind)
+    bench.far_end.blow(Wind(math.radians(80), 0.5), np.random.default_rng(4))
+    bench.turn(100.0)
+    off = []
+    for _ in range(1000):
+        bench.clock.sleep(QUANTUM)
+        assert bench.state.healthy
+        off.append(bench.yaw_deg - 100.0)
+    assert np.sqrt(np.mean(np.square(off))) < 2.5
+
+
+def test_at_rest_the_autopilot_is_left_alone():
+    bench = Bench()
+    bench.turn(30.0)
+    arrived = bench.clock.now()
+    bench.clock.sleep(10.0)
+    assert bench.orders(arrived + 0.3) == []
+
+
+def test_a_turn_after_flying_by_hand_begins_where_the_vehicle_points():
+    bench = Bench()
+    bench.modes.enter(LOITER, bench.clock.now())
+    bench.far_end.push(-400.0)
+    bench.clock.sleep(2.0)
+    bench.far_end.push(0.0)
+    bench.clock.sleep(1.5)
+    bench.modes.enter(GUIDED, bench.clock.now())
+    start = bench.yaw_deg
+    assert abs(start) > 90
+    lowest = highest = start
+    bench.actuator.command(bench.state.angle + math.radians(20))
+    for _ in range(400):
+        bench.clock.sleep(QUANTUM)
+        lowest, highest = min(lowest, bench.yaw_deg), max(highest, bench.yaw_deg)
+    assert bench.state.settled
+    assert start - 2 < lowest and highest < start + 25
+
+
+def test_a_vehicle_that_was_turned_round_twice_by_hand_has_a_joint_angle_inside_the_travel():
+    bench = Bench()
+    bench.modes.enter(LOITER, bench.clock.now())
+    bench.far_end.push(-400.0)
+    bench.clock.sleep(8.5)
+    bench.far_end.push(0.0)
+    bench.clock.sleep(1.5)
+    assert bench.yaw_deg > 700
+    turns = (bench.yaw_deg - math.degrees(bench.state.angle)) / 360
+    assert turns == pytest.approx(round(turns), abs=0.01)
+    assert abs(bench.state.angle) < math.radians(203)
+
+
+def test_px4_keeps_its_altitude_in_a_turn():
+    bench, heights, chance = Bench("hold"), [], np.random.default_rng(1)
+    bench.actuator.command(1.5)
+    while not bench.state.settled:
+        bench.far_end.autopilot.altimeter_error = chance.normal()  # what DO_REPOSITION without an altitude would take
+        bench.clock.sleep(QUANTUM)
+        heights.append(bench.far_end.modes.altitude)
+    assert {round(height, 2) for height in heights[20:]} == {round(heights[-1], 2)}
+    assert len(bench.orders()) > 5
+
+
+# ------------------------------------------------------------------------------------- it is allowed, or is not
+
+
+def test_a_vehicle_that_nobody_has_said_may_be_turned_is_refused_in_one_line():
+    with pytest.raises(ConfigError, match=r"^actuator\.options\.turn_vehicle: expected true, .*, got false$"):
+        Bench(turn_vehicle=False)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_vehicle_that_is_not_armed_is_not_turned(kind):
+    bench = Bench(kind)
+    bench.far_end.autopilot.armed = False
+    bench.clock.sleep(1.5)
+    assert bench.state.healthy  # nobody wants to turn it
+    begin, there = bench.clock.now(), bench.yaw_deg
+    bench.actuator.command(1.0)
+    bench.fault(within=0.1)
+    bench.clock.sleep(2.0)
+    assert "the vehicle is not armed" in bench.state.fault
+    assert bench.orders(begin) == []
+    assert bench.yaw_deg == there
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"), [("ardupilot", "LOITER.*only in GUIDED"), ("hold", "Position.*only in Hold")]
+)
+def test_it_is_turned_in_no_other_mode(kind, words):
+    bench = Bench(kind)
+    bench.far_end.autopilot.fly_by_hand(bench.clock.now())
+    bench.clock.sleep(0.2)
+    begin = bench.clock.now()
+    bench.actuator.command(1.0)
+    bench.fault(within=0.1)
+    with pytest.raises(ActuatorFault, match=words):
+        bench.actuator.command(1.0)
+    assert bench.orders(begin) == []
+
+
+def test_an_autopilot_that_tells_its_mode_once_a_second_only_is_refused():
+    bench = Bench(wait=0.0)
+    bench.far_end.autopilot._adjustable.discard(HEARTBEAT)
+    bench.clock.sleep(2.0)
+    bench.actuator.command(1.0)
+    bench.fault(within=2.5)
+    assert "does not send HEARTBEAT every 0.3 s" in bench.state.fault
+    assert bench.orders() == []
+
+
+def test_without_a_radio_control_it_is_turned_only_if_that_was_said():
+    def without(**options):
+        bench = Bench(wait=0.0, **options)
+        bench.far_end.autopilot._adjustable.discard(RC_CHANNELS)
+        bench.clock.sleep(2.0)
+        return bench
+
+    bench = without()
+    bench.actuator.command(1.0)
+    bench.fault(within=2.5)
+    assert "yaw_channel = 0 if nobody holds one" in bench.state.fault
+    without(yaw_channel=0).turn(20.0)
+
+
+def test_an_autopilot_that_refuses_to_turn_is_told_of():
+    bench = Bench()
+    answers = bench.far_end.autopilot._command
+    bench.far_end.autopilot._command = lambda message, now: (
+        common.MAV_RESULT_DENIED if message.command == vehicle_control.CONDITION_YAW else answers(message, now)
+    )
+    bench.actuator.command(1.0)
+    bench.fault(within=0.2)
+    assert "answers CONDITION_YAW with DENIED" in bench.state.fault
+
+
+def test_what_is_no_multicopter_is_not_turned():
+    bench = Bench()
+    bench.far_end.autopilot._heartbeat = lambda: common.MAVLink_heartbeat_message(
+        common.MAV_TYPE_FIXED_WING, common.MAV_AUTOPILOT_ARDUPILOTMEGA, 209, 15, 4, 3
+    )
+    bench.clock.sleep(0.5)
+    assert "does not fly a multicopter" in bench.state.fault
+
+
+# ----------------------------------------------------------------------------------------- it is the pilot's
+
+
+def test_while_no_task_holds_it_a_pilot_turns_it_and_nothing_is_said_or_sent():
+    bench = Bench()
+    bench.far_end.push(150.0)
+    for _ in range(200):
+        bench.clock.sleep(QUANTUM)
+        assert bench.state.healthy
+    assert math.degrees(bench.state.angle) == pytest.approx(bench.yaw_deg, abs=1.0)
+    assert bench.orders() == []
+
+
+def in_a_turn(kind, phase, *, ignores_stick=False):
+    """A bench whose vehicle turns, ``phase`` [s] later than it is fast, over a link that takes its time."""
+    bench = Bench(kind, latency=LATENCY)
+    bench.modes.ignores_stick = ignores_stick
+    bench.actuator.command(math.radians(190))
+    bench.clock.sleep(2.0 + phase)
+    assert bench.state.rate > 0.3
+    return bench
+
+
+def ended_after(bench, begin):
+    """How long the payload went on turning, by the last order that came to the autopilot and by its state [s]."""
+    told = bench.fault(within=0.2)
+    bench.clock.sleep(1.0)
+    orders = [when - begin for when, _ in bench.far_end.orders if when > begin]
+    return max([told, *orders])
+
+
+@pytest.mark.parametrize("ignores", [False, True], ids=["the autopilot heeds it", "the autopilot ignores it"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_yaw_stick_ends_a_turn_within_0_2_s(kind, ignores):
+    """At ten phases between the stick and the messages that tell of it; 0.2 s are required, 0.1 s were aimed at."""
+    took = []
+    for phase in np.arange(10) * 0.013:
+        bench = in_a_turn(kind, float(phase), ignores_stick=ignores)
+        begin = bench.clock.now()
+        bench.far_end.push(-60.0)  # against the turn, less than takes a PX4 out of its mode
+        if kind == "offboard":  # whose stream goes on
+            took.append(bench.fault(within=0.2))
+        else:
+            took.append(ended_after(bench, begin))
+            assert bench.modes.turns is (ignores or kind == "hold")  # by then it is a stop that holds the yaw
+        assert "the pilot moves the yaw stick" in bench.state.fault
+    assert max(took) <= (0.075 if kind == "offboard" else 0.105)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_another_flight_mode_ends_a_turn_within_0_2_s_and_nothing_is_sent_into_it(kind):
+    took = []
+    for phase in np.arange(10) * 0.013:
+        bench = in_a_turn(kind, float(phase))
+        begin = bench.clock.now()
+        bench.far_end.afflict(Fault.MODE)
+        took.append(ended_after(bench, begin))
+        assert "the flight mode is" in bench.state.fault
+        assert bench.orders(begin + 0.15) == []
+    assert max(took) <= 0.075
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_turn_that_outlasts_its_task_is_the_pilot_s_too(kind):
+    bench = in_a_turn(kind, 0.0, ignores_stick=True)
+    bench.actuator.release_control()
+    bench.clock.sleep(0.1)
+    assert bench.state.rate > 0.2
+    begin = bench.clock.now()
+    bench.far_end.push(-60.0)
+    bench.clock.sleep(0.15)
+    late = bench.clock.now()
+    bench.clock.sleep(2.0)
+    assert bench.orders(late) == []
+    there = bench.yaw_deg
+    bench.clock.sleep(2.0)
+    assert bench.yaw_deg == pytest.approx(there, abs=0.3), begin
+
+
+def test_a_stick_that_an_autopilot_ignores_stops_the_vehicle_all_the_same():
+    bench = in_a_turn("ardupilot", 0.0, ignores_stick=True)
+    here, fastest = bench.yaw_deg, math.degrees(bench.state.rate)
+    bench.far_end.push(-60.0)
+    bench.clock.sleep(3.0)
+    gone = bench.yaw_deg - here
+    assert 0 < gone < fastest * 0.35 + fastest**2 / (2 * 30)
+    there = bench.yaw_deg
+    bench.clock.sleep(2.0)
+    assert bench.yaw_deg == pytest.approx(there, abs=0.2)
+
+
+def test_after_the_pilot_nothing_turns_before_an_operator_rearms():
+    bench = in_a_turn("ardupilot", 0.0)
+    bench.far_end.afflict(Fault.PILOT)
+    bench.clock.sleep(3.0)
+    begin = bench.clock.now()
+    with pytest.raises(ActuatorFault, match=r"the pilot moves the yaw stick.*re-arm"):
+        bench.actuator.command(0.0)
+    bench.clock.sleep(2.0)
+    assert bench.orders(begin) == []
+    bench.actuator.rearm()
+    bench.turn(0.0)
+    assert bench.yaw_deg == pytest.approx(0.0, abs=1.5)
+
+
+def test_a_stick_beside_its_centre_by_less_than_the_dead_band_is_nobody_s():
+    bench = Bench()
+    bench.far_end.modes.stick = CENTRE + 15.0
+    bench.turn(40.0)
+    assert bench.yaw_deg == pytest.approx(40.0, abs=1.5)
+
+
+# ------------------------------------------------------------------------------------------------ it stops
+
+
+def test_a_stop_is_the_autopilot_s_own_and_is_sent_until_the_vehicle_stands():
+    bench = in_a_turn("ardupilot", 0.0)
+    begin, here = bench.clock.now(), bench.yaw_deg
+    bench.actuator.stop()
+    bench.clock.sleep(3.0)
+    assert set(bench.orders(begin + LATENCY + 2 * QUANTUM)) == {"stop"}
+    stops = len(bench.orders(begin))
+    bench.clock.sleep(5.0)
+    assert len(bench.orders(begin)) == stops < 20
+    assert 0 < bench.yaw_deg - here < 25
+    assert bench.state.healthy
+
+
+@pytest.mark.parametrize("kind", ["ardupilot", "hold"])
+def test_when_the_payload_dies_the_vehicle_goes_to_the_last_set_point_and_is_held_there(kind):
+    bench = in_a_turn(kind, 0.0)
+    here, fastest = bench.yaw_deg, math.degrees(bench.state.rate)
+    bench.cancel()
+    bench.clock.sleep(3.0)
+    gone = bench.yaw_deg - here
+    assert 0 < gone < 0.5 * fastest  # the set-point is one period ahead, the vehicle behind it
+    there = bench.yaw_deg
+    bench.clock.sleep(3.0)
+    assert bench.yaw_deg == pytest.approx(there, abs=0.1)
+
+
+def test_attitudes_that_stop_end_a_turn():
+    bench = in_a_turn("ardupilot", 0.0)
+    bench.far_end.afflict(Fault.SILENT)
+    assert bench.fault(within=0.7) > 0.2
+    last = bench.clock.now()
+    bench.clock.sleep(2.0)
+    assert set(bench.orders(last + 2 * LATENCY)) <= {"stop"}
+
+
+# ------------------------------------------------------------------------------------------- what is on the wire
+
+
+def test_condition_yaw_is_clockwise_from_north_in_degrees_and_takes_the_shorter_way():
+    message = on_the_wire(vehicle_control.turn_to(VEHICLE, math.radians(-30), math.radians(12)))
+    assert message.command == common.MAV_CMD_CONDITION_YAW
+    assert (message.param1, message.param3, message.param4) == (pytest.approx(30.0), 0.0, 0.0)
+    assert message.param2 == pytest.approx(12.0)
+    held = on_the_wire(vehicle_control.hold_yaw(VEHICLE))
+    assert (held.param1, held.param4) == (0.0, 1.0)
+
+
+def test_do_reposition_changes_the_yaw_alone_in_radians():
+    message = on_the_wire(vehicle_control.reposition(VEHICLE, math.radians(-30), 123.5))
+    assert message.command == common.MAV_CMD_DO_REPOSITION
+    assert message.param2 == 0.0  # MAV_DO_REPOSITION_FLAGS_CHANGE_MODE is not set
+    assert (message.param4, message.z) == (pytest.approx(math.radians(30)), 123.5)
+    assert (message.x, message.y) == (2**31 - 1, 2**31 - 1)
+
+
+def test_a_set_point_of_the_stream_ignores_all_but_position_and_yaw():
+    message = on_the_wire(vehicle_control.position_target(VEHICLE, 1.0, (1.0, 2.0, -3.0), math.radians(-30)))
+    used = [name for name in ("X", "Y", "Z", "VX", "VY", "VZ", "AX", "AY", "AZ", "YAW", "YAW_RATE")
+            if not message.type_mask & getattr(common, f"POSITION_TARGET_TYPEMASK_{name}_IGNORE")]  # fmt: skip
+    assert used == ["X", "Y", "Z", "YAW"]
+    assert message.yaw == pytest.approx(math.radians(30))
+
+
+def test_attitude_quaternion_tells_what_attitude_tells():
+    q = quaternion(math.radians(-50), 0.1, -0.2)
+    message = common.MAVLink_attitude_quaternion_message(2500, *q, 0.0, 0.0, -0.4)
+    told = vehicle_control.attitude_quaternion(on_the_wire(message))
+    assert isinstance(told, VehicleAttitude)
+    assert (told.boot, told.yaw) == (2.5, pytest.approx(math.radians(50)))
+    assert told.yaw_rate == pytest.approx(0.4 * math.cos(-0.2) / math.cos(0.1))
+
+
+def test_condition_yaw_is_accepted_in_loiter_and_not_obeyed_there_as_by_ardupilot():
+    autopilot = FlyingAutopilot(VEHICLE, Copter(YawDynamics(AIRFRAME), mode=LOITER))
+    order = common.MAVLink_command_long_message(1, 1, common.MAV_CMD_CONDITION_YAW, 0, 90.0, 30.0, 0, 0, 0, 0, 0)
+    (packet,) = Decoder().feed(Encoder(*US).encode(order))
+    (answer,) = autopilot.on_packet(packet, 0.0)
+    assert answer.result == common.MAV_RESULT_ACCEPTED
+    autopilot.move(5.0)
+    assert autopilot.yaw == 0.0
