@@ -239,9 +239,9 @@ class CommandProtocol:
 
     def _goes_on(self, one: _OpenCommand, progress: float | None, *, alone: bool) -> None:
         """Take an order for begun; beside an older one of its kind it is asked once more: the answer may be to that."""
-        first, one.over = one.answered is None, False
+        first, given_up, one.over = one.answered is None, one.over, False
         one.answered = self._now
-        if not one.cancelling and (alone or not first):
+        if given_up or (not one.cancelling and (alone or not first)):
             one.due = self._now + PROGRESS_TIMEOUT_S
         state = ACKNOWLEDGED if first and progress is None else IN_PROGRESS
         self._change(one, state, "", progress=progress)

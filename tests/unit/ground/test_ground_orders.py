@@ -1,7 +1,7 @@
 """Orders to a payload that is scripted: what is said again, what every answer means, and what is shown."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from client_bench import OVER, US, WHO
@@ -261,6 +261,7 @@ actions = st.one_of(
 
 @settings(max_examples=300, deadline=None)
 @given(st.lists(actions, max_size=25))
+@example([("order", Turn(40.0)), ("cancel", 1), ("wait", 6.0), ("ack", Turn(40.0), Result.IN_PROGRESS, None)])
 def test_whatever_is_answered_what_is_over_stays_over_and_silence_ends_every_talk(story):
     script, boots, over = Script(), 1, {}
     for what, *how in story:
