@@ -35,6 +35,8 @@ with backend.open(Options(port=sys.argv[1]), Services(clock, lambda url: open_wi
         if driver.state().homed and not told:
             driver.command(1.0, 0.5)
             told = True
+        if driver.state().fault:
+            sys.exit(driver.state().fault)
         if driver.state().angle > 0.2:
             print("turning", flush=True)
         clock.sleep(0.005)
@@ -122,7 +124,9 @@ def test_the_package_grbl_streamer_streams_a_job(path, port):
 
 def test_when_our_process_is_killed_grbl_finishes_its_jog(path):
     with subprocess.Popen([sys.executable, "-c", TURN, f"serial:{path}:115200"], stdout=subprocess.PIPE) as ours:
-        assert ours.stdout.readline() == b"turning\n"
-        ours.kill()
+        try:
+            assert ours.stdout.readline() == b"turning\n"
+        finally:
+            ours.kill()
     with serial.Serial(path, 115200, timeout=5) as port:
         assert until_idle(port) == pytest.approx(math.degrees(1.0), abs=STEP)
