@@ -17,9 +17,10 @@ CONFIGURATIONS = sorted(EXAMPLES.glob("*.toml"))
 RULE = re.compile(r'(SUBSYSTEM|KERNELS?|ATTRS?\{\w+\}|ENV\{\w+\})(==|=)"[^"]*"|SYMLINK\+="[\w-]+"')
 
 
-def test_there_are_five_configurations():
+def test_there_is_a_configuration_for_every_kind_of_mount():
     assert [path.stem for path in CONFIGURATIONS] == [
         "drone-mavlink-gimbal",
+        "drone-vehicle-yaw",
         "pan-unit-can-servo",
         "pan-unit-canopen-drive",
         "pan-unit-grbl",
