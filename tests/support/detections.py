@@ -22,6 +22,8 @@ class Detection:
         return any(re.search(each, fault) for each in words)
 
 
+NO_ATTITUDE = "no attitude received from the autopilot|does not send|does not tell"
+
 # None: nothing on the wire tells of it, so that only the mission can notice.
 DETECTIONS: dict[tuple[str, Fault], Detection | None] = {
     ("ideal", Fault.SILENT): Detection(0.6, r"no report for 0\.5"),
@@ -109,30 +111,18 @@ DETECTIONS: dict[tuple[str, Fault], Detection | None] = {
     ("grbl", Fault.CORRUPT): Detection(0.6, "serial line is noisy"),
     ("vehicle_yaw", Fault.STALL): Detection(4.0, "does not follow"),
     ("vehicle_yaw", Fault.NOISY): Detection(4.0, "the attitude of the vehicle jumps"),
-    ("vehicle_yaw", Fault.SILENT): Detection(
-        0.7, "no attitude received from the autopilot|does not send|does not tell"
-    ),
+    ("vehicle_yaw", Fault.SILENT): Detection(0.7, NO_ATTITUDE),
     ("vehicle_yaw", Fault.TAKEN): Detection(7.0, "does not follow", rest=3.0),
-    ("vehicle_yaw", Fault.SATURATED): Detection(
-        1.5, "s late: the link|no attitude received from the autopilot|does not send|does not tell", rest=2.0
-    ),
-    ("vehicle_yaw", Fault.CORRUPT): Detection(
-        0.7, "no attitude received from the autopilot|does not send|does not tell"
-    ),
+    ("vehicle_yaw", Fault.SATURATED): Detection(1.5, "s late: the link|" + NO_ATTITUDE, rest=2.0),
+    ("vehicle_yaw", Fault.CORRUPT): Detection(0.7, NO_ATTITUDE),
     ("vehicle_yaw", Fault.PILOT): Detection(0.1, "the pilot moves the yaw stick"),
     ("vehicle_yaw", Fault.MODE): Detection(0.1, "the flight mode is LOITER: the vehicle is turned only in GUIDED"),
     ("vehicle_yaw", Fault.DISARMED): Detection(0.15, "the vehicle is not armed"),
     ("vehicle_yaw:offboard", Fault.STALL): Detection(4.0, "does not follow"),
     ("vehicle_yaw:offboard", Fault.NOISY): Detection(4.0, "the attitude of the vehicle jumps"),
-    ("vehicle_yaw:offboard", Fault.SILENT): Detection(
-        0.7, "no attitude received from the autopilot|does not send|does not tell"
-    ),
-    ("vehicle_yaw:offboard", Fault.SATURATED): Detection(
-        1.5, "s late: the link|no attitude received from the autopilot|does not send|does not tell", rest=3.0
-    ),
-    ("vehicle_yaw:offboard", Fault.CORRUPT): Detection(
-        0.7, "no attitude received from the autopilot|does not send|does not tell"
-    ),
+    ("vehicle_yaw:offboard", Fault.SILENT): Detection(0.7, NO_ATTITUDE),
+    ("vehicle_yaw:offboard", Fault.SATURATED): Detection(1.5, "s late: the link|" + NO_ATTITUDE, rest=3.0),
+    ("vehicle_yaw:offboard", Fault.CORRUPT): Detection(0.7, NO_ATTITUDE),
     ("vehicle_yaw:offboard", Fault.PILOT): Detection(0.1, "the pilot moves the yaw stick|the flight mode is Position"),
     ("vehicle_yaw:offboard", Fault.MODE): Detection(
         0.1, "the flight mode is Position: the vehicle is turned only in Offboard"
