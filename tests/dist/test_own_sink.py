@@ -1,6 +1,5 @@
 """'Add your own sink', followed to the letter: built, installed, checked and listened with."""
 
-
 import pytest
 
 from manual import command

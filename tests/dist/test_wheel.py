@@ -65,7 +65,16 @@ def test_the_wheel_holds_three_packages_and_their_data(wheel):
 
 def test_the_installed_command_flies_a_mission_outside_the_checkout(installed, tmp_path):
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    command = [installed / "bin" / "ross", "sitl", "--scenario", "one-talker", "--informed", "--json", "--out", "results"]
+    command = [
+        installed / "bin" / "ross",
+        "sitl",
+        "--scenario",
+        "one-talker",
+        "--informed",
+        "--json",
+        "--out",
+        "results",
+    ]
     done = subprocess.run(
         command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, timeout=250
     )
@@ -99,5 +108,3 @@ def got(host, path):
         answer = connection.getresponse()
         assert answer.status == 200, path
         return answer.read().decode()
-
-

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from device_bench import device
+from device_bench import device, ross
 from waiting import wait_for
 
 serial = pytest.importorskip("serial", reason="needs pyserial: pip install pyserial")
@@ -20,6 +20,7 @@ serial = pytest.importorskip("serial", reason="needs pyserial: pip install pyser
 MPOS = re.compile(rb"<(\w+)[^|]*\|MPos:(-?[\d.]+),")
 SQUARE = ("G21", "G90", "G1 X30 F9000", "X30 Y10", "X0 Y10", "X0 Y0", "G0 X-15")
 STEP = 0.1125  # [deg]
+PATIENCE = 60.0  # a pseudo terminal may be late, see device_bench [s]
 TURN = """
 import sys
 from ross_payload.actuators.grbl.driver import backend
@@ -45,13 +46,13 @@ with backend.open(Options(port=sys.argv[1]), Services(clock, lambda url: open_wi
 
 @pytest.fixture
 def path(tmp_path):
-    with device(tmp_path, "grbl") as process:
+    with ross(tmp_path, "device", "grbl", "--json") as process:
         yield process.told["wire"].removeprefix("serial:").removesuffix(":115200")
 
 
 @pytest.fixture
 def port(path):
-    with serial.Serial(path, 115200, timeout=5) as port:
+    with serial.Serial(path, 115200, timeout=PATIENCE) as port:
         tell(port, "$I")  # its banner has gone by then
         yield port
 
@@ -101,7 +102,7 @@ def test_send_and_wait_as_grbl_s_simple_streaming_does(port):
 
 
 def test_a_jog_is_cancelled_and_ends_where_it_came_to_rest(port):
-    assert tell(port, "$J=G91X180F1800") == [b"ok"]  # 6 s, however late this process is
+    assert tell(port, "$J=G91X180F450") == [b"ok"]  # 24 s, however late this process is
     wait_for(lambda: where(port)[1] > 10.0)
     port.write(b"\x85")
     assert 10.0 < until_idle(port) < 170.0
@@ -122,11 +123,11 @@ def test_the_package_grbl_streamer_streams_a_job(path, port):
     assert streamed.returncode == 0, streamed.stderr
 
 
-def test_when_our_process_is_killed_grbl_finishes_its_jog(path):
-    with subprocess.Popen([sys.executable, "-c", TURN, f"serial:{path}:115200"], stdout=subprocess.PIPE) as ours:
-        try:
-            assert ours.stdout.readline() == b"turning\n"
-        finally:
-            ours.kill()
-    with serial.Serial(path, 115200, timeout=5) as port:
-        assert until_idle(port) == pytest.approx(math.degrees(1.0), abs=STEP)
+def test_when_our_process_is_killed_grbl_finishes_its_jog(tmp_path):
+    with device(tmp_path, "grbl") as process:
+        with subprocess.Popen([sys.executable, "-c", TURN, process.told["wire"]], stdout=subprocess.PIPE) as ours:
+            try:
+                assert ours.stdout.readline() == b"turning\n"
+            finally:
+                ours.kill()
+        wait_for(lambda: process.ask("status")["angle_deg"] == pytest.approx(math.degrees(1.0), abs=STEP))

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-from device_bench import PERIOD, driver, ross
+from device_bench import PERIOD, SERIAL_OVER_TCP, driver, ross
 from ports import free_port
 
 pytest.importorskip("can")
@@ -64,7 +64,7 @@ def bench(case, folder, options):
     """A device that notes, a driver that is ready, and the meter of its pump."""
     kind, _, hub = case.partition("-")
     with ExitStack() as stack:
-        wire = f"udpout:127.0.0.1:{free_port()}" if kind == "gimbal" else ""
+        wire = {"gimbal": f"udpout:127.0.0.1:{free_port()}", "grbl": SERIAL_OVER_TCP}.get(kind, "")
         if hub:
             there = stack.enter_context(ross(folder, "hub", "--listen", "tcp:127.0.0.1:0", "--json"))
             wire = f"{there.told['hub']}:can0"

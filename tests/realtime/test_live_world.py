@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from device_bench import driver, ross
+from device_bench import SERIAL_OVER_TCP, driver, ross
 from ports import free_port
 from ross_payload.clock import may_hurry
 from ross_sim.live_world.world_session import URGENCY
@@ -25,7 +25,7 @@ def test_a_world_that_sounds_goes_before_everything_ordinary_as_a_sound_card_doe
 
 WIRES = {
     "mavlink_gimbal": lambda: ("--wire", f"udpout:127.0.0.1:{free_port()}"),
-    "grbl": tuple,
+    "grbl": lambda: ("--wire", SERIAL_OVER_TCP),
     "dronecan_servo": tuple,
 }
 

@@ -21,6 +21,9 @@ from ross_payload.interfaces import Services
 from ross_payload.mavlink import Router
 
 PERIOD = 0.010  # of the pump [s]
+SERIAL_OVER_TCP = "serial:tcp:127.0.0.1:0"
+"""A serial line for what is held to times: bytes of a pseudo terminal wait for a thread of the kernel, which some
+kernels (6.18, with autogroups) let wait for seconds while programs of many sessions compute."""
 
 
 class Process:
@@ -53,9 +56,11 @@ def ross(folder: Path, *command: str, before: tuple[str, ...] = ROSS) -> Iterato
 
 @contextmanager
 def device(folder: Path, kind: str, *more: str) -> Iterator[Process]:
-    """Start ``ross device``; a gimbal or a vehicle at a free port."""
+    """Start ``ross device``; a gimbal, a vehicle or grbl at a free port, unless it is told where."""
     free = kind in ("gimbal", "vehicle") and "--wire" not in more and "--config" not in more
     wire = ("--wire", f"udpout:127.0.0.1:{free_port()}") if free else ()
+    if kind == "grbl" and "--wire" not in more:
+        wire = ("--wire", SERIAL_OVER_TCP)
     with ross(folder, "device", kind, "--json", *wire, *more) as process:
         yield process
 
