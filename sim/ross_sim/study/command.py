@@ -15,7 +15,8 @@ DEFAULT = "separators"
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
 ross study missions flies whole missions, ross study benchmark compares methods on fixed public scenes, ross study
-calibration calibrates arrays, ross study table writes tables from rows: see their own --help.
+calibration calibrates arrays, ross study merge puts shards together, ross study table writes tables from rows: see
+their own --help.
 
 Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by the user."""
 
@@ -56,6 +57,29 @@ class _Names(click.ParamType[Any]):
             return self.fail(f"'{value}' is not a list of {self._kind.__name__} separated by commas", param, ctx)
 
 
+class _Shard(click.ParamType[Any]):
+    """One of several shares: 2/5."""
+
+    name = "I/N"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read number and count."""
+        from ross_sim.study.study_design import Shard
+
+        number, _, of = str(value).partition("/")
+        if not (number.isdecimal() and of.isdecimal() and 1 <= int(number) <= int(of)):
+            return self.fail(f"expected I/N with I from 1 to N, got '{value}'", param, ctx)
+        return Shard(int(number), int(of))
+
+
+def _sharded(function: Any) -> Any:
+    return click.option("--shard", type=_Shard(), help="Do this share of the tasks alone: 1/4, 2/4, ...")(function)
+
+
+def _share(shard: Any) -> dict[str, Any]:
+    return {} if shard is None else {"shard": shard}
+
+
 def _schedule(text: str) -> int | str:
     return text if text == "stop" else int(text)
 
@@ -70,6 +94,7 @@ def command() -> None:
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder of the study.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes; default: one per core.")
+@_sharded
 @click.option(
     "--quick", is_flag=True, help="The first K, one layout, at most 3 starts, 4 rotations, T_run at most 3 s."
 )
@@ -86,7 +111,9 @@ def command() -> None:
 @click.option("--tell-k", is_flag=True, default=None, help="Tell the explorer K (joint only).")
 @click.option("--rules", help="Where to turn: best (predicted gain), or paper (its equations).")
 @click.option("--talkers", type=_Names(), help="Names in the folder; default: all. Up to five keep their order.")
-def separators(preset: str, *, out: Path, speech: Path | None, workers: int | None, quick: bool, **axes: Any) -> int:
+def separators(
+    preset: str, *, out: Path, speech: Path | None, workers: int | None, quick: bool, shard: Any, **axes: Any
+) -> int:
     """Measure settings x K x layouts x starts x separators x explorers x T_unit x rotations.
 
     Presets: quick, paper, separation, exploration, full. Every option of an axis replaces the preset's.
@@ -94,13 +121,14 @@ def separators(preset: str, *, out: Path, speech: Path | None, workers: int | No
     changes = {name: value for name, value in axes.items() if value is not None}
     from ross_sim.study.study_run import conduct
 
-    return conduct(preset, changes, out=out, speech=speech, workers=workers, quick=quick)
+    return conduct(preset, changes, out=out, speech=speech, workers=workers, quick=quick, **_share(shard))
 
 
 @command.command("missions")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder of the study.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
 @click.option("--workers", type=click.IntRange(1, 256), help="Processes; default: one per core.")
+@_sharded
 @click.option("--scenarios", type=_Names(), help="Scenarios by name or path, or rooms: living-room,S1,B0.45,...")
 @click.option("--k", type=_Names(int), help="Numbers of talkers; default: the scenario's.")
 @click.option("--places", type=click.Choice(["drawn", "written"]), help="Random azimuths, or those of the scenario.")
@@ -108,7 +136,9 @@ def separators(preset: str, *, out: Path, speech: Path | None, workers: int | No
 @click.option("--draws", type=click.IntRange(1, 10000), help="How often to fly; every draw has other talkers.")
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of the first draw; the next have the next seeds.")
 @click.option("--set", "settings", multiple=True, help="Change a key of the payload: explore.pipelined=true.")
-def missions(*, out: Path, speech: Path | None, workers: int | None, settings: tuple[str, ...], **axes: Any) -> int:
+def missions(
+    *, out: Path, speech: Path | None, workers: int | None, settings: tuple[str, ...], shard: Any, **axes: Any
+) -> int:
     """Fly whole missions: scenarios x K x draws, with the target in the room and without.
 
     A study that was stopped goes on when the same command is given again.
@@ -118,7 +148,7 @@ def missions(*, out: Path, speech: Path | None, workers: int | None, settings: t
     changes = {name: value for name, value in axes.items() if value is not None} | {"settings": settings}
     from ross_sim.study.missions_run import conduct_missions
 
-    return conduct_missions(changes, out=out, speech=speech, workers=workers)
+    return conduct_missions(changes, out=out, speech=speech, workers=workers, **_share(shard))
 
 
 @command.command("calibration")
@@ -136,6 +166,21 @@ def calibration(**asked: Any) -> int:
     from ross_sim.study.calibration_study import conduct
 
     return conduct(**asked)
+
+
+@command.command("merge")
+@click.argument("shards", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="SHARD...")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder of the whole study.")
+def merged(shards: tuple[Path, ...], out: Path) -> int:
+    """Put the folders of all shards of one study together: the rows of the study done at once.
+
+    Exit codes: 0 done, 1 the disk is full, 2 the shards do not belong together or are not all there.
+    """
+    from ross_sim.study.shards import merge
+
+    for made in merge(shards, out):
+        click.echo(made.markdown())
+    return 0
 
 
 @command.command("table")

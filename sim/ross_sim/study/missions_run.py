@@ -11,11 +11,11 @@ import ross_sim
 import ross_sim.study
 from ross_payload.config import validated
 from ross_payload.voiceprint.model_folder import ModelFolder
-from ross_sim.study.mission_design import MissionStudy, check_draws, mission_tasks, scenario_of
+from ross_sim.study.mission_design import MissionStudy, MissionTask, check_draws, mission_tasks, scenario_of
 from ross_sim.study.mission_draw import attempt_draw, voices_at
 from ross_sim.study.mission_rows import MissionResult, MissionRow, decode_missions
 from ross_sim.study.mission_table import missions
-from ross_sim.study.study_design import mixed
+from ross_sim.study.study_design import ALL, Shard, mixed
 from ross_sim.study.study_run import Work, carried_out, write_rows
 from ross_sim.study.study_store import Code, Store, manifest
 from ross_sim.study.tables import Table
@@ -36,8 +36,10 @@ CODE: Code = {  # what the numbers depend on: everything that a mission in lock-
 }
 
 
-def conduct_missions(changes: dict[str, Any], *, out: Path, speech: Path | None, workers: int | None) -> int:
-    """Fly a study of missions, or what is left of it; returns the exit code."""
+def conduct_missions(
+    changes: dict[str, Any], *, out: Path, speech: Path | None, workers: int | None, shard: Shard = ALL
+) -> int:
+    """Fly a study of missions or a shard of it, or what is left of that; returns the exit code."""
     study = validated(MissionStudy, changes, "ross study missions")
     rates = sorted({scenario_of(name, study.settings).payload.audio.rate_hz for name in study.scenarios})
     voices = voices_at(speech, rates[0])
@@ -48,13 +50,13 @@ def conduct_missions(changes: dict[str, Any], *, out: Path, speech: Path | None,
     models, choices = ModelFolder.default(), {each.payload.voice_print.model for each in scenarios.values()}
     wanted["voice models"] = {choice: models.in_use(choice).fingerprint for choice in sorted(choices)}
     with Store(out, wanted, decode_missions) as store:
-        every = mission_tasks(study)
+        every: list[MissionTask] = shard.of_all(mission_tasks(study))
         left = mixed(task for task in every if task.id not in store.results)
         work = Work(partial(attempt_draw, study=study, speech=speech), left, len(every), workers)
-        return carried_out(work, store, lambda: _write(store, study))
+        return carried_out(work, store, lambda: write(store, study) if shard == ALL else [])
 
 
-def _write(store: Store[MissionResult], study: MissionStudy) -> list[Table]:
+def write(store: Store[MissionResult], study: MissionStudy) -> list[Table]:
     """Write rows and table; the order of the rows is the study's, whatever came first."""
     done = [store.results[task.id] for task in mission_tasks(study) if task.id in store.results]
     rows = [row for result in done for row in result.missions]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
@@ -131,6 +131,25 @@ def tasks(study: Study) -> list[Task]:
 def mixed(tasks: Iterable[AnyTask]) -> list[AnyTask]:
     """Mix long and short tasks, always in the same way: the time left can then be told early."""
     return sorted(tasks, key=lambda task: fingerprint(**asdict(task)))
+
+
+@dataclass(frozen=True, slots=True)
+class Shard:
+    """A share of the tasks of a study: every ``of``-th one, from the ``number``-th on.
+
+    >>> Shard(2, 3).of_all(["a", "b", "c", "d", "e"])
+    ['b', 'e']
+    """
+
+    number: int = 1  # from 1
+    of: int = 1
+
+    def of_all(self, tasks: Sequence[AnyTask]) -> list[AnyTask]:
+        """Return the share, in the study's order."""
+        return list(tasks[self.number - 1 :: self.of])
+
+
+ALL = Shard()
 
 
 def _scenes(study: Study) -> Iterator[tuple[str, int, int]]:

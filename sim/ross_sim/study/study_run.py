@@ -24,7 +24,7 @@ from ross_sim.study.figures import draw
 from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, decode
 from ross_sim.study.row_files import as_csv, has_parquet, write_parquet
 from ross_sim.study.study_case import Failure, attempt
-from ross_sim.study.study_design import Study, chosen, mixed, tasks
+from ross_sim.study.study_design import ALL, Shard, Study, Task, chosen, mixed, tasks
 from ross_sim.study.study_store import Rows, Store, manifest
 from ross_sim.study.tables import Table, tables
 from ross_sim.study.talker_placement import Source, check_voices, heard_as, voices_of
@@ -103,17 +103,25 @@ def view_of(total: int, before: int, now: Callable[[], float]) -> Bar | Lines:
 
 
 def conduct(
-    preset: str, changes: dict[str, Any], *, out: Path, speech: Path | None, workers: int | None, quick: bool
+    preset: str,
+    changes: dict[str, Any],
+    *,
+    out: Path,
+    speech: Path | None,
+    workers: int | None,
+    quick: bool,
+    shard: Shard = ALL,
 ) -> int:
-    """Run a study, or what is left of it; returns the exit code."""
+    """Run a study or a shard of it, or what is left of that; returns the exit code."""
     study = chosen(preset, changes, quick)
     source = Source(speech, study.talkers, study.rate_hz)
     voices = voices_of(source)
     check_voices(voices, study)
     with Store(out, manifest(study, heard_as(voices)), decode) as store:
-        left = mixed(task for task in tasks(study) if task.id not in store.results)
-        work = Work(partial(attempt, study=study, source=source), left, len(tasks(study)), workers)
-        return carried_out(work, store, lambda: write(store, study))
+        every: list[Task] = shard.of_all(tasks(study))
+        left = mixed(task for task in every if task.id not in store.results)
+        work = Work(partial(attempt, study=study, source=source), left, len(every), workers)
+        return carried_out(work, store, lambda: write(store, study) if shard == ALL else [])
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +208,7 @@ def _farewell(console: Console, out: Path, n: int, seconds: float, failures: Seq
         console.print(f"No Parquet was written: {install_line('study')}", markup=False)
     kinds = {"*.csv": "rows", "*.parquet": "rows, typed", "tables.md": "tables", "*.pdf": "figures"}
     there = ", ".join(f"{name} ({what})" for name, what in kinds.items() if any(out.glob(name)))
-    words = f"{n} tasks in {in_words(seconds)}. Results in {out}/: {there or 'none'}"
+    words = f"{n} tasks in {in_words(seconds)}. Results in {out}/: {there or 'journal.jsonl, for ross study merge'}"
     console.print(f"\n{words}", highlight=False, markup=False, soft_wrap=True)
     if failures:
         first = failures[0]

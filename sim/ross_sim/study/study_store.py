@@ -139,18 +139,10 @@ class Store(AbstractContextManager["Store[Rows]"], Generic[Rows]):
             if not line.endswith(b"\n"):
                 break
             whole += len(line)
-            self._remember(line)
+            result = _decoded(line, self._decode, self.folder)
+            self.results[result.task] = result
         self._claim(wanted)
         self._file.truncate(whole)
-
-    def _remember(self, line: bytes) -> None:
-        try:
-            result = self._decode(parsed_json(line))
-        except (ValueError, KeyError, TypeError) as error:
-            raise ConfigError(
-                f"{self.folder / 'journal.jsonl'}: expected lines of a study, got something else: {error}"
-            ) from error
-        self.results[result.task] = result
 
     def _claim(self, wanted: dict[str, Any]) -> None:
         """Take an empty folder; refuse that of another study."""
@@ -204,6 +196,32 @@ class Store(AbstractContextManager["Store[Rows]"], Generic[Rows]):
         except OSError as failure:  # what could not be flushed is not counted as done
             if kind is None:
                 raise OutputError(f"{self.folder}: cannot be written: {failure.strerror}") from failure
+
+
+def journal(folder: Path, decode: Callable[[dict[str, Any]], Rows]) -> Iterator[Rows]:
+    """Give what a study has kept, without opening it for writing; a line that was cut short does not count.
+
+    Raises
+    ------
+    ConfigError
+        When there is no journal, or it holds something else.
+    """
+    try:
+        content = (folder / "journal.jsonl").read_bytes()
+    except OSError as error:
+        raise ConfigError(f"{folder}: expected the folder of a study, got none: {error.strerror}") from error
+    for line in content.splitlines(keepends=True):
+        if line.endswith(b"\n"):
+            yield _decoded(line, decode, folder)
+
+
+def _decoded(line: bytes, decode: Callable[[dict[str, Any]], Rows], folder: Path) -> Rows:
+    try:
+        return decode(parsed_json(line))
+    except (ValueError, KeyError, TypeError) as error:
+        raise ConfigError(
+            f"{folder / 'journal.jsonl'}: expected lines of a study, got something else: {error}"
+        ) from error
 
 
 def difference(found: Any, wanted: Any, where: str = "") -> str:

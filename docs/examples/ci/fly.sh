@@ -1,0 +1,38 @@
+#!/bin/sh
+# fly.sh SCENARIO PROGRAM [ARGUMENTS]: run a program beside a simulated payload, and end with its exit code.
+#
+# The payload is `ross sitl --serve`: the payload as `ross run` runs it, in a simulated room. The program is started as
+#   python PROGRAM URL SCENARIO [ARGUMENTS]
+# once telemetry can be received at URL. Environment:
+#   ROSS    command of RoSS (ross)           PYTHON  interpreter that has ross_payload (python3)
+#   SPEED   times real time (4)              OUT     folder for the payload's log and the ground truth (out/flight)
+#   SEED    of everything random (0)
+set -eu
+[ $# -ge 2 ] || { echo "expected SCENARIO PROGRAM, got: $*" >&2; exit 2; }
+scenario=$1 program=$2
+shift 2
+ross=${ROSS:-ross} python=${PYTHON:-python3} out=${OUT:-out/flight}
+command -v "$ross" > /dev/null || { echo "expected RoSS as '$ross', found nothing: set ROSS, or pip install it" >&2; exit 2; }
+[ -f "$program" ] || { echo "expected a program, got '$program', which is no file" >&2; exit 2; }
+mkdir -p "$out"
+port=$("$python" -c 'import socket
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+    free.bind(("127.0.0.1", 0))
+    print(free.getsockname()[1])')
+
+"$ross" sitl --serve --scenario "$scenario" --speed "${SPEED:-4}" --seed "${SEED:-0}" \
+  --telemetry "udpout:127.0.0.1:$port" --out "$out" > "$out/payload.log" 2>&1 &
+payload=$!
+trap 'kill -TERM "$payload" 2> /dev/null; wait "$payload"; exit 130' INT TERM
+
+status=0
+"$python" "$program" "udpin:127.0.0.1:$port" "$scenario" "$@" || status=$?
+kill -TERM "$payload" 2> /dev/null || true
+ended=0
+wait "$payload" || ended=$?
+if [ "$ended" -ne 0 ] && [ "$ended" -ne 130 ]; then
+  echo "the payload ended by itself, with exit code $ended; its log says:" >&2
+  tail -n 5 "$out/payload.log" >&2
+  [ "$status" -ne 0 ] || status=1
+fi
+exit "$status"
