@@ -87,10 +87,10 @@ def install_line(extra: str) -> str:
     except PackageNotFoundError:  # run from the sources without having been installed
         found = []
     packages = [f"'{match['package'].strip()}'" for match in found if match["extra"] == extra]
-    return f"{_pip()} install {' '.join(packages or [f'.[{extra}]'])}"
+    return f"{pip()} install {' '.join(packages or [f'.[{extra}]'])}"
 
 
-def _pip() -> str:
+def pip() -> str:
     """``pip`` where it is the one of the Python that runs this, else that Python's full path."""
     ours = Path(sys.executable).with_name("pip")
     return "pip" if shutil.which("pip") == str(ours) else f"{sys.executable} -m pip"

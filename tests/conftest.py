@@ -24,6 +24,7 @@ COLLECTED = (20_000, 20, 20)  # thresholds of the garbage collector: what the te
 
 def pytest_addoption(parser):
     parser.addoption("--actuator", metavar="FILE", help="Hold a real device to the contract: a payload's TOML file.")
+    parser.addoption("--audio-source", metavar="NAME:ADDRESS", help="Hold this source of live sound to the contract.")
     parser.addoption("--actuator-kind", metavar="NAME", help="Hold this back end and its far end to the contract.")
 
 

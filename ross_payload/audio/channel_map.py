@@ -7,28 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ross_payload.config import Audio
+from ross_payload.config.array_presets import PRESETS
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import AudioFlag, Samples
 
 FULL_SCALE = 2**23  # of the 24-bit grid
 CLIPPED = 1 - 2**-15  # what a 16-bit converter says at full scale
-
-
-@dataclass(frozen=True, slots=True)
-class Preset:
-    """A known array of microphones."""
-
-    channels: tuple[int, int]  # of microphones 1 and 2
-    device_channels: int
-    names: tuple[str, ...]  # parts of the names under which sound systems list it, in lower case
-
-
-# Channel orders are the makers' usual ones and differ between firmwares: `ross devices --tap` tells.
-PRESETS = {
-    "respeaker-2mic": Preset((0, 1), 2, ("seeed-2mic", "seeed2mic", "wm8960")),
-    "respeaker-4mic": Preset((0, 1), 4, ("seeed-4mic", "seeed4mic", "ac108")),
-    "respeaker-usb": Preset((1, 2), 6, ("respeaker 4 mic array", "arrayuac10")),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +42,7 @@ class ChannelMap:
             When a microphone lies outside the channels to open, or both are one channel.
         """
         preset = PRESETS.get(audio.preset)
-        channels = audio.channels or (preset.channels if preset else (0, 1))
+        channels = audio.microphone_channels
         opened = audio.device_channels or (preset.device_channels if preset else None)
         if channels[0] == channels[1]:
             raise ConfigError(f"audio.channels: expected two different channels, got {list(channels)}")
@@ -87,16 +71,6 @@ class ChannelMap:
         if max(_peak(raw), _peak(samples)) >= CLIPPED:
             flags |= AudioFlag.CLIPPED
         return MappedSamples(samples, None if same else raw, flags)
-
-
-def fitting(name: str) -> str:
-    """Return the preset that fits a device of this name; empty when none does.
-
-    >>> fitting("ReSpeaker 4 Mic Array (UAC1.0): USB Audio (hw:1,0)")
-    'respeaker-usb'
-    """
-    words = name.lower()
-    return next((key for key, preset in PRESETS.items() if any(part in words for part in preset.names)), "")
 
 
 def _on_grid(samples: Samples) -> Samples:

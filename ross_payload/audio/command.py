@@ -39,6 +39,8 @@ def command(*, as_json: bool, config: Path | None, awaited: Path | None) -> None
     """
     from rich.console import Console
 
+    from ross_payload import plugins
+    from ross_payload.audio.open_source import GROUP
     from ross_payload.audio.sound_devices import devices, portaudio
     from ross_payload.audio.tap_test import tap, wait
     from ross_payload.clock import SystemClock
@@ -51,12 +53,15 @@ def command(*, as_json: bool, config: Path | None, awaited: Path | None) -> None
         wait(load(awaited), SystemClock())
         return
     found = devices(portaudio())
+    others = [name for name in plugins.available(GROUP) if name != "device"]
     if as_json:
         click.echo(json.dumps([asdict(device) for device in found], indent=2))
     elif found:
         Console().print(table(found))
     else:
         click.echo("No device can record. Is it plugged in, and is this user in the group 'audio'?")
+    if not as_json:
+        click.echo(f"Other sources, as NAME:ADDRESS: {', '.join(others)}")
 
 
 def table(found: Sequence[Device]) -> Table:

@@ -10,6 +10,7 @@ import numpy as np
 import soundfile
 
 from ross_payload.audio.channel_map import ChannelMap
+from ross_payload.audio.open_source import SourceServices
 from ross_payload.errors import AudioEnded, AudioError
 from ross_payload.interfaces import AudioBlock, Clock
 
@@ -103,3 +104,8 @@ class FileSource:
             raise AudioError(
                 f"{self._path}: expected at least {self._wiring.needed} channels (audio.channels), got {file.channels}"
             )
+
+
+def audio_source(address: str, services: SourceServices) -> FileSource:
+    """Make the source ``file:PATH``."""
+    return FileSource(Path(address).expanduser(), services.audio.rate_hz, services.wiring, services.clock)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, Self
+from typing import Protocol, Self, runtime_checkable
 
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.gap_filler import HELD_UP, GapFiller
@@ -31,6 +31,7 @@ class SourceStatus:
     trouble: str = ""  # why nothing is heard, in words; empty: something is
 
 
+@runtime_checkable
 class Watched(Protocol):
     """A source that tells how it is."""
 

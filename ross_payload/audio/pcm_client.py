@@ -7,7 +7,8 @@ import socket
 import threading
 
 from ross_payload.audio.channel_map import ChannelMap
-from ross_payload.audio.live_source import OnSamples
+from ross_payload.audio.live_source import LiveSource, OnSamples
+from ross_payload.audio.open_source import SourceServices
 from ross_payload.errors import AudioError, refused_as
 from ross_payload.transport.link_url import tcp_endpoint
 from ross_protocols.audio.pcm import Decoder, PcmError
@@ -86,3 +87,14 @@ class Connection:
         with contextlib.suppress(OSError):  # the end, like hanging up: it is opened again
             while data := self._socket.recv(LARGEST):
                 self._on_samples(self._decoder.feed(data))
+
+
+def audio_source(address: str, services: SourceServices) -> LiveSource:
+    """Make the source ``tcp:HOST:PORT``.
+
+    Raises
+    ------
+    ConfigError
+        When the address is something else.
+    """
+    return services.live(PcmClient(address, services.audio.rate_hz, services.wiring))

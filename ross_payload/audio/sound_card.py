@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ross_payload.audio.channel_map import ChannelMap
-from ross_payload.audio.live_source import OnSamples
+from ross_payload.audio.live_source import LiveSource, OnSamples
+from ross_payload.audio.open_source import SourceServices
 from ross_payload.audio.sound_devices import Device, device_named, portaudio
 from ross_payload.config import Audio
 from ross_payload.errors import AudioError
@@ -101,6 +102,11 @@ class SoundCardStream:
     def close(self) -> None:
         """Give the device back; what the driver says of a device that is gone does not matter."""
         self._stream.close(ignore_errors=True)
+
+
+def audio_source(address: str, services: SourceServices) -> LiveSource:
+    """Make the source ``device:NAME``."""
+    return services.live(SoundCard(address, services.audio, services.wiring), settling=SETTLING)
 
 
 def _first_line(error: Exception) -> str:

@@ -6,7 +6,7 @@ import importlib
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ross_payload.audio.channel_map import fitting
+from ross_payload.config.array_presets import fitting
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.plugins import install_line
 
@@ -58,7 +58,7 @@ def devices(module: Any, way: Way = "input") -> list[Device]:
             host_api=hosts[found["hostapi"]],
             channels=found[f"max_{way}_channels"],
             default_rate=found["default_samplerate"],
-            preset=fitting(found["name"]),
+            preset=fitting(found["name"], found[f"max_{way}_channels"]),
         )
         for number, found in enumerate(module.query_devices())
         if found.get(f"max_{way}_channels", 0) > 0

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from ross_payload.config.communication_options import Dronecan, Gimbal, Link, Recording, Service, Telemetry
 from ross_payload.config.hardware_options import Actuator, Array, Audio, Guard, Mount
@@ -69,6 +69,15 @@ class Config(Table):
     recording: Recording = Recording()
     listening: Listening = Listening()
     seed: Annotated[int, Field(ge=0)] = 0
+
+    @field_validator("audio")
+    @classmethod
+    def _spacing_by_preset(cls, audio: Audio, info: ValidationInfo) -> Audio:
+        """Give the array the spacing of its preset, where the file tells none."""
+        array, known = info.data.get("array"), audio.known_spacing
+        if array is not None and known is not None and "spacing_m" not in array.model_fields_set:
+            info.data["array"] = array.model_copy(update={"spacing_m": known})
+        return audio
 
     @model_validator(mode="after")
     def _one_gimbal(self) -> Config:

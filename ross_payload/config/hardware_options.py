@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from ross_payload.config.array_presets import PRESETS
 from ross_payload.config.table import Degrees, Positive, Table
 
 Channel = Annotated[int, Field(ge=0, le=63)]
@@ -15,7 +16,9 @@ Decibels = Annotated[float, Field(ge=-60, le=60)]
 class Array(Table):
     """[array]: the two microphones."""
 
-    spacing_m: Annotated[float, Field(ge=0.005, le=1.0)] = 0.05  # d, between the microphones [m]
+    spacing_m: Annotated[float, Field(ge=0.005, le=1.0)] = (
+        0.05  # d, between the microphones [m]; default: that of the preset's microphones on these channels, where known
+    )
     speed_of_sound_m_s: Annotated[float, Field(ge=250, le=450)] = 343.0  # v_p [m/s]; 331 at 0 deg Celsius, 343 at 20
     offset_deg: Degrees = 0.0  # heading of the axis from microphone 1 to 2 when the joint angle and mount yaw are 0
 
@@ -23,10 +26,19 @@ class Array(Table):
 class Audio(Table):
     """[audio]: rates and frames."""
 
-    source: Annotated[str, Field(pattern=r"^(device|file|tcp):.+")] = (
-        "device:default"  # device:NAME (part of it is enough), file:PATH or tcp:HOST:PORT; see `ross devices`
+    source: Annotated[str, Field(pattern=r"^[A-Za-z][\w.-]*:.+")] = (
+        "device:default"  # device:NAME (part of it is enough), file:PATH, tcp:HOST:PORT or NAME:ADDRESS of a plug-in
     )
-    preset: Literal["", "respeaker-2mic", "respeaker-4mic", "respeaker-usb"] = ""  # channels of known arrays
+    preset: Literal[
+        "",
+        "respeaker-2mic",
+        "respeaker-4mic",
+        "respeaker-usb",
+        "respeaker-xvf3800",
+        "respeaker-xvf3800-2ch",
+        "usb-stereo",
+        "i2s-stereo",
+    ] = ""  # channels and spacing of known arrays
     channels: tuple[Channel, Channel] | None = (
         None  # those of microphones 1 and 2, from 0; default: the preset's, else 0 and 1
     )
@@ -41,6 +53,18 @@ class Audio(Table):
     hop_ms: Annotated[int, Field(ge=1, le=20)] = 10  # one step of the mission: a stop takes effect within it [ms]
     frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] = 2048  # STFT frame of the separation [samples]
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of neighbouring frames, as a share of the frame
+
+    @property
+    def microphone_channels(self) -> tuple[int, int]:
+        """Channels of microphones 1 and 2, from 0: those of the file, else the preset's, else 0 and 1."""
+        preset = PRESETS.get(self.preset)
+        return self.channels or (preset.channels if preset else (0, 1))
+
+    @property
+    def known_spacing(self) -> float | None:
+        """Distance between the two microphones by the preset [m]; None when it is not known."""
+        preset = PRESETS.get(self.preset)
+        return preset.spacing(self.microphone_channels) if preset else None
 
 
 class Actuator(Table):

@@ -18,7 +18,7 @@ Degrees = Annotated[float, Field(allow_inf_nan=False)]
 Model = TypeVar("Model", bound=BaseModel)
 BEGINNINGS = {"be": "expected ", "have": "expected "}
 FORMS = {
-    "^(device|file|tcp):.+": "device:NAME, file:PATH or tcp:HOST:PORT",
+    r"^[A-Za-z][\w.-]*:.+": "device:NAME, file:PATH, tcp:HOST:PORT or NAME:ADDRESS of a plug-in",
     "^(can:.+)?$": "can:INTERFACE:CHANNEL[:BITRATE]",
     "^can:": "can:INTERFACE:CHANNEL[:BITRATE]",
     "^serial:": "serial:DEVICE:BAUD",

@@ -16,10 +16,10 @@ from ross_payload.actuators.registry import checked_options, describe, open_actu
 from ross_payload.actuators.tb6600.pulse_segments import RECORDING
 from ross_payload.audio.audio_health import HealthMonitor
 from ross_payload.audio.channel_map import ChannelMap
-from ross_payload.audio.file_source import FileSource
 from ross_payload.audio.open_source import open_source
 from ross_payload.calibration.channel_check import channel_troubles
 from ross_payload.config import Config
+from ross_payload.config.array_presets import PRESETS
 from ross_payload.doctor import computer_checks, speed, wire_checks
 from ross_payload.doctor.findings import Finding, Verdict, fail, ok, warn
 from ross_payload.doctor.machine import Machine
@@ -28,8 +28,12 @@ from ross_payload.health import AudioHealth, AudioTrouble
 from ross_payload.interfaces import Capabilities, Clock, Samples, Services
 
 Check = Callable[[Config, Machine], Iterator[Finding]]
+SPACING_TOLERANCE = 0.05  # share by which a spacing may differ from that of a known array: 3 deg off at 20 deg
 LISTENING_S = 4.0  # the slowest judgement of the microphones takes three
-CHECK_WIRING = "check the cable and audio.channels: `ross devices --tap`"
+CHECK_WIRING = (
+    "check the cable and audio.channels: `ross devices --tap`; some firmwares of arrays give zeros:"
+    " docs/how-to/microphones"
+)
 RAW = "name raw channels in audio.channels; some arrays need another firmware for them: docs/how-to/microphones"
 TROUBLES: dict[AudioTrouble, tuple[Verdict, str, str]] = {
     AudioTrouble.ABSENT: (Verdict.FAIL, "no audio arrives", "plug them in; `ross devices` lists what there is"),
@@ -84,7 +88,7 @@ def measured(config: Config, clock: Clock) -> tuple[AudioHealth, Samples]:
         When they cannot be opened.
     """
     with open_source(config, clock) as source:
-        monitor = HealthMonitor(config, None if isinstance(source, FileSource) else source)
+        monitor = HealthMonitor(config, source)
         heard = [np.zeros((2, 0), np.float32)]
         try:
             for _ in range(round(LISTENING_S * config.audio.rate_hz / config.hop)):
@@ -94,6 +98,28 @@ def measured(config: Config, clock: Clock) -> tuple[AudioHealth, Samples]:
         except AudioEnded:
             pass
         return monitor.health(), np.concatenate(heard, axis=1)
+
+
+def array(config: Config, machine: Machine) -> Iterator[Finding]:
+    """Whether channels and spacing are those of two microphones of the array that the configuration names."""
+    preset, channels = config.audio.preset, config.audio.microphone_channels
+    told, known = config.array.spacing_m, config.audio.known_spacing
+    places = PRESETS[preset].places if preset in PRESETS else {}
+    for channel in channels if places else ():
+        if channel not in places:
+            raw = ", ".join(map(str, places))
+            yield fail("array", f"channel {channel} of '{preset}' is no raw microphone; these are: {raw}", RAW)
+            return
+    if known is not None and abs(told / known - 1) > SPACING_TOLERANCE:
+        apart = f"microphones {channels[0]} and {channels[1]} of '{preset}' are {1e3 * known:.1f} mm apart"
+        found = f"spacing_m is {1e3 * told:.1f} mm, but {apart}"
+        yield warn("array", found, "leave array.spacing_m out, or measure it: `ross calibrate`")
+    elif "spacing_m" not in config.array.model_fields_set:
+        found = f"nobody told the spacing: {1e3 * told:.0f} mm is assumed"
+        yield warn("array", found, "array.spacing_m: use a ruler, then `ross calibrate`")
+    else:
+        of = f" of '{preset}'" if preset else ""
+        yield ok("array", f"channels {channels[0]} and {channels[1]}{of}, {1e3 * told:.1f} mm apart")
 
 
 def actuator(config: Config, machine: Machine, clock: Clock) -> Iterator[Finding]:
@@ -154,7 +180,7 @@ CHECKS: tuple[Check, ...] = (
     computer_checks.python, computer_checks.clock, computer_checks.heat,
     computer_checks.priority, computer_checks.power,
     wire_checks.extras, wire_checks.serial, wire_checks.can, wire_checks.links, wire_checks.identity,
-    computer_checks.state, computer_checks.recordings, computer_checks.voice, autostart,
+    computer_checks.state, computer_checks.recordings, computer_checks.voice, autostart, array,
 )  # fmt: skip
 
 

@@ -15,7 +15,6 @@ from typing import NoReturn, TypeVar
 from ross_payload import config as settings
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.actuators.wires import check_wire
-from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.open_source import open_source
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
@@ -25,7 +24,7 @@ from ross_payload.listening.observers import check_listening
 from ross_payload.service.assemble import tools_of
 from ross_payload.service.dronecan_node import check_one_id
 from ross_payload.service.state_folder import check_state_folder
-from ross_payload.transport.link_url import parse, tcp_endpoint
+from ross_payload.transport.link_url import parse
 from ross_payload.transport.signing import read_key
 from ross_payload.voiceprint import VoiceStore
 from ross_payload.voiceprint.model_folder import ModelFolder
@@ -107,12 +106,9 @@ def _check_links(config: Config) -> None:
 
 
 def _check_audio(config: Config) -> None:
-    kind = config.audio.source.partition(":")[0]
-    ChannelMap.of(config.audio)
-    if kind == "tcp":
-        tcp_endpoint(config.audio.source, "audio.source")
-    elif kind == "file":
-        with open_source(config, SystemClock()):
+    source = open_source(config, SystemClock())
+    if config.audio.source.startswith("file:"):
+        with source:
             return
 
 

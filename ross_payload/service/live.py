@@ -15,7 +15,6 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload import __version__
 from ross_payload.actuators.mavlink_gimbal.component_port import opener
-from ross_payload.audio.live_source import LiveSource
 from ross_payload.audio.open_source import open_source
 from ross_payload.bounded_files import set_aside
 from ross_payload.clock import RetryingOpener, SystemClock, synchronised_time
@@ -121,7 +120,7 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: threadin
         yield Parts(
             clock=clock,
             source=source,
-            watched=source if isinstance(source, LiveSource) else None,
+            watched=source,
             open_port=SharedBuses(wires, clock).open,
             links=links,
             mount=mount_of(config, clock, links, timebase),

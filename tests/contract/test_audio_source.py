@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import socket
+import sys
 import threading
 import time
 
@@ -13,12 +14,13 @@ import soundfile
 
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.file_source import FileSource
-from ross_payload.audio.live_source import LiveSource
+from ross_payload.audio.live_source import LiveSource, SourceStatus, Watched
+from ross_payload.audio.open_source import open_source
 from ross_payload.audio.pcm_client import PcmClient
-from ross_payload.audio.sound_card import SoundCard
 from ross_payload.clock import SystemClock
-from ross_payload.config import Audio, validated
+from ross_payload.config import Audio, Config, validated
 from ross_payload.errors import AudioEnded, AudioError
+from ross_payload.interfaces import AudioFlag
 from ross_protocols.audio.pcm import Header, encode, encode_header
 from ross_sim.clock import SimClock
 from ross_sim.scenario import Scenario
@@ -49,7 +51,7 @@ class Server:
         self.address = f"127.0.0.1:{self._listener.getsockname()[1]}"
         self._hang_up = threading.Event()
         self._over = False
-        self._thread = threading.Thread(target=self._serve)
+        self._thread = threading.Thread(target=self._serve, name="server")
         self._thread.start()
 
     def hang_up(self):
@@ -89,31 +91,46 @@ def simulated(stack, tmp_path, request):
 def file(stack, tmp_path, request):
     samples = np.random.default_rng(1).standard_normal((3 * RATE, 2)) * 0.1
     soundfile.write(tmp_path / "take.flac", samples, RATE, subtype="PCM_24")
-    clock = SimClock()
-    return FileSource(tmp_path / "take.flac", RATE, ChannelMap.of(Audio()), clock), clock
+    return made(f"file:{tmp_path / 'take.flac'}", SimClock())
 
 
 def tcp(stack, tmp_path, request):
     server = Server()
     stack.callback(server.close)
-    clock, wiring = SystemClock(), ChannelMap.of(Audio())
-    return LiveSource(PcmClient(server.address, RATE, wiring), RATE, wiring, 5.0, clock), clock
+    return made(f"tcp:{server.address}", SystemClock())
 
 
 def card(stack, tmp_path, request):
     module = request.getfixturevalue("make_card")(ppm=50, jitter=0.01)
-    audio = Audio()
-    wiring = ChannelMap.of(audio)
-    return LiveSource(SoundCard("card", audio, wiring, module), RATE, wiring, 5.0, module.clock), module.clock
+    request.getfixturevalue("monkeypatch").setitem(sys.modules, "sounddevice", module)
+    return made("device:card", module.clock)
 
 
-KINDS = {"simulated": simulated, "file": file, "tcp": tcp, "card": card}
+def made(source, clock):
+    """A source that is registered by name, as a configuration opens it."""
+    return open_source(validated(Config, {"audio": {"source": source, "buffer_s": 5.0}}, "test"), clock), clock
 
 
-@pytest.fixture(params=KINDS)
-def rig(request, tmp_path):
+KINDS = {"simulated": simulated, "file": file, "tcp": tcp, "card": card}  # what is simulated is registered nowhere
+
+
+def pytest_generate_tests(metafunc):
+    """Take every kind; with --audio-source that of a plug-in, live, which gives some sound."""
+    if "kind" in metafunc.fixturenames:
+        theirs = metafunc.config.getoption("--audio-source")
+        metafunc.parametrize("kind", [theirs] if theirs else list(KINDS), ids=lambda kind: kind.partition(":")[0])
+
+
+@pytest.fixture
+def rig(kind, request, tmp_path):
+    with rigged(kind, request, tmp_path) as rig:
+        yield rig
+
+
+@contextlib.contextmanager
+def rigged(kind, request, tmp_path):
     with contextlib.ExitStack() as stack:
-        yield KINDS[request.param](stack, tmp_path, request)
+        yield KINDS[kind](stack, tmp_path, request) if kind in KINDS else made(kind, SystemClock())
 
 
 def test_blocks_are_two_rows_of_float32_on_the_24_bit_grid(rig):
@@ -158,6 +175,38 @@ def test_a_reader_that_was_busy_gets_what_was_heard_meanwhile(rig):
     assert after.index == before.index + HOP
     assert after.time == pytest.approx(before.time + HOP / RATE, abs=0.001)
     assert not after.flags
+
+
+def test_it_is_closed_twice_without_harm(rig):
+    source, _ = rig
+    with source:
+        source.read(HOP)
+    source.__exit__(None, None, None)
+    assert status_of(source).trouble == ""
+
+
+def test_what_is_lost_is_counted_and_nothing_is_wrong_while_it_is_heard(rig):
+    source, _ = rig
+    with source:
+        for _ in range(500):  # the computer may be busy
+            block = source.read(HOP)
+            status = status_of(source)
+            assert status.lost or not block.flags & AudioFlag.MISSING
+            if not block.flags and not status.trouble:
+                return
+    raise AssertionError(status)
+
+
+def status_of(source):
+    return source.status() if isinstance(source, Watched) else SourceStatus()
+
+
+def test_making_one_opens_nothing(kind, request, tmp_path):
+    before = set(threading.enumerate())
+    with rigged(kind, request, tmp_path) as (source, _):
+        begun = {thread.name for thread in set(threading.enumerate()) - before}
+        assert begun <= {"server"}
+        assert source.rate == RATE
 
 
 def test_the_rate_is_the_configurations(rig):

@@ -36,6 +36,9 @@ WHERE = [
      "tests/process/test_sitl_in_ci.py"),
     (r"ross (evaluate|sitl) .*delay-and-sum", ELSEWHERE, "tests/dist/test_own_separator.py"),
     (r"ross config check loud.toml", ELSEWHERE, "tests/dist/test_own_sink.py"),
+    (r"ross config check reachy.toml|ross (actuators probe|doctor) reachy.toml", ELSEWHERE, "tests/dist/test_reachy_mini.py"),
+    (r"ross config check camera.toml|pytest tests/contract/test_audio_source.py", ELSEWHERE,
+     "tests/dist/test_own_audio_source.py"),
     (r"pytest -m hardware", NOT_RUN, "turns real hardware"),
     (r"pytest tests/contract|ross actuators probe bench|ross sitl --actuator my_turntable", ELSEWHERE,
      "tests/dist/test_own_actuator.py"),
@@ -166,11 +169,16 @@ def run(command, folder, timeout=280):
     return done
 
 
+def of_kind(kind):
+    """(page, command) of all that is done with so; what is in no line of the table is a test's failure above."""
+    return [(page, command) for page, command in SHELL if (place_of(command) or (None,))[0] == kind]
+
+
 def shown(page, kind):
-    return [command for where, command in SHELL if where == page and place_of(command)[0] == kind]
+    return [command for where, command in of_kind(kind) if where == page]
 
 
-@pytest.mark.parametrize("page", sorted({page for page, command in SHELL if place_of(command)[0] == RUN}))
+@pytest.mark.parametrize("page", sorted({page for page, _ in of_kind(RUN)}))
 def test_the_cheap_commands_of_a_page_do_what_they_say(page, sandbox):
     for command in shown(page, RUN):
         done = run(command, sandbox)
@@ -178,7 +186,7 @@ def test_the_cheap_commands_of_a_page_do_what_they_say(page, sandbox):
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("page", sorted({page for page, command in SHELL if place_of(command)[0] == RUN_IN_SOAK}))
+@pytest.mark.parametrize("page", sorted({page for page, _ in of_kind(RUN_IN_SOAK)}))
 def test_the_missions_of_a_page_are_flown(page, sandbox):
     for command in shown(page, RUN_IN_SOAK):
         done = run(command, sandbox, timeout=3000)

@@ -101,6 +101,7 @@ class Rig:
     ripple: float = 0.0  # [rad/s]
     speed: float = SPEED  # [rad/s]
     late: float = 0.0  # [s]
+    upper: float = UPPER  # a goal near the end of the travel [rad]
     opening: float = 0.2  # [s]
     patience: float = 1.0  # times what is allowed for settling
 
@@ -151,11 +152,15 @@ def rig_of(kind: str, **guard: Any) -> Rig:
     options = options_of(kind, role)
     config = Config.model_validate({"actuator": {"kind": kind, "options": options}, "guard": guard})
     clock = SimClock()
-    far_end: FarEnd = plugins.load("ross_sim.far_ends", kind).make(checked_options(config))
+    plugin = plugins.load("ross_sim.far_ends", kind)
+    far_end: FarEnd = plugin.make(checked_options(config))
     clock.before_calls(far_end.advance)
     wire = CuttableWire(far_end.port)
     actuator = open_actuator(config, Services(clock, lambda url: wire))
     clock.every(QUANTUM, lambda: actuator.poll(clock.now()))
-    slack = LAG.get(kind, 0.0), RIPPLE.get(kind, 0.0)
-    late, opening = LATE.get(kind, 0.0), OPENING.get(kind, 0.2)
-    return Rig(clock, far_end, wire, actuator, *slack, speed=SPEEDS.get(kind, SPEED), late=late, opening=opening)
+    told = getattr(plugin, "slack", {})  # of a plug-in: what its device needs
+    slack = LAG.get(kind, told.get("lag", 0.0)), RIPPLE.get(kind, told.get("ripple", 0.0))
+    late, opening = LATE.get(kind, told.get("late", 0.0)), OPENING.get(kind, told.get("opening", 0.2))
+    able = actuator.capabilities
+    speed, upper = min(SPEEDS.get(kind, SPEED), able.max_speed), min(UPPER, able.upper)
+    return Rig(clock, far_end, wire, actuator, *slack, speed=speed, late=late, upper=upper, opening=opening)

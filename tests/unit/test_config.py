@@ -80,7 +80,10 @@ def test_one_azimuth_at_two_heights_is_two_sources():
         ("[array]\nqqq = 0.05", "unknown key 'array.qqq'"),
         ("[exploit]\nrules = 'bset'", "exploit.rules: expected 'best' or 'paper', got 'bset'; did you mean 'best'?"),
         ("[audio]\nrate_hz = 3", "audio.rate_hz: expected a number greater than or equal to 16000, got 3"),
-        ("[audio]\nsource = 'tape'", "audio.source: expected device:NAME, file:PATH or tcp:HOST:PORT, got 'tape'"),
+        (
+            "[audio]\nsource = 'tape'",
+            "audio.source: expected device:NAME, file:PATH, tcp:HOST:PORT or NAME:ADDRESS of a plug-in, got 'tape'",
+        ),
         ("[informed]\nazimuths_deg = []", "informed.azimuths_deg: expected at least 1 item, got []"),
         ("[[links]]\nrole = 'ground'", "links.0.url: expected a value, got none"),
         (f"[audio]\nsource = '{'x' * 5000}'", f"got '{'x' * 77}...'"),

@@ -1,0 +1,55 @@
+"""The audio source ``command:PROGRAM ARGUMENTS``: what a program writes to its standard output, as raw PCM."""
+
+import shlex
+import subprocess
+import threading
+
+import numpy as np
+
+from ross_payload.errors import AudioError, ConfigError, refused_as
+
+LEAVE_S = 2.0  # that a program may take to end once it was asked to
+LARGEST = 65536  # of one read [bytes]
+
+
+class Program:
+    """A program that runs: a feed. It hands frames on until it ends or is closed."""
+
+    def __init__(self, command, channels, on_samples):
+        with refused_as(AudioError, f"command '{command[0]}': cannot be started"):
+            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE)
+        self._channels, self._on_samples = channels, on_samples
+        self._thread = threading.Thread(target=self._copy, name="command", daemon=True)
+        self._thread.start()
+
+    @property
+    def alive(self):
+        return self._thread.is_alive()
+
+    def close(self):
+        self._process.terminate()
+        try:
+            self._process.wait(LEAVE_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._thread.join()
+        self._process.stdout.close()
+
+    def _copy(self):
+        rest, size = b"", 2 * self._channels
+        while data := self._process.stdout.read1(LARGEST):
+            data = rest + data
+            whole = len(data) // size * size
+            rest = data[whole:]
+            frames = np.frombuffer(data[:whole], "<i2").reshape(-1, self._channels)
+            self._on_samples(frames.astype(np.float32) / 32768)
+
+
+def audio_source(address, services):
+    """Make the source; the program starts when it is entered."""
+    try:
+        command = shlex.split(address)
+    except ValueError as error:
+        raise ConfigError(f"command: expected a program and its arguments, got '{address}': {error}") from error
+    return services.live(lambda on_samples: Program(command, services.wiring.needed, on_samples))

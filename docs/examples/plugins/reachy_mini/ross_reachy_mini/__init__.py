@@ -1,0 +1,1 @@
+"""A Reachy Mini as actuator and audio source of a RoSS payload."""
