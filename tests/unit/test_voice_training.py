@@ -6,10 +6,13 @@ import pytest
 from ross_payload.errors import ConfigError
 from ross_payload.voiceprint.built_in import BuiltInModel, encode_model
 from ross_payload.voiceprint.features import RATE
-from ross_sim.study import train_voiceprint
+from ross_sim.study import train_voiceprint, voice_pieces
+from ross_sim.study.calibration_voices import N_FOLDS, Heard, folds_of
 from ross_sim.study.reader_mixtures import groups_of, heard
-from ross_sim.study.train_voiceprint import kept_out, trained
+from ross_sim.study.train_voiceprint import trained
 from ross_sim.study.training_voices import readers
+from ross_sim.study.voice_calibration import Corpus, trials
+from ross_sim.study.voice_pieces import reader_of, with_speeds
 from speaker_network import vowel
 
 TALKERS = {"ann": (220.0, 900.0), "bob": (110.0, 500.0), "cleo": (180.0, 1500.0)}
@@ -23,14 +26,15 @@ def voices():
 
 @pytest.fixture
 def _small(monkeypatch):
-    sizes = {"N_GAUSSIANS": 3, "N_FACTORS": 5, "SIZE": 3, "N_STEPS": 2, "N_ROUNDS": 1, "PIECES": (3.0, 2.0)}
-    for name, size in sizes.items():
+    for name, size in {"N_GAUSSIANS": 3, "N_FACTORS": 5, "SIZE": 3, "N_STEPS": 2}.items():
         monkeypatch.setattr(train_voiceprint, name, size)
+    monkeypatch.setattr(voice_pieces, "N_ROUNDS", 1)
+    monkeypatch.setattr(voice_pieces, "PIECES", (3.0, 2.0))
 
 
 @pytest.mark.usefixtures("_small")
 def test_a_run_that_was_interrupted_goes_on_and_ends_with_the_same_numbers(voices, tmp_path, monkeypatch):
-    made, real = [], train_voiceprint.heard
+    made, real = [], voice_pieces.heard
 
     def counted(clips, rng):
         if len(made) == 1 and not (tmp_path / "other").exists():
@@ -38,15 +42,25 @@ def test_a_run_that_was_interrupted_goes_on_and_ends_with_the_same_numbers(voice
         made.append(real(clips, rng))
         return made[-1]
 
-    monkeypatch.setattr(train_voiceprint, "heard", counted)
+    monkeypatch.setattr(voice_pieces, "heard", counted)
     with pytest.raises(KeyboardInterrupt):
-        trained(voices, tmp_path / "work", 0)
+        trained(voices, {}, tmp_path / "work", 0)
     (tmp_path / "other").mkdir()
-    resumed = trained(voices, tmp_path / "work", 0)
+    resumed = trained(voices, {}, tmp_path / "work", 0)[None]
     assert len(made) == 2  # each of the two mixtures once
-    whole = trained(voices, tmp_path / "other", 0)
+    found = trained(voices, {"ann": 0}, tmp_path / "other", 0)
+    whole = found[None]
     assert encode_model(whole) == encode_model(resumed)
     assert np.linalg.norm(BuiltInModel(whole).embed(voices["ann"])) == pytest.approx(1.0)
+    assert set(found) == {None, 0}
+    assert not np.array_equal(found[0].loadings, whole.loadings)  # ann tells nothing of what is learnt without her
+
+
+def test_a_reader_at_other_speeds_is_two_other_talkers_of_the_same_fold(voices):
+    found = with_speeds(voices, 0)
+    assert len(found) == 3 * len(voices)
+    assert all(reader_of(name) in voices for name in found)
+    assert {len(found[name]) < len(voices[reader_of(name)]) for name in found if name not in voices} == {True, False}
 
 
 def test_everybody_is_heard_once_in_a_round_with_others_of_that_length():
@@ -68,14 +82,39 @@ def test_what_is_separated_is_the_talker_and_as_long(voices):
     assert likeness.argmax(axis=1).tolist() == [0, 1, 2]
 
 
-def test_readers_to_calibrate_with_are_long_enough_and_drawn_by_the_seed():
+def test_readers_are_dealt_to_folds_by_the_seed_those_who_speak_for_long_evenly():
     voices = {f"r{index:02d}": np.zeros((15 if index % 2 else 9) * RATE) for index in range(100)}
-    kept = kept_out(voices, 0)
-    assert kept == kept_out(voices, 0) != kept_out(voices, 1)
-    assert len(set(kept)) == 40
-    assert all(len(voices[name]) == 15 * RATE for name in kept)
-    with pytest.raises(ConfigError, match=r"expected at least 40 readers of more than 14.2 s, got 0"):
-        kept_out({"r": np.zeros(9)}, 0)
+    folds = folds_of(voices, 0)
+    assert folds == folds_of(voices, 0) != folds_of(voices, 1)
+    long = [folds[name] for name in voices if len(voices[name]) > 14 * RATE]
+    assert np.bincount(long).tolist() == [50 // N_FOLDS] * N_FOLDS
+    assert len(folds) == 100
+    with pytest.raises(ConfigError, match=r"expected at least 15 readers of more than 14.2 s, got 0"):
+        folds_of({"r": np.zeros(9)}, 0)
+
+
+def test_a_voice_is_compared_with_its_fold_by_what_was_learnt_without_it():
+    """Two folds of two talkers; the model of a fold sees one axis, that of the other fold another."""
+
+    class Model:
+        def __init__(self, axis):
+            self.axis = axis
+
+        def embedding_of(self, features):
+            return features[[self.axis]]
+
+    voices = {
+        "a": np.array([1.0, 0.0]),
+        "b": np.array([-1.0, 0.0]),
+        "c": np.array([0.0, 1.0]),
+        "d": np.array([0.0, -1.0]),
+    }
+    heard_of = [Heard("readers", "S1 0", "ab".find(name) < 0, 3.0, name, voices[name]) for name in voices]
+    enrolled = {0: {name: [voices[name]] for name in "ab"}, 1: {name: [voices[name]] for name in "cd"}}
+    models = {0: Model(0), 1: Model(1)}
+    found = trials(models, Corpus(heard_of, enrolled))[3.0]
+    assert found.cosines.tolist() == [1.0, -1.0, -1.0, 1.0] * 2
+    assert found.own.tolist() == [True, False, False, True] * 2
 
 
 @pytest.mark.parametrize(

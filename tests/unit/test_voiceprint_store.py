@@ -131,6 +131,14 @@ def test_a_print_of_the_earlier_built_in_model_asks_to_enrol_again(store):
         store.load("ann")
 
 
+def test_a_print_of_the_built_in_model_with_64_gaussians_asks_to_enrol_again(store):
+    store.folder.mkdir(parents=True)
+    old = {"format": "ross-voice-print", "version": 1, "background": "2a7b0fee3de35287", "seconds": 2.9, "consent": ""}
+    store.path("ann").write_text(json.dumps(old | {"criterion": 0.0, "embedding": [0.1] * 100}))
+    with pytest.raises(ConfigError, match="made with another voice model: enrol this voice again"):
+        store.load("ann")
+
+
 def test_the_print_that_an_earlier_session_kept_says_so(tmp_path):
     old = {"offsets": np.zeros((64, 48)), "pitch_weights": np.full(12, 1 / 12)}
     old |= {name: np.array(value) for name, value in (("seconds", "2.9"), ("criterion", "0.0"))}

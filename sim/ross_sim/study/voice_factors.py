@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy.linalg import eigh
+from scipy.sparse.linalg import svds
 
 from ross_payload.interfaces import Real
 
@@ -23,9 +24,8 @@ def first_loadings(counts: Real, sums: Real, n_factors: int) -> Real:
     """Start from the principal components of the adapted means: counts (m, n), sums (m, n * d); (n * d, n_factors)."""
     width = sums.shape[1] // counts.shape[1]
     adapted = sums / np.repeat(counts + PRIOR, width, axis=1)
-    size = sums.shape[1]
-    values, vectors = eigh(adapted.T @ adapted / len(adapted), subset_by_index=[size - n_factors, size - 1])
-    return np.asarray(vectors * np.sqrt(np.maximum(values, np.finfo(float).tiny)))
+    _, sizes, vectors = svds(adapted, n_factors, v0=np.ones(min(adapted.shape)))
+    return np.asarray(vectors.T * np.maximum(sizes / np.sqrt(len(adapted)), np.finfo(float).tiny))
 
 
 def improved_loadings(counts: Real, sums: Real, loadings: Real, independence: float) -> Real:

@@ -64,8 +64,8 @@ def equal_error_rate(targets: Real, strangers: Real) -> float:
     0.25
     """
     thresholds = np.sort(np.concatenate([targets, strangers]))
-    rejected = (targets <= thresholds[:, None]).mean(axis=1)
-    accepted = (strangers > thresholds[:, None]).mean(axis=1)
+    rejected = np.searchsorted(np.sort(targets), thresholds, side="right") / targets.size
+    accepted = 1 - np.searchsorted(np.sort(strangers), thresholds, side="right") / strangers.size
     best = int(np.argmin(np.abs(rejected - accepted)))
     return float((rejected[best] + accepted[best]) / 2)
 
