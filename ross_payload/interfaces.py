@@ -364,6 +364,7 @@ class Scene:
     noise_psd: Real | None = None  # E|noise|^2 per bin and microphone, (n_freqs,)
     seed: int = 0
     hop: int | None = None  # between frames [samples]; None: unknown, so the frames cannot be cut anew
+    noise_field: Real | None = None  # coordinates of the noise covariance, (n_freqs, 4, n_frames); None: white
 
 
 @dataclass(frozen=True, slots=True)

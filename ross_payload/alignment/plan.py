@@ -8,7 +8,7 @@ TDOA. `plan` takes the heading with the best predicted gain (`gain`); `paper_rul
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -64,6 +64,8 @@ class Geometry:
     sources: Complex  # phasors, (n_sources,)
     unit: float  # d / v_p [s]
     directness: float | None
+    beside: Complex | None = None  # phasors of what sounds and is no talker, (n,)
+    share: float = 0.0  # its power over that of the interferers
 
     def isolation(self, headings: ArrayLike) -> Real:
         """Isolation of every source [s], (n_sources, n_headings); 2 d / v_p for a single one."""
@@ -74,7 +76,7 @@ class Geometry:
 
     def gain_db(self, headings: ArrayLike) -> Real:
         """Predicted SI-SDRi of every source [dB], (n_sources, n_headings)."""
-        return gain_of(self.sources, headings, self.directness)
+        return gain_of(self.sources, headings, self.directness, self.beside, self.share)
 
     def candidate(self, source: int, rule: str, turn: Turn, joint: float) -> AlignmentCandidate:
         """One source at one joint angle [rad]."""
@@ -121,7 +123,15 @@ def isolation(
     return Geometry(phasors(azimuths, elevations), spacing / speed_of_sound, None).isolation(headings)
 
 
-def plan(sources: Sequence[SourceEstimate], turn: Turn, unit: float, directness: float | None = None) -> Plan:
+def plan(
+    sources: Sequence[SourceEstimate],
+    turn: Turn,
+    unit: float,
+    directness: float | None = None,
+    *,
+    beside: Complex | None = None,
+    share: float = 0.0,
+) -> Plan:
     """Choose for every source, as the target, the heading with the best predicted gain; in order of travel.
 
     ===========  =======================================================================
@@ -146,6 +156,8 @@ def plan(sources: Sequence[SourceEstimate], turn: Turn, unit: float, directness:
         d / v_p [s].
     directness : float or None
         1 in the open, less in reverberation, which is assumed when it is not known.
+    beside, share
+        Phasors (n,) of what sounds and is no talker, as rotors are, and its power over that of a target's interferers.
 
     Examples
     --------
@@ -154,7 +166,7 @@ def plan(sources: Sequence[SourceEstimate], turn: Turn, unit: float, directness:
     >>> [(c.source, c.rule, round(float(np.rad2deg(c.joint)))) for c in planned.candidates]
     [(0, 'stay', 0), (2, 'gain', 53), (1, 'gain', -65)]
     """
-    scene = geometry_of(sources, unit, directness)
+    scene = replace(geometry_of(sources, unit, directness), beside=beside, share=share)
     chosen = _best(scene, turn) if sources and turn.lower <= turn.upper else []
     found = [scene.candidate(i, rule, turn, goal) for i, (rule, goal) in enumerate(chosen)]
     useful = in_order((c for c in found if c.isolation >= USELESS * unit), turn)

@@ -69,18 +69,29 @@ def predicted_gain(
     return gain_of(phasors(azimuths, elevations), headings, directness)
 
 
-def gain_of(z: Complex, headings: ArrayLike, directness: float | None = None) -> Real:
-    """Predict the SI-SDRi [dB] of sources that are given as phasors, (n_sources, n_headings)."""
+def gain_of(
+    z: Complex, headings: ArrayLike, directness: float | None = None, beside: Complex | None = None, share: float = 0.0
+) -> Real:
+    """Predict the SI-SDRi [dB] of sources that are given as phasors, (n_sources, n_headings).
+
+    Noise sources ``beside`` them, (n,), are no targets, but leak as interferers do; ``share`` is their power
+    together over that of all interferers of a target. A single source has only these to lose.
+    """
     tau = (z[:, None] * np.exp(-1j * np.asarray(headings, dtype=float))).real
+    noise = 0.0
+    if beside is not None and len(beside) and share > 0:
+        at = (beside[:, None] * np.exp(-1j * np.asarray(headings, dtype=float))).real
+        wide = REACH[directness is None or directness < OPEN]
+        noise = share * np.exp(-np.abs(at[None] - tau[:, None]) / wide).mean(axis=1)
     if len(z) < 2:
-        return np.zeros_like(tau)
+        return np.zeros_like(tau) if np.isscalar(noise) else -10 * np.log10(ECHOES[0] + noise)
     wet = directness is None or directness < OPEN
     reach, echoes, phantom, bonus = (pair[wet] for pair in (REACH, ECHOES, BETWEEN, DETERMINED))
     ahead = _others(tau) - tau[:, None]
     leak = np.exp(-np.abs(ahead) / reach).mean(axis=1)
     between = (ahead.min(axis=1) < 0) & (ahead.max(axis=1) > 0)
     posing = np.maximum(1 - np.ptp(ahead, axis=1) / POSING, 0)
-    return np.asarray(-10 * np.log10(echoes + phantom * between + leak) + bonus * posing)
+    return np.asarray(-10 * np.log10(echoes + phantom * between + leak + noise) + bonus * posing)
 
 
 def _others(tau: Real) -> Real:

@@ -9,7 +9,7 @@ from typing import Annotated
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from ross_payload.config.communication_options import Dronecan, Gimbal, Link, Recording, Service, Telemetry
-from ross_payload.config.hardware_options import Actuator, Array, Audio, Guard, Mount
+from ross_payload.config.hardware_options import Actuator, Array, Audio, EgoNoise, Guard, Mount
 from ross_payload.config.listening_options import Listening, Stream
 from ross_payload.config.mission_options import APART_DEG, Exploit, Explore, Informed, VoicePrints
 from ross_payload.config.table import Degrees, Model, Positive, Table, read_toml, validated
@@ -23,6 +23,7 @@ __all__ = [
     "Config",
     "Degrees",
     "Dronecan",
+    "EgoNoise",
     "Exploit",
     "Explore",
     "Gimbal",
@@ -57,6 +58,7 @@ class Config(Table):
     actuator: Actuator = Actuator()
     guard: Guard = Guard()
     mount: Mount = Mount()
+    ego_noise: Annotated[EgoNoise, Field(exclude_if=lambda table: table == EgoNoise())] = EgoNoise()
     explore: Explore = Explore()
     informed: Informed | None = None
     exploit: Exploit = Exploit()

@@ -11,6 +11,9 @@ from ross_payload.config.table import Degrees, Positive, Table
 
 Channel = Annotated[int, Field(ge=0, le=63)]
 Decibels = Annotated[float, Field(ge=-60, le=60)]
+Metres = Annotated[float, Field(ge=-10, le=10, allow_inf_nan=False)]
+
+NEAREST_M = 0.1  # a rotor to the array
 
 
 class Array(Table):
@@ -65,6 +68,22 @@ class Audio(Table):
         """Distance between the two microphones by the preset [m]; None when it is not known."""
         preset = PRESETS.get(self.preset)
         return preset.spacing(self.microphone_channels) if preset else None
+
+
+class EgoNoise(Table):
+    """[ego_noise]: noise of the vehicle itself."""
+
+    learn: bool = False  # in the lead-in, while nobody talks; it is found anew in all that is heard from then on
+    rotors_m: tuple[tuple[Metres, Metres, Metres], ...] = ()  # ahead, to the left and above the array's centre
+
+    @model_validator(mode="after")
+    def _apart(self) -> EgoNoise:
+        for place in self.rotors_m:
+            if sum(x * x for x in place) < NEAREST_M**2:
+                raise ValueError(f"rotors_m: expected places at least {NEAREST_M:g} m from the array, got {place}")
+        if self.rotors_m and not self.learn:
+            raise ValueError("rotors_m: expected learn = true beside them, got false")
+        return self
 
 
 class Actuator(Table):

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from ross_payload.alignment.plan import Plan, Turn, isolation
+from ross_payload.alignment.plan import Plan, Turn, isolation, plan
 from ross_payload.alignment.predicted_gain import predicted_gain
 from ross_payload.events import AlignmentCandidate, AlignmentPlanned, Estimate
 from ross_payload.mission.context import Context
 
 PER_RADIAN = 1.0  # [s] that turning takes, about
+ROTORS = 0.5  # what leaks of rotors, as a share of the interferers: their covariance is known, so that less does
 ENOUGH_LESS_DB = 1.0  # [dB] that the present heading may promise less than the best one
 
 
@@ -18,7 +19,10 @@ def planned(context: Context, estimate: Estimate) -> Plan:
     """Plan where to turn, nearest first."""
     settings, here = context.settings, context.pointing
     turn = Turn(here.heading - here.joint, here.joint, settings.lower, settings.upper)
-    return context.tools.plan(estimate.sources, turn, settings.spacing / settings.speed_of_sound, estimate.directness)
+    unit, rotors = settings.spacing / settings.speed_of_sound, context.tools.rotors
+    if rotors is None or context.tools.plan is not plan or context.noise_of_explorer() is None:
+        return context.tools.plan(estimate.sources, turn, unit, estimate.directness)
+    return plan(estimate.sources, turn, unit, estimate.directness, beside=rotors.phasors(here.base), share=ROTORS)
 
 
 def align(context: Context, estimate: Estimate) -> tuple[AlignmentCandidate, ...]:

@@ -10,7 +10,9 @@ from typing import TypeVar
 import numpy as np
 
 from ross_payload.alignment.plan import Plan, Turn, plan
+from ross_payload.dsp.ego_noise import EgoNoise, learnt
 from ross_payload.dsp.noise import quiet_psd
+from ross_payload.dsp.rotors import Rotors
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
     Answer,
@@ -25,6 +27,7 @@ from ross_payload.events import (
     TurnStarted,
 )
 from ross_payload.interfaces import Complex, Explorer, Input, Observation, Output, Real, Samples, Separator, VoicePrint
+from ross_payload.localization.joint_in_noise import JointInNoise, Learnt
 from ross_payload.mission.heading_control import Follower
 from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mission.voice_evidence import Evidence
@@ -67,6 +70,7 @@ class Settings:
     follow: float = math.radians(2.0)  # a heading that is off by more is followed [rad]
     track: bool = False  # follow sources that move while it listens
     level: bool = True  # sources are about as high as the array; not so below a vehicle that flies
+    ego_noise: bool = False  # learn the noise of the vehicle in the lead-in
 
 
 Planner = Callable[[Sequence[SourceEstimate], Turn, float, float | None], Plan]  # as `ross_payload.alignment.plan.plan`
@@ -84,6 +88,8 @@ class Tools:
     plan: Planner = plan
     voice_model: VoiceModel | None = None  # enrols on the way; None: the built-in one
     tracker: type[SourceTracker] = SourceTracker
+    rotors: Rotors | None = None  # of the vehicle
+    in_noise: JointInNoise | None = None  # observes for the explorer where the vehicle makes noise
 
 
 class Ended(Exception):
@@ -108,6 +114,7 @@ class Listening:
     samples: Samples  # (2, n)
     spread: float = 0.0  # largest deviation from the heading while it was followed [rad]
     headings: Real | None = None  # in the middle of every hop where they were not all one [rad], (n_hops,)
+    aboard: float = 0.0  # the mean heading in the frame of the vehicle [rad]
 
 
 @dataclass(slots=True)
@@ -119,6 +126,11 @@ class Context:
     samples: int = 0  # heard so far
     last: Input | None = None
     lead_in: Samples | None = None  # (2, n), quiet or not
+    lead_in_aboard: float = 0.0  # heading in the frame of the vehicle where it was heard [rad]
+    ego_noise: dict[int, EgoNoise | None] = field(default_factory=dict)  # by STFT frame
+    heard_noise: list[Learnt | None] = field(
+        default_factory=list
+    )  # what the explorer knows of it; empty: not asked yet
     noise_psd: dict[int, Real | None] = field(default_factory=dict)  # by STFT frame
     explored: list[Listening] = field(default_factory=list)  # of the latest exploration
     observations: list[Observation] = field(default_factory=list)  # what they tell the explorer
@@ -187,6 +199,36 @@ class Context:
                 self.say_noise(quiet=found is not None)
             self.noise_psd[stft.frame] = found
         return self.noise_psd[stft.frame]
+
+    def noise_field(self, stft: Stft, spectrogram: Complex, aboard: float) -> Real | None:
+        """Noise covariance of every bin of what was heard at ``aboard`` [rad]; None when the noise is white or unknown.
+
+        ``aboard`` is the heading in the frame of the vehicle.
+        """
+        if not self.settings.ego_noise or self.lead_in is None or self.lead_in.shape[1] < stft.frame:
+            return None
+        if stft.frame not in self.ego_noise:
+            heard = stft.analyse(self.lead_in)
+            rotors = self.tools.rotors
+            self.ego_noise[stft.frame] = learnt(heard, stft.frequencies, stft.period, self.lead_in_aboard, rotors)
+        noise = self.ego_noise[stft.frame]
+        return None if noise is None else noise.field(spectrogram, stft.frequencies, stft.period, aboard)
+
+    def noise_of_explorer(self) -> Learnt | None:
+        """What the explorer knows of the noise of the vehicle; None when there is nothing to know."""
+        stft, aboard = self.tools.explorer_stft, self.lead_in_aboard
+        if self.tools.in_noise is None or self.lead_in is None or self.lead_in.shape[1] < stft.frame:
+            return None
+        if not self.heard_noise:
+            heard = stft.analyse(self.lead_in)
+            known = self.tools.in_noise.learn(heard, stft.frequencies, stft.period, aboard, self.tools.rotors)
+            self.heard_noise.append(known)
+        return self.heard_noise[0]
+
+    def keep_lead_in(self, samples: Samples) -> None:
+        """Keep what was heard at the present heading while nobody talked."""
+        self.lead_in, self.lead_in_aboard = samples, self.pointing.heading - self.pointing.base
+        self.ego_noise, self.heard_noise = {}, []
 
     def say_noise(self, *, quiet: bool) -> None:
         """Say how loud the lead-in was when it was quiet, or that it was not."""

@@ -113,19 +113,21 @@ class _Period:
     blocks: list[Samples] = field(default_factory=list)
     headings: list[float] = field(default_factory=list)  # in the middle of every hop [rad]
     last: float = 0.0  # heading at the end [rad]
+    aboard: list[float] = field(default_factory=list)  # at the end of every hop, frame of the vehicle [rad]
     samples: int = 0
 
     def add(self, hop: Input) -> None:
         self.blocks.append(hop.block.samples)
         self.headings.append(hop.heading_start + wrap(hop.pointing.heading - hop.heading_start) / 2)
         self.last = hop.pointing.heading
+        self.aboard.append(hop.pointing.heading - hop.pointing.base)
         self.samples += hop.block.samples.shape[1]
 
     def listening(self) -> Listening:
         """All of it, at the mean heading; at the heading itself when nothing has turned."""
         samples = np.concatenate(self.blocks, axis=1)
         if np.abs(difference(self.headings, self.last)).max() <= STILL:
-            return Listening(self.last, samples)
+            return Listening(self.last, samples, aboard=circular_mean(self.aboard))
         mean = circular_mean(self.headings)
         spread = float(np.abs(difference(self.headings, mean)).max())
-        return Listening(mean, samples, spread, np.array(self.headings))
+        return Listening(mean, samples, spread, np.array(self.headings), circular_mean(self.aboard))

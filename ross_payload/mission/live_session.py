@@ -254,7 +254,8 @@ class LiveSession:
             except StopIteration as end:
                 self._remember(self._context.pending)
                 if isinstance(task, MeasureNoise):
-                    self._memory = replace(self._memory, noise=self._context.lead_in)
+                    noise, aboard = self._context.lead_in, self._context.lead_in_aboard
+                    self._memory = replace(self._memory, noise=noise, noise_aboard=aboard)
                 result: Result = end.value
                 return result
 

@@ -113,7 +113,8 @@ def _joined(context: Context, estimate: Estimate, listening: Listening, found: S
             replace(source, azimuth=wrap(float(azimuth)))
             for source, azimuth in zip(estimate.sources, piece.azimuths, strict=True)
         )
-        heard = Listening(piece.heading, listening.samples[:, begin:end])
+        aboard = listening.aboard + piece.heading - listening.heading
+        heard = Listening(piece.heading, listening.samples[:, begin:end], aboard=aboard)
         groups, parts = separate(context, replace(estimate, sources=sources), heard)
         weight = _window(piece, np.arange(begin, end), n, fade)
         for group, part in zip(groups.members, parts, strict=True):

@@ -38,10 +38,16 @@ def observe(context: Context, listening: Listening) -> Observation:
     """Let the explorer condense what was heard at one heading."""
     stft = context.tools.explorer_stft
     spectrogram = stft.analyse(listening.samples)
-    noise_psd = context.psd(stft, spectrogram)
-    return context.tools.explorer.observe(
-        spectrogram, stft.frequencies, listening.heading, noise_psd, frame_period=stft.period
-    )
+    noise_psd, known = context.psd(stft, spectrogram), context.noise_of_explorer()
+    if known is not None and context.tools.in_noise is not None:
+        seen = context.tools.in_noise.observe(
+            spectrogram, stft.frequencies, listening.heading, listening.aboard, known, period=stft.period
+        )
+    else:
+        seen = context.tools.explorer.observe(
+            spectrogram, stft.frequencies, listening.heading, noise_psd, frame_period=stft.period
+        )
+    return seen
 
 
 def say_belief(context: Context, *, final: bool) -> None:

@@ -7,7 +7,7 @@ belief that survives the visit is run with. While it runs the explorer goes on h
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -94,7 +94,8 @@ def mend(context: Context, estimate: Estimate, source: int, listening: Listening
     unit = round(context.settings.unit * context.settings.rate)
     starts = range(0, max(listening.samples.shape[1] - unit, 0) + 1, unit)
     takes = [
-        observe(context, Listening(listening.heading, listening.samples[:, start : start + unit])) for start in starts
+        observe(context, replace(listening, samples=listening.samples[:, start : start + unit], headings=None))
+        for start in starts
     ]
     beliefs = [explorer.estimate([*earlier, take]) for take in takes]
     counts = Counter(belief.k for belief in beliefs)

@@ -38,6 +38,7 @@ class Memory:
     earth: bool = False  # the frame of its azimuths
     explored: bool = False  # it was heard, not told
     noise: Samples | None = None  # heard at rest while nobody talked, (2, n)
+    noise_aboard: float = 0.0  # heading in the frame of the vehicle where it was heard [rad]
     stopped: bool = False  # by an order, and not re-armed
     samples: int = 0  # heard since the session began
     starting: bool = False  # nothing was ordered yet, and the actuator has not been well yet
@@ -77,7 +78,7 @@ def perform(context: Context, memory: Memory, task: orders.Task) -> Step[Result]
     Ended
         When an order or a fault ends it.
     """
-    context.lead_in = memory.noise
+    context.lead_in, context.lead_in_aboard = memory.noise, memory.noise_aboard
     if memory.explored and memory.estimate is not None:
         context.surveyed = memory.estimate, memory.earth
     match task:
@@ -226,6 +227,6 @@ def _measure(context: Context, seconds: float) -> Step[Result]:
     yield from hop(context)
     context.enter(State.NOISE)
     heard = yield from listen(context, max(seconds or context.settings.lead_in, LEAST_NOISE))
-    context.lead_in = heard
+    context.keep_lead_in(heard)
     context.say_noise(quiet=True)
     return Result(Outcome.COMPLETED, f"noise measured for {heard.shape[1] / context.settings.rate:g} s")

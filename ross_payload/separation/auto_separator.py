@@ -22,6 +22,8 @@ MOST_SOURCES = 3  # that, aligned, are two groups: as many as microphones
 
 def choose(spectrogram: Complex, scene: Scene) -> tuple[Separator, str]:
     """Return the separator for a recording (2, n_freqs, n_frames) and the reason in words."""
+    if scene.tau is not None and scene.noise_field is not None:
+        return INFORMED, "directions known, noise that is not white"
     if scene.tau is not None:
         against = _against_unmixing(spectrogram, scene)
         if against:

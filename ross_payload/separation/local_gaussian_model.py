@@ -29,11 +29,14 @@ AT_ONCE = 20000  # time-frequency bins worked on together: they stay in the cach
 TINY = float(np.finfo(np.float32).tiny)
 FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
 ACTIVE = 1.15  # bins with less than this many times the noise hold nobody
+LARGER = (4.5, 2.0)  # noise term over the noise, which is not all Gaussian: where hardly anybody is heard, and where ..
+HEARD = (-8.0, 5.0)  # .. talkers are clearly heard: their mean power over that of the noise [dB]
+LOWEST_VOICE = 80.0  # nobody talks below; propellers and wind do [Hz]
 TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
 LONG = 0.128  # frames that a reverberant recording is cut into [s]
 
 
-def source_psds(observed: Real, covariances: Real, noise_psd: Real, shares: Real) -> Real:
+def source_psds(observed: Real, covariances: Real, noise_psd: Real, shares: Real, noise: Real | None = None) -> Real:
     """PSDs of sources with known covariances, smoothed over neighbouring bins.
 
     Multiplicative updates v_k <- v_k x^H S^-1 R_k S^-1 x / tr(S^-1 R_k) with S = sum_k v_k R_k. For two microphones
@@ -51,6 +54,9 @@ def source_psds(observed: Real, covariances: Real, noise_psd: Real, shares: Real
         n, (n_freqs,).
     shares
         How probable every group is in a bin, (n_freqs, n_groups, n_frames).
+    noise
+        Coordinates of the covariance of the noise in every bin, trace 2, (n_freqs, 4, n_frames); None: that of
+        ``covariances`` in all frames.
 
     Returns
     -------
@@ -58,7 +64,7 @@ def source_psds(observed: Real, covariances: Real, noise_psd: Real, shares: Real
         v, the noise last, (n_freqs, n_groups + 1, n_frames).
     """
     n_groups = covariances.shape[1] - 1
-    given = _Given.of(observed, covariances, noise_psd)
+    given = _Given.of(observed, covariances, noise_psd, noise)
     psds = np.empty_like(given.cross)
     psds[:] = shares * (0.5 * (observed[:, :1] + observed[:, 1:2])) + FLOOR
     expected = np.log(average(psds))
@@ -89,16 +95,22 @@ class _Given:
 
     cross: Real  # tr(R_k adj(x x^H)), (n_freqs, n_groups, n_frames)
     gram: Real  # tr(R_j adj(R_k)), (n_freqs, n_groups, n_groups)
-    beside: Real  # n tr(R_k), (n_freqs, n_groups, 1)
-    noise_cross: Real  # n tr(x x^H), (n_freqs, n_frames)
-    noise: Real  # n^2 tr(adj(I)), (n_freqs, 1)
+    beside: Real  # n tr(R_k adj(N)), (n_freqs, n_groups, 1 or n_frames)
+    noise_cross: Real  # n tr(N adj(x x^H)), (n_freqs, n_frames)
+    noise: Real  # n^2 tr(N adj(N)), (n_freqs, 1 or n_frames)
 
     @classmethod
-    def of(cls, observed: Real, covariances: Real, noise_psd: Real) -> _Given:
+    def of(cls, observed: Real, covariances: Real, noise_psd: Real, field: Real | None) -> _Given:
         cross = covariances @ adjugate(observed, axis=1)
         gram = covariances @ np.swapaxes(adjugate(covariances), 1, 2)
         noise = noise_psd[:, None]
         sources = np.ascontiguousarray(gram[:, :-1, :-1])
+        if field is not None:
+            opposite = adjugate(field, axis=1)
+            across = (field * adjugate(observed, axis=1)).sum(axis=1)
+            beside, own = covariances[:, :-1] @ opposite, (field * opposite).sum(axis=1)
+            kept = np.ascontiguousarray(cross[:, :-1])
+            return cls(kept, sources, noise[..., None] * beside, noise * across, noise**2 * own)
         beside, own = noise[..., None] * gram[:, :-1, -1:], noise**2 * gram[:, -1:, -1]
         return cls(np.ascontiguousarray(cross[:, :-1]), sources, beside, noise * cross[:, -1], own)
 
@@ -120,7 +132,7 @@ def _updated(psds: Real, given: _Given, rows: slice) -> Real:
     return ratio
 
 
-def wiener(spectrogram: Complex, psds: Real, covariances: Real) -> Complex:
+def wiener(spectrogram: Complex, psds: Real, covariances: Real, noise: Real | None = None) -> Complex:
     """Multichannel Wiener output v_k e_1^T R_k S^-1 x of every group at microphone 1, (n_groups, n_freqs, n_frames).
 
     Parameters
@@ -129,8 +141,12 @@ def wiener(spectrogram: Complex, psds: Real, covariances: Real) -> Complex:
         (2, n_freqs, n_frames).
     psds, covariances
         As of `source_psds`, the noise last.
+    noise
+        As of `source_psds`.
     """
     total = np.swapaxes(covariances, 1, 2) @ psds
+    if noise is not None:
+        total = np.swapaxes(covariances[:, :-1], 1, 2) @ psds[:, :-1] + psds[:, -1:] * noise
     inverse = adjugate(total, axis=1) / (total[:, :1] * total[:, 1:2] - 0.5 * (total[:, 2:] ** 2).sum(1, keepdims=True))
     cross = (inverse[:, 2] + 1j * inverse[:, 3]) / ROOT2
     first, second = spectrogram
@@ -161,8 +177,13 @@ def in_long_frames(separate: Callable[[Complex, Scene], Groups], spectrogram: Co
 
 
 def reverberant(spectrogram: Complex, scene: Scene) -> bool:
-    """Whether longer frames would help, and can be had: the hop is known and the room is not dry."""
+    """Whether longer frames would help, and can be had: the hop is known and the room is not dry.
+
+    Among noise that has a direction they are not tried: what no talker explains would pass for reverberation.
+    """
     frame = 2 * (scene.frequencies.size - 1)
+    if scene.noise_field is not None:
+        return False
     if scene.hop is None or scene.tau is None or spectrogram.shape[2] * scene.hop <= frame - scene.hop:
         return False
     if frame >= LONG * 2 * scene.frequencies[-1]:
@@ -180,7 +201,8 @@ Core = Callable[[Complex, Scene, Real], tuple[Complex, Real, tuple[Quality, ...]
 def from_directions(core: Core, spectrogram: Complex, scene: Scene, name: str, *, always_below: float = 0.0) -> Groups:
     """Separate a recording (2, n_freqs, n_frames) at unit power, in the frequencies in which somebody is heard.
 
-    A reverberant one is separated in long frames. Sources that share a TDOA are one group.
+    A reverberant one is separated in long frames. Sources that share a TDOA are one group. Where the noise has a
+    direction every bin is divided by the level of the noise there before, and multiplied by it again afterwards.
 
     Parameters
     ----------
@@ -203,6 +225,8 @@ def from_directions(core: Core, spectrogram: Complex, scene: Scene, name: str, *
     shape = (len(members), *spectrogram.shape[1:])
     signals, masks = np.zeros(shape, spectrogram.dtype), np.zeros(shape, np.float32)
     power = float((np.abs(spectrogram) ** 2).mean()) if spectrogram.size else 0.0
+    if scene.noise_field is not None and members and power > 0:
+        return replace(_in_noise(core, spectrogram, scene, delays), members=members, method=name)
     quality: tuple[Quality, ...] = ()
     if members and power > 0:
         unit = (spectrogram / np.sqrt(power)).astype(np.complex64)
@@ -215,6 +239,28 @@ def from_directions(core: Core, spectrogram: Complex, scene: Scene, name: str, *
             found, masks[:, use], quality = core(unit[:, use], part, noise[use])
             signals[:, use] = found * np.sqrt(power)
     return Groups(signals, members, name, masks=masks, quality=quality)
+
+
+def _in_noise(core: Core, spectrogram: Complex, scene: Scene, delays: Real) -> Groups:
+    """Separate in the frequencies of voices; the noise term is larger than the noise, which is not all Gaussian."""
+    field = np.asarray(scene.noise_field, dtype=np.float32)
+    level = np.maximum(0.5 * (field[:, 0] + field[:, 1]), np.finfo(np.float32).tiny)
+    usual = np.exp(np.log(level).mean(axis=1))
+    loudness = np.sqrt(level / usual[:, None])
+    even = spectrogram / loudness
+    use = scene.frequencies >= LOWEST_VOICE
+    power = float((np.abs(even[:, use]) ** 2).mean())
+    voices = band(scene.frequencies, *VOICE)
+    heard = float(((np.abs(even[:, voices]) ** 2).mean(axis=(0, 2)) / usual[voices]).mean()) - 1
+    larger = float(np.interp(10 * np.log10(max(heard, 1e-3)), HEARD, LARGER))
+    noise = np.maximum(larger * usual[use] / power, FLOOR).astype(np.float32)
+    part = replace(scene, frequencies=scene.frequencies[use], tau=delays, noise_field=(field / level[:, None])[use])
+    signals = np.zeros((len(delays), *spectrogram.shape[1:]), spectrogram.dtype)
+    masks = np.zeros(signals.shape, np.float32)
+    unit = (even[:, use] / np.sqrt(power)).astype(np.complex64)
+    found, masks[:, use], quality = core(unit, part, noise)
+    signals[:, use] = found * np.sqrt(power) * loudness[use]
+    return Groups(signals, (), "", masks=masks, quality=quality)
 
 
 class Gaussian:
@@ -234,7 +280,7 @@ class Gaussian:
 def _separated(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, Real, tuple[Quality, ...]]:
     _, covariances, psds = fitted(unit, scene, noise_psd)
     masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
-    return wiener(unit, psds, covariances), masks, qualities(psds, covariances)
+    return wiener(unit, psds, covariances, scene.noise_field), masks, qualities(psds, covariances)
 
 
 def fitted(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Real, Real, Real]:
@@ -256,7 +302,7 @@ def fitted(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Real, Real, Re
     covariances, shares = learn(observed, start, noise_psd, anchor)
     white = np.broadcast_to(np.array([1, 1, 0, 0], np.float32), (len(start), 1, 4))
     covariances = np.concatenate([covariances, white], axis=1)
-    return observed, covariances, source_psds(observed, covariances, noise_psd, shares)
+    return observed, covariances, source_psds(observed, covariances, noise_psd, shares, scene.noise_field)
 
 
 separator = Gaussian()

@@ -23,6 +23,7 @@ from ross_payload.separation.network import Network, Past, shipped_network
 from ross_payload.separation.refiner_features import HIGHEST, LEAST, STEADY, features, trained_for
 
 BONUS = 0.75  # SI-SDR above that of the local Gaussian model [dB]
+TRUSTED = (5.0, 15.0)  # from no trust in the network to full: mixture over the noise term [dB]
 KEPT = 3  # frames that the network has seen whose corrections are interpolated
 
 
@@ -46,14 +47,16 @@ class Refined:
         observed, covariances, psds = fitted(unit, scene, noise_psd)
         quality = qualities(psds, covariances, BONUS)
         low = slice(0, int((scene.frequencies < HIGHEST).sum()))
-        if trained_for(scene.frequencies[low]):
+        share = 1.0 if scene.noise_field is None else _trusted(observed, noise_psd)
+        if share and trained_for(scene.frequencies[low]):
             network = self._network or shipped_network()
             shown = features(observed[low], covariances[low], psds[low])
-            factors = np.exp(network.corrections(shown, scene.frequencies[low]))
+            corrections = network.corrections(shown, scene.frequencies[low])
+            factors = np.exp(corrections if share == 1 else np.float32(share) * corrections)
             psds[low, :-1] = np.maximum(psds[low, :-1], LEAST) * np.swapaxes(factors, 0, 1)
         masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
         psds[:, -1] = np.maximum(psds[:, -1], STEADY * (1 + psds[:, :-1].sum(axis=1)))
-        return wiener(unit, psds, covariances), masks, quality
+        return wiener(unit, psds, covariances, scene.noise_field), masks, quality
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,6 +150,15 @@ class LiveRefined:
         first = min(int(place), KEPT - 2)
         part = np.float32(place - first)
         return np.asarray((1 - part) * state.corrections[first] + part * state.corrections[first + 1])
+
+
+def _trusted(observed: Real, noise_psd: Real) -> float:
+    """Share of its corrections that the network is trusted with among noise that has a direction.
+
+    It was trained with white noise, 5 dB below the mixture and less.
+    """
+    ratio = 10 * np.log10(0.5 * (observed[:, 0] + observed[:, 1]).mean() / noise_psd.mean())
+    return float(np.interp(ratio, TRUSTED, (0, 1)))
 
 
 def _low(scene: Scene) -> int:

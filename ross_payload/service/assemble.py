@@ -9,10 +9,12 @@ from ross_payload.alignment.paper_rules import paper_plan
 from ross_payload.alignment.plan import plan
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Table, validated
+from ross_payload.dsp.rotors import Rotors
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import PluginError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Attitude, Explorer, VoicePrint
+from ross_payload.localization.joint_in_noise import JointInNoise
 from ross_payload.mission.context import Planner, Settings, Tools
 from ross_payload.plugin_checks import checked_explorer, load_separator
 from ross_payload.voiceprint.model_folder import ModelFolder
@@ -46,6 +48,7 @@ def settings_of(config: Config, lower: float, upper: float) -> Settings:
         follow=math.radians(config.mount.follow_deg),
         track=exploit.track,
         level=config.mount.source == "fixed",
+        ego_noise=config.ego_noise.learn,
     )
 
 
@@ -103,4 +106,19 @@ def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
         voiceprint=voiceprint,
         plan=PLANNERS[config.exploit.rules],
         voice_model=ModelFolder.default().in_use(config.voice_print.model),
+        rotors=rotors_of(config),
+        in_noise=in_noise_of(config),
     )
+
+
+def rotors_of(config: Config) -> Rotors | None:
+    """Where the rotors are; None when nobody says."""
+    places, array = config.ego_noise.rotors_m, config.array
+    return Rotors(places, array.spacing_m, array.speed_of_sound_m_s) if places else None
+
+
+def in_noise_of(config: Config) -> JointInNoise | None:
+    """What observes for the explorer where the vehicle makes noise; None: the explorer does not know of noise."""
+    if config.explore.method != "joint" or not config.ego_noise.learn:
+        return None
+    return JointInNoise(config.array.spacing_m, config.array.speed_of_sound_m_s)

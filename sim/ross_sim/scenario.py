@@ -154,7 +154,7 @@ class Scenario(Table):
         ConfigError
             When something lies outside the room or on top of the array.
         """
-        return self._spec([self._position_of_noise(source) for source in self.noise.sources])
+        return self._spec([self._position_of_noise(source) for source in self.noise.of("place")])
 
     def spec_of(self, walk: Walk, node: int | None = None) -> RoomSpec:
         """Return the room with one talker at one position on the grid of its path, or at all of them.
@@ -237,11 +237,11 @@ class Scenario(Table):
         return (x + talker.distance_m * math.cos(azimuth), y + talker.distance_m * math.sin(azimuth), *above)
 
     def _position_of_noise(self, source: NoiseSource) -> tuple[float, ...]:
-        azimuth, (x, y, *height) = math.radians(source.azimuth_deg), self.centre()
+        azimuth, (x, y, *height) = math.radians(source.azimuth_deg or 0.0), self.centre()
         if source.height_m is not None and not height:
             raise ConfigError("height_m: expected a room with three sides")
         above = height if source.height_m is None else [source.height_m]
-        return (x + source.distance_m * math.cos(azimuth), y + source.distance_m * math.sin(azimuth), *above)
+        return (x + source.away * math.cos(azimuth), y + source.away * math.sin(azimuth), *above)
 
     def _position_at(self, place: Real) -> tuple[float, ...]:
         azimuth, distance, height = (float(value) for value in place)

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from ross_payload.config import VEHICLE_YAW, Config, Degrees, Table
-from ross_sim.autopilot.simulated_autopilot import Yaw
+from ross_sim.autopilot.yaw import Yaw
 from ross_sim.autopilot.yaw_dynamics import Wind
 from ross_sim.devices.far_end import FarEnd
 from ross_sim.devices.vehicle_far_end import VehicleFarEnd
@@ -20,7 +20,10 @@ Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 class Vehicle(Table):
-    """[vehicle]: what carries the mount; it yaws to and fro, and an autopilot tells the payload over MAVLink.
+    """[vehicle]: what carries the mount; it yaws, and an autopilot tells the payload over MAVLink.
+
+    To and fro at ``rate_deg_s``, steadily at ``steady_deg_s``, here and there by ``drift_deg``, and as it vibrates:
+    all of them add up.
 
     The room is that of a mount which points to ``yaw_deg``: azimuths of talkers count from there. A vehicle that is
     turned itself, with the actuator ``vehicle_yaw``, begins to the north; azimuths count from there, and only gusts and
@@ -29,7 +32,11 @@ class Vehicle(Table):
 
     yaw_deg: Degrees = 0.0  # the middle, clockwise from north as on a compass
     amplitude_deg: Annotated[float, Field(ge=0, le=180)] = 0.0  # to either side; 0: at rest
-    rate_deg_s: Annotated[float, Field(gt=0, le=360)] = 10.0  # how fast it yaws
+    rate_deg_s: Annotated[float, Field(gt=0, le=360)] = 10.0  # how fast it yaws to and fro
+    steady_deg_s: Annotated[float, Field(ge=-360, le=360)] = 0.0  # yaws all the time, clockwise
+    drift_deg: Annotated[float, Field(ge=0, le=45)] = 0.0  # wanders within 30 s, one standard deviation
+    vibration_deg: Annotated[float, Field(ge=0, le=5)] = 0.0  # shakes to either side
+    vibration_hz: Annotated[float, Field(gt=0, le=200)] = 12.0  # so often
     attitude_hz: Annotated[float, Field(gt=0, le=100)] = 25.0  # ATTITUDE
     latency_ms: Annotated[float, Field(ge=0, le=1000)] = 40.0  # of the link, at least
     jitter_ms: Annotated[float, Field(ge=0, le=1000)] = 20.0  # on top of it, at most
@@ -39,7 +46,15 @@ class Vehicle(Table):
 
     def motion(self) -> Yaw:
         """Return how it yaws, in radians, counter-clockwise."""
-        return Yaw(-math.radians(self.yaw_deg), math.radians(self.amplitude_deg), math.radians(self.rate_deg_s))
+        return Yaw(
+            -math.radians(self.yaw_deg),
+            math.radians(self.amplitude_deg),
+            math.radians(self.rate_deg_s),
+            steady=-math.radians(self.steady_deg_s),
+            drift=math.radians(self.drift_deg),
+            vibration=math.radians(self.vibration_deg),
+            frequency=self.vibration_hz,
+        )
 
     def check(self, payload: Config) -> None:
         """Refuse keys of a vehicle that carries a turntable where it is turned itself, and the other way round.

@@ -14,7 +14,8 @@ from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.values import Health, Heartbeat
 from ross_protocols.mavlink.vehicle import euler
-from ross_sim.autopilot.simulated_autopilot import BOOT, Autopilot, CarriedGimbal, Yaw
+from ross_sim.autopilot.simulated_autopilot import BOOT, Autopilot, CarriedGimbal
+from ross_sim.autopilot.yaw import Yaw
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import wire
 

@@ -13,7 +13,7 @@ from ross_payload.events import Checked, Doubted, OrientationHeard, Outcome, Sep
 from ross_payload.interfaces import Attitude
 from ross_payload.mission.heading_control import Follower
 from ross_payload.pointing import Pointing
-from ross_sim.autopilot.simulated_autopilot import Yaw
+from ross_sim.autopilot.yaw import Yaw
 
 DT = base.HOP / base.RATE  # [s]
 STILL = Yaw()

@@ -15,7 +15,6 @@ from scipy.fft import irfft, next_fast_len, rfft
 from ross_payload.interfaces import Samples
 from ross_sim.acoustics.impulse_responses import microradians
 from ross_sim.clock import QUANTUM
-from ross_sim.talkers.timeline import Timeline
 
 Spectra = NDArray[np.complex64]
 
@@ -30,7 +29,9 @@ DRIFT = 1e-5  # from there on the exact heading serves within this [rad]
 class HeadingResponses(Protocol):
     """Impulse responses at any heading."""
 
-    n_taps: int  # at most
+    @property
+    def n_taps(self) -> int:
+        """Taps of a response, at most."""
 
     def at(self, heading: float) -> Samples:
         """Return the responses at a heading [rad], (2, n_sources, at most n_taps)."""
@@ -43,6 +44,13 @@ class Heard(Protocol):
         """Return what is heard at a heading [rad] from sample ``first`` to before ``last``, (2, n_talkers, n)."""
 
 
+class Sounding(Protocol):
+    """What a source sounds like, sample by sample."""
+
+    def between(self, first: int, last: int) -> Samples:
+        """Return the samples from ``first`` to before ``last``, (last - first,)."""
+
+
 class TalkerSignals:
     """Every talker's speech as heard at one heading, convolved by the chunk and remembered.
 
@@ -50,7 +58,7 @@ class TalkerSignals:
     """
 
     def __init__(
-        self, timelines: Sequence[Timeline], gains: Sequence[float], responses: HeadingResponses, rate: int
+        self, timelines: Sequence[Sounding], gains: Sequence[float], responses: HeadingResponses, rate: int
     ) -> None:
         self._timelines = timelines
         self._gains = np.asarray(gains, dtype=np.float32)

@@ -50,7 +50,8 @@ def command(
     """
     from ross_payload.clock import SystemClock
     from ross_payload.transport.open_port import open_port
-    from ross_sim.autopilot.simulated_autopilot import BOOT, Autopilot, CarriedGimbal, Yaw
+    from ross_sim.autopilot.simulated_autopilot import BOOT, Autopilot, CarriedGimbal
+    from ross_sim.autopilot.yaw import Yaw
 
     clock = SystemClock()
     begin = clock.now()

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import Real, Samples
 from ross_sim.acoustics.render import Microphones, MotorNoise
-from ross_sim.autopilot.simulated_autopilot import Yaw
+from ross_sim.autopilot.yaw import Yaw
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.far_end import FarEnd, Fault
 from ross_sim.scenario import Scenario
@@ -109,11 +109,12 @@ class World:
         self._sensor = np.random.Generator(np.random.PCG64(sensor))
         self._motor = MotorNoise(motor_rms, np.random.Generator(np.random.PCG64(motor)))
         self._talkers = talkers_heard(scenario, voices, cache)
-        self._noise_sources = noise_heard(scenario, reference, room, cache)
+        self._beside = noise_heard(scenario, reference, room, cache)
         self._spacing = scenario.spacing
         self._hardware = hardware_of(scenario)
         self._microphones: Microphones | None = None
-        self._around: Microphones | None = None  # what they hear of the noise sources
+        self._around: list[Microphones] = []  # what they hear of noise sources in the room
+        self._aboard: list[Microphones] = []  # and on the vehicle
         self._lived = clock.now()
         self._quanta = 0  # since the sound began
         self._rendered = 0  # of them
@@ -131,8 +132,9 @@ class World:
         heading = self._heading()
         self._headings.append(heading)
         self._microphones = Microphones(self._talkers, self._spacing, heading)
-        if self._noise_sources is not None:
-            self._around = Microphones(self._noise_sources, self._spacing, heading)
+        self._around = [Microphones(heard, self._spacing, heading) for heard in self._beside.room]
+        aboard = self._angle + self._offset
+        self._aboard = [Microphones(heard, self._spacing, aboard) for heard in self._beside.vehicle]
 
     def close(self) -> None:
         """Fall silent; the plant lives on."""
@@ -202,8 +204,12 @@ class World:
         images = _counts(self._microphones.render(first, last, *quantum.headings))
         noise = self._noise_rms * self._sensor.standard_normal((2, last - first), dtype=np.float32)
         noise += self._motor.between(*quantum.joints, last - first)
-        if self._around is not None:
-            noise += self._around.render(first, last, *quantum.headings).sum(axis=1)
+        aboard = (quantum.joints[0] + self._offset, quantum.joints[1] + self._offset)
+        for beside in self._around:
+            noise += beside.render(first, last, *quantum.headings).sum(axis=1)
+        for beside in self._aboard:
+            noise += beside.render(first, last, *aboard).sum(axis=1)
+        noise += self._beside.at_microphones(first, last)
         counts = _counts(noise)
         with self._guard:
             self._images.append(images)

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, unknown
 from ross_payload.plugins import install_line
 from ross_sim.study.benchmark.command import benchmark
 
@@ -166,6 +166,46 @@ def calibration(**asked: Any) -> int:
     from ross_sim.study.calibration_study import conduct
 
     return conduct(**asked)
+
+
+@command.command("noise")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for rows.csv and table.md.")
+@click.option("--speech", type=click.Path(path_type=Path), required=True, help="Folder of recordings of talkers.")
+@click.option(
+    "--noise", type=click.Path(path_type=Path), help="Folder of recorded propellers; default: made ones only."
+)
+@click.option("--kinds", type=_Names(), default="synthetic,recorded", help="synthetic, drifting, recorded, wind.")
+@click.option("--snr", type=_Names(float), default="0,-5,-10", help="Talkers over noise at microphone 1 [dB].")
+@click.option("--layouts", type=click.IntRange(1, 1000), default=3, help="Of every K from 1 to 3.")
+@click.option("--models", type=_Names(), default="learnt,white", help="learnt: covariances; white: as without.")
+@click.option("--separator", default="refined", help="Name of a separator.")
+@click.option("--only", type=click.Choice(["explore", "separate"]), help="One half of it.")
+@click.option("--seed", type=click.IntRange(min=0), default=1, help="Seed of everything random.")
+def noise_study(*, out: Path, speech: Path, noise: Path | None, only: str | None, **axes: Any) -> int:
+    """Measure finding and separating among rotors and in wind: noise x ratio x K x layouts.
+
+    Exit codes: 0 done, 2 bad input.
+    """
+    from ross_sim.study.noise_scenes import KINDS
+    from ross_sim.study.noise_study import Design, conduct_noise
+
+    wrong = next((kind for kind in axes["kinds"] if kind not in KINDS), None)
+    if wrong is not None:
+        raise ConfigError(f"--kinds: {unknown('noise', wrong, KINDS)}")
+    unlike = next((model for model in axes["models"] if model not in ("learnt", "white")), None)
+    if unlike is not None:
+        raise ConfigError(f"--models: {unknown('model', unlike, ('learnt', 'white'))}")
+    design = Design(
+        axes["kinds"],
+        axes["snr"],
+        axes["layouts"],
+        axes["seed"],
+        axes["models"],
+        axes["separator"],
+        explore=only != "separate",
+        separate=only != "explore",
+    )
+    return conduct_noise(design, out=out, speech=speech, noise=noise)
 
 
 @command.command("merge")
