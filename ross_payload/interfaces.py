@@ -263,6 +263,7 @@ class Attitude:
     sigma: float = 0.0  # one standard deviation of the yaw [rad]
     age: float = 0.0  # [s]
     known: bool = True  # False: angles are in the mount frame
+    height: float | None = None  # above the mouths of those who talk [m], None: not known
 
 
 class Mount(Protocol):
@@ -327,6 +328,7 @@ class Observation:
     weight: float  # evidence: the sum of the weights of all bins used; 0 in silence
     peaks: tuple[float, ...] = ()  # prominent peaks of the density [s]
     features: Any = None  # what an explorer wants to keep for itself
+    height: float | None = None  # of the array above the mouths of those who talk [m], None: not known
 
 
 class Explorer(Protocol):

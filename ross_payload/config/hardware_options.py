@@ -127,3 +127,12 @@ class Mount(Table):
     )
     fresh_s: Positive = 0.5  # an older attitude counts as unknown
     follow_deg: Annotated[float, Field(ge=0.1, le=45)] = 2.0  # while listening, turn at a larger heading error
+    height_m: Annotated[float, Field(ge=0, le=500)] | Literal["autopilot"] | None = (
+        None  # of the array above the mouths of those who talk; "autopilot": above home, less 1.6 m; absent: not known
+    )
+
+    @model_validator(mode="after")
+    def _told(self) -> Mount:
+        if self.height_m == "autopilot" and self.source != "autopilot":
+            raise ValueError("height_m = 'autopilot': expected source = 'autopilot' beside it, got 'fixed'")
+        return self

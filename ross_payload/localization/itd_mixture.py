@@ -35,6 +35,13 @@ class Data:
     grid: Real  # centres of the ITD bins [d / v_p], (n_bins,)
     headings: Real  # [rad], (n_headings,)
     counts: Real  # effective counts, (n_headings, n_bins)
+    amplitudes: tuple[float, float] = AMPLITUDE  # least and greatest there can be
+    alike: float = TIE  # counts by which an amplitude is drawn to that of all
+
+    @property
+    def aloft(self) -> bool:
+        """Whether the array is known to be above everybody: delays are short because of that alone."""
+        return self.amplitudes[1] < 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,10 +110,13 @@ def claims(data: Data, model: Mixture) -> Real:
     return np.asarray(joint / (joint.sum(axis=-2, keepdims=True) + TINY))
 
 
-def refine(data: Data, model: Mixture, rounds: int, tie: float = TIE) -> Mixture:
-    """Expectation maximisation from ``model``; ``tie`` draws the amplitudes to their common directness [counts]."""
+def refine(data: Data, model: Mixture, rounds: int, tie: float | None = None) -> Mixture:
+    """Expectation maximisation from ``model``; ``tie`` draws the amplitudes to their common directness [counts].
+
+    None: as ``data`` says.
+    """
     for _ in range(rounds):
-        model = _step(data, model, tie)
+        model = _step(data, model, data.alike if tie is None else tie)
     return model
 
 
@@ -186,11 +196,11 @@ def _step(data: Data, model: Mixture, tie: float) -> Mixture:
     curvature = (sources * slope**2).sum(axis=-2) + 0.02 * sources.sum(axis=-2) + TINY
     turn = ((mean - sources * centre) * slope).sum(axis=-2) / curvature
     reach, weight = (mean * cosine).sum(axis=-2), (sources * cosine**2).sum(axis=-2)
-    directness = _clipped((20.0 + reach.sum(axis=-1)) / (20.0 + weight.sum(axis=-1)), *AMPLITUDE)
+    directness = _clipped((20.0 + reach.sum(axis=-1)) / (20.0 + weight.sum(axis=-1)), *data.amplitudes)
     spread = (square - 2 * mean * centre + sources * centre**2).sum(axis=-2)
     return Mixture(
         azimuths=model.azimuths + _clipped(turn, -0.2, 0.2),
-        amplitudes=_clipped((tie * directness[..., None] + reach) / (tie + weight), *AMPLITUDE),
+        amplitudes=_clipped((tie * directness[..., None] + reach) / (tie + weight), *data.amplitudes),
         widths=_widths(spread, sources.sum(axis=-2)),
         weights=_weights(counts),
         directness=directness,

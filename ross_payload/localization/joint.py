@@ -5,7 +5,8 @@ sources as pay their price (`order`). Two histograms of every orientation serve 
 the quiet talkers speak, tells how many there are; the strict one, of bins that belong to one talker, tells where.
 
 In the open, known by narrow kernels, an amplitude below 1 is the cosine of an elevation. In a reverberant room
-reflections lower it too, and no elevation is told.
+reflections lower it too, and no elevation is told. Where the height of the array is known (`below`), every amplitude
+is one.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from ross_payload.dsp.density import histogram, histograms, itd_grid, kde, promi
 from ross_payload.dsp.itd import Trust, band_limits, check_array, period_of, weighted_itd
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
-from ross_payload.localization import itd_mixture, model_order, talker_evidence
+from ross_payload.localization import below, itd_mixture, model_order, talker_evidence
 from ross_payload.localization.talker_evidence import Evidence
 
 COUNT = 0.5  # effective counts per unit of weight: neighbouring bins are not independent
@@ -134,8 +135,7 @@ class Joint:
         for step in model_order.steps(evidence.rich, self.price):
             if not step.possible:
                 continue
-            found = talker_evidence.features(evidence, step, rival, [step.least])
-            likely = float(talker_evidence.fitted("count").probability(found)[0])
+            likely = talker_evidence.likely(evidence, step, rival)
             if likely >= talker_evidence.LIKELY:
                 return Fit(step, rival, likely, doubt)
             rival, doubt = float(step.worth[step.least]), max(doubt, likely)
@@ -150,10 +150,14 @@ class Joint:
         """Histograms of all orientations, ITDs in units of d / v_p."""
         grid = observations[0].grid * self.speed_of_sound / self.spacing
         headings = np.array([observation.heading for observation in observations])
+        height = height_of(observations)
+        bounds = () if height is None else (below.amplitudes(height), below.ALIKE)
         blocks = [COUNT * observation.features.blocks for observation in observations]
         rich = np.stack([block.sum(axis=0) for block in blocks])
         strict = COUNT * np.stack([observation.features.strict for observation in observations])
-        return Evidence(itd_mixture.Data(grid, headings, rich), itd_mixture.Data(grid, headings, strict), blocks)
+        return Evidence(
+            itd_mixture.Data(grid, headings, rich, *bounds), itd_mixture.Data(grid, headings, strict, *bounds), blocks
+        )
 
     def _certain(self, data: itd_mixture.Data, fit: Fit, sources: tuple[SourceEstimate, ...]) -> bool:
         """The stop rule: K is beyond doubt, every place is sharp and unambiguous."""
@@ -164,8 +168,19 @@ class Joint:
         return bool(clear and sure and sharp and heard and sources)
 
 
+def height_of(observations: Sequence[Observation]) -> float | None:
+    """Height of an array that flies [m], the median over the orientations; None: not known, or too low to matter."""
+    heights = [each.height for each in observations if each.height is not None]
+    if 2 * len(heights) <= len(observations):
+        return None
+    height = float(np.median(heights))
+    return height if height >= below.AIRBORNE else None
+
+
 def _directness(data: itd_mixture.Data, model: itd_mixture.Mixture, placed: itd_mixture.Mixture) -> float:
     """1 in the open; in a room s times the share of the evidence that is not diffuse."""
+    if data.aloft:
+        return 1.0
     diffuse = np.average(model.weights[:, -itd_mixture.OTHERS], weights=data.counts.sum(axis=1) + itd_mixture.TINY)
     return 1.0 if placed.width < OPEN else float(model.directness * (1 - diffuse))
 
@@ -181,8 +196,10 @@ def _sources(evidence: Evidence, fit: Fit, placed: itd_mixture.Mixture) -> tuple
     found = []
     for k, azimuth in enumerate(placed.azimuths):
         elevation, elevation_sigma = None, None
-        if placed.width < OPEN:
-            sigma = float(np.hypot(amplitudes[k], AMPLITUDE_BIAS))
+        sigma = float(np.hypot(amplitudes[k], AMPLITUDE_BIAS))
+        if data.aloft:
+            elevation, elevation_sigma = below.elevation(float(placed.amplitudes[k]), sigma)
+        elif placed.width < OPEN:
             elevation, elevation_sigma = _elevation(float(placed.amplitudes[k]), sigma)
         found.append(
             SourceEstimate(

@@ -24,6 +24,7 @@ HOPEFUL = 0.1  # a gain below this share of the price is not tried: kernels adap
 SPARE = 2  # sources tried beyond the largest K
 GRID = np.deg2rad(np.arange(-180.0, 180.0, 5.0))  # azimuths tried [rad]
 REACH = (1.0, 0.75, 0.5)  # amplitudes tried, as a share of the directness
+STEEP = (1.0, 0.75, 0.5, 0.3, 0.15)  # the same below a vehicle, as a share of the greatest amplitude there can be
 ASIDE = np.deg2rad(14.0)  # half of the angle between the two that one source is split into [rad]
 MOVED = np.deg2rad(20.0)  # a source that is moved goes further than this [rad]
 TIED = (
@@ -47,7 +48,7 @@ class Price:
 
     def of(self, data: Data, model: Mixture) -> float:
         """Log-likelihood [nat] that a source must be worth."""
-        share = self.dry + (self.wet - self.dry) * wetness(model)
+        share = self.dry + (self.wet - self.dry) * wetness(data, model)
         return float(self.base + share * data.counts.sum())
 
     def factors(self, azimuths: Real, widths: Real) -> Real:
@@ -62,8 +63,10 @@ class Price:
         return np.where(ahead.any(axis=1) & behind.any(axis=1), dearer, 1.0)
 
 
-def wetness(model: Mixture) -> float:
+def wetness(data: Data, model: Mixture) -> float:
     """From 0 in the open to 1 in a reverberant room, where ITDs are both drawn to 0 and spread."""
+    if data.aloft:
+        return 0.0
     drawn, spread = (0.97 - model.directness) / 0.08, (model.width - 0.08) / 0.015
     return float(np.clip(drawn, 0, 1) * np.clip(spread, 0, 1))
 
@@ -167,8 +170,9 @@ def _grow(data: Data, price: Price) -> Mixture:
 
 def _added(data: Data, model: Mixture, price: Price, not_at: float | None = None) -> tuple[Mixture, float]:
     """The model with a source more where it gains most, but not near ``not_at`` [rad], and the gain [nat]."""
-    azimuths, reach = np.tile(GRID, len(REACH)), np.repeat(REACH, len(GRID))
-    amplitudes = np.maximum(reach * model.directness, itd_mixture.AMPLITUDE[0])
+    least, greatest = data.amplitudes
+    tried = np.multiply(STEEP, greatest) if data.aloft else np.multiply(REACH, model.directness)
+    azimuths, amplitudes = np.tile(GRID, len(tried)), np.maximum(np.repeat(tried, len(GRID)), least)
     gain, share = itd_mixture.gains(data, model, (azimuths, amplitudes), price.width)
     if not_at is not None:
         gain = np.where(np.abs(difference(azimuths, not_at)) < MOVED, -np.inf, gain)

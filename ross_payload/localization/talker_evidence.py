@@ -75,6 +75,18 @@ def fitted(name: str) -> Logistic:
     return Logistic(float(found["intercept"]), np.array([found["weights"][feature] for feature in FEATURES]))
 
 
+def likely(evidence: Evidence, step: Step, rival: float) -> float:
+    """Probability that there are as many talkers as sources of a mixture, or more.
+
+    Below a vehicle every source must be somebody, too: what rotors leave over is steady there, and worth much.
+    """
+    least = fitted("count").probability(features(evidence, step, rival, [step.least]))
+    if not evidence.rich.aloft:
+        return float(least[0])
+    every = fitted("source").probability(features(evidence, step, rival, range(len(step.worth))))
+    return float(min(least[0], every.min()))
+
+
 def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int]) -> Real:
     """What tells some sources of a mixture from ghosts, (n, n_features) in the order of `FEATURES`.
 
@@ -89,7 +101,7 @@ def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int
     directness = float(model.directness)
     common = [
         second, np.log(rival) if rival > 0 else FIRST, np.log(total), np.log(total) ** 2, np.log(len(counts)),
-        k, k == 1, directness, model.width, wetness(model), shares[-OTHERS], shares[-1],
+        k, k == 1, directness, model.width, wetness(evidence.rich, model), shares[-OTHERS], shares[-1],
     ]  # fmt: skip
     whole, strict = (_by_heading(data, model) for data in (evidence.rich, evidence.strict))
     voices = _voices(evidence, model, sources)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -47,7 +48,8 @@ def observe(context: Context, listening: Listening) -> Observation:
         seen = context.tools.explorer.observe(
             spectrogram, stft.frequencies, listening.heading, noise_psd, frame_period=stft.period
         )
-    return seen
+    height = None if context.last is None else context.last.attitude.height
+    return seen if height is None else replace(seen, height=height)
 
 
 def say_belief(context: Context, *, final: bool) -> None:

@@ -1,4 +1,4 @@
-"""Where the base of the payload points: a base that never turns, or a vehicle, as its autopilot tells.
+"""Where the base of the payload points and how high it is: one that never turns, or a vehicle, as its autopilot tells.
 
 Audio is read late and asks where the base pointed when it was captured: attitudes of the recent past are kept.
 """
@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 from ross_payload.angles import wrap
 from ross_payload.config import VEHICLE_YAW, Config
@@ -21,7 +22,10 @@ from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
 WANTED = 25.0  # [Hz] of ATTITUDE
 ENOUGH = 18.0  # [Hz]: what flows at this rate is not asked for again
 OLDEST = 1.0  # [s] that a report may have been on its way
-ATTITUDE = 30  # message id
+ATTITUDE, POSITION = 30, 33  # message ids
+POSITION_WANTED = 2.0  # [Hz] of GLOBAL_POSITION_INT, where it tells the height
+HEIGHT_FRESH = 3.0  # [s]: an older height is not known
+MOUTH = 1.6  # of somebody who stands, above the ground [m]
 AHEAD = 0.1  # [s] beyond the newest report that its rate is trusted
 MOST = 5000  # reports kept at least, of the newest: 100 s at 50 Hz
 
@@ -92,23 +96,36 @@ class AutopilotMount:
         An attitude that is older than this [s] is not known.
     system_id
         Of the vehicle; 0: that of the first autopilot.
+    height
+        Above the mouths of those who talk [m]; ``"autopilot"``: above home, less `MOUTH`; None: not known.
     """
 
     def __init__(
-        self, component: Component, clock: Clock, timebase: Timebase, *, fresh: float, system_id: int = 0
+        self,
+        component: Component,
+        clock: Clock,
+        timebase: Timebase,
+        *,
+        fresh: float,
+        system_id: int = 0,
+        height: float | Literal["autopilot"] | None = None,
     ) -> None:
         self._component = component
         self._clock = clock
         self._timebase = timebase
         self._history = AttitudeHistory(fresh)
         self._system_id = system_id
+        self._asked_height = height == "autopilot"
+        self._height = None if height == "autopilot" else height
+        self._risen = -math.inf  # when the height was told last [s]
         self._looked = clock.now()
         self._count = 0  # reports since then
         component.subscribe(self.on_packet)
 
     def attitude(self, time: float) -> Attitude:
         """Return the attitude at ``time`` [s]; not known, and the frame of the mount, when no report is fresh."""
-        return self._history.at(time)
+        stale = self._asked_height and abs(time - self._risen) > HEIGHT_FRESH
+        return replace(self._history.at(time), height=None if stale else self._height)
 
     def on_packet(self, received: Received) -> None:
         """Take in what any link has heard."""
@@ -120,6 +137,8 @@ class AutopilotMount:
             return
         if packet.name == "HEARTBEAT":
             self._look(received.link)
+        elif self._asked_height and (height := vehicle.height_of(packet.message)) is not None:
+            self._height, self._risen = height - MOUTH, self._clock.now()
         else:
             said = vehicle.read(packet.message)
             if isinstance(said, VehicleAttitude):
@@ -131,6 +150,8 @@ class AutopilotMount:
         now = self._clock.now()
         if self._count < ENOUGH * (now - self._looked):
             self._component.send(vehicle.message_interval(self._system_id, ATTITUDE, WANTED), link)
+        if self._asked_height and now - self._risen > 1 / POSITION_WANTED + OLDEST:
+            self._component.send(vehicle.message_interval(self._system_id, POSITION, POSITION_WANTED), link)
         self._looked, self._count = now, 0
 
     def _time(self, report: VehicleAttitude) -> float:
@@ -148,13 +169,14 @@ def _between(one: VehicleAttitude, other: VehicleAttitude, share: float, age: fl
 
 @dataclass(frozen=True, slots=True)
 class FixedMount:
-    """A base that never turns; ``yaw`` [rad] in the earth frame, or None when nobody knows it."""
+    """A base that never turns; ``yaw`` [rad] in the earth frame and ``height`` [m], None when nobody knows them."""
 
     yaw: float | None = None
+    height: float | None = None
 
     def attitude(self, time: float) -> Attitude:
         """Return the fixed attitude, flagged unknown (mount frame) when no yaw was given."""
-        return Attitude(yaw=self.yaw or 0.0, known=self.yaw is not None)
+        return Attitude(yaw=self.yaw or 0.0, known=self.yaw is not None, height=self.height)
 
 
 def fixed_mount(config: Config) -> FixedMount:
@@ -163,7 +185,8 @@ def fixed_mount(config: Config) -> FixedMount:
     A vehicle that is itself the joint is turned on the earth: its joint angle is 0 to the north.
     """
     yaw = 0.0 if config.actuator.kind == VEHICLE_YAW else config.mount.yaw_deg
-    return FixedMount(None if yaw is None else -math.radians(yaw))
+    height = config.mount.height_m
+    return FixedMount(None if yaw is None else -math.radians(yaw), None if height == "autopilot" else height)
 
 
 def mount_of(config: Config, clock: Clock, links: Router, timebase: Timebase) -> Mount:
@@ -179,5 +202,5 @@ def mount_of(config: Config, clock: Clock, links: Router, timebase: Timebase) ->
     if not any(link.role == "autopilot" for link in links.status()):
         raise ConfigError('mount.source = "autopilot": expected a [[links]] table with role = "autopilot", got none')
     component = links.component(config.telemetry.component_id)
-    told = config.telemetry.system_id
-    return AutopilotMount(component, clock, timebase, fresh=config.mount.fresh_s, system_id=told)
+    asked, told = config.mount, config.telemetry.system_id
+    return AutopilotMount(component, clock, timebase, fresh=asked.fresh_s, system_id=told, height=asked.height_m)

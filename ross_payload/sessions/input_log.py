@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, astuple
+from dataclasses import asdict, astuple, replace
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -19,6 +19,7 @@ from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Samp
 from ross_payload.orders import Order
 from ross_payload.pointing import BaseRate, Pointing
 
+ATTITUDE = 6  # numbers of an attitude, before its height
 ORDERS: dict[str, type[Order]] = {
     name: kind for name, kind in vars(orders).items() if isinstance(kind, type) and issubclass(kind, Order)
 }
@@ -35,7 +36,7 @@ def line(hop: Input, *, exact: bool = True) -> str:
         "joint": pointing.joint,
         "pointing": [pointing.time, pointing.base, pointing.offset, pointing.base_rate],
         "settled": bool(hop.settled),
-        "attitude": astuple(hop.attitude),
+        "attitude": astuple(hop.attitude)[:ATTITUDE],
     }
     rare = {
         "lost": block.lost,
@@ -45,6 +46,8 @@ def line(hop: Input, *, exact: bool = True) -> str:
         "raw": block.raw is not None,
         "rounded": not exact,
     }
+    if hop.attitude.height is not None:
+        values["height"] = hop.attitude.height
     return json.dumps(values | {name: value for name, value in rare.items() if value}, separators=(",", ":")) + "\n"
 
 
@@ -54,7 +57,8 @@ def parsed(text: bytes) -> dict[str, Any] | None:
         values = parsed_json(text)
         numbers = (values["time"], values["joint"], *values["heading"], *values["attitude"][:5])
         whole = all(isinstance(number, int | float) for number in numbers)
-        whole = whole and len(values["heading"]) == 2 and len(values["attitude"]) == 6
+        whole = whole and len(values["heading"]) == 2 and len(values["attitude"]) == ATTITUDE
+        whole = whole and isinstance(values.get("height", 0.0), int | float)
         told = values.get("pointing", ())
         whole = whole and len(told) in (0, 4) and all(isinstance(number, int | float) for number in told)
         whole = whole and isinstance(values["n"], int) and values["n"] > 0 and isinstance(values["index"], int)
@@ -90,7 +94,7 @@ def input_of(values: Mapping[str, Any], samples: Samples, raw: Samples | None) -
         heading_start=values["heading"][0],
         pointing=_pointing_of(values),
         settled=values["settled"],
-        attitude=Attitude(*values["attitude"]),
+        attitude=replace(Attitude(*values["attitude"]), height=values.get("height")),
         fault=values.get("fault", ""),
         orders=tuple(order_of(order) for order in values.get("orders", ())),
     )

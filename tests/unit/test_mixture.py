@@ -125,7 +125,8 @@ def test_nothing_heard_is_no_source() -> None:
 def test_a_room_is_wet_when_itds_are_drawn_to_0_and_spread() -> None:
     def wetness(amplitude: float, width: float) -> float:
         weights = np.full((1, 3), 1 / 3)
-        return model_order.wetness(itd_mixture.Mixture(np.zeros(1), np.ones(1), np.full(1, width), weights, amplitude))
+        model = itd_mixture.Mixture(np.zeros(1), np.ones(1), np.full(1, width), weights, amplitude)
+        return model_order.wetness(heard(np.zeros(1), np.ones(1), (0.1, 0.95), 0.0), model)
 
     assert wetness(0.8, 0.13) == 1
     assert wetness(1.0, 0.13) == 0  # the paper's plane

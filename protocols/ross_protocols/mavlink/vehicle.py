@@ -65,6 +65,11 @@ def position_of(message: Any) -> Position | None:
     return Position(math.radians(message.lat / 1e7), math.radians(message.lon / 1e7), message.alt / 1e3, yaw)
 
 
+def height_of(message: Any) -> float | None:
+    """Return how high above home [m] a message says that the vehicle is; None: any other message."""
+    return message.relative_alt / 1e3 if message.get_type() == "GLOBAL_POSITION_INT" else None
+
+
 def read(message: Any) -> VehicleAttitude | SystemTime | TimeSync | None:
     """Return what a message means; None for any other message, and for numbers that cannot be meant."""
     match message.get_type():

@@ -26,9 +26,9 @@ from ross_sim.devices.far_end import End, wire
 from ross_sim.devices.gimbal_device import STEP, Device, Servo
 from ross_sim.devices.gimbal_manager import HANDLED, SET_ATTITUDE, ArduPilot
 
-HEARTBEAT, SYSTEM_TIME, ATTITUDE, TIMESYNC, GIMBAL_STATE = 0, 2, 30, 111, 286  # message ids
+HEARTBEAT, SYSTEM_TIME, ATTITUDE, POSITION, TIMESYNC, GIMBAL_STATE = 0, 2, 30, 33, 111, 286  # message ids
 PERIODS = {HEARTBEAT: 1.0, SYSTEM_TIME: 1.0, TIMESYNC: 10.0}  # [s], until somebody asks otherwise
-ADJUSTABLE = frozenset((SYSTEM_TIME, ATTITUDE, GIMBAL_STATE))
+ADJUSTABLE = frozenset((SYSTEM_TIME, ATTITUDE, POSITION, GIMBAL_STATE))
 MANAGED = (
     gimbal_messages.MANAGER_INFORMATION,
     gimbal_messages.MANAGER_STATUS,
@@ -88,6 +88,8 @@ class Autopilot:
         From when to when it says nothing [s].
     manager
         Of a gimbal, which is on one of its links; None: it has none.
+    height
+        Above home, where it hovers [m].
     """
 
     def __init__(
@@ -100,8 +102,10 @@ class Autopilot:
         unix: float | None = None,
         silent: Iterable[tuple[float, float]] = (),
         manager: ArduPilot | None = None,
+        height: float = 0.0,
     ) -> None:
         self._yaw = yaw
+        self._height = height
         self._system_id = system_id
         self._periods = PERIODS | {ATTITUDE: attitude}
         self._boot = boot
@@ -174,6 +178,10 @@ class Autopilot:
             return vehicle.system_time(SystemTime(shown, None if self._unix is None else self._unix + now))
         if number == TIMESYNC:
             return vehicle.time_sync(TimeSync(round(shown * 1e9)))
+        if number == POSITION:
+            up = round(self._height * 1e3)
+            yaw = round(math.degrees(-self._yaw.at(now)) % 360 * 100) % 36000
+            return mavlink.MAVLink_global_position_int_message(round(shown * 1e3) % 2**32, 0, 0, up, up, 0, 0, 0, yaw)
         if number in (ATTITUDE, GIMBAL_STATE):
             at = VehicleAttitude(shown, self._yaw.at(now), 0.0, 0.0, self._yaw.rate(now))
             return vehicle.attitude(at) if number == ATTITUDE else vehicle.gimbal_state(at)

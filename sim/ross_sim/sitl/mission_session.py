@@ -199,15 +199,18 @@ def aboard(scenario: Scenario, clock: SimClock, links: Router) -> tuple[Mount, T
     """Make the mount, the time, and the autopilot that tells them, if there is one."""
     config, timebase = scenario.payload, Timebase(clock)
     if scenario.vehicle is not None and config.actuator.kind != VEHICLE_YAW:  # which is an autopilot
-        _attach_autopilot(scenario.vehicle, clock, links, config.seed)
+        _attach_autopilot(scenario, scenario.vehicle, clock, links)
     timebase.attach(links.component(config.telemetry.component_id))
     return mount_of(config, clock, links, timebase), timebase
 
 
-def _attach_autopilot(vehicle: Vehicle, clock: SimClock, links: Router, seed: int) -> None:
+def _attach_autopilot(scenario: Scenario, vehicle: Vehicle, clock: SimClock, links: Router) -> None:
     """Attach an autopilot to the payload's links, over a wire that takes its time."""
-    autopilot = simulated.Autopilot(vehicle.motion(), attitude=1 / vehicle.attitude_hz, silent=vehicle.silent)
-    payload_end, own_end = wire(clock, vehicle.latency_ms / 1e3, vehicle.jitter_ms / 1e3, seed)
+    height = sum(scenario.centre()[2:])  # above the floor, where it has taken off
+    autopilot = simulated.Autopilot(
+        vehicle.motion(), attitude=1 / vehicle.attitude_hz, silent=vehicle.silent, height=height
+    )
+    payload_end, own_end = wire(clock, vehicle.latency_ms / 1e3, vehicle.jitter_ms / 1e3, scenario.payload.seed)
     links.attach(Link(url=simulated.URL, role="autopilot"), payload_end)
     autopilot.plug("payload", own_end)
     clock.every(simulated.POLL, lambda: autopilot.advance(clock.now()))

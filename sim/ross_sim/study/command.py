@@ -12,6 +12,7 @@ from ross_payload.plugins import install_line
 from ross_sim.study.benchmark.command import benchmark
 
 DEFAULT = "separators"
+LOWEST, HIGHEST, FASTEST = 1.0, 100.0, 3.0  # of listening from above [m], [m/s]
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
 ross study missions flies whole missions, ross study benchmark compares methods on fixed public scenes, ross study
@@ -78,6 +79,10 @@ def _sharded(function: Any) -> Any:
 
 def _share(shard: Any) -> dict[str, Any]:
     return {} if shard is None else {"shard": shard}
+
+
+def _ratio(text: str) -> float | None:
+    return None if text == "off" else float(text)
 
 
 def _schedule(text: str) -> int | str:
@@ -221,6 +226,35 @@ def merged(shards: tuple[Path, ...], out: Path) -> int:
     for made in merge(shards, out):
         click.echo(made.markdown())
     return 0
+
+
+@command.command("above")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="CSV file for the rows.")
+@click.option("--speech", type=click.Path(path_type=Path), required=True, help="Folder of recordings of talkers.")
+@click.option("--noise", type=click.Path(path_type=Path), help="Folder of recorded propellers; default: made ones.")
+@click.option("--heights", type=_Names(float), default="5,10,20", help="Of the array above the mouths [m].")
+@click.option("--ratios", type=_Names(_ratio), default="off,10,0,-5,-10", help="Talkers over rotors [dB], or off.")
+@click.option("--walks", type=_Names(float), default="0", help="Walking speed of the talkers [m/s]; 0: they stand.")
+@click.option("--layouts", type=click.IntRange(1, 1000), default=8, help="Of every K from 1 to 3.")
+@click.option("--separated", type=click.IntRange(min=0), default=1, help="Of these, so many are separated, too.")
+@click.option("--ground", type=click.FloatRange(0, 1), default=0.5, help="Reflection coefficient of the ground.")
+@click.option("--separator", default="refined", help="Name of a separator.")
+@click.option("--seed", type=click.IntRange(min=0), default=1, help="Seed of everything random.")
+def above_study(*, out: Path, speech: Path, noise: Path | None, **asked: Any) -> int:
+    """Measure finding and separating talkers below a vehicle: height x walk x ratio x K x layouts.
+
+    What OUT holds already is not measured again.
+
+    Exit codes: 0 done, 1 the rows cannot be written, 2 bad input.
+    """
+    from ross_sim.study.above_study import AboveDesign, conduct_above
+
+    wrong = next((height for height in asked["heights"] if not LOWEST <= height <= HIGHEST), None)
+    if wrong is not None:
+        raise ConfigError(f"--heights: expected {LOWEST:g} to {HIGHEST:g} m, got {wrong:g}")
+    if not all(0 <= walk <= FASTEST for walk in asked["walks"]):
+        raise ConfigError(f"--walks: expected 0 to {FASTEST:g} m/s, got {max(asked['walks'], key=abs):g}")
+    return conduct_above(AboveDesign(**asked), out=out, speech=speech, noise=noise)
 
 
 @command.command("table")

@@ -20,6 +20,7 @@ from typing import Any
 from ross_payload.atomic_files import replacing
 from ross_payload.errors import ConfigError, OutputError, refused_as, unknown
 from ross_sim.study import live_tables
+from ross_sim.study.above_rows import AboveRow, above
 from ross_sim.study.benchmark.benchmark_rows import (
     BenchmarkLocalization,
     BenchmarkSeparation,
@@ -53,6 +54,7 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
         "reliability": lambda rows: reliability(rows).body(),
     },
     CalibrationRow: {"calibrations": lambda rows: calibrations(rows).body()},
+    AboveRow: {"above": lambda rows: above(rows).body()},
     live_tables.Row: {"live": live_tables.tables},
     BenchmarkSeparation: {"benchmark-separation": lambda rows: separation_table(rows).body()},
     BenchmarkLocalization: {"benchmark-localization": lambda rows: localization_table(rows).body()},
