@@ -64,6 +64,7 @@ class Estimate:
     sources: tuple[SourceEstimate, ...]
     certain: bool = False  # enough has been heard: the stop rule is met
     directness: float | None = None  # 1 in the open, 0.95 to 0.4 in ever worse rooms; None: not estimated
+    rival: Estimate | None = None  # the likeliest explanation with more sources; None: unlikely
 
     @property
     def k(self) -> int:

@@ -11,8 +11,8 @@ is one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -53,6 +53,7 @@ class Fit:
     rival: float  # worth over price of the last source that was turned down
     likely: float  # probability that there are as many talkers as sources, or more
     more: float  # the largest such probability of the mixtures with more sources
+    second: Fit | None = None  # the likeliest of those, where that is not unlikely
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,22 +125,36 @@ class Joint:
         fit = self._counted(evidence) if known is None else self._told(evidence, known)
         if fit is None:
             return Estimate(())
+        second = None if fit.second is None else self._explained(evidence, fit.second)
+        return replace(self._explained(evidence, fit), rival=second)
+
+    def _explained(self, evidence: Evidence, fit: Fit) -> Estimate:
+        """What a fit says of sources and room."""
         placed = itd_mixture.refine(evidence.strict, fit.step.model, ROUNDS, LOOSE)
         sources = _sources(evidence, fit, placed)
         directness = _directness(evidence.rich, fit.step.model, placed)
         return Estimate(sources, self._certain(evidence.rich, fit, sources), directness)
 
     def _counted(self, evidence: Evidence) -> Fit | None:
-        """The largest mixture for which it is likely that there are as many talkers."""
-        rival, doubt = 0.0, 0.0
-        for step in model_order.steps(evidence.rich, self.price):
-            if not step.possible:
-                continue
-            likely = talker_evidence.likely(evidence, step, rival)
-            if likely >= talker_evidence.LIKELY:
-                return Fit(step, rival, likely, doubt)
-            rival, doubt = float(step.worth[step.least]), max(doubt, likely)
+        """The largest mixture for which it is likely that there are as many talkers.
+
+        Where the stop rule would doubt that there are no more, the likeliest mixture of more sources is its second.
+        """
+        second: Fit | None = None
+        for fit in self._fits(evidence):
+            if fit.likely >= talker_evidence.LIKELY:
+                return replace(fit, second=second if fit.more > self.enough.doubt else None)
+            second = fit if second is None or fit.likely > second.likely else second
         return None
+
+    def _fits(self, evidence: Evidence) -> Iterator[Fit]:
+        """Mixtures of falling order, each with the probability that there are as many talkers."""
+        rival, more = 0.0, 0.0
+        for step in model_order.steps(evidence.rich, self.price):
+            if step.possible:
+                likely = talker_evidence.likely(evidence, step, rival)
+                yield Fit(step, rival, likely, more)
+                rival, more = float(step.worth[step.least]), max(more, likely)
 
     def _told(self, evidence: Evidence, k: int) -> Fit | None:
         """The mixture of ``k`` sources."""

@@ -100,18 +100,20 @@ def _scored(context: Context, groups: Groups, group: int, value: float) -> Group
     return GroupScore(groups.members[group], value, accepted, quality.si_sdr, quality.si_sdri)
 
 
-def recall(context: Context, estimate: Estimate) -> Evidence:
+def recall(context: Context, estimate: Estimate, known: Evidence | None = None) -> Evidence:
     """Return what the exploration has heard of every source at the orientations that are best for one of them.
 
-    Each is separated once, and tells of every source that stands apart well there. Nothing is recalled where nothing
-    was explored.
+    Each is separated once, and tells of every source that stands apart well there; not of who is ``known`` already.
+    Nothing is recalled where nothing was explored.
     """
-    evidence = _nothing_heard(context)
+    evidence = _nothing_heard(context) if known is None else known
     if not context.explored or context.tools.voiceprint is None:
         return evidence
     apart = _apart(context, estimate, [heard.heading for heard in context.explored])
     best = sorted(set(apart.argmax(axis=1).tolist()))
     for source, curve in enumerate(apart):
+        if source in evidence.clips:
+            continue
         where = [i for i in best if curve[i] >= APART * curve.max()]
         evidence.hear(source, *_recalled(context, estimate, evidence, source, where))
     return evidence

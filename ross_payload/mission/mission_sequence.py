@@ -9,6 +9,7 @@ from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, FrameChanged, Settings, Step, Tools, hop
 from ross_payload.mission.exploit import DROPPED, Search, run, search, search_among
 from ross_payload.mission.explore import lead_in
+from ross_payload.mission.orientation_scan import matched
 from ross_payload.mission.slip_detection import survey
 
 
@@ -84,16 +85,49 @@ def _attempt(
         among, why = _whom(context, estimate, target)
         if among is None:
             return None, why, False
-        source = yield from search(context, among)
+        among, source = yield from _sought(context, among)
+        estimate = among.estimate
     if source is None:
         return None, f"none of the {estimate.k} voices is the target's", False
     while True:
         why = yield from run(context, estimate, source, doubts=doubts)
         at_once = context.evidence is not None  # fell below the criterion as soon as it was heard longer
-        other = (yield from search(context, among)) if why == DROPPED and at_once and among is not None else None
+        other = None
+        if why == DROPPED and at_once and among is not None:
+            among, other = yield from _sought(context, among)
+            estimate = among.estimate
         if other is None:
             return source, why, not why
         source = other
+
+
+def _sought(context: Context, among: Search) -> Step[tuple[Search, int | None]]:
+    """Search; where nobody is recognised, search among the sources of the second-best explanation, if there is one.
+
+    Returns among whom the target was found at last, and its source. Only who is not in the best explanation is visited:
+    all the others have been heard, and what was heard of them goes on to count. When the second explanation does not
+    hold the target either, the best one is believed again.
+    """
+    source, rival = (yield from search(context, among)), among.estimate.rival
+    if source is not None or rival is None:
+        return among, source
+    known = matched([each.azimuth for each in among.estimate.sources], rival)
+    if len(set(known.values())) == rival.k:
+        return among, None
+    _say_estimate(context, rival)
+    other = search_among(context, rival, align(context, rival), known=among.evidence.renamed(known))
+    other.longer = {known[each] for each in among.longer if each in known}
+    other.left = [candidate for candidate in other.left if candidate.source not in known.values()]
+    source = (yield from search(context, other)) if other.left else None
+    if source is not None:
+        return other, source
+    _say_estimate(context, among.estimate)
+    return among, None
+
+
+def _say_estimate(context: Context, estimate: Estimate) -> None:
+    rotations = max(len(context.explored) - 1, 0)
+    context.publish(SourcesEstimated(context.time, estimate, rotations, final=True))
 
 
 def _where(context: Context, informed: Estimate | None) -> Step[tuple[Estimate, int | None]]:

@@ -49,7 +49,8 @@ def suspicion(context: Context, estimate: Estimate, listening: Listening) -> str
 def turned(estimate: Estimate, angle: float) -> Estimate:
     """Return an estimate with every azimuth turned by an angle [rad]."""
     sources = tuple(replace(source, azimuth=wrap(source.azimuth + angle)) for source in estimate.sources)
-    return replace(estimate, sources=sources)
+    rival = None if estimate.rival is None else turned(estimate.rival, angle)
+    return replace(estimate, sources=sources, rival=rival)
 
 
 def _put_right(context: Context, estimate: Estimate, shift: float) -> Step[Estimate]:

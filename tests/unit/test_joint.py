@@ -7,6 +7,7 @@ its own. Truth is the azimuth that was put in.
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Complex, Observation, Real
-from ross_payload.localization.joint import Joint, explorer
+from ross_payload.localization.joint import Joint, Stop, explorer
 
 pytestmark = pytest.mark.lockstep
 
@@ -84,6 +85,26 @@ def test_every_talker_is_counted_and_placed(azimuths: list[float]) -> None:
     assert estimate.k == len(azimuths)
     assert errors_deg(estimate, azimuths).max() < 3
     assert all(source.resolved and source.confidence > 0.5 for source in estimate.sources)
+
+
+@pytest.mark.parametrize("azimuths", LAYOUTS, ids=len)
+def test_a_clear_scene_has_no_second_explanation(azimuths: list[float]) -> None:
+    assert believe(listen(azimuths, 9)).rival is None
+
+
+@pytest.mark.parametrize(("azimuths", "noise"), [([0, 30, 60, 90], 1.0), ([170, 70, -50], 2.0)])
+def test_where_k_is_in_doubt_the_second_explanation_has_who_is_missed_and_the_best_one_stays(
+    azimuths: list[float], noise: float
+) -> None:
+    there = list(np.deg2rad(azimuths))
+    heard = listen(there, 5, noise=noise)
+    estimate = believe(heard)
+    assert estimate.rival is not None
+    assert (estimate.k, estimate.rival.k, estimate.rival.rival) == (len(there) - 1, len(there), None)
+    assert not estimate.certain
+    assert errors_deg(estimate.rival, there).max() < 5
+    trusting = replace(explorer.make(SPACING, SPEED), enough=Stop(doubt=1.0))
+    assert trusting.estimate(heard) == replace(estimate, rival=None)
 
 
 def test_talkers_below_are_placed_and_their_elevation_is_told() -> None:
