@@ -1,4 +1,4 @@
-"""Every command and every TOML file that README and manual print is good: run, parsed or named with the reason why not."""
+"""Every command and TOML file that README and manual print is good: run, parsed or named with the reason why not."""
 
 import re
 import shlex
@@ -36,7 +36,8 @@ WHERE = [
      "tests/process/test_sitl_in_ci.py"),
     (r"ross (evaluate|sitl) .*delay-and-sum", ELSEWHERE, "tests/dist/test_own_separator.py"),
     (r"ross config check loud.toml", ELSEWHERE, "tests/dist/test_own_sink.py"),
-    (r"ross config check reachy.toml|ross (actuators probe|doctor) reachy.toml", ELSEWHERE, "tests/dist/test_reachy_mini.py"),
+    (r"ross config check reachy.toml|ross (actuators probe|doctor) reachy.toml", ELSEWHERE,
+     "tests/dist/test_reachy_mini.py"),
     (r"ross config check camera.toml|pytest tests/contract/test_audio_source.py", ELSEWHERE,
      "tests/dist/test_own_audio_source.py"),
     (r"pytest -m hardware", NOT_RUN, "turns real hardware"),
@@ -73,7 +74,8 @@ WHERE = [
     (r"ross sitl.*--speech (DIR|~/crowd|~/recordings)|ross study separation --speech", NOT_RUN,
      "needs the reader's own recordings"),
     (r"ross study (full .*--shard|merge)", ELSEWHERE, "tests/lockstep/test_study_shards.py"),
-    (r"ross study (separation|--out|quick --explorers)", NOT_RUN, "takes hours; presets are run by tests/lockstep/test_study.py"),
+    (r"ross study (separation|--out|quick --explorers)", NOT_RUN,
+     "takes hours; presets are run by tests/lockstep/test_study.py"),
     (r"ross study quick --out", RUN_IN_SOAK, {0}),
     (r"ross sitl", RUN_IN_SOAK, {0, 3}),
     (r"ross tlog", RUN_IN_SOAK, {0}),
@@ -164,7 +166,7 @@ def run(command, folder, timeout=280):
     words = [sys.executable, "-m", "ross_payload.cli", *shlex.split(line)[1:]] if alone else line
     done = subprocess.run(
         words, shell=not alone, cwd=folder, capture_output=True, text=True, timeout=timeout, check=False
-    )  # noqa: S602
+    )
     assert "Traceback" not in done.stderr, done.stderr
     return done
 

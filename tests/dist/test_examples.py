@@ -9,8 +9,8 @@ import pytest
 from ross_payload import plugins
 from ross_payload.actuators.registry import GROUP, checked_options
 from ross_payload.config import Config, load, read_toml, validated
-from ross_payload.transport.link_url import parse
 from ross_payload.service.assemble import explorer_of, settings_of, tools_of
+from ross_payload.transport.link_url import parse
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 CONFIGURATIONS = sorted(EXAMPLES.glob("*.toml"))

@@ -2,7 +2,7 @@
 
 import re
 
-from own_actuator import ROOT, folder  # noqa: F401
+from own_actuator import ROOT
 from own_plugin import run
 from short_mission import SHORT
 

@@ -67,7 +67,5 @@ def test_a_mistake_in_it_is_one_line_with_its_name(folder, tmp_path):
     (tmp_path / "ross.toml").write_text('exploit.separator = "delay-and-sum"')
     done = run_line(tmp_path, "ross config check ross.toml")
     assert (done.returncode, done.stdout) == (2, "")
-    assert (
-        done.stderr
-        == "ross: ross.toml: separator 'delay-and-sum': expected an object, got the class DelayAndSum: write DelayAndSum()\n"
-    )
+    said = "ross: ross.toml: separator 'delay-and-sum': expected an object, got the class DelayAndSum"
+    assert done.stderr == f"{said}: write DelayAndSum()\n"
