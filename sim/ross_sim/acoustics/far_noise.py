@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ross_payload.interfaces import Real, Samples
+from ross_sim.acoustics.sines import sines
 
 Place = tuple[float, float, float]
 
@@ -45,8 +46,7 @@ def _voice(rate: int, rng: np.random.Generator) -> Real:
     strength = np.minimum(frequencies / low, 1) * (1 + (frequencies / high) ** 2) ** (-slope / 2)
     steady = np.fft.irfft(strength * np.exp(1j * rng.uniform(0, 2 * np.pi, frequencies.size)), n)
     cycles = rng.integers(*SYLLABLES, 8)
-    turned = 2 * np.pi * np.arange(n) / n
-    loudness = sum(np.sin(c * turned + rng.uniform(0, 2 * np.pi)) for c in cycles)
+    loudness = sines(cycles, rng.uniform(0, 2 * np.pi, cycles.size), n)
     return np.asarray(steady * np.maximum(loudness, 0))
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ross_payload.interfaces import Real, Samples
+from ross_sim.acoustics.sines import sines
 
 PERIOD = 20.0  # after which it repeats, without a seam [s]
 SPREAD = 0.03  # of the mean speeds of the rotors, one standard deviation
@@ -38,19 +39,27 @@ def rotor(rate: int, rpm: float, blades: int, rng: np.random.Generator, seconds:
     ((64000,), 1.0)
     """
     n = round(seconds * rate)
-    turned = 2 * np.pi * np.arange(n) / n
     cycles = np.arange(SLOWEST, FASTEST + 1)
     strengths, shifts = rng.standard_normal(cycles.size), rng.uniform(0, 2 * np.pi, cycles.size)
-    waves = sum(s * np.sin(c * turned + shift) for c, s, shift in zip(cycles, strengths, shifts, strict=True))
-    waves = np.asarray(waves) * WANDER / np.sqrt(np.mean(np.square(waves)))
+    waves = sines(cycles, shifts, n, strengths)
+    waves *= WANDER / np.sqrt(np.mean(np.square(waves)))
     whole = round(rpm / 60 * (1 + SPREAD * rng.standard_normal()) * seconds)  # revolutions in a period
     speed = whole / seconds * (1 + waves - waves.mean())
     phase = 2 * np.pi * blades * (np.cumsum(speed) - speed) / rate
     highest = int(rate / 2 / (1.1 * blades * speed.max()))
-    tones = range(1, min(TONES, highest) + 1)
-    tonal = sum(np.sin(k * phase + rng.uniform(0, 2 * np.pi)) / k for k in tones)
-    parts = np.sqrt(TONAL) * _unit(np.asarray(tonal)) + np.sqrt(1 - TONAL) * _unit(_broadband(n, rate, rng))
+    tonal = _harmonics(phase, rng.uniform(0, 2 * np.pi, min(TONES, highest)))
+    parts = np.sqrt(TONAL) * _unit(tonal) + np.sqrt(1 - TONAL) * _unit(_broadband(n, rate, rng))
     return RotorSound(np.asarray(_unit(parts), dtype=np.float32), speed)
+
+
+def _harmonics(phase: Real, shifts: Real) -> Real:
+    """The sum of sin(k phase + shift) / k over k = 1, 2, ...: powers of one phasor cost less than sines."""
+    fundamental = np.exp(1j * phase)
+    tone, heard = np.ones_like(fundamental), np.zeros_like(phase)
+    for k, shift in enumerate(shifts, 1):
+        tone *= fundamental
+        heard += (tone.imag * np.cos(shift) + tone.real * np.sin(shift)) / k
+    return heard
 
 
 def _broadband(n: int, rate: int, rng: np.random.Generator) -> Real:
