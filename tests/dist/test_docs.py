@@ -30,7 +30,7 @@ def test_every_option_of_a_vehicle_that_yaws_is_told_with_its_default():
     assert rows == {name: json.dumps(field.default).removesuffix(".0") for name, field in Options.model_fields.items()}
 
 
-@pytest.mark.parametrize("page", ["safety", "links", "actuator-faults"])
+@pytest.mark.parametrize("page", ["safety", "links", "actuator-faults", "stability"])
 def test_a_promise_names_tests_that_exist(page):
     tests = list((ROOT / "tests").rglob("test_*.py"))
     known = {path.stem for path in tests}
