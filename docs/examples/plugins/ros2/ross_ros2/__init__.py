@@ -1,0 +1,1 @@
+"""A RoSS payload on ROS 2."""
