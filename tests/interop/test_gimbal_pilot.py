@@ -135,8 +135,9 @@ def test_a_stop_while_idle_brakes_what_the_pilot_turns_and_takes_no_control(pilo
 
 
 def park(pilot):
-    """Have the payload turn to 0, after what goes on."""
+    """Have the payload turn to 0, after what goes on, and give the gimbal back: until then its set-points count."""
     pilot.until(lambda: pilot.ground.obeyed(PARK) == ACCEPTED)
+    pilot.until(lambda: pilot.primary() == FREE)
 
 
 def begin_a_move(pilot):

@@ -145,11 +145,13 @@ class Watched:
             self.errors.append(f"{message.text} ({message.location.get('url', '')})")
 
 
-def eventually(page: Any, claim: Callable[[], Any], patience: float = PATIENCE_S) -> None:
-    """Let the page work until a claim holds; fail when it never does."""
+def eventually(
+    page: Any, claim: Callable[[], Any], patience: float = PATIENCE_S, what: Callable[[], str] = lambda: "it"
+) -> None:
+    """Let the page work until a claim holds; fail, and say ``what`` was claimed, when it never does."""
     end, pause = time.monotonic() + patience, FIRST_PAUSE
     while not claim():
-        assert time.monotonic() < end, "it never became true"
+        assert time.monotonic() < end, f"never became true: {what()}"
         page.wait_for_timeout(pause)
         pause = min(1.5 * pause, LONGEST_PAUSE)
 

@@ -57,7 +57,8 @@ def violations(page):
 
 def sees(page, words, selector="body"):
     """Wait until words are on the page."""
-    eventually(page, lambda: words in (page.locator(selector).first.text_content() or ""))
+    there = page.locator(selector).first
+    eventually(page, lambda: words in (there.text_content() or ""), what=lambda: f"{words!r}: {there.text_content()!r}")
 
 
 def watch(open_page, url, who="1-191", **options):
