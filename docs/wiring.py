@@ -95,6 +95,16 @@ def _drawn(box: Box) -> list[str]:
     return lines
 
 
+def _supply(level: int, *, width: int, fuse_at: int, switch_at: int) -> dict[str, Box]:
+    """The motor's supply with its fuse and its switch, side by side [px]."""
+    return {
+        "supply": Box("12 V, 2 A", (20, level), width, right=("+", "-")),
+        "fuse": Box("fuse 1 A", (fuse_at, level), 100, left=("in",), right=("out",)),
+        "switch": Box("switch", (switch_at, level), 90, left=("in",), right=("out",)),
+    }
+
+
+FUSED = (Wire(("supply", "+"), ("fuse", "in"), SUPPLY), Wire(("fuse", "out"), ("switch", "in"), SUPPLY))
 PICTURES = {
     "wiring-grbl": Picture(
         "A Raspberry Pi, a microcontroller with grbl, a stepper motor and a USB array of microphones",
@@ -109,9 +119,7 @@ PICTURES = {
                 right=("X 2B", "X 2A", "X 1A", "X 1B"),
             ),
             "motor": Box("NEMA 17", (800, 20), 120, left=("B-", "B+", "A+", "A-")),
-            "supply": Box("12 V, 2 A", (20, 130), 170, right=("+", "-")),
-            "fuse": Box("fuse 1 A", (240, 130), 100, left=("in",), right=("out",)),
-            "switch": Box("switch", (380, 130), 90, left=("in",), right=("out",)),
+            **_supply(130, width=170, fuse_at=240, switch_at=380),
         },
         (
             Wire(("array", "USB"), ("pi", "USB 1"), SIGNAL),
@@ -120,8 +128,7 @@ PICTURES = {
             Wire(("board", "X 2A"), ("motor", "B+"), MOTOR),
             Wire(("board", "X 1A"), ("motor", "A+"), MOTOR),
             Wire(("board", "X 1B"), ("motor", "A-"), MOTOR),
-            Wire(("supply", "+"), ("fuse", "in"), SUPPLY),
-            Wire(("fuse", "out"), ("switch", "in"), SUPPLY),
+            *FUSED,
             Wire(("switch", "out"), ("board", "12 V"), SUPPLY),
             Wire(("supply", "-"), ("board", "GND"), GROUND, bend=35),
         ),
@@ -144,9 +151,7 @@ PICTURES = {
                 right=("A+", "A-", "B+", "B-"),
             ),
             "motor": Box("NEMA 17", (800, 20), 120, left=("A+", "A-", "B+", "B-")),
-            "supply": Box("12 V, 2 A", (20, 240), 120, right=("+", "-")),
-            "fuse": Box("fuse 1 A", (200, 240), 100, left=("in",), right=("out",)),
-            "switch": Box("switch", (360, 240), 90, left=("in",), right=("out",)),
+            **_supply(240, width=120, fuse_at=200, switch_at=360),
         },
         (
             Wire(("pi", "5 V (pin 2)"), ("module", "PUL+ DIR+ ENA+"), SUPPLY),
@@ -158,8 +163,7 @@ PICTURES = {
             Wire(("buffer", "2C"), ("module", "DIR-"), SIGNAL, bend=4),
             Wire(("buffer", "3C"), ("module", "ENA-"), SIGNAL, bend=5),
             *(Wire(("module", end), ("motor", end), MOTOR) for end in ("A+", "A-", "B+", "B-")),
-            Wire(("supply", "+"), ("fuse", "in"), SUPPLY),
-            Wire(("fuse", "out"), ("switch", "in"), SUPPLY),
+            *FUSED,
             Wire(("switch", "out"), ("module", "VCC"), SUPPLY, bend=4),
             Wire(("supply", "-"), ("module", "GND"), GROUND, bend=40),
         ),

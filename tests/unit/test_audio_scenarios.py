@@ -32,7 +32,9 @@ class Swinging:
         return self._angle
 
 
-@pytest.mark.parametrize("name", ["demo", "from-above", "from-above-20", "setting-5", "paper-setting-2", "silence"])
+@pytest.mark.parametrize(
+    "name", ["demo", "from-above", "from-above-20", "from-above-walking", "setting-5", "paper-setting-2", "silence"]
+)
 def test_a_scenario_raises_no_alarm_and_with_one_polarity_wrong_that_one(name):
     scenario = load(name)
     config = scenario.payload

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -35,10 +36,7 @@ class Bridge:
 
     def __init__(self, payload: Payload, publish: Publish) -> None:
         self._payload, self._publish = payload, publish
-        self._heard: tuple[float | None, float] = (
-            None,
-            -SILENT_S,
-        )  # its last message, and when it was new
+        self._heard: tuple[float | None, float] = None, -SILENT_S  # its last message, and when it was new
 
     async def run(self) -> None:
         """Publish bearings, heading and diagnostics until cancelled."""
@@ -90,7 +88,7 @@ class Bridge:
         if pointing["heading"] is None:
             return None
         goal = conversions.azimuth_of(x, y, earth=bool(pointing["earth"]))
-        return abs((pointing["heading"] - goal + 180) % 360 - 180)
+        return abs(math.remainder(pointing["heading"] - goal, 360))
 
     async def voice(self, address: str, what: str = "target", rate: int = 16000) -> None:
         """Have a voice sent to this computer, at an ``address`` that the payload reaches, and publish it.

@@ -11,6 +11,7 @@ from typing import Any
 import rclpy
 from control_msgs.action import PointHead
 from rclpy.action import ActionServer, CancelResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from rosidl_runtime_py.set_message import set_message_fields
@@ -35,7 +36,9 @@ class RossNode(Node):  # type: ignore[misc]
         self.bridge: Bridge | None = None
         self.loop = asyncio.new_event_loop()
         self._topics: dict[str, Any] = {}
-        ActionServer(self, PointHead, "turn", self._turn, cancel_callback=lambda _: CancelResponse.ACCEPT)
+        beside = ReentrantCallbackGroup()  # a goal must be cancelled while it is carried out
+        accept = lambda _: CancelResponse.ACCEPT  # noqa: E731
+        ActionServer(self, PointHead, "turn", self._turn, cancel_callback=accept, callback_group=beside)
 
     def publish(self, topic: str, kind: str, fields: Fields) -> None:
         """Publish the fields of a message; a header gets the present time."""
@@ -62,8 +65,10 @@ class RossNode(Node):  # type: ignore[misc]
             return PointHead.Result()
         x, y = target.point.x, target.point.y
         turning = asyncio.run_coroutine_threadsafe(bridge.turn(target.header.frame_id, x, y), self.loop)
+        stopped = False
         while not turning.done():
-            if goal.is_cancel_requested:
+            if goal.is_cancel_requested and not stopped:
+                stopped = True
                 asyncio.run_coroutine_threadsafe(bridge.stop(), self.loop).result()
             elif (error := bridge.error_deg(x, y)) is not None:
                 goal.publish_feedback(PointHead.Feedback(pointing_angle_error=math.radians(error)))
