@@ -9,7 +9,7 @@ import pytest
 
 from browsing import eventually
 from page_eyes import follow, seen, sees
-from short_mission import SHORT
+from short_mission import SHORT, brief
 
 PANEL = "section[aria-label='Listen']"
 INTERRUPTED = 130
@@ -78,8 +78,9 @@ def test_the_whole_mission_is_watched_and_played_again(window, open_page, tmp_pa
 
 
 @pytest.mark.timeout(180)
-def test_a_mission_that_runs_by_itself_is_heard_while_it_runs(window, open_page):
-    with mission(window) as (process, url):
+def test_a_mission_that_runs_by_itself_is_heard_while_it_runs(window, open_page, tmp_path):
+    lasting = brief("demo", tmp_path, run_s=600.0)  # however late somebody begins to listen
+    with mission(window, "--scenario", lasting) as (process, url):
         page = payload(open_page, url)
         sees(page, "4 times real time", f"{PANEL} .pace")
         panel = page.locator(PANEL)
