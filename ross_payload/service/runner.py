@@ -83,12 +83,15 @@ class JointHistory:
         return reports[after - 1].angle + share * (reports[after].angle - reports[after - 1].angle)
 
     def settled(self, begin: float, end: float) -> bool:
-        """Tell whether all reports from ``begin`` to ``end`` [s], and the last one before, say settled."""
+        """Tell whether all reports from ``begin`` to ``end`` [s], the last one before and the first after say settled.
+
+        What is read late has a report after it: motion that began in between is seen there first.
+        """
         times, reports = self._kept
         count = len(times)
         first = max(bisect_right(times, begin, 0, count) - 1, 0)
-        last = bisect_left(times, end, 0, count)
-        return count > 0 and all(report.settled for report in reports[first : max(last, first + 1)])
+        last = min(bisect_left(times, end, 0, count), count - 1)
+        return count > 0 and all(report.settled for report in reports[first : last + 1])
 
 
 class Runner:
@@ -215,8 +218,8 @@ class Runner:
                 self._slipped = 0.0
                 self._actuator.home()
             if output.goal is not None:
-                self._asked = self._clock.now()
                 self._actuator.command(output.goal, output.rate)
+                self._asked = self._clock.now()  # not before: the pump may have noted a report meanwhile
         except ActuatorError as error:
             if not (self._actuator.stopped and self._orders.qsize()):  # else the mission is about to hear of the stop
                 self._fault = str(error)

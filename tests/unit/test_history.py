@@ -52,6 +52,13 @@ def test_a_hop_is_settled_when_every_report_around_it_is():
     assert not history.settled(1.05, 1.15)
 
 
+def test_a_hop_that_ends_with_a_report_of_motion_is_not_settled():
+    history = kept(report(1.0, 0.0), report(1.01, 0.0, settled=False), report(1.02, 0.001, settled=False))
+    assert not history.settled(1.0, 1.01)
+    assert not history.settled(1.0, 1.005)
+    assert history.settled(0.98, 1.0)
+
+
 def test_old_reports_are_forgotten_and_the_newest_minutes_are_not():
     history = kept(*(report(0.01 * k, float(k)) for k in range(3 * MOST)))
     assert history.angle(0.01 * (3 * MOST - 1)) == 3 * MOST - 1

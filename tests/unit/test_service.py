@@ -1,6 +1,7 @@
 """The runner between a mission and the things that hear and turn."""
 
 import math
+from collections import deque
 from dataclasses import replace
 
 import numpy as np
@@ -39,6 +40,19 @@ class Microphones:
         return AudioBlock(np.zeros((2, n), np.float32), self.index - n, time)
 
 
+class LateMicrophones(Microphones):
+    """What they hear comes two seconds later, as to a mission that computes."""
+
+    def __init__(self, clock):
+        super().__init__(clock)
+        self.waiting = deque()
+
+    def read(self, n):
+        while not self.waiting or self.clock.now() - self.waiting[0].time < 2.0:
+            self.waiting.append(super().read(n))
+        return self.waiting.popleft()
+
+
 class Recorder:
     def __init__(self):
         self.inputs = []
@@ -58,9 +72,9 @@ def bench():
     clock.before_calls(far_end.advance)
     with open_actuator(CONFIG, Services(clock, lambda url: far_end.port)) as actuator:
 
-        def make(mission, mount=None):
+        def make(mission, mount=None, microphones=Microphones):
             mount = mount or FixedMount(None)
-            runner = Runner(mission, Microphones(clock), actuator, mount, config=CONFIG, clock=clock)
+            runner = Runner(mission, microphones(clock), actuator, mount, config=CONFIG, clock=clock)
             clock.every(0.01, runner.poll)
             clock.sleep(0.05)
             recorder = Recorder()
@@ -104,6 +118,13 @@ def test_a_hop_in_which_a_goal_was_given_is_not_settled(bench):
     runner.run()
     assert recorder.inputs[0].settled
     assert not recorder.inputs[1].settled
+
+
+def test_a_mission_that_is_late_does_not_take_a_turn_for_over_before_it_begins(bench):
+    runner, recorder, _ = bench(turns_once(0.5), microphones=LateMicrophones)
+    assert runner.run().outcome is Outcome.TARGET_FOUND
+    settled = [one for one in recorder.inputs[1:] if one.settled]
+    assert [one.pointing.joint for one in settled] == pytest.approx([0.5] * len(settled), abs=1e-6)
 
 
 def test_a_command_reaches_the_mission_with_the_next_hop_and_the_motor_comes_to_rest(bench):
