@@ -32,6 +32,7 @@ class Scripted(HandStation):
         super().__init__()
         self.results, self.text = results, text
         self.refuses = False
+        self.found = ()  # sources of an exploration, told after it was acknowledged
         self.say(status(1.0))
 
     def commands(self):
@@ -43,6 +44,9 @@ class Scripted(HandStation):
         if kind == "COMMAND_LONG" and message.command >= ross.MAV_CMD_ROSS_EXPLORE:
             for result in self.results:
                 asyncio.get_running_loop().call_soon(self.answer, message.command, result)
+            if message.command == ross.MAV_CMD_ROSS_EXPLORE:
+                k = self.found[0].count if self.found else 0
+                asyncio.get_running_loop().call_later(0.1, self.say, status(2.0, k=k), *self.found)
             if self.text:
                 asyncio.get_running_loop().call_later(0.1, self.say, v.Text(v.Severity.WARNING, self.text))
         elif kind == "COMMAND_LONG":

@@ -34,6 +34,7 @@ from ross_payload.ground.client.stream_requests import StreamRequests
 from ross_payload.ground.client.streams import EventStream, Found
 from ross_payload.ground.errors import LinkLost, RefusedByPayload, TaskCancelled, TaskFailed
 from ross_payload.ground.model.payload_state import PayloadState
+from ross_payload.ground.model.state_reducer import MOST_SOURCES
 from ross_payload.ground.model.view import Section, view
 from ross_payload.ground.station import Station
 from ross_protocols.mavlink.codec import Packet
@@ -41,7 +42,7 @@ from ross_protocols.mavlink.component_id import ComponentId
 
 TICK_S = 0.05  # between two looks at what is due
 SILENT_S = 3.0  # without a message until contact counts as lost
-ESTIMATE_TIMEOUT_S = 2.0  # for the sources that an estimate announces
+ESTIMATE_TIMEOUT_S = 6.0  # for the sources of an exploration: a link may lose them, and they are repeated every 5 s
 FAILURES = {REFUSED: RefusedByPayload, FAILED: TaskFailed, CANCELLED: TaskCancelled, NO_ANSWER: LinkLost}
 DEFAULT_REASONS = {reason for _, reason in ENDS.values()}
 
@@ -91,9 +92,25 @@ class Payload(StreamRequests):
     # ------------------------------------------------------------------------------------------ what it is asked
 
     async def explore(self) -> tuple[SourceEstimate, ...]:
-        """Find the number of sources and every azimuth; return them."""
+        """Find the number of sources and every azimuth; return them.
+
+        Raises
+        ------
+        LinkLost
+            Also when it was done and what was found did not arrive.
+        """
+        before = [source.estimate for source in self._state.sources]
         await self.request(command_types.Explore())
-        await self._changed.within(ESTIMATE_TIMEOUT_S, lambda: len(self._state.sources) >= self._state.announced)
+        status = self._state.status  # the acknowledgement overtakes what was found
+
+        def arrived() -> bool:
+            sources, now = self._state.sources, self._state.status
+            if now is None or now is status or now.k is None or len(sources) != min(now.k, MOST_SOURCES):
+                return False
+            return all(source.final and source.estimate not in before for source in sources)
+
+        if not await self._changed.within(ESTIMATE_TIMEOUT_S, arrived):
+            raise LinkLost("explore", f"it was done, and what was found did not arrive within {ESTIMATE_TIMEOUT_S:g} s")
         return self.sources
 
     async def listen_to(self, source: int | SourceEstimate) -> None:

@@ -14,6 +14,7 @@ from ross_payload.ground import (
     TaskFailed,
     UnknownParameter,
 )
+from ross_payload.ground.client import payload as payload_client
 from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.commands import Result
 from ross_protocols.mavlink.component_id import ComponentId
@@ -129,12 +130,29 @@ def test_a_closed_client_lets_nobody_wait():
     assert isinstance(asyncio.run(asyncio.wait_for(claim(), 60)), LinkLost)
 
 
-def test_exploring_returns_the_sources():
+def test_exploring_returns_the_sources_that_are_told_after_its_acknowledgement():
     station = Scripted(Result.ACCEPTED)
-    station.say(source(0, 90.0), source(1, 200.0))
+    station.say(source(0, 10.0, 1), source(1, 20.0, 1))  # what was believed on the way
+    station.found = (source(0, 90.0, 2, final=True), source(1, 200.0, 2, final=True))
     found = with_payload(station, lambda payload: payload.explore())
     assert [each.source for each in found] == [0, 1]
     assert [each.azimuth_deg for each in found] == pytest.approx([90.0, 200.0])
+
+
+def test_exploring_a_silent_room_returns_nobody():
+    station = Scripted(Result.ACCEPTED)
+    station.say(source(0, 10.0, 1), source(1, 20.0, 1))
+    assert with_payload(station, lambda payload: payload.explore()) == ()
+
+
+def test_what_was_found_and_does_not_arrive_is_not_replaced_by_what_was_believed_before(monkeypatch):
+    monkeypatch.setattr(payload_client, "ESTIMATE_TIMEOUT_S", 0.3)
+    station = Scripted(Result.ACCEPTED)
+    station.say(source(0, 10.0, 1, final=True), source(1, 20.0, 1, final=True))
+    station.found = (source(0, 90.0, 2, final=True),)  # the second one is lost
+    lost = with_payload(station, lambda payload: raised(payload.explore()))
+    assert isinstance(lost, LinkLost)
+    assert "what was found did not arrive" in str(lost)
 
 
 def test_parameters_are_read_and_set_as_a_mapping():
