@@ -2,6 +2,7 @@
 
 import math
 import threading
+from types import SimpleNamespace
 
 import pytest
 
@@ -10,6 +11,7 @@ from ross_payload.streams import Selection, StreamStatus
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.paced_clock import Pacer, RealTimeClock
 from ross_sim.sitl.pace import ListenedSpeed
+from ross_sim.sitl.serve import HeardTime
 from waiting import wait_for
 
 FAST = 50.0
@@ -97,6 +99,16 @@ def test_it_waits_for_who_must_not_miss_anything():
         assert clock.now() < most
         clock.on_heard(clock.now())
         wait_for(lambda: clock.now() > most)
+
+
+def test_it_goes_on_when_nobody_hears_any_more():
+    late = SimpleNamespace(block=SimpleNamespace(time=-1.0))
+    with RealTimeClock(SimClock(), lambda: FAST, ahead=0.5) as clock:
+        with HeardTime(clock) as heard:
+            heard.on_input(late)
+            clock._over.wait(0.05)  # seconds of simulated time, if it went on
+            assert clock.now() <= QUANTUM
+        clock.sleep(1.0)
 
 
 def test_what_fails_on_the_pump_comes_out_where_somebody_waits():

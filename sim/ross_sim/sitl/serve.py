@@ -7,12 +7,14 @@ the computer can (`--speed max`) there is no real time: then it is one thread, i
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Self
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -84,14 +86,15 @@ def serve(
         parts = _parts(scenario, company, world, clock, far_end=far_end, recordings=recordings, stack=stack)
         truth = stack.enter_context(TruthWriter(out, world.rate, len(cast.talkers)))
         observers: list[Observer] = [view, GroundTruthObserver(world, truth)]
+        hearing: AbstractContextManager[object] = nullcontext()
         if isinstance(clock, RealTimeClock):
-            observers.append(HeardTime(clock))
+            observers.append(hearing := HeardTime(clock))
             stack.callback(sys.setswitchinterval, sys.getswitchinterval())
             sys.setswitchinterval(SWITCH)
             stack.enter_context(clock)
         else:
             observers.append(Pace(asked))
-        with assembled(parts, tuple(observers)) as runner:
+        with assembled(parts, tuple(observers)) as runner, hearing:
             asked.streams = next(one.streams for one in runner.observers if isinstance(one, Listening))
             _run(runner)
         truth.write(world.drain())
@@ -108,7 +111,10 @@ def _run(runner: Runner) -> None:
 
 
 class HeardTime(MissionView):
-    """Tells a clock in real time how far the mission has heard: it waits rather than lose what is heard."""
+    """Tells a clock in real time how far the mission has heard: it waits rather than lose what is heard.
+
+    As a context manager it lets time go on in the end, when nobody hears: what is left to say needs some to be sent.
+    """
 
     def __init__(self, clock: RealTimeClock) -> None:
         self._clock = clock
@@ -116,6 +122,14 @@ class HeardTime(MissionView):
     def on_input(self, hop: Input) -> None:
         """Tell it."""
         self._clock.on_heard(hop.block.time)
+
+    def __enter__(self) -> Self:
+        """Hear."""
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Hear no more."""
+        self._clock.on_heard(math.inf)
 
 
 def linked(scenario: Scenario) -> Scenario:
