@@ -34,6 +34,7 @@ AMPLITUDE_BIAS = 0.008  # of an amplitude, however long one listens
 LOW = 0.97  # amplitude; a greater one may be that of a source at elevation 0
 CLEAR = 2.5  # standard deviations by which an amplitude must lie below 1
 ELSEWHERE = np.deg2rad(20.0)  # an azimuth further off than this is another place [rad]
+AMBIGUOUS = 0.15  # a phase so near to pi [rad] does not tell from which end of the axis it comes
 RESOLVED = 10.0  # log-likelihood by which the place must beat every other place [nat]
 
 
@@ -73,8 +74,8 @@ class Joint:
 
     spacing: float
     speed_of_sound: float
-    trust: Trust = field(default_factory=lambda: Trust(coherence=0.995))
-    strict: Trust = field(default_factory=lambda: Trust(neighbourhood=(3, 3), coherence=0.99))
+    trust: Trust = field(default_factory=lambda: Trust(coherence=0.995, ambiguous=AMBIGUOUS))
+    strict: Trust = field(default_factory=lambda: Trust(neighbourhood=(3, 3), coherence=0.99, ambiguous=AMBIGUOUS))
     price: model_order.Price = field(default_factory=model_order.Price)
     enough: Stop = field(default_factory=Stop)
     name: str = "joint"

@@ -79,6 +79,15 @@ LAYOUTS = [
 ]
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_talker_on_the_axis_hardly_votes_for_its_other_end(seed: int) -> None:
+    azimuth = float(4 * STEP)
+    on_axis = listen([azimuth], 5, seed)[4]
+    votes, itd = on_axis.features.blocks.sum(axis=0), on_axis.grid * SPEED / SPACING
+    assert itd[votes.argmax()] > 0.9
+    assert votes[itd < -0.8].sum() < 0.001 * votes.sum()
+
+
 @pytest.mark.parametrize("azimuths", LAYOUTS, ids=len)
 def test_every_talker_is_counted_and_placed(azimuths: list[float]) -> None:
     estimate = believe(listen(azimuths, 9))
