@@ -29,7 +29,6 @@ class Trust:
     coherence: float = 0.98  # weight 0 below this local coherence
     decay: float = 0.060  # time in which the power of a room's tail is taken to fall to 1/e [s]
     quiet: float = 0.1  # quantile over time that stands for the noise when nobody measured it
-    ambiguous: float = 0.0  # weight 0 for a phase so near to pi [rad]: noise turns it into that of the opposite delay
     floor: float = 2.0  # power over the noise below which a bin has weight 0
 
 
@@ -72,9 +71,7 @@ def weighted_itd(
     """Local ITD [s] and weight in [0, 1] of every bin, both (n_freqs, n_frames).
 
     The ITD is the phase of the cross-spectrum averaged over the neighbourhood, divided by 2 pi f. The weight is the
-    product of energy above noise, onset, coherence and f / max f (an ITD is as precise as its frequency is high). A
-    talker on the axis has phases near pi just below the aliasing limit, where noise alone tells their sign: those
-    bins do not count.
+    product of energy above noise, onset, coherence and f / max f (an ITD is as precise as its frequency is high).
 
     Parameters
     ----------
@@ -100,9 +97,7 @@ def weighted_itd(
     noise = lowest_psd(power, trust) if noise_psd is None else noise_psd[:, None]
     energy = np.maximum(1 - trust.floor * noise / power, 0)
     onset = np.maximum(1 - tail(power, np.exp(-frame_period / trust.decay)) / power, 0)
-    phase = np.angle(cross)
-    trusted = (coherence > trust.coherence) & (np.abs(phase) < np.pi - trust.ambiguous)
-    weight = energy * onset * trusted * (frequencies / frequencies.max())[:, None]
+    weight = energy * onset * (coherence > trust.coherence) * (frequencies / frequencies.max())[:, None]
     return _itd(cross, frequencies), weight
 
 

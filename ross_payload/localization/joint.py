@@ -34,7 +34,7 @@ AMPLITUDE_BIAS = 0.008  # of an amplitude, however long one listens
 LOW = 0.97  # amplitude; a greater one may be that of a source at elevation 0
 CLEAR = 2.5  # standard deviations by which an amplitude must lie below 1
 ELSEWHERE = np.deg2rad(20.0)  # an azimuth further off than this is another place [rad]
-AMBIGUOUS = 0.15  # a phase so near to pi [rad] does not tell from which end of the axis it comes
+AMBIGUOUS = 0.15  # a phase so near to pi [rad] tells no delay: noise alone turns it into that of the opposite one
 RESOLVED = 10.0  # log-likelihood by which the place must beat every other place [nat]
 
 
@@ -74,8 +74,8 @@ class Joint:
 
     spacing: float
     speed_of_sound: float
-    trust: Trust = field(default_factory=lambda: Trust(coherence=0.995, ambiguous=AMBIGUOUS))
-    strict: Trust = field(default_factory=lambda: Trust(neighbourhood=(3, 3), coherence=0.99, ambiguous=AMBIGUOUS))
+    trust: Trust = field(default_factory=lambda: Trust(coherence=0.995))
+    strict: Trust = field(default_factory=lambda: Trust(neighbourhood=(3, 3), coherence=0.99))
     price: model_order.Price = field(default_factory=model_order.Price)
     enough: Stop = field(default_factory=Stop)
     name: str = "joint"
@@ -106,8 +106,9 @@ class Joint:
             weighted_itd(spectrogram[:, band], frequencies[band], period, noise, trust)
             for trust in (self.trust, self.strict)
         ]
-        blocks = histograms(*bins[0], grid, max(round(talker_evidence.BLOCK / period), 1))
-        rich, heard = blocks.sum(axis=0), Histograms(blocks, histogram(*bins[1], grid))
+        rich, votes = histogram(*bins[0], grid), [_unambiguous(*each, frequencies[band]) for each in bins]
+        blocks = histograms(*votes[0], grid, max(round(talker_evidence.BLOCK / period), 1))
+        heard = Histograms(blocks, histogram(*votes[1], grid))
         density = kde(rich, grid, BANDWIDTH * unit)
         return Observation(heading, grid, density, float(rich.sum()), prominent_peaks(density, grid), heard)
 
@@ -182,6 +183,12 @@ class Joint:
         sharp = all(source.resolved and source.sigma <= self.enough.sigma for source in sources)
         heard = len(data.headings) >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
         return bool(clear and sure and sharp and heard and sources)
+
+
+def _unambiguous(itd: Real, weight: Real, frequencies: Real) -> tuple[Real, Real]:
+    """Weigh only bins whose phase tells their ITD: just below the aliasing limit a talker's on the axis does not."""
+    phase = 2 * np.pi * frequencies[:, None] * np.abs(itd)
+    return itd, np.asarray(weight * (phase < np.pi - AMBIGUOUS))
 
 
 def height_of(observations: Sequence[Observation]) -> float | None:
