@@ -73,6 +73,8 @@ WHERE = [
     (r"ross sitl --scenario no-target(; echo \$\?)?$", RUN_IN_SOAK, {0, 3}),
     (r"ross sitl.*--speech (DIR|~/crowd|~/recordings)|ross study separation --speech", NOT_RUN,
      "needs the reader's own recordings"),
+    (r"ross study full .*--engine|dask (scheduler|worker)", ELSEWHERE, "tests/process/test_study_cluster.py"),
+    (r"ross study status", ELSEWHERE, "tests/lockstep/test_study_shards.py"),
     (r"ross study (full .*--shard|merge)", ELSEWHERE, "tests/lockstep/test_study_shards.py"),
     (r"ross study (separation|--out|quick --explorers)", NOT_RUN,
      "takes hours; presets are run by tests/lockstep/test_study.py"),

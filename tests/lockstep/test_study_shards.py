@@ -1,5 +1,7 @@
 """A study in shards ends with the rows of the study done at once; what does not belong together is refused."""
 
+import fcntl
+import re
 import shutil
 
 import pytest
@@ -46,6 +48,20 @@ def halves(study, folder):
 
 def merge(run, shards, out):
     return run("study", "merge", *map(str, shards), "--out", str(out))
+
+
+def test_the_status_says_how_far_a_study_is(run, study, halves, folder, tmp_path):
+    half, whole = halves[0], study(folder / "whole")
+    assert re.fullmatch(
+        r"2 of 4 tasks are done \(50 %\), the last one .* ago; not running\n", run("study", "status", str(half))[1]
+    )
+    assert run("study", "status", str(whole))[1].endswith("; complete\n")
+    with (half / "journal.jsonl").open("rb") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)  # as who writes there does
+        assert run("study", "status", str(half))[1].endswith("; running\n")
+    code, _, err = run("study", "status", str(tmp_path))
+    assert code == 2
+    assert "expected what a shard belongs to" in err
 
 
 def test_the_rows_of_two_shards_are_those_of_the_whole(run, study, halves, folder, tmp_path):

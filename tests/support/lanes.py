@@ -44,7 +44,7 @@ FOLDERS = {
     "realtime": "realtime",
     "browser": "browser",
 }
-REACHES_OUT = {"aiohttp", "asyncio", "multiprocessing", "pty", "socket", "subprocess", "threading"} | {
+REACHES_OUT = {"aiohttp", "asyncio", "distributed", "multiprocessing", "pty", "socket", "subprocess", "threading"} | {
     "fleet_bench", "ground_page", "processes", "served_ground", "station_bench", "voice_sender",
     "waiting",  # tests/support
 }  # fmt: skip

@@ -171,7 +171,7 @@ def test_what_fails_is_told_and_not_kept_so_that_it_is_tried_again(tmp_path):
 
     left = [Task("S1", 2, 0, target=target) for target in (0, 1)]
     with Store(tmp_path, WANTED) as here:
-        failures = measure(task_engine.serial, function, left, here, lambda: 0.0)
+        failures = measure(task_engine.serial, function, left, here, lambda: 0.0, console=Console())
     assert failures == [Failure("S1-K2-L0-T1", "no")]
     with Store(tmp_path, WANTED) as again:
         assert list(again.results) == ["S1-K2-L0-T0"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import click
 
@@ -12,12 +13,13 @@ from ross_payload.plugins import install_line
 from ross_sim.study.benchmark.command import benchmark
 
 DEFAULT = "separators"
+SCHEMES = {"dask": "tcp", "dask+tls": "tls"}  # of the address of a scheduler, and what Dask calls them
 LOWEST, HIGHEST, FASTEST = 1.0, 100.0, 3.0  # of listening from above [m], [m/s]
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
 ross study missions flies whole missions, ross study benchmark compares methods on fixed public scenes, ross study
-calibration calibrates arrays, ross study merge puts shards together, ross study table writes tables from rows: see
-their own --help.
+calibration calibrates arrays, ross study merge puts shards together, ross study status says how far one is, ross study
+table writes tables from rows: see their own --help.
 
 Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by the user."""
 
@@ -73,8 +75,43 @@ class _Shard(click.ParamType[Any]):
         return Shard(int(number), int(of))
 
 
-def _sharded(function: Any) -> Any:
-    return click.option("--shard", type=_Shard(), help="Do this share of the tasks alone: 1/4, 2/4, ...")(function)
+class _EngineName(click.ParamType[Any]):
+    """Who does the tasks: processes, dask, or the scheduler of a cluster."""
+
+    name = "processes|dask|dask://HOST:PORT"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Give what there is to know but the number of workers."""
+        if value in ("processes", "dask"):
+            return {"dask": value == "dask"}
+        scheme, _, rest = str(value).partition("://")
+        try:
+            there = urlsplit(f"//{rest}")
+            if scheme in SCHEMES and there.hostname and there.port and there.netloc == rest:
+                return {"dask": True, "scheduler": f"{SCHEMES[scheme]}://{rest}"}
+        except ValueError:  # a port that is none
+            pass
+        return self.fail(f"expected {self.name} (or dask+tls://HOST:PORT), got '{value}'", param, ctx)
+
+
+def _executed(function: Any) -> Any:
+    """Options of a study whose tasks can be shared out."""
+    shard = click.option("--shard", type=_Shard(), help="Do this share of the tasks alone: 1/4, 2/4, ...")
+    engine = click.option(
+        "--engine", type=_EngineName(), default="processes", help="Who does the tasks; default: processes."
+    )
+    workers = click.option(
+        "--workers", type=click.IntRange(1, 256), help="Processes of this computer; default: one per core."
+    )
+    return workers(engine(shard(function)))
+
+
+def _engine(engine: dict[str, Any], workers: int | None) -> Any:
+    from ross_sim.study.task_engine import EngineChoice
+
+    if workers is not None and "scheduler" in engine:
+        raise ConfigError(f"--workers: expected none with a cluster, which has its own, got {workers}")
+    return EngineChoice(workers, **engine)
 
 
 def _share(shard: Any) -> dict[str, Any]:
@@ -98,8 +135,7 @@ def command() -> None:
 @click.argument("preset", default="quick", metavar="[PRESET|FILE.toml]")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder of the study.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
-@click.option("--workers", type=click.IntRange(1, 256), help="Processes; default: one per core.")
-@_sharded
+@_executed
 @click.option(
     "--quick", is_flag=True, help="The first K, one layout, at most 3 starts, 4 rotations, T_run at most 3 s."
 )
@@ -117,7 +153,15 @@ def command() -> None:
 @click.option("--rules", help="Where to turn: best (predicted gain), or paper (its equations).")
 @click.option("--talkers", type=_Names(), help="Names in the folder; default: all. Up to five keep their order.")
 def separators(
-    preset: str, *, out: Path, speech: Path | None, workers: int | None, quick: bool, shard: Any, **axes: Any
+    preset: str,
+    *,
+    out: Path,
+    speech: Path | None,
+    workers: int | None,
+    engine: Any,
+    quick: bool,
+    shard: Any,
+    **axes: Any,
 ) -> int:
     """Measure settings x K x layouts x starts x separators x explorers x T_unit x rotations.
 
@@ -126,14 +170,14 @@ def separators(
     changes = {name: value for name, value in axes.items() if value is not None}
     from ross_sim.study.study_run import conduct
 
-    return conduct(preset, changes, out=out, speech=speech, workers=workers, quick=quick, **_share(shard))
+    by = _engine(engine, workers)
+    return conduct(preset, changes, out=out, speech=speech, engine=by, quick=quick, **_share(shard))
 
 
 @command.command("missions")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder of the study.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
-@click.option("--workers", type=click.IntRange(1, 256), help="Processes; default: one per core.")
-@_sharded
+@_executed
 @click.option("--scenarios", type=_Names(), help="Scenarios by name or path, or rooms: living-room,S1,B0.45,...")
 @click.option("--k", type=_Names(int), help="Numbers of talkers; default: the scenario's.")
 @click.option("--places", type=click.Choice(["drawn", "written"]), help="Random azimuths, or those of the scenario.")
@@ -142,7 +186,14 @@ def separators(
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of the first draw; the next have the next seeds.")
 @click.option("--set", "settings", multiple=True, help="Change a key of the payload: explore.pipelined=true.")
 def missions(
-    *, out: Path, speech: Path | None, workers: int | None, settings: tuple[str, ...], shard: Any, **axes: Any
+    *,
+    out: Path,
+    speech: Path | None,
+    workers: int | None,
+    engine: Any,
+    settings: tuple[str, ...],
+    shard: Any,
+    **axes: Any,
 ) -> int:
     """Fly whole missions: scenarios x K x draws, with the target in the room and without.
 
@@ -153,7 +204,7 @@ def missions(
     changes = {name: value for name, value in axes.items() if value is not None} | {"settings": settings}
     from ross_sim.study.missions_run import conduct_missions
 
-    return conduct_missions(changes, out=out, speech=speech, workers=workers, **_share(shard))
+    return conduct_missions(changes, out=out, speech=speech, engine=_engine(engine, workers), **_share(shard))
 
 
 @command.command("calibration")
@@ -225,6 +276,21 @@ def merged(shards: tuple[Path, ...], out: Path) -> int:
 
     for made in merge(shards, out):
         click.echo(made.markdown())
+    return 0
+
+
+@command.command("status")
+@click.argument("folder", type=click.Path(path_type=Path), metavar="FOLDER")
+def status(folder: Path) -> int:
+    """Say how far the study in FOLDER is, also while it runs.
+
+    Exit codes: 0 it is there, 2 FOLDER holds no study.
+    """
+    import time
+
+    from ross_sim.study.study_status import status_of
+
+    click.echo(status_of(folder, time.time()).words)
     return 0
 
 

@@ -66,6 +66,11 @@ class MissionTask:
         """
         return f"{self.scenario}-K{self.k}-D{self.draw}"
 
+    @property
+    def room(self) -> str:
+        """A draw has a room of its own, or one that is kept on disk."""
+        return self.id
+
 
 def scenario_of(name: str, changes: Sequence[str] = ()) -> Scenario:
     """Load a built-in scenario or a file, or make one of a setting of the studies; change keys of its payload.

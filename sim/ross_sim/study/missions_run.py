@@ -11,6 +11,7 @@ import ross_sim
 import ross_sim.study
 from ross_payload.config import validated
 from ross_payload.voiceprint.model_folder import ModelFolder
+from ross_sim.study.dask_engine import Basis
 from ross_sim.study.mission_design import MissionStudy, MissionTask, check_draws, mission_tasks, scenario_of
 from ross_sim.study.mission_draw import attempt_draw, voices_at
 from ross_sim.study.mission_rows import MissionResult, MissionRow, decode_missions
@@ -20,6 +21,7 @@ from ross_sim.study.study_run import Work, carried_out, write_rows
 from ross_sim.study.study_store import Code, Store, manifest
 from ross_sim.study.tables import Table
 from ross_sim.study.talker_placement import heard_as
+from ross_sim.study.task_engine import EngineChoice
 
 CODE: Code = {  # what the numbers depend on: everything that a mission in lock-step passes through
     ross_payload: (
@@ -37,23 +39,35 @@ CODE: Code = {  # what the numbers depend on: everything that a mission in lock-
 
 
 def conduct_missions(
-    changes: dict[str, Any], *, out: Path, speech: Path | None, workers: int | None, shard: Shard = ALL
+    changes: dict[str, Any], *, out: Path, speech: Path | None, engine: EngineChoice, shard: Shard = ALL
 ) -> int:
     """Fly a study of missions or a shard of it, or what is left of that; returns the exit code."""
     study = validated(MissionStudy, changes, "ross study missions")
-    rates = sorted({scenario_of(name, study.settings).payload.audio.rate_hz for name in study.scenarios})
-    voices = voices_at(speech, rates[0])
+    speech = speech and speech.absolute()
+    basis = Basis(partial(missions_manifest, study, speech), missions_manifest(study, speech))
+    with Store(out, basis.wanted, decode_missions) as store:
+        every: list[MissionTask] = shard.of_all(mission_tasks(study))
+        left = mixed(task for task in every if task.id not in store.results)
+        work = Work(partial(attempt_draw, study=study, speech=speech), left, len(every), basis, engine)
+        return carried_out(work, store, lambda: write(store, study) if shard == ALL else [])
+
+
+def missions_manifest(study: MissionStudy, speech: Path | None) -> dict[str, Any]:
+    """Everything that the rows of a study depend on, as it is in this process.
+
+    Raises
+    ------
+    ConfigError
+        When scenarios or voices are not there, or too few.
+    """
+    scenarios = {name: scenario_of(name, study.settings) for name in study.scenarios}
+    voices = voices_at(speech, min(scenario.payload.audio.rate_hz for scenario in scenarios.values()))
     check_draws(study, voices)
     wanted = manifest(study, heard_as(voices), CODE)
-    scenarios = {name: scenario_of(name, study.settings) for name in study.scenarios}
     wanted["scenarios"] = {name: scenario.model_dump(mode="json") for name, scenario in scenarios.items()}
     models, choices = ModelFolder.default(), {each.payload.voice_print.model for each in scenarios.values()}
     wanted["voice models"] = {choice: models.in_use(choice).fingerprint for choice in sorted(choices)}
-    with Store(out, wanted, decode_missions) as store:
-        every: list[MissionTask] = shard.of_all(mission_tasks(study))
-        left = mixed(task for task in every if task.id not in store.results)
-        work = Work(partial(attempt_draw, study=study, speech=speech), left, len(every), workers)
-        return carried_out(work, store, lambda: write(store, study) if shard == ALL else [])
+    return wanted
 
 
 def write(store: Store[MissionResult], study: MissionStudy) -> list[Table]:

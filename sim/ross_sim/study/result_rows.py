@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -121,7 +122,14 @@ def decode(values: dict[str, Any]) -> Result:
 
 
 def _row(kind: type[Any], values: dict[str, Any]) -> Any:
-    return kind(**{name: tuple(value) if isinstance(value, list) else value for name, value in values.items()})
+    return kind(**{name: _kept(value) for name, value in values.items()})
+
+
+def _kept(value: Any) -> Any:
+    """A value as rows have it; names of rooms and methods are many times the same, and kept once."""
+    if isinstance(value, list):
+        return tuple(value)
+    return sys.intern(value) if isinstance(value, str) else value
 
 
 def columns(kind: type[Any]) -> tuple[str, ...]:

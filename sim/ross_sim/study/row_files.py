@@ -6,25 +6,32 @@ import csv
 import io
 import types
 import typing
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, fields
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from ross_payload.errors import ConfigError
 from ross_payload.plugins import install_line
 from ross_sim.study.result_rows import columns
 
+BATCH = 10_000  # rows that are plain values at a time, on the way into a Parquet file
 
-def as_csv(rows: Sequence[Any], kind: type[Any]) -> bytes:
+
+def as_csv(rows: Iterable[Any], kind: type[Any]) -> bytes:
     """Rows as CSV; lists are separated by spaces, and what is not known is empty."""
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns(kind))
-    for row in rows:
-        writer.writerow([_cell(getattr(row, name)) for name in columns(kind)])
+    write_csv(text, rows, kind)
     return text.getvalue().encode()
+
+
+def write_csv(file: TextIO, rows: Iterable[Any], kind: type[Any]) -> None:
+    """Write rows as CSV, one after the other; see `as_csv`."""
+    writer, names = csv.writer(file, lineterminator="\n"), columns(kind)
+    writer.writerow(names)
+    writer.writerows([_cell(getattr(row, name)) for name in names] for row in rows)
 
 
 def _cell(value: Any) -> str:
@@ -104,10 +111,12 @@ def parquet_schema(kind: type[Any]) -> Any:
     return pa.schema([(field.name, type_of(hints[field.name])) for field in fields(kind)])
 
 
-def write_parquet(path: Path, rows: Sequence[Any], kind: type[Any]) -> None:
-    """Write rows as one Parquet file; needs the extra ``study``."""
+def write_parquet(path: Path, rows: Iterable[Any], kind: type[Any]) -> None:
+    """Write rows as one Parquet file, some thousands at a time; needs the extra ``study``."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    table = pa.Table.from_pylist([asdict(row) for row in rows], schema=parquet_schema(kind))
-    pq.write_table(table, path)
+    schema, left = parquet_schema(kind), iter(rows)
+    with pq.ParquetWriter(path, schema) as writer:
+        while batch := [asdict(row) for row in islice(left, BATCH)]:
+            writer.write_table(pa.Table.from_pylist(batch, schema=schema))

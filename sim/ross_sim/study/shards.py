@@ -15,9 +15,9 @@ from ross_sim.study.mission_design import MissionStudy, mission_tasks
 from ross_sim.study.mission_rows import decode_missions
 from ross_sim.study.result_rows import decode
 from ross_sim.study.study_design import Study, tasks
-from ross_sim.study.study_run import Named
 from ross_sim.study.study_store import Store, difference, journal
 from ross_sim.study.tables import Table
+from ross_sim.study.task_engine import Named
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,13 +49,12 @@ def merge(shards: Sequence[Path], out: Path) -> list[Table]:
     """
     if out.resolve() in {shard.resolve() for shard in shards}:
         raise ConfigError(f"--out {out}: expected another folder than those of the shards")
-    wanted = _manifest(shards[0])
-    kind = MISSIONS if "scenarios" in wanted else SEPARATORS
-    study = validated(kind.study, wanted["study"], str(shards[0] / "study.json"))
+    wanted = manifest_in(shards[0])
+    kind, study = kind_of(wanted, shards[0])
     found: dict[str, Any] = {}
     origin: dict[str, Path] = {}
     for shard in shards:
-        other = difference(_manifest(shard), wanted)
+        other = difference(manifest_in(shard), wanted)
         if other:
             raise ConfigError(f"{shard}: expected the study of {shards[0]}, got another one: {other}")
         for result in journal(shard, kind.decode):
@@ -78,7 +77,26 @@ def merge(shards: Sequence[Path], out: Path) -> list[Table]:
         return kind.write(store, study)
 
 
-def _manifest(shard: Path) -> dict[str, Any]:
+def kind_of(manifest: dict[str, Any], folder: Path) -> tuple[Kind, Any]:
+    """Return of what kind the study in a folder is, and the study.
+
+    Raises
+    ------
+    ConfigError
+        When it is none.
+    """
+    kind = MISSIONS if "scenarios" in manifest else SEPARATORS
+    return kind, validated(kind.study, manifest["study"], str(folder / "study.json"))
+
+
+def manifest_in(shard: Path) -> dict[str, Any]:
+    """Return the manifest of the study in a folder.
+
+    Raises
+    ------
+    ConfigError
+        When there is none.
+    """
     path = shard / "study.json"
     try:
         found = parsed_json(read_bounded(path))

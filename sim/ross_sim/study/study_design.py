@@ -111,16 +111,24 @@ class Task:
     unit: float | None = None  # T_unit [s]
 
     @property
+    def room(self) -> str:
+        """The talkers, and the headings at which they are heard: the same for all that begins at one start."""
+        return self.id if self.target is not None else f"{self._scene}-H{self.start}"
+
+    @property
     def id(self) -> str:
         """What this task is called in the journal.
 
         >>> Task("S1", 3, 0, target=2).id, Task("S1", 3, 4, start=1, explorer="joint", unit=3.0).id
         ('S1-K3-L0-T2', 'S1-K3-L4-H1-joint-3s')
         """
-        name = f"{self.setting}-K{self.k}-L{self.layout}"
         if self.explorer is not None:
-            return f"{name}-H{self.start}-{self.explorer}-{self.unit:g}s"
-        return f"{name}-H{self.start}" if self.target is None else f"{name}-T{self.target}"
+            return f"{self.room}-{self.explorer}-{self.unit:g}s"
+        return self.room if self.target is None else f"{self._scene}-T{self.target}"
+
+    @property
+    def _scene(self) -> str:
+        return f"{self.setting}-K{self.k}-L{self.layout}"
 
 
 def tasks(study: Study) -> list[Task]:

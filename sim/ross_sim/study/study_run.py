@@ -5,13 +5,12 @@ How far it is shows a bar with the time left on a terminal, plain lines elsewher
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -19,25 +18,18 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from ross_payload.clock import SystemClock
 from ross_payload.errors import OutputError, refused_as
 from ross_payload.plugins import install_line
-from ross_sim.study import task_engine
+from ross_sim.study.dask_engine import Basis, cluster
 from ross_sim.study.figures import draw
 from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, decode
-from ross_sim.study.row_files import as_csv, has_parquet, write_parquet
+from ross_sim.study.row_files import has_parquet, write_csv, write_parquet
 from ross_sim.study.study_case import Failure, attempt
 from ross_sim.study.study_design import ALL, Shard, Study, Task, chosen, mixed, tasks
 from ross_sim.study.study_store import Rows, Store, manifest
 from ross_sim.study.tables import Table, tables
 from ross_sim.study.talker_placement import Source, check_voices, heard_as, voices_of
+from ross_sim.study.task_engine import Engine, EngineChoice, Named, processes, serial
 
 EVERY = 60.0  # between plain lines [s]
-
-
-class Named(Protocol):
-    """A task."""
-
-    @property
-    def id(self) -> str:
-        """What it is called in the journal."""
 
 
 class Bar:
@@ -96,9 +88,8 @@ def in_words(seconds: float) -> str:
     return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
 
 
-def view_of(total: int, before: int, now: Callable[[], float]) -> Bar | Lines:
+def view_of(console: Console, total: int, before: int, now: Callable[[], float]) -> Bar | Lines:
     """Choose a view for where the output goes."""
-    console = Console()
     return Bar(console, total, before) if console.is_terminal else Lines(console, total, before, now)
 
 
@@ -108,20 +99,25 @@ def conduct(
     *,
     out: Path,
     speech: Path | None,
-    workers: int | None,
+    engine: EngineChoice,
     quick: bool,
     shard: Shard = ALL,
 ) -> int:
     """Run a study or a shard of it, or what is left of that; returns the exit code."""
     study = chosen(preset, changes, quick)
-    source = Source(speech, study.talkers, study.rate_hz)
-    voices = voices_of(source)
-    check_voices(voices, study)
-    with Store(out, manifest(study, heard_as(voices)), decode) as store:
+    source = Source(speech and speech.absolute(), study.talkers, study.rate_hz)
+    check_voices(voices_of(source), study)
+    basis = Basis(partial(study_manifest, study, source), study_manifest(study, source))
+    with Store(out, basis.wanted, decode) as store:
         every: list[Task] = shard.of_all(tasks(study))
         left = mixed(task for task in every if task.id not in store.results)
-        work = Work(partial(attempt, study=study, source=source), left, len(every), workers)
+        work = Work(partial(attempt, study=study, source=source), left, len(every), basis, engine)
         return carried_out(work, store, lambda: write(store, study) if shard == ALL else [])
+
+
+def study_manifest(study: Study, source: Source) -> dict[str, Any]:
+    """Everything that the rows of a study depend on, as it is in this process."""
+    return manifest(study, heard_as(voices_of(source)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,16 +127,16 @@ class Work:
     function: Callable[[Any], Any]  # of a task; gives its rows, or a `Failure`
     left: Sequence[Named]
     total: int  # tasks of the study
-    workers: int | None  # processes; None: one per core
+    basis: Basis
+    engine: EngineChoice
 
 
 def carried_out(work: Work, store: Store[Rows], finish: Callable[[], list[Table]]) -> int:
     """Do what is left of a study, write rows and tables, and show the tables; returns the exit code."""
     console, clock = Console(), SystemClock()
     began = clock.now()
-    run = task_engine.serial if work.workers == 1 else task_engine.processes(work.workers or os.cpu_count() or 1)
     try:
-        failures = measure(run, work.function, work.left, store, clock.now)
+        failures = measure(_engine(work, console), work.function, work.left, store, clock.now, console=console)
     except KeyboardInterrupt:
         done = f"{len(store.results)} of {work.total} tasks are done and kept"
         console.print(f"\nstopped: {done}; the same command goes on", highlight=False, soft_wrap=True)
@@ -152,18 +148,29 @@ def carried_out(work: Work, store: Store[Rows], finish: Callable[[], list[Table]
     return 1 if failures else 0
 
 
+def _engine(work: Work, console: Console) -> Engine:
+    """Choose who does the tasks; nothing is started before there is one."""
+    choice = work.engine
+    if choice.dask:
+        say = partial(console.print, highlight=False, markup=False, soft_wrap=True)
+        return cluster(choice.scheduler, choice.processes, work.basis, say)
+    return serial if choice.processes == 1 else processes(choice.processes)
+
+
 def measure(
-    run: task_engine.Engine,
+    run: Engine,
     function: Callable[[Any], Rows | Failure],
     left: Sequence[Named],
     store: Store[Rows],
     now: Callable[[], float],
+    *,
+    console: Console,
 ) -> list[Failure]:
     """Do the tasks that are left and keep every result as it comes."""
     failures = []
     if not left:
         return []
-    view = view_of(len(left) + len(store.results), len(store.results), now)
+    view = view_of(console, len(left) + len(store.results), len(store.results), now)
     try:
         with closing(run(function, left)) as results:
             for result in results:
@@ -177,27 +184,37 @@ def measure(
     return failures
 
 
+@dataclass(frozen=True, slots=True)
+class StoredRows:
+    """Rows of one kind in the order of the tasks; read from the journal whenever somebody iterates."""
+
+    store: Store[Any]
+    tasks: Sequence[str]
+    kind: str  # attribute of a result
+
+    def __iter__(self) -> Iterator[Any]:
+        return (row for task in self.tasks for row in getattr(self.store.results[task], self.kind))
+
+
 def write(store: Store[Result], study: Study) -> list[Table]:
     """Write rows, tables and figures; the order of the rows is the study's, whatever came first."""
-    results = [store.results[task.id] for task in tasks(study) if task.id in store.results]
-    separations = [row for result in results for row in result.separations]
-    explorations = [row for result in results for row in result.explorations]
-    timings = [row for result in results for row in result.timings]
+    done = [task.id for task in tasks(study) if task.id in store.results]
+    for name, kind in (("separations", Separation), ("explorations", Exploration), ("timings", Timing)):
+        write_rows(store, name.replace("timings", "timing"), StoredRows(store, done, name), kind)
+    separations, explorations = (list(StoredRows(store, done, name)) for name in ("separations", "explorations"))
     made = tables(study, separations, explorations)
-    write_rows(store, "separations", separations, Separation)
-    write_rows(store, "explorations", explorations, Exploration)
-    write_rows(store, "timing", timings, Timing)
     store.write("tables.md", "\n".join(table.markdown() for table in made).encode())
     with refused_as(OutputError, f"{store.folder}: figures cannot be written"):
         draw(store.folder, separations, explorations)
     return made
 
 
-def write_rows(store: Store[Any], name: str, rows: Sequence[Any], kind: type[Any]) -> None:
-    """Write rows of one kind, if there are any, as CSV and, where that can be written, as Parquet."""
-    if not rows:
+def write_rows(store: Store[Any], name: str, rows: Iterable[Any], kind: type[Any]) -> None:
+    """Write rows of one kind, if there are any, as CSV and, where that can be written, as Parquet; iterates twice."""
+    if next(iter(rows), None) is None:
         return
-    store.write(f"{name}.csv", as_csv(rows, kind))
+    with store.writing(f"{name}.csv") as path, path.open("w", newline="", encoding="utf-8") as file:
+        write_csv(file, rows, kind)
     if has_parquet():
         with store.writing(f"{name}.parquet") as path:
             write_parquet(path, rows, kind)

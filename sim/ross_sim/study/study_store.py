@@ -12,13 +12,13 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import ModuleType
-from typing import Any, ClassVar, Generic, Protocol, TypeVar
+from typing import IO, Any, ClassVar, Generic, Protocol, TypeVar
 
 import ross_payload
 import ross_sim
@@ -97,6 +97,28 @@ def _version(name: str) -> str | None:
         return None
 
 
+class Results(Mapping[str, Rows]):
+    """What a journal holds, by task: every result is read when it is asked for, so that none is kept in memory."""
+
+    def __init__(self, file: IO[bytes], read: Callable[[bytes], Rows]) -> None:
+        self._file, self._read = file, read
+        self._places: dict[str, tuple[int, int]] = {}  # offset and length of the line of a task [bytes]
+
+    def note(self, task: str, offset: int, length: int) -> None:
+        """Learn where the line of a task is; the last one counts."""
+        self._places[task] = offset, length
+
+    def __getitem__(self, task: str) -> Rows:
+        offset, length = self._places[task]
+        return self._read(os.pread(self._file.fileno(), length, offset))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+
 class Store(AbstractContextManager["Store[Rows]"], Generic[Rows]):
     """The folder of one study, open for one process at a time.
 
@@ -117,11 +139,11 @@ class Store(AbstractContextManager["Store[Rows]"], Generic[Rows]):
 
     def __init__(self, folder: Path, wanted: dict[str, Any], decode: Callable[[dict[str, Any]], Rows]) -> None:
         self.folder = folder
-        self.results: dict[str, Rows] = {}
         self._decode = decode
         with refused_as(ConfigError, f"--out {folder}: cannot be written"):
             folder.mkdir(parents=True, exist_ok=True)
             self._file = (folder / "journal.jsonl").open("ab+")
+        self.results = Results(self._file, lambda line: _decoded(line, decode, folder))
         try:
             self._open(wanted)
         except BaseException:
@@ -138,9 +160,8 @@ class Store(AbstractContextManager["Store[Rows]"], Generic[Rows]):
         for line in self._file:
             if not line.endswith(b"\n"):
                 break
+            self.results.note(_decoded(line, self._decode, self.folder).task, whole, len(line))
             whole += len(line)
-            result = _decoded(line, self._decode, self.folder)
-            self.results[result.task] = result
         self._claim(wanted)
         self._file.truncate(whole)
 
@@ -166,11 +187,12 @@ class Store(AbstractContextManager["Store[Rows]"], Generic[Rows]):
         OutputError
             When the disk is full or gone.
         """
+        line = json.dumps(asdict(result), allow_nan=False).encode() + b"\n"
         with refused_as(OutputError, f"{self.folder / 'journal.jsonl'}: cannot be written"):
-            self._file.write(json.dumps(asdict(result), allow_nan=False).encode() + b"\n")
+            self._file.write(line)
             self._file.flush()
             os.fsync(self._file.fileno())
-        self.results[result.task] = result
+        self.results.note(result.task, self._file.tell() - len(line), len(line))
 
     def write(self, name: str, content: bytes) -> None:
         """Write a whole file, or nothing of it.

@@ -1,8 +1,6 @@
-"""How tasks get done: a seam of ten lines.
+"""How tasks get done: one after the other, in processes of this computer, or on a cluster (`dask_engine`).
 
-An engine is a function of a function and its tasks that yields results as they come, in any order. On a Dask cluster
-it would be ``lambda function, tasks: (result for _, result in as_completed(client.map(function, tasks),
-with_results=True))``.
+An engine is a function of a function and its tasks that yields results as they come, in any order.
 """
 
 from __future__ import annotations
@@ -15,12 +13,39 @@ from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
-from typing import Any
+from typing import Any, Protocol
 
 from ross_payload.errors import OutputError
 
 Engine = Callable[[Callable[[Any], Any], Sequence[Any]], Generator[Any]]
+
+
+class Named(Protocol):
+    """A task."""
+
+    @property
+    def id(self) -> str:
+        """What it is called in the journal."""
+
+    @property
+    def room(self) -> str:
+        """Tasks of one room share impulse responses, which are computed once if they are done together."""
+
+
+@dataclass(frozen=True, slots=True)
+class EngineChoice:
+    """Who does the tasks."""
+
+    workers: int | None = None  # processes of this computer; None: one per core
+    dask: bool = False
+    scheduler: str | None = None  # of a Dask cluster, tcp://HOST:PORT; None: one of this computer
+
+    @property
+    def processes(self) -> int:
+        """How many processes of this computer there shall be."""
+        return self.workers or os.cpu_count() or 1
 
 
 def serial(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Generator[Any]:

@@ -68,10 +68,12 @@ class _Shown:
     """How far it is."""
 
     def __init__(self, total: int) -> None:
+        from rich.console import Console
+
         from ross_payload.clock import SystemClock
         from ross_sim.study.study_run import view_of
 
-        self._view = view_of(total, 0, SystemClock().now)
+        self._view = view_of(Console(), total, 0, SystemClock().now)
 
     def __enter__(self) -> _Shown:
         return self

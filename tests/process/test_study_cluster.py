@@ -1,0 +1,182 @@
+"""`ross study --engine` on Dask: the rows of one process, whatever becomes of workers and client."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from contextlib import ExitStack, contextmanager
+
+import pytest
+
+from processes import ROSS
+from voice_folders import voice_folder
+from waiting import wait_for
+
+STUDY = """
+settings = ["S1"]
+k = [2]
+layouts = 2
+starts = 2
+separators = ["duet"]
+rotations = [2]
+unit_s = [0.5]
+run_s = 1.0
+rate_hz = 16000
+"""
+TASKS = 3 * (2 + 2 + 2)
+ROWS = ("separations.csv", "explorations.csv", "tables.md", "study.json")
+OTHER_CODE = """
+from ross_sim.study import study_store
+study_store.code_hash = lambda code=None: "another"
+"""
+NO_VOICES = """
+from ross_payload.errors import ConfigError
+from ross_sim.study import talker_placement
+def none(folder, rate):
+    raise ConfigError(f"{folder}: no such folder")
+talker_placement.read_voices = none
+"""
+DEADLY = """
+import os
+from ross_sim.study import study_case
+if study_case.perform.__module__ == study_case.__name__:  # it is loaded twice
+    before = study_case.perform
+    def perform(task, study, source):
+        if task.id == "S1-K2-L1-T1":
+            os.kill(os.getpid(), 9)
+        return before(task, study, source)
+    study_case.perform = perform
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("cluster")
+    (folder / "tiny.toml").write_text(STUDY)
+    (folder / "speech").mkdir()
+    voice_folder(folder / "speech", (0, 1), 12)
+    return folder
+
+
+def study(folder, out, *more, **how):
+    command = [*ROSS, "study", "tiny.toml", "--speech", "speech", "--out", out, *more]
+    return subprocess.run(
+        [*map(str, command)], cwd=folder, capture_output=True, text=True, timeout=120, check=False, **how
+    )
+
+
+@pytest.fixture(scope="module")
+def whole(folder):
+    done = study(folder, folder / "whole", "--workers", "1")
+    assert done.returncode == 0, done.stderr
+    return folder / "whole"
+
+
+@contextmanager
+def background(command, log):
+    """A program of others: it says tracebacks of its own when a peer leaves."""
+    with log.open("w") as file, subprocess.Popen([*map(str, command)], stdout=file, stderr=file) as running:
+        try:
+            yield
+        finally:
+            running.terminate()
+
+
+@contextmanager
+def cluster(tmp_path, *preloads):
+    """A scheduler and a worker for every preload, None: as installed; yields the engine."""
+    where, dask = tmp_path / "scheduler.json", f"{sys.executable} -m distributed.cli.dask_"
+    local = ("--scheduler-file", where, "--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0")
+    with ExitStack() as stack:
+        log = tmp_path / "scheduler.log"
+        stack.enter_context(background([*f"{dask}scheduler --port 0".split(), *local], log))
+        wait_for(lambda: where.exists() and where.stat().st_size, what=log.read_text)
+        for number, preload in enumerate(preloads):
+            own, log = tmp_path / f"preload_{number}.py", tmp_path / f"worker-{number}.log"
+            own.write_text(preload or "")
+            named = ("--name", f"worker-{number}", "--preload", own, "--local-directory", tmp_path)
+            stack.enter_context(background([*f"{dask}worker --nthreads 1".split(), *local, *named], log))
+            wait_for(lambda log=log: "Registered to" in log.read_text(), what=log.read_text)
+        yield json.loads(where.read_text())["address"].replace("tcp://", "dask://")
+
+
+def same(one, other):
+    return {name: (one / name).read_bytes() == (other / name).read_bytes() for name in ROWS}
+
+
+@pytest.mark.soak
+def test_a_cluster_of_this_computer_gives_the_rows_of_one_process(folder, whole, tmp_path):
+    done = study(folder, tmp_path / "out", "--engine", "dask", "--workers", "2")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.search(r"^Dask dashboard: http://127\.0\.0\.1:\d+/status$", done.stdout, re.MULTILINE)
+    assert all(same(tmp_path / "out", whole).values())
+
+
+def test_a_worker_with_other_code_is_refused_and_named_and_the_others_go_on(folder, whole, tmp_path):
+    with cluster(tmp_path, None, OTHER_CODE) as engine:
+        done = study(folder, tmp_path / "out", "--engine", engine)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.search(r"^worker tcp://127\.0\.0\.1:\d+ is refused: code is another, not \w+$", done.stdout, re.MULTILINE)
+    assert all(same(tmp_path / "out", whole).values())
+
+
+@pytest.mark.soak
+def test_a_cluster_without_the_voices_is_one_line(folder, tmp_path):
+    with cluster(tmp_path, NO_VOICES) as engine:
+        done = study(folder, tmp_path / "out", "--engine", engine)
+    assert done.returncode == 2
+    assert re.fullmatch(r"ross: --engine: expected workers .*, got none among 1; .*: no such folder\n", done.stderr)
+
+
+@pytest.mark.soak
+def test_a_task_that_ends_its_workers_fails_alone(folder, tmp_path):
+    with cluster(tmp_path, DEADLY) as engine:
+        done = study(folder, tmp_path / "out", "--engine", engine)
+    assert done.returncode == 1
+    assert "1 tasks failed, and the same command tries them again; S1-K2-L1-T1: its worker died" in done.stdout
+    journal = (tmp_path / "out" / "journal.jsonl").read_text().splitlines()
+    assert len(journal) == TASKS - 1
+
+
+@pytest.mark.soak
+def test_ctrl_c_ends_a_cluster_of_this_computer_and_the_same_command_goes_on(folder, whole, tmp_path):
+    out, journal = tmp_path / "out", tmp_path / "out" / "journal.jsonl"
+    command = [*ROSS, "study", "tiny.toml", "--speech", "speech", "--out", out, "--engine", "dask", "--workers", "2"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    with subprocess.Popen([*map(str, command)], cwd=folder, start_new_session=True, **pipes) as running:
+        wait_for(lambda: journal.exists() and journal.stat().st_size, 60)
+        os.killpg(running.pid, signal.SIGINT)  # as a terminal does: to the workers also
+        said, _ = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert "the same command goes on" in said
+    assert "Traceback" not in said
+    done = study(folder, out, "--engine", "dask", "--workers", "2")
+    assert done.returncode == 0
+    assert all(same(out, whole).values())
+
+
+@pytest.mark.soak
+def test_a_scheduler_that_goes_is_one_line_and_nothing_is_lost(folder, tmp_path):
+    out, journal = tmp_path / "out", tmp_path / "out" / "journal.jsonl"
+    with cluster(tmp_path, None) as engine:
+        command = [*ROSS, "study", "tiny.toml", "--speech", "speech", "--out", out, "--engine", engine]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+        running = subprocess.Popen([*map(str, command), "--layouts", "200"], cwd=folder, **pipes)
+        wait_for(lambda: journal.exists() and journal.stat().st_size)
+    said, _ = running.communicate(timeout=120)
+    assert running.returncode == 1, said
+    assert "Traceback" not in said
+    assert re.search(r"the Dask scheduler at tcp://127\.0\.0\.1:\d+ is lost; what was done is kept", said)
+    assert journal.read_bytes().endswith(b"\n")
+
+
+@pytest.mark.soak
+def test_no_scheduler_is_one_line(folder, tmp_path):
+    began = time.monotonic()
+    done = study(folder, tmp_path / "out", "--engine", "dask://127.0.0.1:1")
+    assert done.returncode == 2
+    assert re.fullmatch(r"ross: --engine: expected a Dask scheduler at tcp://127\.0\.0\.1:1, got .*\n", done.stderr)
+    assert time.monotonic() - began < 60
