@@ -263,8 +263,12 @@ def _local(workers: int) -> Iterator[Client]:
             """Hear no Ctrl-C."""
             signal.signal(signal.SIGINT, signal.SIG_IGN)
 
+    own = {
+        "distributed.scheduler.allowed-failures": TRIES - 1,
+        "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,  # else large arrays are given back at once
+    }
     with (
-        dask.config.set({"distributed.scheduler.allowed-failures": TRIES - 1}),
+        dask.config.set(own),
         warnings.catch_warnings(action="ignore", category=UserWarning),  # that the dashboard has another port
         LocalCluster(
             n_workers=workers,
