@@ -54,6 +54,11 @@ class Evidence:
     strict: Data
     blocks: Sequence[Real]  # effective counts, (n_blocks, n_bins) of every heading
 
+    @property
+    def weights(self) -> str:
+        """Whose weights weigh it: those for orientations, or for an array that turns."""
+        return "talker_evidence" if self.rich.periods is None else "talker_evidence_turning"
+
 
 @dataclass(frozen=True, slots=True)
 class Logistic:
@@ -68,9 +73,9 @@ class Logistic:
 
 
 @cache
-def fitted(name: str) -> Logistic:
-    """The regression ``count`` or ``source`` with the weights of this package."""
-    text = files("ross_payload.localization").joinpath("talker_evidence.json").read_text(encoding="utf-8")
+def fitted(name: str, weights: str = "talker_evidence") -> Logistic:
+    """The regression ``count`` or ``source`` with some weights of this package."""
+    text = files("ross_payload.localization").joinpath(f"{weights}.json").read_text(encoding="utf-8")
     found = json.loads(text)[name]
     return Logistic(float(found["intercept"]), np.array([found["weights"][feature] for feature in FEATURES]))
 
@@ -80,10 +85,10 @@ def likely(evidence: Evidence, step: Step, rival: float) -> float:
 
     Below a vehicle every source must be somebody, too: what rotors leave over is steady there, and worth much.
     """
-    least = fitted("count").probability(features(evidence, step, rival, [step.least]))
+    least = fitted("count", evidence.weights).probability(features(evidence, step, rival, [step.least]))
     if not evidence.rich.aloft:
         return float(least[0])
-    every = fitted("source").probability(features(evidence, step, rival, range(len(step.worth))))
+    every = fitted("source", evidence.weights).probability(features(evidence, step, rival, range(len(step.worth))))
     return float(min(least[0], every.min()))
 
 
@@ -94,7 +99,7 @@ def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int
     """
     model, total = step.model, float(evidence.rich.counts.sum()) + TINY
     k = len(model.azimuths)
-    counts = evidence.rich.counts.sum(axis=1)
+    counts = evidence.rich.evidence
     shares = np.average(model.weights, axis=0, weights=counts + TINY)
     worth = np.log(np.maximum(step.worth, LEAST))
     second = float(np.sort(worth)[1]) if k > 1 else float(worth[0]) + 1.0
@@ -103,12 +108,12 @@ def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int
         second, np.log(rival) if rival > 0 else FIRST, np.log(total), np.log(total) ** 2, np.log(len(counts)),
         k, k == 1, directness, model.width, wetness(evidence.rich, model), shares[-OTHERS], shares[-1],
     ]  # fmt: skip
-    whole, strict = (_by_heading(data, model) for data in (evidence.rich, evidence.strict))
+    whole, strict = (_by_period(data, model) for data in (evidence.rich, evidence.strict))
     voices = _voices(evidence, model, sources)
     found = []
     for source, voice in zip(sources, voices, strict=True):
-        gain = whole - _by_heading(evidence.rich, step.reduced[source])
-        lost = float((strict - _by_heading(evidence.strict, step.reduced[source])).sum())
+        gain = whole - _by_period(evidence.rich, step.reduced[source])
+        lost = float((strict - _by_period(evidence.strict, step.reduced[source])).sum())
         ordered = np.sort(gain)[::-1]
         middle = max(float(np.median(gain)), TINY) / total * 100 * len(gain)
         left, right = _neighbours(model.azimuths, source)
@@ -132,9 +137,10 @@ def with_products(described: Real) -> Real:
     return np.column_stack([described, *products])
 
 
-def _by_heading(data: Data, model: itd_mixture.Mixture) -> Real:
-    """Log-likelihood [nat] of the counts of every heading, (n_headings,)."""
-    return np.asarray((data.counts * np.log(itd_mixture.densities(data, model) + TINY)).sum(axis=-1))
+def _by_period(data: Data, model: itd_mixture.Mixture) -> Real:
+    """Log-likelihood [nat] of the counts of every period, (n_periods,)."""
+    likelihood = (data.counts * np.log(itd_mixture.densities(data, model) + TINY)).sum(axis=-1)
+    return np.asarray(data.by_period(likelihood))
 
 
 def _neighbours(azimuths: Real, source: int) -> tuple[float, float]:
