@@ -194,15 +194,20 @@ def gains(data: Data, model: Mixture, places: tuple[Real, Real], width: float, r
     ``places`` are azimuths and amplitudes, (n,) each. All else stays; the share is found by expectation maximisation in
     every period.
     """
-    old = densities(data, model)[:, None] + TINY
-    excess = kernels(data, *places, np.full(len(places[0]), width)) / old - 1
+    excess = kernels(data, *places, np.full(len(places[0]), width))
+    excess /= densities(data, model)[:, None] + TINY
+    excess -= 1
     total = data.evidence[:, None] + TINY
-    share = np.full((len(total), excess.shape[1]), 0.1)
+    share = np.full((len(total), excess.shape[1]), 0.1, excess.dtype)
     counts = data.counts[..., None]
+    quotient = np.empty_like(excess)
     for _ in range(rounds):
-        quotient = excess / (1 + data.by_row(share)[..., None] * excess)
+        np.multiply(data.by_row(share)[..., None], excess, out=quotient)
+        quotient += 1
+        np.divide(excess, quotient, out=quotient)
         share = share * (1 + (1 - share) * data.by_period((quotient @ counts)[..., 0]) / total)
-    gain = (np.log1p(data.by_row(share)[..., None] * excess) @ counts)[..., 0].sum(axis=0)
+    np.multiply(data.by_row(share)[..., None], excess, out=quotient)
+    gain = (np.log1p(quotient, out=quotient) @ counts)[..., 0].sum(axis=0)
     return np.asarray(gain), share
 
 
@@ -263,19 +268,19 @@ def _turned(data: Data, model: Mixture) -> tuple[Real, Real]:
 
 def _normal(data: Data, centre: Real | float, width: Real | float) -> Real:
     """Normal density over the bins times their width, broadcast against (..., n_bins)."""
-    step = data.grid[1] - data.grid[0]
-    off = (data.grid - centre) / width
+    precision, step = data.grid.dtype, data.grid[1] - data.grid[0]
+    off = (data.grid - np.asarray(centre, precision)) / np.asarray(width, precision)
     off *= off
     off *= -0.5
     np.exp(off, out=off)
-    off *= step / np.sqrt(2 * np.pi) / width
+    off *= np.asarray(step / np.sqrt(2 * np.pi) / width, precision)
     return np.asarray(off)
 
 
 def _joint(data: Data, model: Mixture) -> Real:
     """Weight times probability, (n_headings, k + 2, n_bins)."""
     weights = data.by_row(model.weights, axis=-2)
-    joint = np.empty((*weights.shape, len(data.grid)))
+    joint = np.empty((*weights.shape, len(data.grid)), data.grid.dtype)
     joint[..., :-OTHERS, :] = kernels(data, model.azimuths, model.amplitudes, model.widths)
     joint[..., -OTHERS, :] = _normal(data, 0.0, DIFFUSE)
     joint[..., -1, :] = 1 / len(data.grid)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ross_payload.interfaces import Observation, Real
 
-SECTOR = np.deg2rad(10.0)  # the array turns within one sector by less than this and what it turns in one block [rad]
+SECTOR = np.deg2rad(6.0)  # the array turns within one sector by less than this and what it turns in one block [rad]
 STEP = np.deg2rad(15.0)  # axes that differ by as much tell as much as two orientations [rad]
 ROUNDING = 1e-9  # of headings, in steps
 
