@@ -51,10 +51,9 @@ def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
 
 
 def check_array(context: Context) -> None:
-    """Say when what was heard at rest contradicts what is configured of the array."""
+    """Say when what was heard contradicts what is configured of the array."""
     settings = context.settings
-    resting = [heard for heard in context.explored if heard.around is None]
-    spectra = (heading_spectrum(heard.samples, settings.rate, heard.heading) for heard in resting)
+    spectra = (heading_spectrum(heard.samples, settings.rate, heard.heading) for heard in context.explored)
     heard = [each for each in spectra if each is not None and each.heard >= HEARD]
     found = contradiction(heard, settings.spacing, settings.speed_of_sound, level=settings.level)
     if found:
