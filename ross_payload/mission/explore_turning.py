@@ -54,4 +54,4 @@ def _period(context: Context, sweep: Sweep, heard: HeardTurning) -> Step[None]:
         if goal is not None:
             context.publish(TurnStarted(context.time, goal, context.pointing.at(goal), "turning while it listens"))
         heard.add((yield from hop(context, goal=goal, rate=sweep.rate)))
-        sweep.update(context.here)
+        sweep.update(settled=context.here.settled)

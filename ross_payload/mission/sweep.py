@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ross_payload.interfaces import Input
 from ross_payload.mission.context import Settings
 
 HALF = math.pi  # turned to one side: half a turn shows every axis, and what is beyond it nothing new [rad]
@@ -31,13 +30,11 @@ class Sweep:
         due, self.due = self.due, False
         return self.goal if due else None
 
-    def update(self, heard: Input) -> bool:
-        """Turn back where the goal is reached; tell whether that is so."""
-        if self.due or not heard.settled:
-            return False
-        self.index += 1
-        self.due = True
-        return True
+    def update(self, *, settled: bool) -> None:
+        """Turn back where the goal that was sent is reached: where the joint has ``settled`` there."""
+        if settled and not self.due:
+            self.index += 1
+            self.due = True
 
 
 def sweep_from(settings: Settings, joint: float) -> Sweep:

@@ -203,13 +203,10 @@ def test_no_move_takes_longer_than_the_guard_bears():
 
 def test_a_goal_is_sent_once_and_the_next_when_it_is_reached():
     sweep = sweep_from(TURNING, 0.0)
-    one = Turntable(None)
     assert sweep.next_goal() == pytest.approx(np.pi)
+    sweep.update(settled=False)
     assert sweep.next_goal() is None
-    one.goal = np.pi
-    heard = one._hear()
-    assert not sweep.update(heard)
-    assert sweep.update(replace(heard, settled=True))
+    sweep.update(settled=True)
     assert sweep.next_goal() == pytest.approx(0.0)
 
 
