@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from ross_payload import ground, interfaces
 from ross_payload.actuators.vehicle_yaw.options import Options
 
 ROOT = Path(__file__).parents[2]
@@ -109,3 +110,13 @@ def test_decisions_are_on_a_page_of_their_own(manual):
     index, page = ((folder / name).read_text(encoding="utf-8") for name in ("index.html", "explanation/decisions.html"))
     assert "0044-a-stop" not in re.search(r'<div class="toctree-wrapper.*', index, re.DOTALL)[0]
     assert "0044-a-stop" in re.search(r'<div class="toctree-wrapper.*', page, re.DOTALL)[0]
+
+
+def test_every_public_name_is_on_its_page(manual):
+    folder, _ = manual
+    client = (folder / "reference" / "client-api.html").read_text(encoding="utf-8")
+    assert [name for name in ground.__all__ if f'.{name}"' not in client] == []
+    seams = (folder / "reference" / "plugin-api.html").read_text(encoding="utf-8")
+    own = [name for name, kind in vars(interfaces).items() if getattr(kind, "__module__", "") == interfaces.__name__]
+    assert [name for name in own if f'id="ross_payload.interfaces.{name}"' not in seams] == []
+    assert "smallest step [rad]" in seams  # comments of fields tell their units

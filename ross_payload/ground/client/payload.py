@@ -191,7 +191,7 @@ class Payload(StreamRequests):
 
     @property
     def state(self) -> PayloadState:
-        """Everything that is known of it, as telemetry says it: radians, counter-clockwise."""
+        """Return everything that is known of it, as telemetry says it, in radians, counter-clockwise."""
         return self._state
 
     @property
