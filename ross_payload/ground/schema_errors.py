@@ -32,9 +32,9 @@ def explained(error: ValidationError, model: type[BaseModel]) -> list[tuple[str,
     ...     explained(error, Turn)
     [('heading', 'expected -360 to 360, got 400')]
     """
-    schema = model.model_json_schema()
+    whole = model.model_json_schema()
     errors = sorted(error.errors(), key=lambda each: each["type"] != "extra_forbidden")
-    return [(".".join(map(str, each["loc"])), _wrong(each, schema)) for each in errors]
+    return [_told(each, whole) for each in errors]
 
 
 def first_line(error: ValidationError, model: type[BaseModel]) -> str:
@@ -59,7 +59,7 @@ def expected(schema: Schema) -> str:
     if "minItems" in schema and "maxItems" in schema:
         return f"a list of {schema['minItems']} to {schema['maxItems']} values"
     words = TYPES.get(schema.get("type", ""), "another value")
-    return f"{words} as {schema['pattern']}" if "pattern" in schema else words
+    return f"{words} such as {schema['examples'][0]}" if "examples" in schema else words
 
 
 def short(value: Any) -> str:
@@ -70,25 +70,38 @@ def short(value: Any) -> str:
     return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
 
 
-def _wrong(error: ErrorDetails, schema: Schema) -> str:
+def _told(error: ErrorDetails, whole: Schema) -> tuple[str, str]:
+    """Return where an error is, and what is wrong; of several models, the one that a field names is meant."""
+    path, kinds = list(error["loc"]), whole.get("discriminator", {})
+    chosen: Schema = {"$ref": kinds["mapping"][path.pop(0)]} if kinds and path else whole
+    if error["type"] in ("union_tag_invalid", "union_tag_not_found"):
+        name = kinds["propertyName"]
+        got = short(error["input"][name]) if name in error["input"] else "nothing"
+        return name, f"expected one of {', '.join(kinds['mapping'])}, got {got}"
+    if kinds and not path:
+        chosen = {"type": "object"}
+    return ".".join(map(str, path)), _wrong(error, path, chosen, whole)
+
+
+def _wrong(error: ErrorDetails, path: Sequence[int | str], schema: Schema, whole: Schema) -> str:
     kind, value = error["type"], error["input"]
     if kind == "value_error":
         return error["msg"].removeprefix("Value error, ")
     if kind == "extra_forbidden":
-        names = _place(schema, error["loc"][:-1]).get("properties", {})
-        return f"unknown field{near(str(error['loc'][-1]), names)}"
-    place = _place(schema, error["loc"])
+        names = _place(schema, path[:-1], whole).get("properties", {})
+        return f"unknown field{near(str(path[-1]), names)}"
+    place = _place(schema, path, whole)
     broken = place.get("type") == "integer" and isinstance(value, float) and value % 1 > 0
     wanted = "a whole number" if broken else expected(place)
     return f"expected {wanted}, got {'nothing' if kind == 'missing' else short(value)}"
 
 
-def _place(schema: Schema, path: Sequence[int | str]) -> Schema:
+def _place(schema: Schema, path: Sequence[int | str], whole: Schema) -> Schema:
     """Return the part of a schema that is about a place in the values; empty: it says nothing of it."""
-    found = _resolved(schema, schema)
+    found = _resolved(schema, whole)
     for part in path:
         inner = found.get("items", {}) if isinstance(part, int) else found.get("properties", {}).get(part, {})
-        found = _resolved(inner, schema)
+        found = _resolved(inner, whole)
     return found
 
 

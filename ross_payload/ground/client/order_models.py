@@ -53,7 +53,7 @@ SPANS = {"source": "0 to 255", "azimuth": "-360 to 360"}
 Angle = Annotated[float, Field(ge=-360, le=360)]  # [deg]
 Index = Annotated[int, Field(ge=0, le=255), WHOLE]  # of a source in the latest estimate
 StreamNumber = Annotated[int, Field(ge=0, le=MOST_NUMBER), WHOLE]
-Address = Annotated[str, Field(pattern=UNICAST)]
+Address = Annotated[str, Field(pattern=UNICAST, examples=["192.168.1.20"])]
 Port = Annotated[int, Field(ge=1, le=65535), WHOLE]
 Gain = Annotated[float, Field(ge=MUTED_DB, le=MOST_DB)]  # [dB]
 VoiceNumber = Annotated[int, Field(ge=0, le=MOST_NAMES), WHOLE]

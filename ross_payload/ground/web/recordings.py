@@ -30,7 +30,7 @@ async def listed(store: RecordingStore | None, request: web.Request) -> web.Resp
 async def one_file(store: RecordingStore | None, request: web.Request) -> web.StreamResponse:
     """Answer with one file of a recording."""
     name, file = request.match_info["name"], request.match_info["file"]
-    path = (await _files(store, name)).get(file)
+    path = (await files_of(store, name)).get(file)
     if path is None:
         raise web.HTTPNotFound(text=f"recording {name}: no such file\n")
     return web.FileResponse(path, headers={**PRIVATE, **_attached(f"{name}-{file}")})
@@ -39,7 +39,7 @@ async def one_file(store: RecordingStore | None, request: web.Request) -> web.St
 async def archive(store: RecordingStore | None, request: web.Request) -> web.StreamResponse:
     """Answer with a whole recording as a ZIP archive, made while it is sent."""
     name = request.match_info["name"]
-    files = await _files(store, name)
+    files = await files_of(store, name)
     headers = {**PRIVATE, **_attached(f"{name}.zip"), "Content-Type": "application/zip"}
     response = web.StreamResponse(headers=headers)
     await response.prepare(request)
@@ -104,7 +104,14 @@ class _Sink(io.RawIOBase):
         return data
 
 
-async def _files(store: RecordingStore | None, name: str) -> Mapping[str, Path]:
+async def files_of(store: RecordingStore | None, name: str) -> Mapping[str, Path]:
+    """Return the files of a recording by their names.
+
+    Raises
+    ------
+    web.HTTPNotFound
+        When there is no such recording.
+    """
     try:
         if store is None:
             raise LookupError(name)
