@@ -140,12 +140,16 @@ class StreamOrder(OrderModel):
 
     model_config = ConfigDict(
         json_schema_extra={
-            "anyOf": [{"required": ["stream"]}, {"required": ["address"]}],
+            "if": {"required": ["stream"]},
+            "else": {"required": ["address"]},
             "dependentRequired": {"address": ["port"], "port": ["address"]},
-            "allOf": [
-                {"if": {"required": ["what"], "properties": {"what": {"const": what}}}, "then": {"required": [what]}}
-                for what in SPANS
-            ],
+            "dependentSchemas": {
+                "what": {
+                    "if": {"properties": {"what": {"const": "source"}}},
+                    "then": {"required": ["source"]},
+                    "else": {"if": {"properties": {"what": {"const": "azimuth"}}}, "then": {"required": ["azimuth"]}},
+                }
+            },
         }
     )
     makes = Stream
@@ -186,7 +190,13 @@ class StopStreamOrder(OrderModel):
 class EnrolOrder(OrderModel):
     """Enrol the talker at a source or an azimuth, who has agreed to it."""
 
-    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["source"]}, {"required": ["azimuth"]}]})
+    model_config = ConfigDict(
+        json_schema_extra={
+            "if": {"required": ["source"]},
+            "then": {"not": {"required": ["azimuth"]}},
+            "else": {"required": ["azimuth"]},
+        }
+    )
     makes = Enrol
     kind: Literal["enrol"]
     source: Maybe[Index] = omissible("its index in the latest estimate")

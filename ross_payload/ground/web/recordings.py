@@ -18,6 +18,7 @@ from ross_payload.ground.errors import GroundError
 from ross_payload.ground.recordings import RecordingStore, described
 
 CHUNK = 1 << 20  # [bytes] that are read at once
+ZIP = "application/zip"
 PRIVATE = {"Cache-Control": "no-store"}
 
 
@@ -36,11 +37,11 @@ async def one_file(store: RecordingStore | None, request: web.Request) -> web.St
     return web.FileResponse(path, headers={**PRIVATE, **_attached(f"{name}-{file}")})
 
 
-async def archive(store: RecordingStore | None, request: web.Request) -> web.StreamResponse:
+async def archive(store: RecordingStore | None, request: web.Request, kind: str = ZIP) -> web.StreamResponse:
     """Answer with a whole recording as a ZIP archive, made while it is sent."""
     name = request.match_info["name"]
     files = await files_of(store, name)
-    headers = {**PRIVATE, **_attached(f"{name}.zip"), "Content-Type": "application/zip"}
+    headers = {**PRIVATE, **_attached(f"{name}.zip"), "Content-Type": kind}
     response = web.StreamResponse(headers=headers)
     await response.prepare(request)
     if request.method != "HEAD":

@@ -50,7 +50,7 @@ async def get_recording(call: Call, where: OfRecording) -> page_answers.Recorded
 
 async def get_recording_archive(call: Call, where: OfRecording) -> web.StreamResponse:
     """A recorded session as a ZIP archive, made while it is sent."""
-    return await recordings.archive(call.operator.state.recordings, call.request)
+    return await recordings.archive(call.operator.state.recordings, call.request, OCTETS)
 
 
 async def get_recording_file(call: Call, where: OfFile) -> web.StreamResponse:

@@ -7,11 +7,12 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from ross_payload.ground.client.param_client import ParamClient
-from ross_payload.ground.client.parameters import Parameters
+from ross_payload.ground.client.parameters import Parameters, unknown
 from ross_payload.ground.errors import LinkLost
 from ross_payload.ground.web.rest import page_answers
 from ross_payload.ground.web.rest.operation import Call
 from ross_payload.ground.web.rest.places import OfParameter, OfPayload, WaitForList
+from ross_payload.json_values import finite
 from ross_protocols.mavlink.field_converters import FLOAT32_MAX
 
 LIST_TIMEOUT_S = 10.0  # for the list to arrive, before one of it is set
@@ -28,7 +29,7 @@ async def get_parameters(call: Call, where: OfPayload, query: WaitForList) -> pa
     """All parameters of a payload, as far as they have arrived; the first one who asks makes the page ask for them."""
     settings = call.operator.settings(where.who)
     await _arrived(call, settings, query.wait)
-    rows = [page_answers.Parameter.model_validate(row) for row in settings.rows()]
+    rows = [page_answers.Parameter.model_validate(finite(row)) for row in settings.rows()]
     return page_answers.ParameterList(complete=_is_complete(settings), notes=settings.notes(), parameters=rows)
 
 
@@ -43,7 +44,7 @@ async def get_parameter(call: Call, where: OfParameter, query: WaitForList) -> p
     """One parameter, with what the payload says about it."""
     settings = call.operator.settings(where.who)
     await _arrived(call, settings, query.wait)
-    return _row(call, settings, where.name)
+    return _row(settings, where.name)
 
 
 async def set_parameter(call: Call, where: OfParameter, body: Value) -> page_answers.Parameter:
@@ -55,23 +56,23 @@ async def set_parameter(call: Call, where: OfParameter, body: Value) -> page_ans
     settings = call.operator.settings(where.who)
     call.operator.hold()
     await _arrived(call, settings, LIST_TIMEOUT_S)
-    _row(call, settings, where.name)
+    _row(settings, where.name)
     await Parameters(settings, call.operator.state.changed).set(where.name, body.value)
-    return _row(call, settings, where.name)
+    return _row(settings, where.name)
 
 
 async def _arrived(call: Call, settings: ParamClient, wait: float) -> None:
     """Wait for the list and its descriptions, no longer than so long [s]."""
     call.operator.state.tick()  # asks for it
     if wait > 0:
-        await call.operator.state.changed.within(wait, lambda: _is_complete(settings) or None)
+        await call.operator.state.changed.within(wait, lambda: _is_complete(settings))
 
 
 def _is_complete(settings: ParamClient) -> bool:
     return settings.complete and settings.described
 
 
-def _row(call: Call, settings: ParamClient, name: str) -> page_answers.Parameter:
+def _row(settings: ParamClient, name: str) -> page_answers.Parameter:
     """Return a row.
 
     Raises
@@ -83,7 +84,7 @@ def _row(call: Call, settings: ParamClient, name: str) -> page_answers.Parameter
     """
     found: dict[str, Any] | None = next((row for row in settings.rows() if row["name"] == name), None)
     if found is not None:
-        return page_answers.Parameter.model_validate(found)
-    if not settings.complete:
-        raise LinkLost("the list of parameters", f"{len(settings.values)} have arrived so far")
-    raise Parameters(settings, call.operator.state.changed).unknown(name)
+        return page_answers.Parameter.model_validate(finite(found))
+    if settings.complete:
+        raise unknown(settings, name)
+    raise LinkLost("the list of parameters", f"{len(settings.values)} have arrived so far")

@@ -22,7 +22,6 @@ from ross_payload.ground.web.websocket_sessions import WebSocketSessions
 OF_PAYLOAD = "/payloads/{payload}"
 ORDER, PARAMETER = f"{OF_PAYLOAD}/orders/{{number}}", f"{OF_PAYLOAD}/parameters/{{name}}"
 RECORDING = "/recordings/{name}"
-ZIP = "application/zip"
 OPENAPI = f"{BASE}/openapi.json"
 
 STATE = (
@@ -58,9 +57,7 @@ ORDERS = (
 )
 PARAMETERS = (
     Operation("GET", f"{OF_PAYLOAD}/parameters", parameter_handlers.get_parameters, problems=(404, 409, 504)),
-    Operation(
-        "POST", f"{OF_PAYLOAD}/parameters/refresh", parameter_handlers.refresh_parameters, problems=(404, 409, 504)
-    ),
+    Operation("POST", f"{OF_PAYLOAD}/refresh", parameter_handlers.refresh_parameters, problems=(404, 409, 504)),
     Operation("GET", PARAMETER, parameter_handlers.get_parameter, problems=(404, 409, 504)),
     Operation("PUT", PARAMETER, parameter_handlers.set_parameter, problems=(404, 409, 504), named=True),
 )
@@ -79,7 +76,9 @@ FILES = (
     Operation("GET", "/recordings", file_handlers.get_recordings),
     Operation("GET", RECORDING, file_handlers.get_recording, problems=(404,)),
     Operation("DELETE", RECORDING, file_handlers.delete_recording, 204, problems=(404, 409)),
-    Operation("GET", f"{RECORDING}/archive", file_handlers.get_recording_archive, media=ZIP, problems=(404,)),
+    Operation(
+        "GET", f"{RECORDING}/archive", file_handlers.get_recording_archive, media=file_handlers.OCTETS, problems=(404,)
+    ),
     Operation(
         "GET",
         f"{RECORDING}/files/{{file}}",
