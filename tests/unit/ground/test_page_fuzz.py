@@ -1,16 +1,13 @@
 """Nonsense over HTTP and the WebSocket: refused as the client's mistake, never a fault of the page."""
 
-import asyncio
 import json
 import socket
-import threading
-from contextlib import contextmanager
 
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from ground_page import audio, page
+from ground_page import audio, on_a_thread
 from hand_station import HandStation
 from recording_bench import input_of, record
 from ross_payload.ground.web.browser_requests import REQUESTS, on_message
@@ -24,29 +21,6 @@ TOKEN = "open-sesame-open-sesame"  # noqa: S105
 CONTINUE = b"HTTP/1.1 100 Continue\r\n\r\n"  # comes before the answer, where a client asks for it
 FORM = b"application/x-www-form-urlencoded"
 EXAMPLES = 250
-
-
-@contextmanager
-def on_a_thread(station, **options):
-    """Serve the page beside the test; yield its port, and the faults that it has told so far."""
-    ready, ended, told, faults = threading.Event(), asyncio.Event(), [], []
-
-    async def run():
-        loop = asyncio.get_running_loop()
-        loop.set_exception_handler(lambda _, words: faults.append(words))
-        async with page(station, **options) as served:
-            told.extend((int(served.url.rstrip("/").rpartition(":")[2]), loop))
-            ready.set()
-            await ended.wait()
-
-    thread = threading.Thread(target=lambda: asyncio.run(run()))
-    thread.start()
-    try:
-        assert ready.wait(20)
-        yield told[0], faults
-    finally:
-        told[1].call_soon_threadsafe(ended.set)
-        thread.join()
 
 
 @pytest.fixture(scope="module", params=[None, TOKEN], ids=["open", "token"])

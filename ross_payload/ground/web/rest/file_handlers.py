@@ -6,6 +6,7 @@ import asyncio
 
 from aiohttp import hdrs, web
 
+from ross_payload.ground.errors import GroundError
 from ross_payload.ground.recordings import described
 from ross_payload.ground.web import flight_files, recordings
 from ross_payload.ground.web.rest import page_answers
@@ -67,6 +68,8 @@ async def delete_recording(call: Call, where: OfRecording) -> None:
         await asyncio.to_thread(store.delete, where.name)
     except LookupError as error:
         raise Refusal(404, f"recording {where.name[:80]}: not found") from error
+    except GroundError as error:
+        raise Refusal(409, error.message) from error
     await call.browsers.refresh_recordings()
 
 

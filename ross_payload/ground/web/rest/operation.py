@@ -141,7 +141,7 @@ def _checked(model: type[BaseModel], values: Any, place: Place) -> BaseModel:
 
 def _single(query: Mapping[str, str]) -> dict[str, str]:
     """Return the query, in which every name stands once."""
-    names = list(query)
+    names = [name for name, _ in query.items()]  # one for each value
     if len(names) != len(set(names)):
         twice = next(name for name in names if names.count(name) > 1)
         raise Refusal(422, f"{shown(twice)}: expected one value, got {names.count(twice)}")

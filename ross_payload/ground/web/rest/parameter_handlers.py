@@ -54,9 +54,9 @@ async def set_parameter(call: Call, where: OfParameter, body: Value) -> page_ans
     that is not answered is another (504): it may have been set nevertheless.
     """
     settings = call.operator.settings(where.who)
-    call.operator.hold()
     await _arrived(call, settings, LIST_TIMEOUT_S)
     _row(settings, where.name)
+    call.operator.hold()
     await Parameters(settings, call.operator.state.changed).set(where.name, body.value)
     return _row(settings, where.name)
 

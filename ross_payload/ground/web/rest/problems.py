@@ -50,10 +50,7 @@ OF_ERRORS: tuple[tuple[type[Exception], int, str], ...] = (
     (NoCommands, 409, "not-live"),
     (RefusedByPayload, 409, "refused"),
     (LinkLost, 504, "no-answer"),
-    (LookupError, 404, "not-found"),
-    (GroundError, 409, "conflict"),
-    (ValueError, 422, "invalid"),
-)  # the first that fits counts
+)  # anything else is a fault of ours
 UNREADABLE = (web.RequestPayloadError, HttpProcessingError, ClientPayloadError, UnicodeError)
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
