@@ -126,7 +126,9 @@ class Operation:
         if answered is None:
             return web.Response(status=self.status)
         headers = {**PRIVATE, **({"Location": answered.url} if self.located else {})}
-        return web.Response(body=answered.model_dump_json(), status=self.status, content_type=JSON, headers=headers)
+        return web.Response(
+            body=answered.model_dump_json(by_alias=True), status=self.status, content_type=JSON, headers=headers
+        )
 
 
 def _checked(model: type[BaseModel], values: Any, place: Place) -> BaseModel:
