@@ -54,7 +54,7 @@ def document(groups: Groups, events: Sequence[type] = (), *, token: bool = True)
             paths.setdefault(each.path, {})[each.method.lower()] = _operation(each, tag, references)
     return {
         "openapi": "3.1.0",
-        "info": {"title": "RoSS ground station", "version": __version__, "description": ABOUT},
+        "info": {"title": "ross ground", "version": __version__, "description": ABOUT},
         "servers": [{"url": "/api/v1"}],
         "security": [{"token": []}] if token else [{}],
         "tags": [{"name": name} for name in groups],

@@ -203,8 +203,8 @@ class OrderStatus(Answer):
     over: bool
     progress: float | None = Field(description="0 to 1")
     reason: str = Field(description="why not, in the payload's own words where it sent any")
-    since: Seconds = Field(description="ordered")
-    at: Seconds = Field(description="latest change")
+    since: Seconds = Field(description="when it was ordered [s]")
+    at: Seconds = Field(description="when that changed last [s]")
 
 
 class Orders(Answer):

@@ -30,7 +30,7 @@ class OfPayload(Parameters):
 class OfOrder(OfPayload):
     """An order to a payload."""
 
-    number: int = Field(ge=1, le=2**53, description="of the order")
+    number: int = Field(ge=1, le=2**31 - 1, description="of the order")
 
 
 class OfParameter(OfPayload):

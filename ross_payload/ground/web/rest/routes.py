@@ -87,6 +87,7 @@ FILES = (
         problems=(404,),
     ),
 )
+OPERATIONS = (*STATE, *ORDERS, *PARAMETERS, *FILES)
 GROUPS = {"State": STATE, "Orders": ORDERS, "Parameters": PARAMETERS, "Files": FILES}
 
 
@@ -98,7 +99,7 @@ def add_routes(app: web.Application, browsers: WebSocketSessions, *, token: bool
         return web.json_response(described)
 
     app.router.add_get(OPENAPI, description)
-    for operation in (each for group in GROUPS.values() for each in group):
+    for operation in OPERATIONS:
         answering = _answering(operation, programs, browsers)
         app.router.add_route(operation.method, BASE + operation.path, answering)
         if operation.method == "GET" and operation.media != event_stream.MEDIA:
