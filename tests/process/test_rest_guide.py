@@ -129,12 +129,13 @@ def test_a_generated_client_flies_a_mission(flown):
     again(flown)
     lines = run(flown, script("ross_ground_client"), flown.base)
     assert lines[0] == "EXP_UNIT 1.0"
-    assert "explore done " in lines
+    assert lines[1] == "explore: done"
     found = [float(word) for word in next(line for line in lines if line.startswith("sources at")).split()[2:-1]]
     assert near(found, flown.truth), lines
-    assert lines[3] == "listen to source 0 in_progress "
+    assert lines[3] == "listen to source 0: in_progress"
     assert lines[4:] == [
-        "stop", "cancelled", "turn to 10 deg refused stopped: re-arm first", "rearm done ", "park done ", "heading 0",
+        "stop", "cancelled", "turn to 10 deg was refused: stopped: re-arm first", "rearm: done", "park: done",
+        "heading 0",
     ]  # fmt: skip
 
 

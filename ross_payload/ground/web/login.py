@@ -11,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import html
 import math
+import re
 import time
 from importlib import resources
 from urllib.parse import parse_qs
@@ -29,6 +30,7 @@ LINKED = "You come from another site: press Open to log in."
 LOCKED_LINK = "Too many wrong tokens in the address of this page; you can still enter the token here."
 FORM = "application/x-www-form-urlencoded"
 MOST_FIELDS = 10
+STOP = re.compile(r"/api/v1(/payloads/[^/]+)?/stop")  # paths that nobody's guesses may lock
 LASTING = ("/live", "/listen")  # paths of WebSockets
 ELSEWHERE = ("cross-site", "same-site")  # of Sec-Fetch-Site: what a page of another origin causes
 
@@ -71,14 +73,14 @@ def _shows_token(gate: Gate, request: web.Request) -> bool:
         When it is wrong, or one of too many.
     """
     scheme, _, token = request.headers.get("Authorization", "").partition(" ")
-    if not scheme:
+    if scheme.lower() != "bearer":  # a proxy may want a header of its own
         return False
     who, now = f"{request.remote} by header", time.monotonic()
-    if request.method == "POST" and request.path.endswith("/stop") and gate.knows(token.strip()):
+    if request.method == "POST" and STOP.fullmatch(request.path) and gate.knows(token.strip()):
         return True
     if wait := math.ceil(gate.waits(who, now)):
         raise web.HTTPTooManyRequests(text=f"too many wrong tokens: wait {wait} s", headers={"Retry-After": str(wait)})
-    if scheme.lower() != "bearer" or not gate.tried(token.strip(), who, now):
+    if not gate.tried(token.strip(), who, now):
         raise web.HTTPUnauthorized(text=f"{WANTED_HEADER}, got another one", headers=CHALLENGE)
     return True
 

@@ -116,6 +116,18 @@ class Operator:
         self.addressed(who)
         return self.state.client.settings(who)
 
+    def check_control(self) -> None:
+        """Look whether control is here, or free.
+
+        Raises
+        ------
+        NoControl
+            When another one has it.
+        """
+        control = self.state.control
+        if control.holder not in (None, self.id):
+            raise NoControl(f"{control.name} has control: take control first")
+
     def hold(self) -> None:
         """Take control when it is free.
 
@@ -124,9 +136,8 @@ class Operator:
         NoControl
             When another one has it.
         """
-        control = self.state.control
-        if not control.may_order(self.id, self.name):
-            raise NoControl(f"{control.name} has control: take control first")
+        self.check_control()
+        self.state.control.may_order(self.id, self.name)
 
     def take_control(self) -> None:
         """Take control, whoever has it."""

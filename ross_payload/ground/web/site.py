@@ -19,7 +19,7 @@ from ross_payload.ground.web.connections import Connections
 from ross_payload.ground.web.faults import report
 from ross_payload.ground.web.listening_sockets import ListeningSockets
 from ross_payload.ground.web.login import guard
-from ross_payload.ground.web.rest.problems import as_problems
+from ross_payload.ground.web.rest.problems import as_problems, is_problem, refusal_of_http
 from ross_payload.ground.web.rest.routes import add_routes
 from ross_payload.ground.web.security import HEADERS, Gate, shown
 from ross_payload.ground.web.websocket_sessions import WebSocketSessions
@@ -112,7 +112,15 @@ def tolerant(handle: Handle) -> Handle:
             report(error)
             raise web.HTTPInternalServerError(text="an internal error of the page: see the terminal\n") from error
 
-    return handled
+    async def answered(request: web.BaseRequest) -> web.StreamResponse:
+        try:
+            return await handled(request)
+        except web.HTTPException as error:
+            if not is_problem(request.path, error):
+                raise
+            return refusal_of_http(error).response()
+
+    return answered
 
 
 async def _protect(request: web.Request, response: web.StreamResponse) -> None:

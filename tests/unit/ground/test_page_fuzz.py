@@ -106,6 +106,10 @@ paths = st.one_of(
             b"/assets/app.js", b"/assets/%00",
             b"/recordings", b"/recordings/0001.zip", b"/recordings/0001/audio.wav", b"/recordings/%ed%a0%80.zip",
             b"/recordings/a%0d%0ab.zip", b"http://127.0.0.1:99999/", b"*", b"//", b"/%",
+            b"/api/v1/payloads", b"/api/v1/payloads/1-191/orders", b"/api/v1/payloads/1-191/stop", b"/api/v1/stop",
+            b"/api/v1/payloads/%ff/sources", b"/api/v1/payloads/1-191/orders/1?wait=%ff", b"/api/v1/control",
+            b"/api/v1/recordings/%ed%a0%80", b"/api/v1/recordings/0001/files/%00", b"/api/v1/flights?name=%00.tlog",
+            b"/api/v1/payloads/1-191/parameters/%ff?wait=0", b"/api/v1/openapi.json", b"/api/%ff",
         ]
     ),
     raw.map(lambda data: b"/" + data.replace(b" ", b"")),
@@ -114,7 +118,8 @@ names = st.sampled_from(
     [
         b"Cookie", b"Origin", b"Host", b"Range", b"If-None-Match", b"If-Range", b"If-Modified-Since", b"Upgrade",
         b"Sec-WebSocket-Version", b"Sec-WebSocket-Key", b"Content-Encoding", b"Transfer-Encoding", b"Content-Type",
-        b"Accept-Encoding", b"Sec-Fetch-Site", b"User-Agent", b"Expect", b"X-Forwarded-For", b"Connection",
+        b"Accept-Encoding", b"Sec-Fetch-Site", b"Authorization", b"Ross-Client",
+        b"User-Agent", b"Expect", b"X-Forwarded-For", b"Connection",
     ]
 )  # fmt: skip
 values = st.one_of(
@@ -123,6 +128,7 @@ values = st.one_of(
             b"", b"gzip", b"deflate", b"br", b"chunked", b"websocket", b"13", b"http://[", b"null", b"bytes=9-1",
             b"bytes=-1", b"bytes=0-,5-", b'"', b'W/"x"', b"cross-site", b"127.0.0.1:99999", b"127.0.0.1:\xb2", b"[",
             b"ross-80=\xff", b"ross-80=\xed\xa0\x80; a", b"multipart/form-data; boundary=x", b"100-continue",
+            b"Bearer", b"Bearer \xff", b"Basic x", b"application/json",
             b"\xf0\xdbv", b"Thu, 99 Foo 0000 99:99:99 GMT", b"dGhlIHNhbXBsZSBub25jZQ==", b"Upgrade",
         ]
     ),
@@ -130,7 +136,9 @@ values = st.one_of(
 )  # fmt: skip
 headers = st.lists(st.tuples(names, values).map(b": ".join), max_size=5)
 bodies = st.one_of(
-    st.just(b""), raw, st.sampled_from([b"token=%ff", b"\x1f\x8b\x08garbage", b"5\r\nhello\r\n0\r\n\r\n"])
+    st.just(b""),
+    raw,
+    st.sampled_from([b"token=%ff", b"\x1f\x8b\x08garbage", b"5\r\nhello\r\n0\r\n\r\n", b'{"kind":"stop"}']),
 )
 
 

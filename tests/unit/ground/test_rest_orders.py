@@ -60,11 +60,26 @@ async def test_who_waits_for_an_order_is_answered_when_it_is_over_and_not_before
         assert (await one.order(wait=0.01, kind="park")).told["state"] == "sent"
 
 
-async def test_a_refusal_has_the_payloads_own_words_though_they_come_after_it():
-    station = Scripted(Result.TEMPORARILY_REJECTED, text="RoSS: turn refused: stopped: re-arm first")
+REFUSES = (Result.TEMPORARILY_REJECTED,)
+REASON = "RoSS: listen refused: source 7 is unknown"
+
+
+async def test_who_waits_is_told_of_a_refusal_in_the_payloads_own_words_though_they_come_after_it():
+    station = Scripted(*REFUSES, text=REASON)
     async with page(station) as served, program(served) as one:
-        told = (await one.order(wait=10, **TURN)).told
-        assert (told["state"], told["over"], told["reason"]) == ("refused", True, "stopped: re-arm first")
+        answer = await one.order(wait=10, kind="listen", source=7)
+        assert answer.refused(409, "refused") == "listen to source 7 was refused: source 7 is unknown"
+        told = (await one.get(answer.headers["Location"].removeprefix("/api/v1"))).told
+        assert (told["state"], told["over"], told["reason"]) == ("refused", True, "source 7 is unknown")
+
+
+async def test_who_does_not_wait_finds_the_refusal_at_the_address_of_the_order():
+    station = Scripted(*REFUSES, text=REASON)
+    async with page(station) as served, program(served) as one:
+        given = await one.order(kind="listen", source=7)
+        assert given.status == 202
+        told = await one.get(f"{given.told['url'].removeprefix('/api/v1')}?wait=10")
+        assert (told.status, told.told["state"]) == (200, "refused")
 
 
 async def test_one_order_can_be_cancelled_and_the_others_go_on():
@@ -171,6 +186,13 @@ async def test_all_payloads_are_stopped_at_once():
     async with page(station) as served, program(served) as one:
         stopped = await one.ask("POST", "/stop")
         assert [each["id"] for each in stopped.told["orders"]] == list(map(str, station.fleet.payloads))
+
+
+async def test_a_stop_for_all_that_reaches_nobody_is_no_success():
+    async with page(HandStation()) as served, program(served) as one:
+        assert "expected a payload that was received" in (await one.ask("POST", "/stop")).refused(
+            404, "unknown-payload"
+        )
 
 
 async def test_a_page_for_recorded_flights_accepts_no_order_not_even_a_stop():

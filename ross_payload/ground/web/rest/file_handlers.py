@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
 
 from aiohttp import hdrs, web
 
@@ -45,8 +48,7 @@ async def get_recordings(call: Call) -> page_answers.Recordings:
 async def get_recording(call: Call, where: OfRecording) -> page_answers.RecordedFiles:
     """The files of a recorded session."""
     files = await recordings.files_of(call.operator.state.recordings, where.name)
-    rows = [page_answers.RecordedFile(name=name, bytes=path.stat().st_size) for name, path in files.items()]
-    return page_answers.RecordedFiles(files=rows)
+    return page_answers.RecordedFiles(files=await asyncio.to_thread(_rows, files))
 
 
 async def get_recording_archive(call: Call, where: OfRecording) -> web.StreamResponse:
@@ -71,6 +73,15 @@ async def delete_recording(call: Call, where: OfRecording) -> None:
     except GroundError as error:
         raise Refusal(409, error.message) from error
     await call.browsers.refresh_recordings()
+
+
+def _rows(files: Mapping[str, Path]) -> list[page_answers.RecordedFile]:
+    """Return files with their sizes, but for those that have gone meanwhile."""
+    rows = []
+    for name, path in files.items():
+        with suppress(OSError):
+            rows.append(page_answers.RecordedFile(name=name, bytes=path.stat().st_size))
+    return rows
 
 
 def _octets(response: web.StreamResponse) -> web.StreamResponse:

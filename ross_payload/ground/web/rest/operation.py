@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-import re
+import inspect
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from http import HTTPStatus
 from typing import Any, get_type_hints
 
@@ -88,7 +89,7 @@ class Operation:
     @property
     def words(self) -> str:
         """What it does, and more about it, as the function says."""
-        return re.sub(r"\n {4}", "\n", (self.handle.__doc__ or "").strip())
+        return inspect.getdoc(self.handle) or ""
 
     @property
     def located(self) -> bool:
@@ -98,7 +99,7 @@ class Operation:
 
     def model(self, part: str) -> Any:
         """Return the model of ``where``, ``query``, ``body`` or of the answer (``return``); None: there is none."""
-        found = get_type_hints(self.handle).get(part)
+        found = _types(self.handle).get(part)
         return found if isinstance(found, type) and issubclass(found, BaseModel) else None
 
     async def answer(self, call: Call) -> web.StreamResponse:
@@ -129,6 +130,11 @@ class Operation:
         return web.Response(
             body=answered.model_dump_json(by_alias=True), status=self.status, content_type=JSON, headers=headers
         )
+
+
+@cache
+def _types(handle: Handle) -> dict[str, Any]:
+    return get_type_hints(handle)
 
 
 def _checked(model: type[BaseModel], values: Any, place: Place) -> BaseModel:

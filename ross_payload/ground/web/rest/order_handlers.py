@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, RootModel
 
-from ross_payload.ground.client.command_status import CommandStatus
+from ross_payload.ground.client.command_status import REFUSED, CommandStatus
 from ross_payload.ground.client.command_types import Stop
 from ross_payload.ground.client.order_models import MODELS, OrderModel
 from ross_payload.ground.client.parameters import REASON_TIMEOUT_S
@@ -28,23 +28,27 @@ class GivenOrder(RootModel[AnyOrder]):
 
 async def get_orders(call: Call, where: OfPayload) -> page_answers.Orders:
     """The latest orders to a payload, newest last, whoever gave them: of all payloads 50 are kept."""
-    call.operator.known(where.who)
     doing = call.operator.state.client.doing(where.who)
+    if not doing:
+        call.operator.known(where.who)
     return page_answers.Orders(orders=[told_of(each) for each in doing])
 
 
 async def give_order(call: Call, where: OfPayload, query: Wait, body: GivenOrder) -> page_answers.OrderStatus:
     """Order something, and take control if it is free.
 
-    What becomes of it is asked for at its `url`, or waited for with `wait`. That a payload refuses it is no problem of
-    the request: then its `state` is refused, and `reason` has the payload's words.
+    What becomes of it is asked for at its `url`, or waited for with `wait`. What the payload refuses while somebody
+    waits is a problem (409, refused) with the payload's words; else its `state` is refused, and `reason` has them.
     """
     wanted: OrderModel = body.root
     try:
         order = wanted.order()
     except ValueError as error:
         raise Refusal(422, str(error)) from error
-    return await _waited(call, call.operator.give(where.who, order), query.wait)
+    told = await _waited(call, call.operator.give(where.who, order), query.wait)
+    if query.wait and told.state == REFUSED:
+        raise Refusal(409, f"{told.words} was refused: {told.reason}", "refused", headers={"Location": told.url})
+    return told
 
 
 async def get_order(call: Call, where: OfOrder, query: Wait) -> page_answers.OrderStatus:
@@ -67,8 +71,11 @@ async def stop_payload(call: Call, where: OfPayload) -> page_answers.OrderStatus
 
 
 async def stop_all(call: Call) -> page_answers.Orders:
-    """Stop every payload that is received, as `/payloads/{payload}/stop` does."""
+    """Stop every payload that is listed, as `/payloads/{payload}/stop` does."""
     payloads = list(call.operator.state.station.fleet.payloads)
+    if call.operator.state.live and not payloads:
+        where = f"{BASE}/payloads/ID/stop"
+        raise Refusal(404, f"expected a payload that was received, got none: {where} stops any", "unknown-payload")
     return page_answers.Orders(orders=[told_of(call.operator.give(who, Stop())) for who in payloads])
 
 

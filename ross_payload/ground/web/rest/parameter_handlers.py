@@ -54,6 +54,7 @@ async def set_parameter(call: Call, where: OfParameter, body: Value) -> page_ans
     that is not answered is another (504): it may have been set nevertheless.
     """
     settings = call.operator.settings(where.who)
+    call.operator.check_control()
     await _arrived(call, settings, LIST_TIMEOUT_S)
     _row(settings, where.name)
     call.operator.hold()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from http import HTTPStatus
 from typing import Literal
@@ -42,6 +41,7 @@ WORDS = {
     404: "there is no such path: /api/v1/openapi.json lists all of them",
     405: "this method is none of those that the path has (Allow)",
 }  # where aiohttp has none
+KEPT = ("Allow", "Retry-After", "WWW-Authenticate")  # headers of such an answer
 OF_ERRORS: tuple[tuple[type[Exception], int, str], ...] = (
     (NotReceived, 404, "unknown-payload"),
     (NotOrdered, 404, "unknown-order"),
@@ -89,7 +89,7 @@ class Refusal(Exception):
         headers: Mapping[str, str] | None = None,
     ) -> None:
         super().__init__(detail)
-        self.status, self.detail, self.code = status, detail, code or CODES.get(status, "conflict")
+        self.status, self.detail, self.code = status, detail, code or CODES.get(status, "malformed")
         self.errors, self.headers = errors, headers or {}
 
     def response(self) -> web.Response:
@@ -111,18 +111,26 @@ def refusal_of(error: Exception) -> Refusal | None:
     if isinstance(error, Refusal):
         return error
     if isinstance(error, web.HTTPException):
-        kept = {
-            name: error.headers[name] for name in ("Allow", "Retry-After", "WWW-Authenticate") if name in error.headers
-        }
-        text = WORDS.get(error.status, "") if error.text == f"{error.status}: {error.reason}" else ""
-        text = text or (error.text or error.reason).strip()
-        return Refusal(error.status, text, headers=kept)
+        return refusal_of_http(error)
     if isinstance(error, UploadRefused):
         return Refusal(error.status, error.message)
     if isinstance(error, UNREADABLE):
         return Refusal(400, f"request: {shown(str(error))}")
     text = error.message if isinstance(error, GroundError) else str(error)
     return next((Refusal(status, text, code) for kind, status, code in OF_ERRORS if isinstance(error, kind)), None)
+
+
+def refusal_of_http(error: web.HTTPException) -> Refusal:
+    """Return the problem that an answer of the web server is."""
+    kept = {name: error.headers[name] for name in KEPT if name in error.headers}
+    own = error.text != f"{error.status}: {error.reason}"  # not the one that aiohttp makes up
+    text = error.text if own else WORDS.get(error.status)
+    return Refusal(error.status, (text or error.reason).strip(), headers=kept)
+
+
+def is_problem(path: str, error: web.HTTPException) -> bool:
+    """Whether an answer of the web server is to be told to a program, as a problem."""
+    return path.startswith(PATH) and error.status >= HTTPStatus.BAD_REQUEST
 
 
 @web.middleware
@@ -132,10 +140,10 @@ async def as_problems(request: web.Request, handler: Handler) -> web.StreamRespo
         return await handler(request)
     try:
         return await handler(request)
-    except (ConnectionError, asyncio.CancelledError):
+    except ConnectionError:
         raise
     except Exception as error:
-        if isinstance(error, web.HTTPException) and error.status < HTTPStatus.BAD_REQUEST:
+        if isinstance(error, web.HTTPException) and not is_problem(request.path, error):
             raise
         refusal = refusal_of(error)
         if refusal is None:

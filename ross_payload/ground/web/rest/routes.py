@@ -45,7 +45,7 @@ STATE = (
     ),
 )
 ORDERS = (
-    Operation("POST", "/stop", order_handlers.stop_all, 202, problems=(409,), always=True),
+    Operation("POST", "/stop", order_handlers.stop_all, 202, problems=(404, 409), always=True),
     Operation("POST", f"{OF_PAYLOAD}/stop", order_handlers.stop_payload, 202, problems=(409,), always=True),
     Operation("GET", f"{OF_PAYLOAD}/orders", order_handlers.get_orders, problems=(404,)),
     Operation("POST", f"{OF_PAYLOAD}/orders", order_handlers.give_order, 202, problems=(404, 409, 504), named=True),
