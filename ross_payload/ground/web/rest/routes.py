@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Awaitable, Callable
+from functools import cache
 
 from aiohttp import web
 
@@ -14,7 +16,7 @@ from ross_payload.ground.web.rest import (
     payload_handlers,
 )
 from ross_payload.ground.web.rest.openapi import document
-from ross_payload.ground.web.rest.operation import Call, Operation
+from ross_payload.ground.web.rest.operation import JSON, Call, Operation
 from ross_payload.ground.web.rest.order_handlers import BASE
 from ross_payload.ground.web.rest.programs import Programs
 from ross_payload.ground.web.websocket_sessions import WebSocketSessions
@@ -93,10 +95,10 @@ GROUPS = {"State": STATE, "Orders": ORDERS, "Parameters": PARAMETERS, "Files": F
 
 def add_routes(app: web.Application, browsers: WebSocketSessions, *, token: bool) -> None:
     """Serve the interface with an application; ``token``: one is needed."""
-    programs, described = Programs(browsers.state), document(GROUPS, event_stream.KINDS, token=token)
+    programs = Programs(browsers.state)
 
     async def description(request: web.Request) -> web.Response:
-        return web.json_response(described)
+        return web.Response(body=_description(token), content_type=JSON)
 
     app.router.add_get(OPENAPI, description)
     for operation in OPERATIONS:
@@ -104,6 +106,12 @@ def add_routes(app: web.Application, browsers: WebSocketSessions, *, token: bool
         app.router.add_route(operation.method, BASE + operation.path, answering)
         if operation.method == "GET" and operation.media != event_stream.MEDIA:
             app.router.add_route("HEAD", BASE + operation.path, answering)
+
+
+@cache
+def _description(token: bool) -> bytes:
+    """Return the description as it is sent; nobody waits for it before somebody asks."""
+    return json.dumps(document(GROUPS, event_stream.KINDS, token=token)).encode()
 
 
 def _answering(
