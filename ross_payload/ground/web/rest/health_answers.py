@@ -42,7 +42,7 @@ class PayloadLink(Part):
     sent: int = Field(description="frames")
     dropped: int = Field(description="frames")
     received: int = Field(description="frames")
-    lost: int | None = Field(description="frames; null: behind a router nobody can tell")
+    lost: int | None = Field(description="frames; null: not known behind a router")
     bad: int
     refused: int = Field(description="frames")
     reconnects: int
@@ -53,7 +53,7 @@ class Reception(Part):
 
     frames: int
     bytes: int
-    lost: int | None = Field(description="frames; null: behind a router nobody can tell")
+    lost: int | None = Field(description="frames; null: not known behind a router")
     malformed: int
 
 

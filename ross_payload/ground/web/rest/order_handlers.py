@@ -37,7 +37,7 @@ async def get_orders(call: Call, where: OfPayload) -> page_answers.Orders:
 async def give_order(call: Call, where: OfPayload, query: Wait, body: GivenOrder) -> page_answers.OrderStatus:
     """Order something, and take control if it is free.
 
-    What becomes of it is asked for at its `url`, or waited for with `wait`. What the payload refuses while somebody
+    What becomes of it is asked for at its `url`, or waited for with `wait`. What the payload refuses while the request
     waits is a problem (409, refused) with the payload's words; else its `state` is refused, and `reason` has them.
     """
     wanted: OrderModel = body.root

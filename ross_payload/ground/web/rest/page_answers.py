@@ -37,7 +37,7 @@ class Link(Answer):
     up: bool
     bytes_s: float
     frames_s: float
-    loss: float | None = Field(description="0 to 1, of the last seconds; null: nobody can tell")
+    loss: float | None = Field(description="0 to 1, of the last seconds; null: not known")
     error: str
     last: Seconds | None = Field(description="when the last good frame came")
 
