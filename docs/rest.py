@@ -25,8 +25,8 @@ component, as `1-191`. The description itself (OpenAPI 3.1) is at `/api/v1/opena
 PROBLEMS = """\
 ## Problems
 
-`application/problem+json`, a [Problem](#problem); nothing has happened. Every request can be answered with 400, 401,
-403, 421, 422, 429 or 500.
+`application/problem+json`, a [Problem](#problem). Every request can be answered with 400, 401, 403, 421, 422,
+429 or 500.
 
 | status | `code` |
 | --- | --- |"""

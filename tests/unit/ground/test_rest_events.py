@@ -8,6 +8,7 @@ import pytest
 
 from ground_page import page
 from rest_program import PAYLOAD, program
+from ross_payload.ground.client.events import Event
 from ross_payload.ground.web.page_state import CONTROL_GRACE_S
 from ross_payload.ground.web.rest import event_stream, programs
 from ross_protocols.mavlink import values as v
@@ -89,3 +90,9 @@ async def test_of_a_payload_that_was_not_received_there_are_no_events_and_stream
         assert (await one.get("/payloads/9-191/events")).refused(404, "unknown-payload")
         monkeypatch.setattr(programs, "MOST_STREAMS", 0)
         assert "get events already" in (await one.get(f"{PAYLOAD}/events")).refused(503, "too-many")
+
+
+def test_every_event_of_scripts_can_be_told_but_for_those_that_a_client_makes_up():
+    own = {"TaskProgress", "ContactLost", "ContactRestored"}  # OrderStatus, and `heard` of every answer, say as much
+    names = {each.__name__ for each in Event.__subclasses__()}
+    assert names - own == {each.__name__ for each in event_stream.KINDS} - {"OrderStatus"}

@@ -40,6 +40,7 @@ KINDS: tuple[type, ...] = (
     events.PayloadRestarted,
     OrderStatus,
 )  # by which an event is called, and whose fields are its data
+ADAPTERS: dict[type, TypeAdapter[Any]] = {kind: TypeAdapter(kind) for kind in KINDS}
 
 
 class EventQueue:
@@ -116,5 +117,5 @@ def text_of(happened: Any) -> str:
     >>> text_of(events.TargetLost(2.5))
     'event: TargetLost\ndata: {"at":2.5}\n\n'
     """
-    data = TypeAdapter(type(happened)).dump_json(happened).decode()
+    data = ADAPTERS[type(happened)].dump_json(happened).decode()
     return f"event: {type(happened).__name__}\ndata: {data}\n\n"

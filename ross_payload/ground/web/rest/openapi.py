@@ -25,7 +25,7 @@ What the page of `ross ground` shows and orders, for other programs. It speaks f
 MAVLink; angles are degrees, clockwise, and times seconds on the clock of the ground process.
 
 An order goes the way of one from the page: whoever has control may order, everyone may stop, and the payload's own
-words say why something was refused. What cannot be done is answered with a problem (RFC 9457); then nothing happens.
+words say why something was refused. What cannot be done is answered with a problem (RFC 9457).
 """
 TOKEN_ABOUT = "The token of the page, where it needs one; the cookie of the page will do, too."  # noqa: S105
 

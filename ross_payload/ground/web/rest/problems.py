@@ -66,7 +66,7 @@ class WrongValue(Answer):
 
 
 class Problem(Answer):
-    """Why something was not done (RFC 9457); nothing has happened."""
+    """Why something was not done (RFC 9457): nothing has happened, but with 500 and 504, where it may have."""
 
     type: str = Field("about:blank", description="as RFC 9457 has it; `code` says more")
     title: str
