@@ -64,9 +64,9 @@ async def test_progress_of_an_order_comes_by_itself():
 async def test_who_follows_the_events_keeps_control():
     station = Scripted(Result.ACCEPTED)
     async with page(station) as served, program(served, "a") as one, program(served, "b") as other:
+        await one.order(wait=5, kind="park")
         events = one.events(f"{PAYLOAD}/events")
         await begun(events, station)
-        await one.order(wait=5, kind="park")
         station.later += 2 * CONTROL_GRACE_S
         served.state.tick()
         assert (await other.get("/control")).told["name"] == "a at 127.0.0.1"
