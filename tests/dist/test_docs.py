@@ -15,7 +15,9 @@ from ross_payload.actuators.vehicle_yaw.options import Options
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.mark.parametrize(("script", "page"), [("tables", "configuration"), ("faults", "actuator-faults")])
+@pytest.mark.parametrize(
+    ("script", "page"), [("tables", "configuration"), ("faults", "actuator-faults"), ("rest", "rest")]
+)
 def test_a_generated_page_says_what_the_code_says(script, page):
     spec = importlib.util.spec_from_file_location(script, ROOT / "docs" / f"{script}.py")
     module = importlib.util.module_from_spec(spec)
@@ -31,7 +33,7 @@ def test_every_option_of_a_vehicle_that_yaws_is_told_with_its_default():
     assert rows == {name: json.dumps(field.default).removesuffix(".0") for name, field in Options.model_fields.items()}
 
 
-@pytest.mark.parametrize("page", ["safety", "links", "actuator-faults", "stability"])
+@pytest.mark.parametrize("page", ["safety", "links", "actuator-faults", "stability", "ground-page"])
 def test_a_promise_names_tests_that_exist(page):
     tests = list((ROOT / "tests").rglob("test_*.py"))
     known = {path.stem for path in tests}

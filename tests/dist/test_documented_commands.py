@@ -29,6 +29,8 @@ RUN, RUN_IN_SOAK, ELSEWHERE, NOT_RUN = "run here", "run here by make soak", "run
 WHERE = [
     (r"make (demo|test|release)", NOT_RUN, "sets up a virtual environment from an index; a release does it by hand"),
     (r"make (check|docs)$", NOT_RUN, "what every change must pass; tests/dist/test_docs.py builds the manual"),
+    (r"curl -H", NOT_RUN, "needs the reader's own ground station; tests/unit/ground/test_rest_token.py does as much"),
+    (r"curl |openapi-python-client ", ELSEWHERE, "tests/process/test_rest_guide.py"),
     (r"make protocols|cc |tshark .*-r ", ELSEWHERE, "tests/interop/test_wireshark.py"),
     (r"tshark .*-i lo", NOT_RUN, "captures from an interface, which needs rights"),
     (r"pip install \.$", ELSEWHERE, "tests/dist/test_own_actuator.py"),
