@@ -54,11 +54,6 @@ class Evidence:
     strict: Data
     blocks: Sequence[Real]  # effective counts, (n_blocks, n_bins) of every heading
 
-    @property
-    def weights(self) -> str:
-        """Whose weights weigh it: those for orientations, or for an array that turns."""
-        return "talker_evidence" if self.rich.periods is None else "talker_evidence_turning"
-
 
 @dataclass(frozen=True, slots=True)
 class Logistic:
@@ -73,9 +68,9 @@ class Logistic:
 
 
 @cache
-def fitted(name: str, weights: str = "talker_evidence") -> Logistic:
-    """The regression ``count`` or ``source`` with some weights of this package."""
-    text = files("ross_payload.localization").joinpath(f"{weights}.json").read_text(encoding="utf-8")
+def fitted(name: str) -> Logistic:
+    """The regression ``count`` or ``source`` with the weights of this package."""
+    text = files("ross_payload.localization").joinpath("talker_evidence.json").read_text(encoding="utf-8")
     found = json.loads(text)[name]
     return Logistic(float(found["intercept"]), np.array([found["weights"][feature] for feature in FEATURES]))
 
@@ -85,10 +80,10 @@ def likely(evidence: Evidence, step: Step, rival: float) -> float:
 
     Below a vehicle every source must be somebody, too: what rotors leave over is steady there, and worth much.
     """
-    least = fitted("count", evidence.weights).probability(features(evidence, step, rival, [step.least]))
+    least = fitted("count").probability(features(evidence, step, rival, [step.least]))
     if not evidence.rich.aloft:
         return float(least[0])
-    every = fitted("source", evidence.weights).probability(features(evidence, step, rival, range(len(step.worth))))
+    every = fitted("source").probability(features(evidence, step, rival, range(len(step.worth))))
     return float(min(least[0], every.min()))
 
 

@@ -15,7 +15,6 @@ from pathlib import Path
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from ross_payload.interfaces import Real, Samples
 from ross_sim.acoustics.room import RoomSpec, respond
@@ -76,7 +75,7 @@ def scenes(rooms: Sequence[str], voices: Sequence[Samples], seed: int, folder: P
         for k, n, name in names:
             path = None if folder is None else folder / name
             if path is None or not path.exists():
-                rng = np.random.default_rng([seed, number_of(room), k, n])
+                rng = np.random.default_rng([seed, _number(room), k, n])
                 heard, places = mixed(azimuths, responses, voices, k, odd=n % 4 == 3, rng=rng)
                 if path is not None:
                     np.savez(path, allow_pickle=False, x=heard, az=places)
@@ -86,31 +85,17 @@ def scenes(rooms: Sequence[str], voices: Sequence[Samples], seed: int, folder: P
             yield EvidenceScene(name.removesuffix(".npz"), heard.astype(np.float32) / FULL, places)
 
 
-def number_of(room: str) -> int:
-    """A number for a room, to draw with."""
+def _number(room: str) -> int:
     return sum(map(ord, room))
 
 
 def simulated(room: str, seed: int) -> tuple[Real, Samples]:
     """Azimuths [rad] of the places of a room, (n,), and the responses from there, (n_headings, 2, n, n_taps)."""
-    setting, rng = ROOMS[room], np.random.default_rng([seed, number_of(room)])
-    azimuths = azimuths_around(PLACES, rng)
+    setting, rng = ROOMS[room], np.random.default_rng([seed, _number(room)])
+    azimuths = -np.pi + 2 * np.pi * (np.arange(PLACES) + rng.uniform(0.05, 0.95, PLACES)) / PLACES
     places = tuple(map(tuple, setting.places(azimuths, rng).tolist()))
     spec = RoomSpec(setting.size, setting.t60, RATE, setting.centre, SPACING, places, SPEED_OF_SOUND)
     return azimuths, respond(spec, HEADINGS.tolist())
-
-
-def azimuths_around(n: int, rng: np.random.Generator) -> Real:
-    """Azimuths [rad] all around, one of them at random in every n-th of the circle, (n,)."""
-    return np.asarray(-np.pi + 2 * np.pi * (np.arange(n) + rng.uniform(0.05, 0.95, n)) / n)
-
-
-def draw_apart(azimuths: Real, k: int, rng: np.random.Generator) -> NDArray[np.intp]:
-    """Draw ``k`` of some azimuths [rad] that are far enough from each other; their indices, (k,)."""
-    chosen = rng.permutation(len(azimuths))[:k]
-    while _nearest(azimuths[chosen]) < APART:
-        chosen = rng.permutation(len(azimuths))[:k]
-    return chosen
 
 
 def mixed(
@@ -120,7 +105,9 @@ def mixed(
 
     What is heard is (n_headings, 2, n_samples).
     """
-    chosen = draw_apart(azimuths, k, rng)
+    chosen = rng.permutation(len(azimuths))[:k]
+    while _nearest(azimuths[chosen]) < APART:
+        chosen = rng.permutation(len(azimuths))[:k]
     louder = 10 ** (rng.uniform(-LOUDER_DB, LOUDER_DB, k) / 20) if odd else np.ones(k)
     snr = rng.uniform(*SNRS_DB) if odd else SNR_DB
     talkers = [voices[index] for index in rng.permutation(len(voices))[:k]]

@@ -12,7 +12,7 @@ import argparse
 import csv
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
@@ -24,7 +24,7 @@ from ross_payload.angles import difference
 from ross_payload.atomic_files import write_whole
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Explorer, Observation, Real, Samples
+from ross_payload.interfaces import Explorer, Real, Samples
 from ross_payload.localization import model_order, talker_evidence
 from ross_payload.localization.joint import Joint
 from ross_payload.localization.talker_evidence import FEATURES, LIKELY, Logistic
@@ -41,8 +41,6 @@ FOLDS = 6
 PENALTY = 5.0  # inverse of the strength of the penalty on standardised weights
 FURTHER, HAUNTED = 0.4, 0.3  # weights of mixtures of another order, and of those with a ghost
 DIGITS = 5
-
-Explore = Callable[[Sequence[str], Sequence[Samples], int, Path | None], Iterable["Descent"]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,19 +66,13 @@ def descents(scene: EvidenceScene, joint: Joint) -> Iterator[Descent]:
     """Explore a scene."""
     seen = list(observed(cast(Explorer, joint), Stft(RATE, FRAME, FRAME // 4), scene.heard, HEADINGS))
     for rotations in ROTATIONS:
-        yield descent(scene.name, scene.azimuths, joint, seen[: rotations + 1], rotations)
-
-
-def descent(name: str, azimuths: Real, joint: Joint, seen: Sequence[Observation], rotations: int) -> Descent:
-    """Fit mixtures of falling order to what was observed of talkers at these azimuths [rad], (k,)."""
-    evidence, rival = joint.evidence(seen), 0.0
-    rows: list[Row] = []
-    for step in model_order.steps(evidence.rich, joint.price):
-        if step.possible:
-            found = talker_evidence.features(evidence, step, rival, range(len(step.worth)))
-            rows.append(Row(found, step.least, owned(step.model.azimuths, azimuths)))
-            rival = float(step.worth[step.least])
-    return Descent(name, len(azimuths), rotations, tuple(rows))
+        evidence, rows, rival = joint.evidence(seen[: rotations + 1]), [], 0.0
+        for step in model_order.steps(evidence.rich, joint.price):
+            if step.possible:
+                found = talker_evidence.features(evidence, step, rival, range(len(step.worth)))
+                rows.append(Row(found, step.least, owned(step.model.azimuths, scene.azimuths)))
+                rival = float(step.worth[step.least])
+        yield Descent(scene.name, len(scene.azimuths), rotations, tuple(rows))
 
 
 def owned(sources: Real, talkers: Real) -> Real:
@@ -141,7 +133,7 @@ def fitted(found: Sequence[Descent]) -> tuple[dict[str, Logistic], list[tuple[De
 def report(picked: Sequence[tuple[Descent, Row | None]]) -> str:
     """How often K is right after every number of rotations, in scenes that the weights were not fitted to."""
     lines = []
-    for rotations in sorted({descent.rotations for descent, _ in picked}):
+    for rotations in ROTATIONS:
         by_room: dict[str, list[bool]] = {}
         for descent, row in ((descent, row) for descent, row in picked if descent.rotations == rotations):
             room, k = descent.scene.split("-")[:2]
@@ -186,16 +178,9 @@ def encoded(models: dict[str, Logistic], about: str) -> bytes:
     return (json.dumps({"about": about} | plain, indent=1) + "\n").encode()
 
 
-def explored(rooms: Sequence[str], voices: Sequence[Samples], seed: int, folder: Path | None) -> Iterator[Descent]:
-    """Explore the scenes of some rooms orientation by orientation; ``folder`` keeps the scenes."""
-    joint = Joint(SPACING, SPEED_OF_SOUND)
-    for scene in scenes(rooms, voices, seed, folder):
-        yield from descents(scene, joint)
-
-
-def main(arguments: Sequence[str] | None = None, explore: Explore = explored, about: str | None = __doc__) -> int:
-    """Fit to what ``explore`` yields, and write the weights."""
-    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Fit, and write the weights."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="recordings of talkers")
     parser.add_argument("out", type=Path, metavar="OUT.json")
     parser.add_argument("--rooms", nargs="+", choices=ROOMS, default=list(ROOMS))
@@ -208,13 +193,16 @@ def main(arguments: Sequence[str] | None = None, explore: Explore = explored, ab
         parser.error(str(error))
     if asked.keep is not None:
         asked.keep.mkdir(parents=True, exist_ok=True)
+    joint = Joint(SPACING, SPEED_OF_SOUND)
     with threadpool_limits(1):
-        every = list(explore(asked.rooms, voices, asked.seed, asked.keep))
+        heard = scenes(asked.rooms, voices, asked.seed, asked.keep)
+        every = [descent for scene in heard for descent in descents(scene, joint)]
     models, picked = fitted(every)
-    count = len({descent.scene for descent in every})
-    fitted_to = f"{count} scenes in {', '.join(asked.rooms)}, {len(voices)} talkers, seed {asked.seed}"
-    write_whole(asked.out, encoded(models, fitted_to))
-    sys.stdout.write(f"{fitted_to}\n{report(picked)}\n")
+    about = (
+        f"{len(every) // len(ROTATIONS)} scenes in {', '.join(asked.rooms)}, {len(voices)} talkers, seed {asked.seed}"
+    )
+    write_whole(asked.out, encoded(models, about))
+    sys.stdout.write(f"{about}\n{report(picked)}\n")
     return 0
 
 
