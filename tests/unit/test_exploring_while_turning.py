@@ -94,6 +94,16 @@ def test_the_array_turns_on_until_the_explorer_is_certain_and_then_brakes():
     assert [event.final for event in one.said(SourcesEstimated)] == [False, False, True]
 
 
+def test_unless_it_is_asked_for_the_array_turns_by_steps_and_listens_at_rest():
+    explorer, stft = HearsTurning(), Stft(RATE, 512, 128)
+    one = Turntable(mission(SETTINGS, Tools(explorer, stft, OneGroupEach(), stft, Likes(1), plan)))
+    one.run()
+    headings = np.rad2deg([event.heading for event in one.said(OrientationHeard)])
+    assert headings == pytest.approx(np.rad2deg(SETTINGS.rotation) * np.arange(len(headings)))
+    assert explorer.swept == []
+    assert all(output.rate is None and not output.halt for output in one.outputs)
+
+
 def test_it_is_sent_to_the_ends_at_the_rate_that_is_set():
     one = table(HearsTurning(certain=False), replace(TURNING, periods=12))
     one.run()
