@@ -33,8 +33,8 @@ class Explore(Table):
     max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # rotations at most
     pipelined: bool = False  # try promising alignments before the exploration ends
     continuous: bool = False  # turn without a pause and listen meanwhile, instead of step by step; `joint` only
-    rate_deg_s: Annotated[float, Field(ge=5, le=90)] = 20.0  # so fast does it turn then
-    turn_deg: Annotated[float, Field(ge=90, le=3600)] = 540.0  # and so far at most, back and forth
+    rate_deg_s: Annotated[float, Field(ge=5, le=90)] = 20.0  # how fast it turns then
+    turn_deg: Annotated[float, Field(ge=90, le=3600)] = 540.0  # how far at most, back and forth
 
     @property
     def periods(self) -> int:

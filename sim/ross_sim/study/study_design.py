@@ -47,9 +47,9 @@ class Study(Table):
     tell_k: bool = False  # the explorer is told K; `joint` only
     step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation
     turning_deg_s: Annotated[tuple[Annotated[float, Field(ge=0, le=90)], ...], Field(min_length=1)] = (
-        0.0,  # so fast the array turns without a pause; 0: it turns step by step
+        0.0,  # how fast the array turns without a pause; 0: it turns step by step
     )
-    turn_deg: Annotated[float, Field(ge=90, le=3600)] = 540.0  # and so far, back and forth
+    turn_deg: Annotated[float, Field(ge=90, le=3600)] = 540.0  # how far, back and forth
     run_s: Annotated[float, Field(ge=1, le=60)] = 10.0  # T_run
     rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 24000
     frame: Frame = 2048  # of the separation [samples]
