@@ -31,6 +31,7 @@ from ross_sim.study.calibration_rows import CalibrationRow, calibrations
 from ross_sim.study.exploration_tables import counts, reliability
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
+from ross_sim.study.motion_rows import MotionRow, motions
 from ross_sim.study.result_rows import Exploration, Separation
 from ross_sim.study.row_files import read_rows
 from ross_sim.study.study_design import STOP
@@ -53,6 +54,7 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
         "counts": lambda rows: counts(rows).body(),
         "reliability": lambda rows: reliability(rows).body(),
     },
+    MotionRow: {"motions": lambda rows: motions(rows).body()},
     CalibrationRow: {"calibrations": lambda rows: calibrations(rows).body()},
     AboveRow: {"above": lambda rows: above(rows).body()},
     live_tables.Row: {"live": live_tables.tables},
