@@ -22,6 +22,7 @@ POLL_S = 0.1
 CLIENTS = 8  # answered in one poll; the others wait for the next
 PATIENCE_S = 5.0  # for an answer: computing holds up the pump for a small part of it
 LONGEST = 65536  # answer [bytes]
+ADDRESS_BYTES = 107  # of a socket, unix(7)
 
 log = logging.getLogger(__name__)
 
@@ -102,7 +103,11 @@ def asked(folder: Path, patience: float = PATIENCE_S) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def _address(folder: Path) -> Iterator[str]:
-    """Name the socket in few characters: an address holds 107 bytes, and folders may be deep."""
+    """Name the socket in few bytes: folders may be deep."""
+    path = folder / NAME
+    if len(os.fsencode(path)) <= ADDRESS_BYTES:
+        yield str(path)
+        return
     handle = os.open(folder, os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         yield f"/proc/self/fd/{handle}/{NAME}"
