@@ -4,8 +4,8 @@
 
 BlueOS looks for whatever listens on all addresses, and asks it for `/` and `/register_service`; that is the front page
 here. It tells how the payload is and links to the ground station's page, which needs the token that the log shows. A
-payload that ends is started again; one whose configuration is wrong waits until the file changes. `--check` exits with
-0 while all is well.
+payload that ends is started again; one that refuses its configuration, when the file has changed, and every minute: what
+it did not find may be a device that is plugged in later. `--check` exits with 0 while all is well.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ from ross_payload.service.health_socket import asked
 
 ROSS = Path(sys.executable).with_name("ross")
 ICON = resources.files("ross_payload.ground.web") / "assets" / "icon.svg"
-LOOK_S = 1.0
+LOOK_S = 0.5
 AGAIN_S = 2.0  # until what has ended is started again
+REFUSED_S = 60.0  # the same, when it has refused a file that is as it was
 GOING_S = 8.0  # that both may take to end: Docker kills after 10
 BAD_INPUT = 2  # exit code
 SERVICE = {
@@ -71,7 +72,7 @@ class Settings:
 
 
 class Child:
-    """A program that is started again when it ends; after a mistake in its file, when that has changed."""
+    """A program that is started again when it ends: when it has refused its file, soon after that has changed."""
 
     def __init__(self, command: Iterable[object], file: Path | None = None) -> None:
         self._command = [str(word) for word in command]
@@ -88,7 +89,7 @@ class Child:
         """Start it when it does not run and may."""
         if self._process is not None and self._process.poll() is not None:
             self._ended_at, self._code, self._process = monotonic(), self._process.returncode, None
-        if self._process is None and not self.refused and monotonic() >= self._ended_at + AGAIN_S:
+        if self._process is None and monotonic() >= self._ended_at + (REFUSED_S if self.refused else AGAIN_S):
             if self._file is not None:
                 self._tried = _changed(self._file)
                 if not self._tried:
@@ -133,7 +134,7 @@ class Extension:
             return (
                 True,
                 "The payload refuses its configuration.",
-                f"The log says why; change {config}, and it starts again.",
+                f"The log says why. Change {config}, or plug in what is missing: within a minute it starts again.",
             )
         try:
             values = asked(self.settings.state)
