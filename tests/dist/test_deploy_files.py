@@ -3,6 +3,7 @@
 import importlib.util
 import re
 import subprocess
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -82,3 +83,17 @@ def test_the_environment_starts_at_its_place_and_names_no_other(environment, tmp
     assert files(tmp_path) == {"bin/ross", "bin/python3", "pyvenv.cfg"}
     assert (tmp_path / "bin/ross").read_text().startswith("#!/opt/ross/bin/python\n")
     assert (tmp_path / "pyvenv.cfg").read_text() == "home = /usr/bin\n"
+
+
+def test_the_page_on_installing_names_every_extra():
+    page = (ROOT / "docs/how-to/install.md").read_text()
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    assert set(re.findall(r"(?m)^\| `(\w+)` \|", page)) == set(extras)
+
+
+@pytest.mark.parametrize("file", ["docs/how-to/container.md", "docs/deploy/compose.yaml"])
+def test_a_wrong_configuration_is_not_restarted_without_end(file):
+    """A container engine cannot be told to leave exit code 2 alone."""
+    policies = re.findall(r"(?m)(?:--restart|^ *restart:) (\S+)", (ROOT / file).read_text())
+    assert policies
+    assert all(re.fullmatch(r"on-failure:\d+`[.;]?|on-failure:\d+", policy) for policy in policies), policies

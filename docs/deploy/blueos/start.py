@@ -4,8 +4,8 @@
 
 BlueOS looks for whatever listens on all addresses, and asks it for `/` and `/register_service`; that is the front page
 here. It tells how the payload is and links to the ground station's page, which needs the token that the log shows. A
-payload that ends is started again; one that refuses its configuration, when the file has changed, and every minute: what
-it did not find may be a device that is plugged in later. `--check` exits with 0 while all is well.
+payload that ends is started again; one that refuses its configuration, when the file has changed, and every minute, for
+what it did not find may be a device that is plugged in later. `--check` exits with 0 while all is well.
 """
 
 from __future__ import annotations
