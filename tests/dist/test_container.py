@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+import shutil
 import socket
 import subprocess
 import sys
@@ -212,7 +213,7 @@ mount -t proc proc {root}/proc
 mount -t tmpfs tmpfs {root}/tmp
 mount --bind {state} {root}/state
 mount --bind {config} {root}/etc/ross
-inside() {{ exec env -i {environment} chroot --userspec=10001:10001 --groups=20,29 {root} "$@"; }}
+inside() {{ exec env -i {environment} {chroot} --userspec=10001:10001 --groups=20,29 {root} "$@"; }}
 (inside {start}) &
 tries=0
 until (inside {check}); do tries=$((tries + 1)); [ $tries -lt 300 ] || exit 1; sleep 0.2; done
@@ -239,6 +240,7 @@ def lived(buildah, target, root, folder, **environment):
         state=state,
         config=folder / "config",
         environment=shlex.join(variables),
+        chroot=shutil.which("chroot"),  # the path of the image does not lead to it
         start=shlex.join([*config["Entrypoint"], *(config["Cmd"] or ())]),
         check=shlex.join(config["Healthcheck"]["Test"][1:]),
         look=LOOK,
