@@ -12,8 +12,8 @@ pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
 SOONER = {  # what happens in the scenario `slip`, in less time
     "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.5\nmax_rotations = 4",
-    "runs = 2": "runs = 2\ncheck_s = 2.0\nrun_s = 5.0",
-    "at_s = 34": "at_s = 16",
+    "runs = 2": "runs = 2\ncheck_s = 2.0\nrun_s = 4.0\nseparator = 'gaussian'",
+    "at_s = 34": "at_s = 15",
 }
 QUIET = """
 title = "Nothing slips"
@@ -22,9 +22,10 @@ lead_in_s = 1.0
 unit_s = 1.5
 max_rotations = 4
 [payload.exploit]
+separator = "gaussian"
 check_s = 2.0
-run_s = 5.0
-runs = 3
+run_s = 4.0
+runs = 2
 [noise]
 snr_db = 25
 """
