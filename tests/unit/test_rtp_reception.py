@@ -7,6 +7,7 @@ from aiortc.rtp import RtpPacket
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from lossy_network import Network, compared, heard, voiced
 from ross_payload.audio.sinks.rtp_sender import RtpSender
 from ross_payload.interfaces import VoiceBlock
@@ -225,7 +226,7 @@ DATAGRAMS = st.one_of(
 
 
 @given(st.lists(st.tuples(DATAGRAMS, st.floats(0, 0.5), st.integers(0, 2000)), max_size=30))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @pytest.mark.parametrize("media", [Media.of("L16", RATE), Media("opus", RATE, 96)])
 def test_whatever_arrives_as_much_is_played_as_is_asked_for(media, arrivals):
     receiver, now = RtpReceiver(media), 0.0
