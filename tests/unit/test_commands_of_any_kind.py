@@ -148,8 +148,8 @@ def flood(sky, count, seed):
     return orders
 
 
-def test_ten_thousand_random_frames_do_nothing_that_was_not_asked_for(sky):
-    assert flood(sky, 10_000, seed=1) > 100  # else nothing was tested
+def test_three_thousand_random_frames_do_nothing_that_was_not_asked_for(sky):
+    assert flood(sky, 3_000, seed=1) > 30  # else nothing was tested
 
 
 @pytest.mark.soak
