@@ -16,7 +16,7 @@ from ross_sim.sitl.talker_selection import talkers_of
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
-SETS_OUT, SPEED = 10.0, 8.0  # [s], [deg/s]
+SETS_OUT, SPEED = 5.0, 8.0  # [s], [deg/s]
 
 
 def scenario(sets_out=SETS_OUT, **exploit):
@@ -40,7 +40,7 @@ def scenario(sets_out=SETS_OUT, **exploit):
                 "audio": {"rate_hz": 16000},
                 "explore": {"lead_in_s": 1.0},
                 "informed": {"azimuths_deg": [40, 150, -95], "target": 0},
-                "exploit": {"separator": "gaussian", "check_s": 2.0, "run_s": 5.0, "runs": 3} | exploit,
+                "exploit": {"separator": "gaussian", "check_s": 2.0, "run_s": 3.5, "runs": 3} | exploit,
             },
         },
         "walker",
@@ -98,7 +98,7 @@ def test_the_truth_is_written_hop_by_hop(flown):
 
 
 def test_a_rerun_gives_the_same_bytes(tmp_path):
-    asked = scenario(sets_out=3.0, separator="auto", check_s=1.0, run_s=2.0, runs=2)  # walks while it listens
+    asked = scenario(sets_out=2.0, separator="auto", check_s=1.0, run_s=3.0, runs=1)  # walks while it listens
     one, other = (fly(asked, tmp_path / name)[2] for name in ("one", "other"))
     names = sorted(path.name for path in one.iterdir() if path.name != "timing.json")
     assert [name for name in names if (one / name).read_bytes() != (other / name).read_bytes()] == []
@@ -111,6 +111,6 @@ def test_what_is_said_can_be_read_again(flown):
     said = [event for event in flown[1] if isinstance(event, SourcesTracked)]
     lines = (flown[2] / "events.jsonl").read_text().splitlines()
     written = [values for values in map(json.loads, lines) if values["event"] == "SourcesTracked"]
-    assert len(written) == len(said) > 20
+    assert len(written) == len(said) > 15
     assert written[-1]["ages"] == pytest.approx(said[-1].ages)
     assert math.isfinite(written[-1]["estimate"]["sources"][2]["azimuth"])
