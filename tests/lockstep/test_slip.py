@@ -24,7 +24,7 @@ max_rotations = 4
 [payload.exploit]
 separator = "gaussian"
 check_s = 2.0
-run_s = 4.0
+run_s = 2.0
 runs = 2
 [noise]
 snr_db = 25
@@ -56,7 +56,7 @@ def test_a_mission_without_a_slip_looks_for_none(run, tmp_path):
     scenario.write_text(QUIET + THREE)
     code, report = flown(run, tmp_path / "out", "--scenario", scenario, "-a", "ideal")
     assert (code, report["slips_deg"]) == (0, [])
-    assert report["mission_s"] < 40  # explored once
+    assert report["mission_s"] < 36  # explored once
 
 
 def test_a_trouble_that_makes_no_sense_for_an_actuator_is_one_clear_line(run, tmp_path):
