@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from command_line import called_once
 from mission_fixtures import without_picture
 from replay_bench import SHORT, replayed
 from short_mission import CHEAP, SOON, brief
@@ -39,27 +40,35 @@ def ross(*arguments):
     return done
 
 
-def test_a_replay_says_the_same_to_the_byte(taped, tmp_path, run):
-    results, session = taped
-    code, values = replayed(session, tmp_path / "again", run)
+@pytest.fixture(scope="module")
+def again(taped, tmp_path_factory):
+    """A replay of it: the exit code, what it says, and the folder of its results."""
+    folder = tmp_path_factory.mktemp("again") / "out"
+    return *replayed(taped[1], folder, called_once), folder
+
+
+def test_a_replay_says_the_same_to_the_byte(taped, again):
+    (results, session), (code, values, folder) = taped, again
     assert code == 0
     assert values["identical"]
     assert values["parted"] == values["ended_early"] == ""
-    again = (tmp_path / "again" / "events.jsonl").read_bytes()
-    assert again == (session / "events.jsonl").read_bytes() == (results / "events.jsonl").read_bytes()
+    assert (
+        (folder / "events.jsonl").read_bytes()
+        == (session / "events.jsonl").read_bytes()
+        == (results / "events.jsonl").read_bytes()
+    )
     assert values["outcome"] == json.loads((results / "report.json").read_text())["outcome"]
     for voice in results.glob("[tg][ar]*.wav"):
-        assert (tmp_path / "again" / voice.name).read_bytes() == voice.read_bytes()
+        assert (folder / voice.name).read_bytes() == voice.read_bytes()
 
 
-def test_two_replays_write_the_same_bytes(taped, tmp_path, run):
-    _, session = taped
-    for name in ("one", "two"):
-        replayed(session, tmp_path / name, run)
-    files = {path.name for path in (tmp_path / "one").iterdir()}
+def test_two_replays_write_the_same_bytes(taped, again, tmp_path, run):
+    *_, one = again
+    replayed(taped[1], tmp_path / "two", run)
+    files = {path.name for path in one.iterdir()}
     assert {"events.jsonl", "replay.json"} <= files
     for name in files:
-        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+        assert (one / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
 
 
 def test_two_recordings_of_one_seed_have_the_same_bytes(taped, tmp_path, run):
