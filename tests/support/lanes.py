@@ -11,9 +11,9 @@ A folder of ``tests`` says the lane of what lies in it; a marker of that name, o
 What lies among the pure and imports what leaves the process (`REACHES_OUT`) is ``process``.
 The lanes run in stages (`STAGES`), in processes that are forked from one that has collected them (`forked_workers`).
 What claims something about time lies in folders of its own (``alone`` in those of ``realtime``), and runs at a higher
-priority, where the system allows it, so that what else the computer does cannot make it late; no test of another lane
-runs beside it. While a browser waits, ``pure`` tests use the processors at a low priority. A test that is ``alone`` has
-no other test beside it.
+priority, where the system allows it, so that what else the computer does cannot make it late. While it waits, or a
+browser does, ``pure`` tests use the processors, but only as long as nobody else wants them (SCHED_IDLE). A test that is
+``alone`` has no other test beside it.
 
 ``python tests/support/lanes.py [ARGUMENTS OF PYTEST]`` runs all of them so.
 """
@@ -61,12 +61,12 @@ REPORTS = "ROSS_TEST_REPORTS"  # a folder for reports in junit's form
 
 STAGES = (
     Stage(("lockstep", "process"), workers=6),
-    Stage(("realtime",), workers=5, niceness=-10, quiet=True),
+    Stage(("realtime",), workers=5, niceness=-10, spare=True),
     Stage(("alone",), workers=1, niceness=-10, quiet=True),
     Stage(("browser",), workers=3, niceness=-10, spare=True),
     Stage(("pure",), workers=4),
 )
-SPARE = Stage(("pure",), workers=2, niceness=5)
+SPARE = Stage(("pure",), workers=2, niceness=19)
 
 
 def lane_of(path: Path, markers: Iterable[str], imports: Iterable[str] = ()) -> str:
@@ -120,6 +120,8 @@ def _prepare(stage: Stage) -> None:
     """Give a worker the place among others that its stage has."""
     with suppress(PermissionError):
         os.nice(stage.niceness)
+    if stage is SPARE:
+        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
     if "pure" not in stage.lanes:
         forked_programs.begin()
 
