@@ -42,7 +42,13 @@ def observe(context: Context, listening: Listening) -> Observation:
     noise_psd, known = context.psd(stft, spectrogram), context.noise_of_explorer()
     if known is not None and context.tools.in_noise is not None:
         seen = context.tools.in_noise.observe(
-            spectrogram, stft.frequencies, listening.heading, listening.aboard, known, period=stft.period
+            spectrogram,
+            stft.frequencies,
+            listening.heading,
+            listening.aboard,
+            known,
+            period=stft.period,
+            tonal=context.tonal(stft, listening.samples, listening.rotor_speeds),
         )
     else:
         seen = context.tools.explorer.observe(
