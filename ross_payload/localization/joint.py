@@ -44,6 +44,7 @@ class Histograms:
 
     blocks: Real  # of all trustworthy bins, for every block of time, (n_blocks, n_bins)
     strict: Real  # of bins that belong to one talker, (n_bins,)
+    among: talker_evidence.Among | None = None  # the noise of a vehicle, where that is known
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,9 +173,9 @@ class Joint:
         blocks = [COUNT * observation.features.blocks for observation in observations]
         rich = np.stack([block.sum(axis=0) for block in blocks])
         strict = COUNT * np.stack([observation.features.strict for observation in observations])
-        return Evidence(
-            itd_mixture.Data(grid, headings, rich, *bounds), itd_mixture.Data(grid, headings, strict, *bounds), blocks
-        )
+        among = talker_evidence.together([observation.features.among for observation in observations])
+        whole, clear = (itd_mixture.Data(grid, headings, counts, *bounds) for counts in (rich, strict))
+        return Evidence(whole, clear, blocks, among)
 
     def _certain(self, data: itd_mixture.Data, fit: Fit, sources: tuple[SourceEstimate, ...]) -> bool:
         """The stop rule: K is beyond doubt, every place is sharp and unambiguous."""
@@ -212,7 +213,7 @@ def _sources(evidence: Evidence, fit: Fit, placed: itd_mixture.Mixture) -> tuple
     """The sources of a fit, ``placed`` by the strict histograms, the one with the most evidence first."""
     model, data = fit.step.model, evidence.rich
     every = talker_evidence.features(evidence, fit.step, fit.rival, range(len(model.azimuths)))
-    confidences = talker_evidence.fitted("source").probability(every)
+    confidences = talker_evidence.fitted("source", in_noise=evidence.among is not None).probability(every)
     shares = np.average(model.weights, axis=0, weights=data.counts.sum(axis=1) + itd_mixture.TINY)
     azimuths, amplitudes = itd_mixture.sigmas(evidence.strict, placed)
     sigmas = np.minimum(np.hypot(azimuths, BIAS), np.pi)

@@ -19,7 +19,7 @@ from ross_payload.dsp.itd_in_noise import weighted_itd_in_noise
 from ross_payload.dsp.rotors import Rotors, heard_from
 from ross_payload.interfaces import Complex, Marks, Observation, Real
 from ross_payload.localization.joint import BANDWIDTH, Histograms
-from ross_payload.localization.talker_evidence import BLOCK
+from ross_payload.localization.talker_evidence import BLOCK, Among
 
 WIDTH = 0.1  # of the votes for a rotor [d / v_p]
 RICH = Trust(neighbourhood=(3, 3), coherence=0.9, floor=3.0)  # wide: hardly any noise agrees so far
@@ -127,9 +127,11 @@ class JointInNoise:
         left = COUNTS * np.maximum(rich - OVER * seconds * known.rich.over(there, len(grid)), 0)
         blocks = blocks * (left / np.maximum(rich, 1e-12))
         strict = COUNTS * np.maximum(strict - OVER * seconds * known.strict.over(there, len(grid)), 0)
+        kept = min(float(left.sum() / COUNTS / max(float(rich.sum()), 1e-12)), 1.0)
+        among = Among(_phasors(known.noise, heading - aboard), kept)
         density = kde(left, grid, BANDWIDTH * self.spacing / self.speed_of_sound)
         peaks = prominent_peaks(density, grid)
-        return Observation(heading, grid, density, float(left.sum()), peaks, Histograms(blocks, strict))
+        return Observation(heading, grid, density, float(left.sum()), peaks, Histograms(blocks, strict, among))
 
     def _histograms(
         self,
@@ -164,3 +166,10 @@ class JointInNoise:
             return None
         unit = self.spacing / self.speed_of_sound
         return heard_from(noise.rotors, itd_grid(self.spacing, self.speed_of_sound), aboard, WIDTH * unit)
+
+
+def _phasors(noise: EgoNoise, turned: float) -> tuple[complex, ...]:
+    """Where rotors may be taken for talkers: nowhere in wind, which drowns them."""
+    if noise.rotors is None or noise.gusty:
+        return ()
+    return tuple(complex(phasor) for phasor in noise.rotors.phasors(turned))
