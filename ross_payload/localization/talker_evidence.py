@@ -69,6 +69,11 @@ class Evidence:
     blocks: Sequence[Real]  # effective counts, (n_blocks, n_bins) of every heading
     among: Among | None = None  # None: the noise is white
 
+    @property
+    def in_noise(self) -> bool:
+        """Whether the weights for the noise of a vehicle serve; far below one nobody has fitted them."""
+        return self.among is not None and not self.rich.aloft
+
 
 @dataclass(frozen=True, slots=True)
 class Logistic:
@@ -103,16 +108,15 @@ def likely(evidence: Evidence, step: Step, rival: float) -> float:
 
     Below a vehicle every source must be somebody, too: what rotors leave over is steady there, and worth much.
     """
-    in_noise = evidence.among is not None
-    least = fitted("count", in_noise=in_noise).probability(features(evidence, step, rival, [step.least]))
+    least = fitted("count", in_noise=evidence.in_noise).probability(features(evidence, step, rival, [step.least]))
     if not evidence.rich.aloft:
         return float(least[0])
-    every = fitted("source", in_noise=in_noise).probability(features(evidence, step, rival, range(len(step.worth))))
+    every = fitted("source").probability(features(evidence, step, rival, range(len(step.worth))))
     return float(min(least[0], every.min()))
 
 
 def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int]) -> Real:
-    """What tells some sources of a mixture from ghosts, (n, n_features) in the order of `FEATURES`.
+    """What tells some sources of a mixture from ghosts, (n, n_features) in the order of `FEATURES`, then `IN_NOISE`.
 
     ``rival`` is the worth over price of the source that went before this mixture, 0 when none did.
     """
@@ -148,9 +152,7 @@ def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int
         ])  # fmt: skip
     described = np.array(found, dtype=float).reshape(len(sources), len(DESCRIBED))
     whole = with_products(described)
-    return (
-        whole if evidence.among is None else np.column_stack([whole, _among_noise(described, evidence, step, sources)])
-    )
+    return np.column_stack([whole, _among_noise(described, evidence, step, sources)]) if evidence.in_noise else whole
 
 
 def with_products(described: Real) -> Real:

@@ -175,3 +175,12 @@ def test_rotors_are_named_in_the_frame_of_the_azimuths_and_not_at_all_in_wind():
     assert np.angle(turned.rotors[0]) == pytest.approx(np.arctan2(0.25, 0.25) + 0.7)
     windy = dataclasses.replace(known, noise=dataclasses.replace(known.noise, gusty=True))
     assert within.observe(heard, STFT.frequencies, 0.7, 0.0, windy, period=STFT.period).features.among.rotors == ()
+
+
+def test_far_below_a_vehicle_the_weights_are_those_of_white_noise():
+    joint, seen = Joint(SPACING, SPEED_OF_SOUND), observations([1.6])
+    aloft = joint.evidence([dataclasses.replace(each, height=10.0) for each in seen])
+    assert aloft.among is not None
+    assert not aloft.in_noise
+    (step, *_) = model_order.steps(aloft.rich, joint.price)
+    assert talker_evidence.features(aloft, step, 0.0, [0]).shape[1] == len(talker_evidence.FEATURES)
