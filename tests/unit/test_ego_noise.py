@@ -15,7 +15,7 @@ from ross_payload.localization import model_order, talker_evidence
 from ross_payload.localization.joint import Joint
 from ross_payload.localization.joint_in_noise import JointInNoise, Votes
 from ross_payload.localization.talker_evidence import Among
-from rotor_scenes import PLACES, RATE, ROTORS, SPACING, SPEED_OF_SOUND, STFT, rotor_noise, talk
+from rotor_scenes import PLACES, RATE, ROTORS, SPACING, SPEED_OF_SOUND, STFT, observations, rotor_noise, talk
 
 UNIT = SPACING / SPEED_OF_SOUND
 BAND = (STFT.frequencies > 500) & (STFT.frequencies < 3400)
@@ -128,19 +128,6 @@ def test_silence_after_the_lead_in_is_nobody():
     assert Joint(SPACING, SPEED_OF_SOUND).estimate(seen).k == 0
     nothing = within.observe(np.zeros((2, 257, 0), complex), STFT.frequencies, 0.0, 0.0, known, period=STFT.period)
     assert nothing.weight == 0
-
-
-def observations(azimuths, seconds=2):
-    """What the explorer observes at six headings among rotors, talkers at some azimuths."""
-    within = JointInNoise(SPACING, SPEED_OF_SOUND)
-    known = within.learn(spectrogram(rotor_noise(2, 0.0)), STFT.frequencies, STFT.period, 0.0, ROTORS)
-    seen = []
-    for index, heading in enumerate(0.5 * np.arange(6)):
-        heard = rotor_noise(seconds, heading, seed=index)
-        for azimuth in azimuths:
-            heard = heard + talk(seconds, azimuth, heading, seed=index)
-        seen.append(within.observe(spectrogram(heard), STFT.frequencies, heading, heading, known, period=STFT.period))
-    return seen
 
 
 def test_a_source_where_a_rotor_is_must_have_more_to_say_than_one_elsewhere():

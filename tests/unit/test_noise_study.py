@@ -8,6 +8,7 @@ from ross_payload.errors import ConfigError
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings, scene
+from ross_sim.study.noise_study import SHORT, tonal_of
 
 VOICES = [np.random.default_rng(n).standard_normal(4 * RATE).astype(np.float32) for n in range(3)]
 
@@ -78,3 +79,13 @@ def test_the_table_keeps_lone_talkers_apart():
     assert last == (
         "| synthetic | learnt | 0 dB | 1/2 (9-91 %) | 3/3 (44-100 %) | -5.0 ± 12.7 | 6.0 ± 12.7 | 0.0 | 9.0 |"
     )
+
+
+def test_speeds_are_known_of_rotors_that_are_made_alone():
+    rng = np.random.default_rng(1)
+    made, blown = noise_of("drifting", 1.0, (), rng), noise_of("wind", 1.0, (), rng)
+    tonal = tonal_of(made, SHORT, 0, RATE)
+    first = SHORT.frequencies[tonal[:, 40]][0]
+    assert first == pytest.approx(2 * made.speeds[:, RATE // 2].mean(), abs=2 * SHORT.frequencies[1])
+    assert tonal_of(blown, SHORT, 0, RATE) is None
+    assert noise_of("recorded", 1.0, [np.ones(RATE, np.float32)], rng).speeds is None

@@ -114,7 +114,7 @@ def observed(heard: NoiseScene, *, told: bool = False) -> list[Observation] | No
         SHORT.period,
         float(HEADINGS[0]),
         ROTORS,
-        tonal=_tonal(heard.noise, SHORT, 0, first) if told else None,
+        tonal=tonal_of(heard.noise, SHORT, 0, first) if told else None,
     )
     if known is None:
         return None
@@ -127,13 +127,13 @@ def observed(heard: NoiseScene, *, told: bool = False) -> list[Observation] | No
             float(h),
             known,
             period=SHORT.period,
-            tonal=_tonal(heard.noise, SHORT, start, start + unit) if told else None,
+            tonal=tonal_of(heard.noise, SHORT, start, start + unit) if told else None,
         )
         for x, h, start in zip(heard.heard, HEADINGS, starts, strict=True)
     ]
 
 
-def _tonal(noise: Noise, stft: Stft, begin: int, end: int) -> Marks | None:
+def tonal_of(noise: Noise, stft: Stft, begin: int, end: int) -> Marks | None:
     """Where tones of the rotors are between two samples; None where nobody knows their speeds."""
     if noise.speeds is None:
         return None
@@ -158,7 +158,7 @@ def separated(row: NoiseRow, made: NoiseScene, clips: Sequence[Samples], name: s
         spectrogram = LONG.analyse(mixture)
         tonal = None
         if row.model == "told":
-            tonal = _tonal(noise, LONG, lead_in.shape[1], lead_in.shape[1] + mixture.shape[1])
+            tonal = tonal_of(noise, LONG, lead_in.shape[1], lead_in.shape[1] + mixture.shape[1])
         groups = separator.batch(spectrogram, _scene(row, made, lead_in, spectrogram, heading, tonal=tonal))
         group = next(g for g, members in enumerate(groups.members) if target in members)
         voice = LONG.synthesise(groups.signals[group], mixture.shape[1])
