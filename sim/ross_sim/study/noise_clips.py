@@ -73,39 +73,56 @@ class NoisyClip:
     wanted: Complex  # every group alone at microphone 1, over the level, (n_groups, n_freqs, n_frames)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Talk:
+    """Talkers around the array at one heading."""
+
+    heading: float  # [rad]
+    azimuths: Real  # [rad], (n_talkers,)
+    elevations: Real  # [rad], (n_talkers,)
+    images: Real  # every talker alone at both microphones, (n_talkers, 2, n)
+
+
 def clip_in_noise(voices: Mapping[str, Real], motor: Real | None, seed: int, index: int) -> NoisyClip:
     """Make one clip from recordings (n,) at `RATE` by talker, and of a motor."""
     rng = np.random.default_rng([seed, 11, index])
     rate = FAST if rng.random() < FASTER else RATE
-    n_talkers = int(rng.choice(N_TALKERS, p=TALKER_SHARES))
-    azimuths = spread(n_talkers, rng, APART)
-    heading = float(rng.uniform(0, np.pi))
-    if n_talkers > 1 and rng.random() < ALIGNED:
-        heading = aligned_heading(azimuths, int(rng.integers(n_talkers))) if n_talkers > 2 else heading
-        heading += float(rng.normal(0, OFF)) * (rng.random() < NEARLY)
-    away, below = rng.uniform(*AFAR, n_talkers), rng.uniform(0, BELOW) * (rng.random() < 0.5)
-    elevations = -np.arctan2(below, away)
-    names = rng.permutation(sorted(voices))[:n_talkers]
-    cast = [recorded_voice(voices[name], rate, rng) for name in names]
-    places = np.stack([away * np.cos(azimuths), away * np.sin(azimuths), np.full(n_talkers, -below)], axis=1)
-    images = _images(cast, places, heading, rate, rng)
-    kind = str(rng.choice(KINDS, p=KIND_SHARES))
-    first = float(rng.uniform(-np.pi, np.pi))
-    lead_in, noise, rotors = _noise(kind, (first, heading), rate, motor, rng)
-    gain = _gain(images.sum(axis=0)[0], noise[0], rate, float(rng.uniform(*RATIOS)))
-    sensor = 10 ** (SENSOR / 20) * np.sqrt((images.sum(axis=0)[0] ** 2).mean())
+    talk = _talk(voices, rate, rng)
+    kind, first = str(rng.choice(KINDS, p=KIND_SHARES)), float(rng.uniform(-np.pi, np.pi))
+    lead_in, noise, rotors = _noise(kind, (first, talk.heading), rate, motor, rng)
+    speech = talk.images.sum(axis=0)
+    gain = _gain(speech[0], noise[0], rate, float(rng.uniform(*RATIOS)))
+    sensor = 10 ** (SENSOR / 20) * np.sqrt((speech[0] ** 2).mean())
     lead_in, noise = (gain * each + sensor * rng.standard_normal(each.shape) for each in (lead_in, noise))
-    wrong = rng.normal(0, ASTRAY, n_talkers) if rng.random() < 0.5 else 0.0
-    tau = tdoa(azimuths + wrong, heading, SPACING, SPEED_OF_SOUND, elevations)
+    wrong = rng.normal(0, ASTRAY, len(talk.azimuths)) if rng.random() < 0.5 else 0.0
+    tau = tdoa(talk.azimuths + wrong, talk.heading, SPACING, SPEED_OF_SOUND, talk.elevations)
     told = rotors if rng.random() < TOLD else None
     stft = Stft(rate, FRAME, HOP)
-    mixture = stft.analyse((images.sum(axis=0) + noise).astype(np.float32))
-    known = learnt(stft.analyse(lead_in.astype(np.float32)), stft.frequencies, stft.period, first, told)
+    mixture = stft.analyse((speech + noise).astype(np.float32))
+    field = _field(stft, lead_in, first, mixture, talk.heading, rotors=told)
+    return _fitted(stft, mixture, stft.analyse(talk.images[:, 0].astype(np.float32)), tau, field)
+
+
+def _talk(voices: Mapping[str, Real], rate: int, rng: np.random.Generator) -> _Talk:
+    n = int(rng.choice(N_TALKERS, p=TALKER_SHARES))
+    azimuths, heading = spread(n, rng, APART), float(rng.uniform(0, np.pi))
+    if n > 1 and rng.random() < ALIGNED:
+        heading = aligned_heading(azimuths, int(rng.integers(n))) if n > 2 else heading
+        heading += float(rng.normal(0, OFF)) * (rng.random() < NEARLY)
+    away, below = rng.uniform(*AFAR, n), rng.uniform(0, BELOW) * (rng.random() < 0.5)
+    names = rng.permutation(sorted(voices))[:n]
+    cast = [recorded_voice(voices[name], rate, rng) for name in names]
+    places = np.stack([away * np.cos(azimuths), away * np.sin(azimuths), np.full(n, -below)], axis=1)
+    return _Talk(heading, azimuths, -np.arctan2(below, away), _images(cast, places, heading, rate, rng))
+
+
+def _field(stft: Stft, lead_in: Real, first: float, mixture: Complex, heading: float, *, rotors: Rotors | None) -> Real:
+    """The noise field as the payload finds it; a lead-in at another heading tells what to begin with, if anything."""
+    quiet = stft.analyse(lead_in.astype(np.float32))
+    known = learnt(quiet, stft.frequencies, stft.period, first, rotors)
     if known is None:
-        field = noise_field(mixture, stft.frequencies, stft.period)
-    else:
-        field = known.field(mixture, stft.frequencies, stft.period, heading)
-    return _fitted(stft, mixture, stft.analyse(images[:, 0].astype(np.float32)), tau, field)
+        return noise_field(mixture, stft.frequencies, stft.period)
+    return known.field(mixture, stft.frequencies, stft.period, heading)
 
 
 def _fitted(stft: Stft, mixture: Complex, spectra: Complex, tau: Real, field: Real) -> NoisyClip:

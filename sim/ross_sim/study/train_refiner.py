@@ -38,7 +38,7 @@ from ross_sim.talkers.speech import read
 N_CLIPS, N_WATCHED = 800, 40
 N_CHANNELS, N_BLOCKS, N_LAST = 48, 6, 64
 N_STEPS = 7_000
-N_NOISY_CLIPS, N_NOISY_WATCHED, N_NOISY_STEPS = 160, 24, 3_000  # from the shipped weights on
+N_NOISY_CLIPS, N_NOISY_WATCHED, N_NOISY_STEPS = 115, 8, 2_000  # from the shipped weights on
 PIECE = 64  # frames
 GROUPS = (2, 3, 4, 5)
 BLIND = 0.25  # how often nothing is known of what follows, as frame by frame
