@@ -1,6 +1,7 @@
 # make demo   see it work              make test   run every test
 # make check  ruff, mypy, imports      make bench  the measured tables       make soak  the full figures
-# make docs   build the manual         make protocols  regenerate the MAVLink dialect, C headers, the dissector
+# make docs   build the manual         make site   the same of every version, for hosting
+# make protocols  regenerate the MAVLink dialect, C headers, the dissector
 # make release build and try what is published
 # make hashes pin what a payload runs on, by hash, after a change of constraints.txt
 PYTHON ?= python3
@@ -13,7 +14,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 COMPILED := PYTHONDONTWRITEBYTECODE=  # hundreds of processes are started
 
 HASHED := --extra capture --extra serial --extra can --extra gpio --extra ground --extra stream --extra voice
-.PHONY: demo test check bench soak docs protocols hashes release clean
+.PHONY: demo test check bench soak docs site protocols hashes release clean
 .DELETE_ON_ERROR:
 
 demo: $(VENV)/.demo
@@ -43,6 +44,9 @@ soak: $(VENV)/.dev
 
 docs: $(VENV)/.dev
 	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build/html
+
+site: $(VENV)/.dev
+	$(BIN)/python docs/site.py
 
 protocols: $(VENV)/.dev
 	$(BIN)/python protocols/generate.py

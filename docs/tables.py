@@ -3,7 +3,7 @@
 import sys
 import tokenize
 from pathlib import Path
-from typing import get_args
+from typing import Literal, get_args, get_origin
 
 from ross_payload import config
 from ross_payload.audio.sinks import device_sink, file_sink, rtp_sink, tcp_sink
@@ -27,7 +27,7 @@ def comments(path: Path) -> dict[tuple[str, str], str]:
 def default(value) -> str:
     """The default of a field as it would stand in a file; empty where there is none."""
     if value.is_required():
-        return ""
+        return "*required*"
     shown = value.get_default(call_default_factory=True)
     shown = str(shown).lower() if isinstance(shown, bool) else shown
     return "" if shown in (None, {}, (), "") else f"`{shown}`"
@@ -50,8 +50,18 @@ def rows(model, about) -> list[str]:
     """A table with one row for every field of a model."""
     lines = ["| key | default | means |\n| --- | --- | --- |"]
     for key, value in model.model_fields.items():
-        lines.append(f"| `{key}` | {default(value)} | {about.get((model.__name__, key), '')} |")
+        means = about.get((model.__name__, key), "")
+        lines.append(f"| `{key}` | {default(value)} | {means}{choices(value.annotation, means)} |")
     return [*lines, ""]
+
+
+def choices(annotation, means: str) -> str:
+    """The words that a field may have, in brackets, where what it means does not name them all."""
+    kinds = (annotation, *get_args(annotation))
+    words = next((get_args(kind) for kind in kinds if get_origin(kind) is Literal), ())
+    shown = [word for word in words if isinstance(word, str) and word]
+    told = len(shown) < 2 or all(word in means for word in shown)
+    return "" if told else f" ({', '.join(f'`{word}`' for word in shown)})"
 
 
 def streams() -> list[str]:

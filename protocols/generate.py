@@ -28,36 +28,41 @@ INTRODUCTION = """\
 
 % Generated from protocols/mavlink/ross.xml by protocols/generate.py: edit those.
 
+Every message, enumeration and command of the payload's own dialect, for those who write software against it. How to
+send the commands is in [command the payload](../how-to/command-the-payload.md), what the texts mean in
+[troubleshooting](troubleshooting.md#messages-to-the-operator).
+
 The payload is a MAVLink 2 component: `MAV_TYPE_ONBOARD_CONTROLLER`, no autopilot, component
 `MAV_COMP_ID_ONBOARD_COMPUTER` (191, configurable). It sends
 
 - `HEARTBEAT` every second, and when the state changes. `custom_mode` is the mission's [state](#ross-state);
-  `system_status` is `BOOT` before the mission speaks, `CALIBRATING` while it measures the noise, `STANDBY` when it is
-  idle or over, `ACTIVE` while it hears and turns, `CRITICAL` after a fault;
+  `system_status` is `BOOT` before the mission runs, `CALIBRATING` while it measures the noise, `STANDBY` when it is
+  idle or over, `ACTIVE` while it listens and turns, `CRITICAL` after a fault;
 - `STATUSTEXT` when something happens that an operator wants to know, not more often than once in 2 s in the long run;
 - `NAMED_VALUE_FLOAT` and `DEBUG_FLOAT_ARRAY` with the most important numbers, for
   [ground stations](../how-to/ground-stations.md) without our dialect;
 - `ONBOARD_COMPUTER_STATUS` every 5 s, from `ross run`: the load of each core, memory, the hottest thermal zone, the
   disk of the recordings. Not on links below 800 bytes/s, where it finds no room;
 - the messages below. Their dialect is `protocols/mavlink/ross.xml`; it needs no other file. On links with the role
-  `autopilot` each rides in a `TUNNEL` of the type [ROSS_TUNNEL_TYPE_FRAME](#ross-tunnel-type): one whole frame.
+  `autopilot` each is sent inside a `TUNNEL` of the type [ROSS_TUNNEL_TYPE_FRAME](#ross-tunnel-type): one whole frame.
 
-Rates are those of a link with room for all; `MAV_CMD_SET_MESSAGE_INTERVAL` changes them on the link that it comes from.
+Rates are those of a link that can carry all; `MAV_CMD_SET_MESSAGE_INTERVAL` changes them on the link that it comes
+from.
 
 **Angles** are radians, clockwise seen from above and in (-pi, pi], from north in `ROSS_FRAME_EARTH` and from the zero
 of the mount in `ROSS_FRAME_MOUNT`; joint angles are clockwise too but not wrapped. Inside the payload angles are
-counter-clockwise: `ross_protocols` turns them around and nothing else does.
+counter-clockwise; only `ross_protocols` converts them.
 
 **To draw the scene**, take the axis from `ROSS_STATUS.heading` and draw it both ways, since two microphones have no
 front; per `ROSS_SOURCE` a wedge of `azimuth` plus and minus `azimuth_sigma`, a second one at `azimuth_mirror` when that
-is a number; the lines to try next from `ROSS_ALIGNMENT`. Drop sources whose `estimate` is not the latest. What is
-repeated keeps the time at which it was found out.
+is a number; the headings that will be tried next are in `ROSS_ALIGNMENT`. Drop sources whose `estimate` is not the
+latest. A message that is repeated keeps the time at which its content was found.
 
-**Who listens** is told by `ROSS_STREAM`, one message per stream, and by two flags of `ROSS_STATUS`. What is heard
-leaves the payload by a command or by its configuration only: [listen live](../how-to/command-the-payload.md).
+**Who listens** is in `ROSS_STREAM`, one message per stream, and in two flags of `ROSS_STATUS`. Sound leaves the payload
+only by a command or by its configuration: [listen live](../how-to/command-the-payload.md#listen-live).
 
-**Numbers that are not known** are sent as the value in the column *invalid*. **Old and new** understand each other:
-fields are only ever added, as extensions at the end; a test holds the checksum (CRC_EXTRA) of every message to a table.
+**Numbers that are not known** are sent as the value in the column *invalid*. **Versions** understand each other: fields
+are only ever added, as extensions at the end; a test compares the checksum (CRC_EXTRA) of every message with a table.
 """
 
 

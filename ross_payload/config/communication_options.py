@@ -45,10 +45,10 @@ class Service(Table):
     """[service]: start and state of `ross run`."""
 
     state_dir: str = ""  # parameters set in flight, signing time; empty: $STATE_DIRECTORY, else ~/.local/state/ross
-    autostart: Literal["nothing", "explore", "seek"] = "nothing"  # what to do at start without a command
+    autostart: Literal["nothing", "explore", "seek"] = "nothing"  # at the start; seek: find the target
     target: str = ""  # name of the enrolled voice; empty: no target
-    log_level: Literal["debug", "info", "warning", "error"] = "info"
-    log_format: Literal["text", "json"] = "text"
+    log_level: Literal["debug", "info", "warning", "error"] = "info"  # what is logged: this and worse
+    log_format: Literal["text", "json"] = "text"  # lines for people, or one JSON object per line
 
 
 class Recording(Table):

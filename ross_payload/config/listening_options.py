@@ -24,8 +24,8 @@ class Stream(Table):
     sink: Annotated[str, Field(min_length=1)]  # file, device, tcp, rtp, or one of a plug-in
     what: str = "target"  # mixture, target, `source N` (of the latest estimate, from 0) or `azimuth DEGREES`
     gain_db: Annotated[float, Field(ge=-60, le=60)] = 0.0  # added to what is heard; a limiter holds it below full scale
-    muted: bool = False  # silence until an order says otherwise
-    on: bool = True  # from the start; false: waits for an order
+    muted: bool = False  # silence until a command says otherwise
+    on: bool = True  # from the start; false: waits for a command
     options: dict[str, Any] = Field(default_factory=dict)  # a table of the sink's own
 
     @field_validator("what")

@@ -25,10 +25,10 @@ class Explore(Table):
     )
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of these frames, as a share of the frame
     lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listening time before the first turn, to measure the noise
-    unit_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_unit
-    step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation
-    min_rotations: Annotated[int, Field(ge=1, le=24)] = 4  # minimum number, even if the explorer is certain earlier
-    max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # maximum number
+    unit_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # listening time at one orientation, T_unit [s]
+    step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation, from one orientation to the next
+    min_rotations: Annotated[int, Field(ge=1, le=24)] = 4  # rotations at least, even if the explorer is certain earlier
+    max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # rotations at most
     pipelined: bool = False  # try promising alignments before the exploration ends
 
     @model_validator(mode="after")
@@ -75,9 +75,9 @@ class Exploit(Table):
 
     separator: str = "auto"  # `auto`, or one of the separators
     rules: Literal["best", "paper"] = "best"  # where to turn: best predicted gain, or the paper's equations
-    check_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # T_check
-    run_s: Annotated[float, Field(ge=1, le=600)] = 10.0  # T_run
-    runs: Annotated[int, Field(ge=0)] = 1  # how many T_run before the mission is done; 0: until stopped
+    check_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # listening time to check a voice, T_check [s]
+    run_s: Annotated[float, Field(ge=1, le=600)] = 10.0  # listening time until the voice is checked again, T_run [s]
+    runs: Annotated[int, Field(ge=0)] = 1  # how many periods of run_s until the mission is done; 0: until stopped
     criterion: Annotated[float, Field(allow_inf_nan=False)] = 0.5  # accept a voice above this score
     max_restarts: Annotated[int, Field(ge=0)] = 2  # number of restarts when the target is lost
     track: bool = True  # follow talkers who move while the array listens, and turn a little where that helps

@@ -9,12 +9,15 @@ from pathlib import Path
 
 import pytest
 
+from ross_payload import ground, interfaces
 from ross_payload.actuators.vehicle_yaw.options import Options
 
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.mark.parametrize(("script", "page"), [("tables", "configuration"), ("faults", "actuator-faults")])
+@pytest.mark.parametrize(
+    ("script", "page"), [("tables", "configuration"), ("faults", "actuator-faults"), ("rest", "rest")]
+)
 def test_a_generated_page_says_what_the_code_says(script, page):
     spec = importlib.util.spec_from_file_location(script, ROOT / "docs" / f"{script}.py")
     module = importlib.util.module_from_spec(spec)
@@ -30,7 +33,7 @@ def test_every_option_of_a_vehicle_that_yaws_is_told_with_its_default():
     assert rows == {name: json.dumps(field.default).removesuffix(".0") for name, field in Options.model_fields.items()}
 
 
-@pytest.mark.parametrize("page", ["safety", "links", "actuator-faults", "stability"])
+@pytest.mark.parametrize("page", ["safety", "links", "actuator-faults", "stability", "ground-page"])
 def test_a_promise_names_tests_that_exist(page):
     tests = list((ROOT / "tests").rglob("test_*.py"))
     known = {path.stem for path in tests}
@@ -109,3 +112,13 @@ def test_decisions_are_on_a_page_of_their_own(manual):
     index, page = ((folder / name).read_text(encoding="utf-8") for name in ("index.html", "explanation/decisions.html"))
     assert "0044-a-stop" not in re.search(r'<div class="toctree-wrapper.*', index, re.DOTALL)[0]
     assert "0044-a-stop" in re.search(r'<div class="toctree-wrapper.*', page, re.DOTALL)[0]
+
+
+def test_every_public_name_is_on_its_page(manual):
+    folder, _ = manual
+    client = (folder / "reference" / "client-api.html").read_text(encoding="utf-8")
+    assert [name for name in ground.__all__ if f'.{name}"' not in client] == []
+    seams = (folder / "reference" / "plugin-api.html").read_text(encoding="utf-8")
+    own = [name for name, kind in vars(interfaces).items() if getattr(kind, "__module__", "") == interfaces.__name__]
+    assert [name for name in own if f'id="ross_payload.interfaces.{name}"' not in seams] == []
+    assert "smallest step [rad]" in seams  # comments of fields tell their units

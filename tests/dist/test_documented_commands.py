@@ -27,7 +27,10 @@ INLINE = re.compile(r"`(?:[^`\n]*/)?(ross [^`\n]+)`")
 # Where a printed command is run. Every command belongs to exactly one line; a line that fits nothing is an error, too.
 RUN, RUN_IN_SOAK, ELSEWHERE, NOT_RUN = "run here", "run here by make soak", "run by another test", "not run"
 WHERE = [
-    (r"make (demo|test)", NOT_RUN, "sets up a virtual environment from an index; a release does it by hand"),
+    (r"make (demo|test|release)", NOT_RUN, "sets up a virtual environment from an index; a release does it by hand"),
+    (r"make (check|docs)$", NOT_RUN, "what every change must pass; tests/dist/test_docs.py builds the manual"),
+    (r"curl -H", NOT_RUN, "needs the reader's own ground station; tests/unit/ground/test_rest_token.py does as much"),
+    (r"curl |openapi-python-client ", ELSEWHERE, "tests/process/test_rest_guide.py"),
     (r"make protocols|cc |tshark .*-r ", ELSEWHERE, "tests/interop/test_wireshark.py"),
     (r"tshark .*-i lo", NOT_RUN, "captures from an interface, which needs rights"),
     (r"pip install \.$", ELSEWHERE, "tests/dist/test_own_actuator.py"),
@@ -54,6 +57,9 @@ WHERE = [
     (r"(mkdir|cp) .*dronecan_vendor_specific_types", ELSEWHERE, "tests/interop/test_dronecan_vendor_types.py"),
     (r"pulseaudio|PULSE_SERVER|ross world demo --pipe", ELSEWHERE, "tests/interop/test_live_portaudio.py"),
     (r"ross listen", ELSEWHERE, "tests/unit/test_rtp_sink.py"),
+    (r"ross voice-model", ELSEWHERE, "tests/lockstep/test_voice_model.py"),
+    (r"python -m ross_sim.study.", NOT_RUN, "takes recordings; its options: test_every_block_is_checked"),
+    (r"python launcher.py", ELSEWHERE, "tests/interop/test_mavproxy.py"),
     (r"ffplay |gst-launch-1.0 ", ELSEWHERE, "tests/interop/test_rtp_players.py"),
     (r"vlc ", NOT_RUN, "needs a screen"),
     (r"ross hub|ross device", ELSEWHERE, "tests/realtime/test_device.py"),
@@ -76,7 +82,7 @@ WHERE = [
     (r"ross study full .*--engine|dask (scheduler|worker)", ELSEWHERE, "tests/process/test_study_cluster.py"),
     (r"ross study status", ELSEWHERE, "tests/lockstep/test_study_shards.py"),
     (r"ross study (full .*--shard|merge)", ELSEWHERE, "tests/lockstep/test_study_shards.py"),
-    (r"ross study (separation|--out|quick --explorers)", NOT_RUN,
+    (r"ross study (separation|above|--out|quick --explorers)", NOT_RUN,
      "takes hours; presets are run by tests/lockstep/test_study.py"),
     (r"ross study quick --out", RUN_IN_SOAK, {0}),
     (r"ross sitl", RUN_IN_SOAK, {0, 3}),
@@ -182,7 +188,15 @@ def shown(page, kind):
     return [command for where, command in of_kind(kind) if where == page]
 
 
-@pytest.mark.parametrize("page", sorted({page for page, _ in of_kind(RUN)}))
+def pages_with_news(kind):
+    """Pages that print a command of a kind which no page before prints."""
+    first = {}
+    for page, command in of_kind(kind):
+        first.setdefault(command.replace(".venv/bin/", ""), page)
+    return sorted(set(first.values()))
+
+
+@pytest.mark.parametrize("page", pages_with_news(RUN))
 def test_the_cheap_commands_of_a_page_do_what_they_say(page, sandbox):
     for command in shown(page, RUN):
         done = run(command, sandbox)

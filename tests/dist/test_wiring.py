@@ -58,8 +58,8 @@ def test_currents_and_torque_are_worked_out_right():
     values = {
         "plate and array: a disc of 150 g, 5 cm in radius": inertia,
         "acceleration of the example, 180 deg/s²": 1e3 * turning,
-        "what a stiff cable pulls: 20 g at 5 cm (try it with a spring balance)": 1e3 * 0.020 * 9.81 * 0.05,
-        "needed": 1e3 * (cable + turning),
+        "pull of a stiff cable (measure it with a spring balance)": 1e3 * 0.020 * 9.81 * 0.05,
+        "torque needed": 1e3 * (cable + turning),
         "reserve": holding / (cable + turning),
         "how far the cable pulls the array from where it should be": math.degrees(math.asin(cable / holding) / 50),
         "heat of the motor at rest, winding 3.7 Ω": 0.5**2 * 3.7,

@@ -10,6 +10,7 @@ command python3 python3 python3-venv
 command gcc gcc linux-libc-dev libc6-dev
 command systemd-analyze systemd
 command openssl openssl
+command curl curl
 [ -n "$CHROMIUM" ] || command chromium chromium fonts-dejavu-core
 command tshark tshark
 command pulseaudio pulseaudio

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import json
 import socket
-from contextlib import asynccontextmanager
+import threading
+from contextlib import asynccontextmanager, contextmanager
 
 import aiohttp
 
@@ -54,6 +55,29 @@ async def browser(url, you="", window=None, **options):
 async def page(station, flights=None, **options):
     async with serve(station, flights, **options) as served:
         yield served
+
+
+@contextmanager
+def on_a_thread(station, **options):
+    """Serve the page beside the test; yield its port, and the faults that it has told so far."""
+    ready, ended, told, faults = threading.Event(), asyncio.Event(), [], []
+
+    async def run():
+        loop = asyncio.get_running_loop()
+        loop.set_exception_handler(lambda _, words: faults.append(words))
+        async with page(station, **options) as served:
+            told.extend((int(served.url.rstrip("/").rpartition(":")[2]), loop))
+            ready.set()
+            await ended.wait()
+
+    thread = threading.Thread(target=lambda: asyncio.run(run()))
+    thread.start()
+    try:
+        assert ready.wait(20)
+        yield told[0], faults
+    finally:
+        told[1].call_soon_threadsafe(ended.set)
+        thread.join()
 
 
 def audio(rate=16000):

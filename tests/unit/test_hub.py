@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 
 import pytest
 
+from manual import block, executed
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
@@ -91,6 +92,23 @@ def test_frames_reach_everybody_but_their_sender_whole_and_in_order(hub):
             one.send(frame)
         assert heard(two, 3) == heard(three, 3) == FRAMES
         assert [frame for frame in one.receive() if frame.id != 0x7FF] == []
+
+
+def test_the_program_of_the_guide_joins(hub):
+    text = block("docs/how-to/simulate-devices.md", "python", "socketcand").text
+    assert "port=29536" in text
+    bus = executed(text.replace("29536", str(hub.port)))["bus"]
+    try:
+        with client(hub) as other:
+            bus.send(can.Message(arbitration_id=1, data=b"b", is_extended_id=False))
+            assert heard(other, 1) == [CanFrame(1, b"b", extended=False)]
+            other.send(FRAMES[1])
+            received = bus.recv(10)
+        while received.arbitration_id == 0x7FF:  # the greeting of the other one
+            received = bus.recv(10)
+    finally:
+        bus.shutdown()
+    assert (received.arbitration_id, bytes(received.data)) == (0x123, b"\x00\x0f")
 
 
 def test_channels_are_apart(hub):

@@ -37,7 +37,7 @@ class TcpOptions(Table):
 
     mode: Literal["listen", "connect"] = "listen"  # listen: wait for listeners; connect: to one
     address: Annotated[str, Field(min_length=1)] = LOOPBACK  # to listen on, or to connect to
-    port: Annotated[int, Field(ge=1, le=65535)]
+    port: Annotated[int, Field(ge=1, le=65535)]  # TCP port
     codec: Literal["s16le", "s24le", "f32le"] = "s24le"  # samples on the wire
 
 

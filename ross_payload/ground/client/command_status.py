@@ -23,6 +23,8 @@ ENDS = {
     Result.CANCELLED: (CANCELLED, "ended by a cancel, a stop or another command"),
     Result.COMMAND_LONG_ONLY: (REFUSED, "this payload accepts only COMMAND_LONG"),
 }
+OVER = frozenset((DONE, REFUSED, FAILED, CANCELLED, NO_ANSWER))
+DEFAULT_REASONS = frozenset(reason for _, reason in ENDS.values())
 NOT_ANSWERED = "check that it is in range, that it accepts this station ([[links]] accept), and the signing key"
 NO_RESULT = "the result was not received: check the payload's state"
 REPLACED = "replaced by another command"
@@ -48,6 +50,16 @@ class CommandStatus:
     def words(self) -> str:
         """What was ordered."""
         return self.order.words
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing more becomes of it."""
+        return self.state in OVER
+
+    @property
+    def explained(self) -> bool:
+        """Whether it was done, or the payload's own words say why not; they may come a little later."""
+        return self.state == DONE or (self.over and self.reason not in DEFAULT_REASONS)
 
     def json(self) -> dict[str, Any]:
         """Return it as plain JSON."""

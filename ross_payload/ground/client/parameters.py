@@ -75,7 +75,7 @@ class Parameters:
         """
         parameters = {each.name: each for each in await self.list()}
         if name not in parameters:
-            raise self._unknown(name)
+            raise unknown(self.settings, name)
         return parameters[name]
 
     async def list(self) -> tuple[Parameter, ...]:
@@ -105,7 +105,7 @@ class Parameters:
         """
         await self._until_known()
         if name not in self.settings.values:
-            raise self._unknown(name)
+            raise unknown(self.settings, name)
         self.settings.set(name, value)
         state, reason = await self._changed.until(lambda: self._ended(name))
         request = f"{name} = {value:g}"
@@ -119,7 +119,7 @@ class Parameters:
     async def _value(self, name: str) -> float:
         await self._until_known()
         if name not in self.settings.values:
-            raise self._unknown(name)
+            raise unknown(self.settings, name)
         return self.settings.values[name]
 
     async def _until_known(self, *, described: bool = False) -> None:
@@ -142,10 +142,12 @@ class Parameters:
         _, reason = self._ended(name) or ("", "")
         return None if reason in ("", "refused", *ERRORS.values()) else reason
 
-    def _unknown(self, name: str) -> UnknownParameter:
-        near = [each for each in self.settings.values if each.startswith(name[:3])]
-        hint = f": expected one such as {', '.join(near[:5])}" if near else ""
-        return UnknownParameter(f"{self.settings.who} has no parameter '{name[:40]}'{hint}")
+
+def unknown(settings: ParamClient, name: str) -> UnknownParameter:
+    """Return the error that a payload has no parameter of a name, with names that are near."""
+    near = [each for each in settings.values if each.startswith(name[:3])]
+    hint = f": expected one such as {', '.join(near[:5])}" if near else ""
+    return UnknownParameter(f"{settings.who} has no parameter '{name[:40]}'{hint}")
 
 
 def _parameter(row: dict[str, Any]) -> Parameter:

@@ -19,7 +19,7 @@ from weakref import WeakSet
 
 from ross_payload.ground.client import command_types
 from ross_payload.ground.client.command_protocol import CommandProtocol
-from ross_payload.ground.client.command_status import CANCELLED, DONE, ENDS, FAILED, NO_ANSWER, REFUSED, CommandStatus
+from ross_payload.ground.client.command_status import CANCELLED, DONE, FAILED, NO_ANSWER, REFUSED, CommandStatus
 from ross_payload.ground.client.events import (
     ContactLost,
     ContactRestored,
@@ -44,7 +44,6 @@ TICK_S = 0.05  # between two looks at what is due
 SILENT_S = 3.0  # without a message until contact counts as lost
 ESTIMATE_TIMEOUT_S = 6.0  # for the sources of an exploration: a link may lose them, and they are repeated every 5 s
 FAILURES = {REFUSED: RefusedByPayload, FAILED: TaskFailed, CANCELLED: TaskCancelled, NO_ANSWER: LinkLost}
-DEFAULT_REASONS = {reason for _, reason in ENDS.values()}
 
 
 class Payload(StreamRequests):
@@ -191,7 +190,7 @@ class Payload(StreamRequests):
 
     @property
     def state(self) -> PayloadState:
-        """Everything that is known of it, as telemetry says it: radians, counter-clockwise."""
+        """Return everything that is known of it, as telemetry says it, in radians, counter-clockwise."""
         return self._state
 
     @property
@@ -274,8 +273,8 @@ class Payload(StreamRequests):
         status = self._statuses.get(number)
         if status is None:
             raise LinkLost("a request", "too many later ones: it is not followed any longer")
-        return status if status.state == DONE or status.state in FAILURES else None
+        return status if status.over else None
 
     def _own_words(self, number: int) -> str | None:
-        reason = self._statuses[number].reason
-        return None if reason in DEFAULT_REASONS else reason
+        status = self._statuses[number]
+        return status.reason if status.explained else None

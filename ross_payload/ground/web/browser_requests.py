@@ -6,8 +6,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-from ross_payload.ground.client.command_protocol import CommandProtocol
-from ross_payload.ground.client.command_types import Cancel, Stop
+from ross_payload.ground.client.command_types import Cancel
 from ross_payload.ground.client.order_json import order_of
 from ross_payload.ground.web.browser_session import BrowserSession
 from ross_payload.ground.web.positions import number, typed_position
@@ -42,42 +41,29 @@ def _name(message: Message) -> str:
 
 
 def _order(session: BrowserSession, message: Message) -> None:
-    """Pass an order on; a stop is anybody's, and for whoever was not heard yet, too."""
-    wanted = message.get("order")
+    """Pass an order on, or cancel one."""
+    wanted, operator = message.get("order"), session.operator
     if not isinstance(wanted, dict):
         raise ValueError(f"order: expected an object with a kind, got {str(wanted)[:40]}")
-    order, orders = order_of(wanted), session.state.client.orders
-    who = _live(session, message) if isinstance(order, Stop) else _known(session, message)
-    by_number = isinstance(order, Cancel) and "number" in wanted
-    number = _number_of(orders, who, wanted["number"]) if by_number else 0
-    if not isinstance(order, Stop):
-        _hold(session)
-    if by_number:
-        orders.cancel(number)
+    order, who = order_of(wanted), _who(message)
+    if isinstance(order, Cancel) and "number" in wanted:
+        operator.cancel(who, wanted["number"])
     else:
-        orders.order(who, order)
-    session.state.tick()
-
-
-def _number_of(orders: CommandProtocol, who: ComponentId, number: Any) -> int:
-    if not any(each.number == number and each.who == who for each in orders.doing):
-        raise ValueError(f"number: expected that of an order to {who}, got {str(number)[:20]}")
-    return int(number)
+        operator.give(who, order)
 
 
 def _set(session: BrowserSession, message: Message) -> None:
     """Set a parameter; its own bounds are the payload's to judge."""
-    who, name, value = _known(session, message), message.get("name"), message.get("value")
-    settings = session.state.client.settings(who)
+    name, value, settings = message.get("name"), message.get("value"), session.operator.settings(_who(message))
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{str(name)[:40]}: expected a number, got {str(value)[:40]}")
-    _hold(session)
+    session.operator.hold()
     settings.set(str(name), float(value))
     session.state.tick()
 
 
 def _refresh(session: BrowserSession, message: Message) -> None:
-    session.state.client.settings(_known(session, message)).refresh()
+    session.operator.settings(_who(message)).refresh()
     session.state.tick()
 
 
@@ -106,47 +92,22 @@ def _flight(session: BrowserSession, message: Message) -> None:
         raise ValueError("flight: expected one of open, close, seek, play, speed, watch, got none of them")
 
 
-def _hold(session: BrowserSession) -> None:
-    """Take control when it is free.
-
-    Raises
-    ------
-    ValueError
-        When somebody else has it.
-    """
-    control = session.state.control
-    if not control.may_order(session.id, session.name):
-        raise ValueError(f"{control.name} has control: take control first")
-
-
 def _control(session: BrowserSession, message: Message) -> None:
     if message.get("take") is True:
-        session.state.control.acquire(session.id, session.name)
+        session.operator.take_control()
     else:
-        session.state.control.release(session.id)
-    session.state.tick()
+        session.operator.give_up_control()
 
 
 def _place(session: BrowserSession, message: Message) -> None:
-    session.state.positions.typed[_known(session, message)] = typed_position(message)
+    who = _who(message)
+    session.operator.addressed(who)
+    session.state.positions.typed[who] = typed_position(message)
     session.state.tick()
 
 
 def _who(message: Message) -> ComponentId:
     return ComponentId.parse(str(message.get("id")))
-
-
-def _live(session: BrowserSession, message: Message) -> ComponentId:
-    if not session.state.live:
-        raise ValueError("a recorded flight accepts no commands")
-    return _who(message)
-
-
-def _known(session: BrowserSession, message: Message) -> ComponentId:
-    who = _live(session, message)
-    if who not in session.state.station.fleet.payloads:
-        raise ValueError(f"id: expected a payload that was received, got {who}")
-    return who
 
 
 REQUESTS: dict[str, Callable[[BrowserSession, Message], None]] = {

@@ -9,6 +9,7 @@ from typing import Any
 
 from ross_payload import __version__
 from ross_payload.ground.errors import GroundError
+from ross_payload.ground.web.operator import Operator
 from ross_payload.ground.web.page_state import PageState
 from ross_payload.ground.web.playback_session import PlaybackSession
 from ross_payload.ground.web.view_cache import to_json
@@ -21,7 +22,7 @@ class BrowserSession:
     """One socket of a browser, from its first message to its last; the id stays when the browser comes again."""
 
     def __init__(self, state: PageState, browser: str, name: str) -> None:
-        self.state, self.id, self.name = state, browser, name
+        self.state, self.id, self.operator = state, browser, Operator(state, browser, name)
         self.wake = asyncio.Event()
         self.watched: ComponentId | None = None
         self._seen = 0  # number of the view that was sent
@@ -85,16 +86,11 @@ class BrowserSession:
         self._waiting.clear()
         if self._control_seen != self.state.control.version:
             self._control_seen = self.state.control.version
-            texts.append(to_json(self._control()))
+            texts.append(to_json({"type": "control", **self.operator.control()}))
         if self._fleet_seen != self.state.fleet_version:
             self._fleet_seen = self.state.fleet_version
             texts.append(self.state.fleet_text)
         return texts + self._payload() + [text for slot in self.slots.values() for text in slot.due()]
-
-    def _control(self) -> dict[str, Any]:
-        control = self.state.control
-        yours = control.holder == self.id
-        return {"type": "control", "holder": control.holder, "name": control.name, "yours": yours}
 
     def _payload(self) -> list[str]:
         view = None if self.watched is None else self.state.view(self.watched)

@@ -2,7 +2,8 @@
 
 Wrong tokens are counted by network address, those in the address of the page and those in the form apart: any page can
 make a browser open an address, but only our own can make it send our form. What a browser says is another site's doing
-is never tried, and no count keeps out a browser that has the cookie.
+is never tried, and no count keeps out a browser that has the cookie. Programs show the token in a header, with every
+request; these are counted apart, too, and no count keeps the right token from stopping a payload.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import html
 import math
+import re
 import time
 from importlib import resources
 from urllib.parse import parse_qs
@@ -22,10 +24,13 @@ from ross_payload.ground.web.security import Gate, host_fits, origin_fits, shown
 
 WANTED = "This page needs the token that the terminal shows, or the one in the token file."
 WRONG = "The token is wrong."
+WANTED_HEADER = "expected Authorization: Bearer and the token"
+CHALLENGE = {"WWW-Authenticate": "Bearer"}
 LINKED = "You come from another site: press Open to log in."
 LOCKED_LINK = "Too many wrong tokens in the address of this page; you can still enter the token here."
 FORM = "application/x-www-form-urlencoded"
 MOST_FIELDS = 10
+STOP = re.compile(r"/api/v1(/payloads/[^/]+)?/stop")  # paths that nobody's guesses may lock
 LASTING = ("/live", "/listen")  # paths of WebSockets
 ELSEWHERE = ("cross-site", "same-site")  # of Sec-Fetch-Site: what a page of another origin causes
 
@@ -39,7 +44,7 @@ def guard(gate: Gate, connections: Connections, *, loopback: bool) -> Middleware
             raise web.HTTPMisdirectedRequest(text=f"host: expected this computer, got {shown(request.host)}\n")
         if not origin_fits(request.headers.get("Origin"), request.host) or _intrudes(request):
             raise web.HTTPForbidden(text="request from another origin: refused\n")
-        if not gate.lets_in(request.cookies.get(_cookie_name(request), "")):
+        if not (gate.lets_in(request.cookies.get(_cookie_name(request), "")) or _shows_token(gate, request)):
             return await _stranger(gate, request)
         with connections.answering(request.protocol, lasting=request.path in LASTING):
             if request.path == "/login" or (request.path == "/" and "token" in request.query):
@@ -59,6 +64,27 @@ def _intrudes(request: web.Request) -> bool:
     return _from_elsewhere(request) and not led
 
 
+def _shows_token(gate: Gate, request: web.Request) -> bool:
+    """Whether a program shows the token; False: it shows none.
+
+    Raises
+    ------
+    web.HTTPUnauthorized, web.HTTPTooManyRequests
+        When it is wrong, or one of too many.
+    """
+    scheme, _, token = request.headers.get("Authorization", "").partition(" ")
+    if scheme.lower() != "bearer":  # a proxy may want a header of its own
+        return False
+    who, now = f"{request.remote} by header", time.monotonic()
+    if request.method == "POST" and STOP.fullmatch(request.path) and gate.knows(token.strip()):
+        return True
+    if wait := math.ceil(gate.waits(who, now)):
+        raise web.HTTPTooManyRequests(text=f"too many wrong tokens: wait {wait} s", headers={"Retry-After": str(wait)})
+    if not gate.tried(token.strip(), who, now):
+        raise web.HTTPUnauthorized(text=f"{WANTED_HEADER}, got another one", headers=CHALLENGE)
+    return True
+
+
 async def _stranger(gate: Gate, request: web.Request) -> web.StreamResponse:
     """Answer somebody who has not shown the token yet."""
     address = request.remote or ""
@@ -71,7 +97,7 @@ async def _stranger(gate: Gate, request: web.Request) -> web.StreamResponse:
         if _from_elsewhere(request):
             return _form(LINKED, 401, token)
         return _try(gate, request, token, f"{address} by link", by_link=True)
-    raise web.HTTPUnauthorized(text="expected a token, got none: open the page to log in\n")
+    raise web.HTTPUnauthorized(text=f"{WANTED_HEADER}, got none: or open the page to log in\n", headers=CHALLENGE)
 
 
 async def _posted(request: web.Request) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_status import CommandStatus
 from ross_payload.ground.client.param_client import ParamClient
+from ross_payload.ground.client.streams import Wakeup
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.payload_state import PayloadState
@@ -123,6 +124,10 @@ class CommandClient:
             self._settings[who] = ParamClient(self._station.send, who, *self._us)
         return self._settings[who]
 
+    def values(self, who: ComponentId) -> dict[str, float]:
+        """Return a payload's parameters as far as somebody has asked for them."""
+        return self._settings[who].values if who in self._settings else {}
+
     def doing(self, who: ComponentId) -> tuple[CommandStatus, ...]:
         """Return the latest commands to a payload, newest last."""
         return tuple(each for each in self.orders.doing if each.who == who)
@@ -161,11 +166,17 @@ class PageState:
         self.pace = ""  # how fast simulated time goes, as a sentence, where that is not as the clock
         self.wake: Callable[[ComponentId | None], None] = lambda who: None
         self.watched: Callable[[], Iterable[ComponentId]] = tuple  # by browsers
+        self.changed = Wakeup()  # of programs that wait until something holds
         self.fleet_text, self.fleet_version = "", 0
         self._views: dict[ComponentId, ViewCache] = {}
         self._sent: Any = None  # what of the fleet is sent at once when it changes
         self._sent_at = -FLEET_PERIOD_S  # [s]
-        self.close = station.subscribe(self._on_packet)
+        self._end = station.subscribe(self._on_packet)
+
+    def close(self) -> None:
+        """Hear no more, and let nobody wait any longer."""
+        self._end()
+        self.changed.close()
 
     def view(self, who: ComponentId) -> ViewCache | None:
         """Return a payload's view as of now; None: nobody knows it."""
@@ -201,6 +212,7 @@ class PageState:
             self.fleet_text = to_json({**told, "advice": advice, "over": self.over, "pace": self.pace})
             self.fleet_version += 1
             self.wake(None)
+        self.changed.wake()
 
     def _urgent(self) -> Any:
         """Return what is sent as soon as it changes; the rest can wait."""
@@ -221,3 +233,4 @@ class PageState:
         who = packet.sender
         self.client.on_packet(packet, self.station.fleet.payloads.get(who), at)
         self.wake(who)
+        self.changed.wake()

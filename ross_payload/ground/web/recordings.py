@@ -18,6 +18,7 @@ from ross_payload.ground.errors import GroundError
 from ross_payload.ground.recordings import RecordingStore, described
 
 CHUNK = 1 << 20  # [bytes] that are read at once
+ZIP = "application/zip"
 PRIVATE = {"Cache-Control": "no-store"}
 
 
@@ -30,17 +31,17 @@ async def listed(store: RecordingStore | None, request: web.Request) -> web.Resp
 async def one_file(store: RecordingStore | None, request: web.Request) -> web.StreamResponse:
     """Answer with one file of a recording."""
     name, file = request.match_info["name"], request.match_info["file"]
-    path = (await _files(store, name)).get(file)
+    path = (await files_of(store, name)).get(file)
     if path is None:
         raise web.HTTPNotFound(text=f"recording {name}: no such file\n")
     return web.FileResponse(path, headers={**PRIVATE, **_attached(f"{name}-{file}")})
 
 
-async def archive(store: RecordingStore | None, request: web.Request) -> web.StreamResponse:
+async def archive(store: RecordingStore | None, request: web.Request, kind: str = ZIP) -> web.StreamResponse:
     """Answer with a whole recording as a ZIP archive, made while it is sent."""
     name = request.match_info["name"]
-    files = await _files(store, name)
-    headers = {**PRIVATE, **_attached(f"{name}.zip"), "Content-Type": "application/zip"}
+    files = await files_of(store, name)
+    headers = {**PRIVATE, **_attached(f"{name}.zip"), "Content-Type": kind}
     response = web.StreamResponse(headers=headers)
     await response.prepare(request)
     if request.method != "HEAD":
@@ -104,7 +105,14 @@ class _Sink(io.RawIOBase):
         return data
 
 
-async def _files(store: RecordingStore | None, name: str) -> Mapping[str, Path]:
+async def files_of(store: RecordingStore | None, name: str) -> Mapping[str, Path]:
+    """Return the files of a recording by their names.
+
+    Raises
+    ------
+    web.HTTPNotFound
+        When there is no such recording.
+    """
     try:
         if store is None:
             raise LookupError(name)

@@ -121,6 +121,10 @@ class Gate:
         """Whether a request with this cookie may pass."""
         return self.token is None or hmac.compare_digest(cookie.encode("utf-8", "replace"), self.cookie.encode())
 
+    def knows(self, token: str) -> bool:
+        """Whether a token is right; wrong ones are not counted."""
+        return self.token is not None and hmac.compare_digest(token.encode("utf-8", "replace"), self.token.encode())
+
     def waits(self, address: str, now: float) -> float:
         """Return how long [s] an address has to wait before its next try."""
         times, latest = self.wrong.get(address, (0, -WAIT))
@@ -130,7 +134,7 @@ class Gate:
         """Whether a token is right; wrong ones are counted, and a right one is none while its address waits."""
         if self.waits(address, now) or self.token is None:
             return False
-        if hmac.compare_digest(token.encode("utf-8", "replace"), self.token.encode()):
+        if self.knows(token):
             self.wrong.pop(address, None)
             return True
         times, latest = self.wrong.pop(address, (0, now))

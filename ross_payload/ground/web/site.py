@@ -1,11 +1,11 @@
-"""What the page's addresses answer: its files, the socket, map tiles, flights that are uploaded."""
+"""What the page's addresses answer: its files, the socket, map tiles, flights that are uploaded, the REST interface."""
 
 from __future__ import annotations
 
 import asyncio
 import hashlib
 import re
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from functools import partial
 from importlib import resources
@@ -14,21 +14,19 @@ from pathlib import PurePosixPath
 from aiohttp import ClientPayloadError, web
 from aiohttp.http_exceptions import HttpProcessingError
 
-from ross_payload.ground.errors import GroundError
-from ross_payload.ground.web import recordings
+from ross_payload.ground.web import flight_files, recordings
 from ross_payload.ground.web.connections import Connections
 from ross_payload.ground.web.faults import report
-from ross_payload.ground.web.flight_library import UploadRefused
 from ross_payload.ground.web.listening_sockets import ListeningSockets
 from ross_payload.ground.web.login import guard
+from ross_payload.ground.web.rest.problems import as_problems, is_problem, refusal_of_http
+from ross_payload.ground.web.rest.routes import add_routes
 from ross_payload.ground.web.security import HEADERS, Gate, shown
 from ross_payload.ground.web.websocket_sessions import WebSocketSessions
 
 Handle = Callable[[web.BaseRequest], Awaitable[web.StreamResponse]]
 
-CHUNK_BYTES = 65536
 MAX_FORM_BYTES = 65536
-STALL_S = 30.0  # without a byte of a flight that is uploaded
 TYPES = {
     ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",
@@ -38,7 +36,6 @@ TYPES = {
     ".txt": "text/plain; charset=utf-8",
     ".png": "image/png",
 }
-SOUNDS = {".wav": "audio/wav", ".flac": "audio/flac"}
 _NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
 
 
@@ -72,9 +69,11 @@ def application(
     browsers: WebSocketSessions, listening: ListeningSockets, gate: Gate, connections: Connections, *, loopback: bool
 ) -> web.Application:
     """Return the site of some browsers, behind a gate."""
-    app = web.Application(middlewares=[guard(gate, connections, loopback=loopback)], client_max_size=MAX_FORM_BYTES)
+    guarded = guard(gate, connections, loopback=loopback)
+    app = web.Application(middlewares=[as_problems, guarded], client_max_size=MAX_FORM_BYTES)
 
     async def ends(_: web.Application) -> None:
+        browsers.state.changed.close()
         await listening.close()
         await browsers.close()
 
@@ -82,14 +81,15 @@ def application(
     app.router.add_get("/assets/{path:.+}", _asset)
     app.router.add_get("/live", browsers.serve)
     app.router.add_get("/listen", listening.serve)
-    app.router.add_post("/flights", partial(_upload, browsers))
-    app.router.add_get("/flights/{name}/sound/{track}", partial(_sound, browsers))
+    app.router.add_post("/flights", partial(flight_files.upload, browsers))
+    app.router.add_get("/flights/{name}/sound/{track}", partial(flight_files.sound, browsers))
     app.router.add_get(r"/tiles/{zoom:\d{1,2}}/{column:\d{1,10}}/{row:\d{1,10}}", partial(_tile, browsers))
     store = browsers.state.recordings
     app.router.add_get("/recordings", partial(recordings.listed, store))
     app.router.add_get("/recordings/{name}.zip", partial(recordings.archive, store))
     app.router.add_get("/recordings/{name}/{file}", partial(recordings.one_file, store))
     app.router.add_delete("/recordings/{name}", partial(recordings.deleted, store))
+    add_routes(app, browsers, token=gate.token is not None)
     app.on_response_prepare.append(_protect)
     app.on_shutdown.append(ends)
     return app
@@ -112,7 +112,15 @@ def tolerant(handle: Handle) -> Handle:
             report(error)
             raise web.HTTPInternalServerError(text="an internal error of the page: see the terminal\n") from error
 
-    return handled
+    async def answered(request: web.BaseRequest) -> web.StreamResponse:
+        try:
+            return await handled(request)
+        except web.HTTPException as error:
+            if not is_problem(request.path, error):
+                raise
+            return refusal_of_http(error).response()
+
+    return answered
 
 
 async def _protect(request: web.Request, response: web.StreamResponse) -> None:
@@ -152,37 +160,3 @@ def _cached(request: web.Request, found: Asset) -> web.Response:
     response.headers["Content-Type"] = found.content_type
     response.etag = found.etag
     return response
-
-
-async def _upload(browsers: WebSocketSessions, request: web.Request) -> web.Response:
-    """Take a flight as the raw body."""
-    flights = browsers.state.flights
-    try:
-        name = await flights.save_upload(request.query.get("name", ""), _chunks(request))
-    except UploadRefused as error:
-        return web.json_response({"error": error.message}, status=error.status)
-    await browsers.refresh_flights()
-    return web.json_response({"name": name})
-
-
-async def _sound(browsers: WebSocketSessions, request: web.Request) -> web.StreamResponse:
-    """Answer with a track of a flight, or a range of it; browsers keep no copy: it is what people said."""
-    name, track = request.match_info["name"], request.match_info["track"]
-    try:
-        path = await asyncio.to_thread(browsers.state.flights.sound, name, track)
-    except GroundError as error:
-        raise web.HTTPNotFound(text=f"{shown(error.message)}\n") from error
-    return web.FileResponse(path, headers={**recordings.PRIVATE, "Content-Type": SOUNDS[path.suffix]})
-
-
-async def _chunks(request: web.Request) -> AsyncIterator[bytes]:
-    """Yield a body as it comes; whoever sends nothing for long is told so."""
-    while True:
-        try:
-            async with asyncio.timeout(STALL_S):
-                chunk = await request.content.read(CHUNK_BYTES)
-        except TimeoutError as error:
-            raise UploadRefused(408, f"no data received for {STALL_S:.0f} s") from error
-        if not chunk:
-            return
-        yield chunk

@@ -165,7 +165,7 @@ def separators(
 ) -> int:
     """Measure settings x K x layouts x starts x separators x explorers x T_unit x rotations.
 
-    Presets: quick, paper, separation, exploration, full. Every option of an axis replaces the preset's.
+    Presets: quick, paper, figures, separation, exploration, full. Every option of an axis replaces the preset's.
     """
     changes = {name: value for name, value in axes.items() if value is not None}
     from ross_sim.study.study_run import conduct

@@ -62,7 +62,7 @@ def test_words_on_a_command_line_become_their_order(line, order, words):
         ("stream target 239.0.0.1:5004", "address: expected that of one computer, got 239.0.0.1"),
         ("stream target 127.0.0.1:5004/mp3", "codec: expected opus or L16, got 'mp3'"),
         ("stream source x 127.0.0.1:5004", "expected a number, got 'x'"),
-        ("stream 300 mixture", "stream: expected 0 to 254, got 300.0"),
+        ("stream 300 mixture", "stream: expected 0 to 254, got 300"),
         ("stream 1 99", "gain: expected -100 to 40, got 99.0"),
         ("enrol source 1", "expected ross enrol WHOM consent"),
         ("enrol source 1 consent 1 2 3", "expected ross enrol WHOM consent"),

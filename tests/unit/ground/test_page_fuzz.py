@@ -1,16 +1,13 @@
 """Nonsense over HTTP and the WebSocket: refused as the client's mistake, never a fault of the page."""
 
-import asyncio
 import json
 import socket
-import threading
-from contextlib import contextmanager
 
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from ground_page import audio, page
+from ground_page import audio, on_a_thread
 from hand_station import HandStation
 from recording_bench import input_of, record
 from ross_payload.ground.web.browser_requests import REQUESTS, on_message
@@ -24,29 +21,6 @@ TOKEN = "open-sesame-open-sesame"  # noqa: S105
 CONTINUE = b"HTTP/1.1 100 Continue\r\n\r\n"  # comes before the answer, where a client asks for it
 FORM = b"application/x-www-form-urlencoded"
 EXAMPLES = 250
-
-
-@contextmanager
-def on_a_thread(station, **options):
-    """Serve the page beside the test; yield its port, and the faults that it has told so far."""
-    ready, ended, told, faults = threading.Event(), asyncio.Event(), [], []
-
-    async def run():
-        loop = asyncio.get_running_loop()
-        loop.set_exception_handler(lambda _, words: faults.append(words))
-        async with page(station, **options) as served:
-            told.extend((int(served.url.rstrip("/").rpartition(":")[2]), loop))
-            ready.set()
-            await ended.wait()
-
-    thread = threading.Thread(target=lambda: asyncio.run(run()))
-    thread.start()
-    try:
-        assert ready.wait(20)
-        yield told[0], faults
-    finally:
-        told[1].call_soon_threadsafe(ended.set)
-        thread.join()
 
 
 @pytest.fixture(scope="module", params=[None, TOKEN], ids=["open", "token"])
@@ -132,6 +106,10 @@ paths = st.one_of(
             b"/assets/app.js", b"/assets/%00",
             b"/recordings", b"/recordings/0001.zip", b"/recordings/0001/audio.wav", b"/recordings/%ed%a0%80.zip",
             b"/recordings/a%0d%0ab.zip", b"http://127.0.0.1:99999/", b"*", b"//", b"/%",
+            b"/api/v1/payloads", b"/api/v1/payloads/1-191/orders", b"/api/v1/payloads/1-191/stop", b"/api/v1/stop",
+            b"/api/v1/payloads/%ff/sources", b"/api/v1/payloads/1-191/orders/1?wait=%ff", b"/api/v1/control",
+            b"/api/v1/recordings/%ed%a0%80", b"/api/v1/recordings/0001/files/%00", b"/api/v1/flights?name=%00.tlog",
+            b"/api/v1/payloads/1-191/parameters/%ff?wait=0", b"/api/v1/openapi.json", b"/api/%ff",
         ]
     ),
     raw.map(lambda data: b"/" + data.replace(b" ", b"")),
@@ -140,7 +118,8 @@ names = st.sampled_from(
     [
         b"Cookie", b"Origin", b"Host", b"Range", b"If-None-Match", b"If-Range", b"If-Modified-Since", b"Upgrade",
         b"Sec-WebSocket-Version", b"Sec-WebSocket-Key", b"Content-Encoding", b"Transfer-Encoding", b"Content-Type",
-        b"Accept-Encoding", b"Sec-Fetch-Site", b"User-Agent", b"Expect", b"X-Forwarded-For", b"Connection",
+        b"Accept-Encoding", b"Sec-Fetch-Site", b"Authorization", b"Ross-Client",
+        b"User-Agent", b"Expect", b"X-Forwarded-For", b"Connection",
     ]
 )  # fmt: skip
 values = st.one_of(
@@ -149,6 +128,7 @@ values = st.one_of(
             b"", b"gzip", b"deflate", b"br", b"chunked", b"websocket", b"13", b"http://[", b"null", b"bytes=9-1",
             b"bytes=-1", b"bytes=0-,5-", b'"', b'W/"x"', b"cross-site", b"127.0.0.1:99999", b"127.0.0.1:\xb2", b"[",
             b"ross-80=\xff", b"ross-80=\xed\xa0\x80; a", b"multipart/form-data; boundary=x", b"100-continue",
+            b"Bearer", b"Bearer \xff", b"Basic x", b"application/json",
             b"\xf0\xdbv", b"Thu, 99 Foo 0000 99:99:99 GMT", b"dGhlIHNhbXBsZSBub25jZQ==", b"Upgrade",
         ]
     ),
@@ -156,7 +136,9 @@ values = st.one_of(
 )  # fmt: skip
 headers = st.lists(st.tuples(names, values).map(b": ".join), max_size=5)
 bodies = st.one_of(
-    st.just(b""), raw, st.sampled_from([b"token=%ff", b"\x1f\x8b\x08garbage", b"5\r\nhello\r\n0\r\n\r\n"])
+    st.just(b""),
+    raw,
+    st.sampled_from([b"token=%ff", b"\x1f\x8b\x08garbage", b"5\r\nhello\r\n0\r\n\r\n", b'{"kind":"stop"}']),
 )
 
 

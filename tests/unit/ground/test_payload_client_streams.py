@@ -1,13 +1,17 @@
 """Streams for scripts: ordered, returned as the payload announces them, told of, and described for players."""
 
 import asyncio
+import sys
+from contextlib import asynccontextmanager
 from dataclasses import replace
 
 import pytest
 
+import ross_payload.ground
 from client_bench import Served
 from fleet_ear import RTP
 from hand_station import PAYLOAD, HandStation
+from manual import block, executed
 from ross_payload.ground import Payload, RefusedByPayload, TaskFailed
 from ross_payload.ground.client import events as e
 from ross_protocols.mavlink import stream_command
@@ -178,6 +182,35 @@ class Filing(HandStation):
 def test_a_session_description_is_read_from_the_payload(sky):
     station = Filing(Served(sky(), {"stream-0.sdp": SDP.encode()}))
     assert with_payload(station, lambda payload: payload.session_description(0)) == SDP
+
+
+class Describing(Answering, Filing):
+    """A station whose payload streams, and has the descriptions of its streams."""
+
+    def __init__(self, payload):
+        Filing.__init__(self, payload)
+        self.result, self.text, self.asked, self.streams = Result.ACCEPTED, "", [], {}
+
+    def send(self, message, who=None):
+        handler = Filing if message.get_type() == "FILE_TRANSFER_PROTOCOL" else Answering
+        handler.send(self, message, who)
+
+
+def test_the_script_of_the_guide_streams_describes_and_ends(sky, monkeypatch, capsys):
+    station = Describing(Served(sky(), {"stream-0.sdp": SDP.encode()}))
+
+    @asynccontextmanager
+    async def connect(url):
+        async with Payload(station, PAYLOAD) as payload:
+            yield payload
+
+    monkeypatch.setattr(ross_payload.ground, "connect", connect)
+    monkeypatch.setattr(sys, "argv", ["guide", "udpin:127.0.0.1:14550", *map(str, HERE)])
+    executed(block("docs/how-to/script-the-ground.md", "python", "session_description").text)
+    said = capsys.readouterr().out
+    assert said.startswith("stream 0 goes to 127.0.0.1 5004\n")
+    assert "s=RoSS stream 0" in said
+    assert list(dict.fromkeys(asked.selection for asked in station.asked)) == [Selection.MIXTURE, Selection.NONE]
 
 
 def test_a_stream_without_a_description_is_refused(sky):

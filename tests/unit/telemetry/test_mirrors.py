@@ -1,6 +1,8 @@
 """Mirrors: what a ground station without our dialect can show."""
 
 import math
+import re
+from pathlib import Path
 
 import pytest
 
@@ -52,3 +54,11 @@ def test_a_client_that_knows_only_the_common_dialect_reads_them() -> None:
     assert (value.get_type(), value.name, value.value) == ("NAMED_VALUE_FLOAT", "ross_state", 6)
     assert value.time_boot_ms == 5_000_000_000 % 2**32, "it wraps after 49 days"
     assert Decoder().feed(encoder.encode(azimuths(5, SOURCES)))[0].value.numbers == pytest.approx((2, 270, 45))
+
+
+def test_mission_planner_s_fields_are_named_after_them() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "ground-stations.md").read_text(encoding="utf-8")
+    fields = re.findall(r"<customfield(\d)>MAV_(\w+)</customfield(\d)>", page)
+    names = {value.name.upper() for value in named(STATUS, SOURCES, AudioHealth(), 0.0)}
+    assert {name for _, name, _ in fields} == names
+    assert [(begin, end) for begin, _, end in fields] == [(str(index), str(index)) for index in range(len(names))]
