@@ -25,6 +25,7 @@ from ross_payload.pointing import nearest_joint
 TOLD_SIGMA = math.radians(2.0)  # of an azimuth that somebody tells [rad]
 LEAST_NOISE = 0.5  # [s] that tell anything about a noise
 HOMING = 120.0  # [s] that finding the zero may take
+FAULT = 2.0  # [s] that a fault may last which begins while the zero is found
 OUTSIDE = "this heading is outside the limits of the joint"
 NO_CONSENT = "nobody is enrolled who has not agreed to it"
 STILL_FAULTY = (orders.Home,)  # may be ordered while there is a fault
@@ -217,9 +218,13 @@ def _home(context: Context) -> Step[Result]:
     end = context.samples + round(HOMING * context.settings.rate)
     heard = yield from exchange(context, Output(home=True))
     obey(context, heard.orders)
-    while (heard.fault or not heard.settled) and context.samples < end:  # nothing settles before it is armed
+    last, was_well = end, False
+    while (heard.fault or not heard.settled) and context.samples < last:  # nothing settles before it is armed
         heard = yield from exchange(context, Output(rearm=True))
         obey(context, heard.orders)
+        was_well = was_well or not heard.fault
+        if was_well:  # what begins now is another fault, and finding the zero does not clear it
+            last = min(last, context.samples + round(FAULT * context.settings.rate)) if heard.fault else end
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)
     return Result(Outcome.COMPLETED, "zero found")

@@ -85,7 +85,7 @@ class Bench:
         self.joint = self.goal = 0.0
         self.moving = self.hops = 0
         self.stopped = self.homed = False
-        self.fault = ""
+        self.fault = self.lasting = ""  # one that homing clears, and one that it does not
         self.known = False
         self.events, self.goals = [], []
         self.output = next(self.brain)
@@ -118,9 +118,9 @@ class Bench:
             block,
             begin,
             Pointing(joint=self.joint, earth=self.known),
-            self.moving == 0 and not self.fault,
+            self.moving == 0 and not (self.fault or self.lasting),
             Attitude(0.0, known=self.known),
-            self.fault,
+            self.fault or self.lasting,
             orders,
         )
         try:

@@ -1,12 +1,14 @@
 """Who turns a gimbal behind an autopilot: the payload while somebody holds it for a task, else whoever wants to."""
 
 import math
+from contextlib import suppress
 
 import pytest
 
 from gimbal_rig import Bench
 from ross_payload.errors import ActuatorFault
 from ross_sim.devices.far_end import Fault
+from ross_sim.devices.gimbal_far_end import GimbalFarEnd
 
 FREE, PAYLOAD, STATION = (0, 0), (1, 191), (255, 190)
 ITSELF, NOBODY = -2.0, -3.0
@@ -315,3 +317,53 @@ def test_as_a_manager_of_a_bare_gimbal_it_holds_it_all_the_time():
     assert "GIMBAL_DEVICE_SET_ATTITUDE" in rig.sent(0.5)
     assert rig.state.healthy
     assert rig.state.settled
+
+
+class FrozenFarEnd(GimbalFarEnd):
+    """Gimbal and autopilot in one process that may be frozen: later it makes up for the time, and then reads on."""
+
+    lived, frozen = 0.0, False
+
+    def advance(self, now):
+        if self.frozen:
+            return
+        waiting, behind = self.port.sent, now - self.lived > 0.02
+        self.lived = min(self.lived + 0.1, now)
+        self.port.sent = [] if behind else waiting
+        super().advance(self.lived)
+        self.port.sent = waiting if behind else self.port.sent
+
+
+def test_a_process_that_is_thawed_in_mid_move_and_brought_home_at_once_is_not_said_to_lag(monkeypatch):
+    """The reports of the time when it was frozen come one after another, the first of them of a gimbal that turns."""
+    monkeypatch.setattr("gimbal_rig.GimbalFarEnd", FrozenFarEnd)
+    rig = Bench("client")
+    rig.actuator.command(1.5)
+    rig.clock.sleep(0.6)
+    rig.far_end.frozen = True
+    rig.detect(within=0.6)
+    rig.far_end.frozen = False
+    stood = rig.far_end.angle()
+    rig.actuator.home()
+    rig.clock.sleep(1.0)
+    rig.actuator.rearm()
+    assert rig.far_end.angle() == pytest.approx(stood, abs=math.radians(8))
+    rig.actuator.command(0.3)
+    rig.settle()
+
+
+def test_a_goal_that_is_given_while_reports_come_again_is_reached(monkeypatch):
+    monkeypatch.setattr("gimbal_rig.GimbalFarEnd", FrozenFarEnd)
+    rig = Bench("client")
+    rig.actuator.command(0.5)
+    rig.settle()
+    rig.far_end.frozen = True
+    noticed(rig, within=0.7)
+    rig.far_end.frozen = False
+    while not rig.actuator.state().healthy:
+        rig.clock.sleep(0.01)
+        with suppress(ActuatorFault):
+            rig.actuator.rearm()
+    rig.actuator.command(0.3)
+    rig.settle()
+    assert rig.far_end.angle() == pytest.approx(0.3, abs=math.radians(0.2))

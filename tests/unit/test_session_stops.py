@@ -23,7 +23,7 @@ from ross_payload.orders import (
     Stop,
     TurnTo,
 )
-from session_bench import Bench, estimate
+from session_bench import HOP, RATE, Bench, estimate
 
 
 @pytest.fixture
@@ -267,6 +267,28 @@ def test_a_stop_after_a_fault_does_not_keep_the_zero_from_being_found(bench):
     bench.hop()
     bench.hop()
     assert bench.answers(4) == [Answer.ACCEPTED]
+
+
+def test_a_fault_that_begins_while_the_zero_is_found_and_lasts_ends_it_soon(bench):
+    bench.fault = "no data from the gimbal"
+    bench.hop()
+    bench.hop(Home(number=1))
+    hops(bench, 2)
+    bench.lasting, begun = "the gimbal does not follow", bench.hops
+    assert bench.over(1).answer is Answer.FAILED
+    assert "does not follow" in bench.reason(1)
+    assert (bench.hops - begun) * HOP / RATE == pytest.approx(2.0, abs=0.1)
+
+
+def test_faults_that_pass_while_the_zero_is_found_do_not_end_it(bench):
+    bench.hop(Home(number=1))
+    bench.hop()
+    for _ in range(3):
+        bench.lasting = "reports are late"
+        hops(bench, 150)
+        bench.lasting, bench.moving = "", 3
+        bench.hop()
+    assert bench.over(1).answer is Answer.DONE
 
 
 @pytest.mark.parametrize("hops", range(6))

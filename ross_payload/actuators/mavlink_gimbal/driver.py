@@ -29,6 +29,7 @@ from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
 
 # between those of a gimbal that rests at its goal [s]; a device gives up a manager silent for about 1 s
 HOLD_PERIOD_S = 0.1
+RESUME_S = 0.1  # [s] after a silence in which reports that have waited on their way arrive all at once
 SETTLE_TIMEOUT_S = 1.0  # [s] at most after the end of a motion, until control is released
 
 
@@ -43,6 +44,7 @@ class MavlinkGimbal(Driver):
         self._held = False  # somebody holds it for a task: only then others are kept from turning it
         self._pending: Move | None = None  # waits until we are in control
         self._blind = False  # it has not reported for a while, so that nobody knows whether it got the set-points
+        self._stale_at = -math.inf  # when it had not reported for a while last [s]
         self._found_at = -math.inf  # when the gimbal was found [s]
         self._fault = ""
         self._settled = False  # as last published
@@ -87,7 +89,7 @@ class MavlinkGimbal(Driver):
         if not isinstance(request, Move):
             self._pending = None
             self._plan.halt(now)
-        elif self._plan.motion is None:
+        elif self._plan.motion is None or self._blind:
             self._pending = request
         else:
             self._plan.turn(request, *self._plan.motion.at(now), now)
@@ -106,9 +108,11 @@ class MavlinkGimbal(Driver):
         if not peer.ready or peer.trouble() or self._options.travel_trouble(peer.travel):
             self._stand_aside(peer, now)
             return
-        stale = now - self._feedback.time > diagnostics.STALE_REPORT_S
-        self._blind = self._blind or stale
-        if not stale and (self._blind or self._plan.motion is None):
+        if now - self._feedback.time > diagnostics.STALE_REPORT_S:
+            self._blind, self._stale_at = True, now
+        elif self._blind and now - self._stale_at < RESUME_S:
+            return  # where it is now, the latest report will tell
+        elif self._blind or self._plan.motion is None:
             self._begin(now)
         self._look_whether_it_follows(now)
         motion = self._plan.motion
@@ -126,7 +130,8 @@ class MavlinkGimbal(Driver):
         rate, resting = self._plan.rest(seen, self.capabilities.resolution, now)
         rested = resting >= self._options.settle_ms * 1e-3 - ROUNDING_S
         settled = rested and now - seen.time <= diagnostics.STALE_REPORT_S and not trouble
-        self._settled = settled and (self._plan.motion is not None or not self._held)  # not before we control it
+        ours = self._plan.motion is not None or not self._held  # it is not settled before we control it
+        self._settled = settled and ours and self._pending is None
         return ActuatorState(
             seen.angle, rate, self._settled, homed=True, healthy=not trouble, time=seen.time, fault=trouble
         )
