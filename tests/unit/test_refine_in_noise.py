@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ross_payload.dsp.covariance import outer
+from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.noise_field import noise_field
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Scene
@@ -99,9 +100,10 @@ def test_a_clip_in_noise_depends_on_its_number_and_its_piece_shows_what_the_payl
     assert where[0, 0] * 4000 == pytest.approx(LOWEST_VOICE, abs=3 * made.rate / 2048)
 
 
-def scene_of(heading=0.4, azimuth=1.9):
+def scene_of(heading=0.4, azimuth=1.9, louder=1.0):
+    """One talker among rotors whose amplitude is ``louder`` times that of the talker."""
     image = talk(3, azimuth, heading)
-    spectrogram = STFT.analyse((image + rotor_noise(3, heading)).astype(np.float32))
+    spectrogram = STFT.analyse((image + louder * rotor_noise(3, heading)).astype(np.float32))
     tau = SPACING / SPEED_OF_SOUND * np.cos([azimuth - heading])
     field = noise_field(spectrogram, STFT.frequencies, STFT.period)
     return spectrogram, Scene(STFT.frequencies, SPACING, SPEED_OF_SOUND, 1, tau, hop=STFT.hop, noise_field=field)
@@ -136,3 +138,13 @@ def test_what_the_network_says_of_the_noise_counts():
 def test_the_weights_of_the_package_are_those_of_noise():
     assert network_in_noise().enter.shape[1] == 8 * N_IN_NOISE + 3
     assert dataclasses.asdict(network_in_noise()).keys() == dataclasses.asdict(shipped_network()).keys()
+
+
+def test_the_weights_of_the_package_leave_less_noise_than_none_and_than_those_for_white_noise():
+    image, (spectrogram, scene) = talk(3, 1.9, 0.4)[0], scene_of(louder=3.0)
+    networks = {"none": silent(), "white": network_of(widened(shipped_arrays())), "shipped": None}
+    found = {
+        name: si_sdr(STFT.synthesise(Refined(in_noise=each).batch(spectrogram, scene).signals, image.size)[0], image)
+        for name, each in networks.items()
+    }
+    assert found["shipped"] > max(found["none"], found["white"]) + 2  # [dB]
