@@ -356,6 +356,26 @@ class Explorer(Protocol):
         """Estimate K and all azimuths from every orientation heard so far."""
 
 
+class TurningExplorer(Explorer, Protocol):
+    """An explorer that can hear while the array turns."""
+
+    def observe_turning(
+        self,
+        spectrogram: Complex,
+        frequencies: Real,
+        headings: Real,
+        noise_psd: Real | None,
+        *,
+        frame_period: float | None = None,
+        skip: int = 0,
+    ) -> Observation:
+        """Condense a period in which the array turned; ``headings`` [rad] are those of the frames, (n_frames,).
+
+        Headings are not wrapped. The first ``skip`` frames do not belong to the period: they only tell which echoes
+        are still to come. Talkers are taken to be equally loud during one period.
+        """
+
+
 @dataclass(frozen=True, slots=True)
 class Scene:
     """What a separator may know."""

@@ -14,7 +14,17 @@ import numpy as np
 from ross_payload import plugins
 from ross_payload.errors import NotLive, PluginError, RossError
 from ross_payload.events import Estimate, SourceEstimate
-from ross_payload.interfaces import Complex, Explorer, Groups, LiveSeparator, Observation, Real, Scene, Separator
+from ross_payload.interfaces import (
+    Complex,
+    Explorer,
+    Groups,
+    LiveSeparator,
+    Observation,
+    Real,
+    Scene,
+    Separator,
+    TurningExplorer,
+)
 
 MOST_SOURCES = 16  # of an estimate; planning costs more with each
 MOST_TEXT = 120  # characters of what a plug-in has raised
@@ -36,7 +46,7 @@ def load_separator(name: str) -> CheckedSeparator:
     return CheckedSeparator(who, plugin)
 
 
-def checked_explorer(name: str, make: Callable[[], Any]) -> Explorer:
+def checked_explorer(name: str, make: Callable[[], Any]) -> CheckedExplorer:
     """Make an explorer and check that it is one.
 
     Raises
@@ -157,6 +167,32 @@ class CheckedExplorer:
 
         seen = _called(self._who, "observe", call)
         return _faultless(self._who, "observe", seen, _fault_of_observation(seen))
+
+    @property
+    def hears_turning(self) -> bool:
+        """Whether the plug-in has a method ``observe_turning``."""
+        return callable(getattr(self._explorer, "observe_turning", None))
+
+    def observe_turning(
+        self,
+        spectrogram: Complex,
+        frequencies: Real,
+        headings: Real,
+        noise_psd: Real | None,
+        *,
+        frame_period: float | None = None,
+        skip: int = 0,
+    ) -> Observation:
+        """Condense a period in which the array turned; headings [rad] of the frames, (n_frames,)."""
+        plugin: TurningExplorer = self._explorer  # type: ignore[assignment]  # one that hears_turning
+
+        def call() -> Observation:
+            return plugin.observe_turning(
+                spectrogram, frequencies, headings, noise_psd, frame_period=frame_period, skip=skip
+            )
+
+        seen = _called(self._who, "observe_turning", call)
+        return _faultless(self._who, "observe_turning", seen, _fault_of_observation(seen))
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
         """Estimate K and all azimuths from every orientation heard so far."""

@@ -11,7 +11,7 @@ from typing import Any
 
 from ross_payload import config, plugins
 from ross_payload.actuators.guard import Guard
-from ross_payload.errors import PluginError
+from ross_payload.errors import ConfigError, PluginError
 from ross_payload.interfaces import Backend, Services
 
 GROUP = "ross_payload.actuators"
@@ -47,12 +47,24 @@ def checked_options(settings: config.Config) -> Any:
     Raises
     ------
     ConfigError
-        When the back end is unknown or broken, or an option is wrong.
+        When the back end is unknown or broken, an option is wrong, or it cannot turn as fast as it is to explore.
     """
     model = _backend(settings.actuator.kind).Config
     options = config.validated(model, settings.actuator.options, f"actuator.options of '{settings.actuator.kind}'")
     caps = {name: getattr(settings.guard, name) for name in CAPS if hasattr(options, name)}
-    return options.model_copy(update={name: min(cap, getattr(options, name)) for name, cap in caps.items()})
+    capped = options.model_copy(update={name: min(cap, getattr(options, name)) for name, cap in caps.items()})
+    _check_turning(settings, getattr(capped, "max_speed_deg_s", settings.guard.max_speed_deg_s))
+    return capped
+
+
+def _check_turning(settings: config.Config, speed: float) -> None:
+    """Refuse to explore without a pause faster than the actuator turns [deg/s]."""
+    explore = settings.explore
+    if explore.continuous and explore.rate_deg_s > speed:
+        kind = settings.actuator.kind
+        raise ConfigError(
+            f"explore.rate_deg_s: expected at most {speed:g}, as fast as {kind} turns, got {explore.rate_deg_s:g}"
+        )
 
 
 def describe() -> list[Description]:

@@ -47,6 +47,7 @@ __all__ = [
 ]  # fmt: skip
 
 
+LEAST_TRAVEL_DEG = 90.0  # of a joint that turns back and forth while it explores: less shows too few axes
 VEHICLE_YAW = "vehicle_yaw"  # the actuator whose joint angle counts from north
 
 
@@ -89,6 +90,15 @@ class Config(Table):
         if mode != "off" and number == self.telemetry.component_id:
             raise ValueError(
                 f"gimbal.component_id: expected another id than telemetry.component_id, got {number} for both"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _room_to_turn(self) -> Config:
+        travel = self.guard.upper_deg - self.guard.lower_deg
+        if self.explore.continuous and travel < LEAST_TRAVEL_DEG:
+            raise ValueError(
+                f"explore.continuous: expected limits at least {LEAST_TRAVEL_DEG:g} deg apart, got {travel:g}"
             )
         return self
 

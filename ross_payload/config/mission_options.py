@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import combinations
 from typing import Annotated, Any, Literal
 
@@ -12,6 +13,7 @@ from ross_payload.config.table import Degrees, Table
 Azimuths = Annotated[tuple[Degrees, ...], Field(min_length=1, max_length=6)]
 Elevation = Annotated[float, Field(ge=-90, le=90)]
 
+ROUNDING = 1e-9  # of a number of periods
 APART_DEG = 1.0  # sources told from outside that are nearer than this are one
 
 
@@ -30,6 +32,23 @@ class Explore(Table):
     min_rotations: Annotated[int, Field(ge=1, le=24)] = 4  # rotations at least, even if the explorer is certain earlier
     max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # rotations at most
     pipelined: bool = False  # try promising alignments before the exploration ends
+    continuous: bool = False  # turn without a pause and listen meanwhile, instead of step by step; `joint` only
+    rate_deg_s: Annotated[float, Field(ge=5, le=90)] = 20.0  # how fast it turns then
+    turn_deg: Annotated[float, Field(ge=90, le=3600)] = 540.0  # how far at most, back and forth
+
+    @property
+    def periods(self) -> int:
+        """T_unit that are listened to at most while it turns without a pause; 0: it turns step by step.
+
+        >>> Explore(continuous=True, rate_deg_s=20, turn_deg=360).periods, Explore().periods
+        (6, 0)
+        """
+        return math.ceil(self.turn_deg / (self.rate_deg_s * self.unit_s) - ROUNDING) if self.continuous else 0
+
+    @property
+    def last_rotation(self) -> int:
+        """The largest number of an orientation, or of a period; the first is 0."""
+        return self.periods - 1 if self.continuous else self.max_rotations
 
     @model_validator(mode="after")
     def _ordered(self) -> Explore:

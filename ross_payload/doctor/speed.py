@@ -14,14 +14,16 @@ from ross_payload.doctor.findings import Finding, fail, ok, warn
 from ross_payload.dsp.steering import tdoa
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, SourceEstimate
-from ross_payload.interfaces import Clock, Samples
-from ross_payload.mission.context import Context, Listening
+from ross_payload.interfaces import Clock, Observation, Samples
+from ross_payload.localization.turning import Turned
+from ross_payload.mission.context import Context, Listening, Settings
 from ross_payload.mission.identify_target import separate
-from ross_payload.mission.orientation_scan import observe
+from ross_payload.mission.orientation_scan import observe, observe_turned
 from ross_payload.service.assemble import settings_of, tools_of
 
 AZIMUTHS = (-1.2, 0.3, 1.9)  # of the made-up voices [rad]
 SYLLABLE = 0.2  # [s]
+HOPS_PER_S = 100  # [1/s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,21 +55,36 @@ def rehearsed(config: Config, clock: Clock) -> Cost:
     settings = settings_of(config, -math.pi, math.pi)
     context = Context(settings, tools_of(config, None))
     estimate = Estimate(tuple(SourceEstimate(azimuth, 0.02, 1.0, resolved=True) for azimuth in AZIMUTHS))
-    heard = [
-        Listening(r * settings.rotation, voices(config, r * settings.rotation, settings.unit))
-        for r in range(settings.min_rotations + 1)
-    ]
+    heard = [_heard(config, settings, r) for r in range(settings.min_rotations + 1)]
     long = Listening(0.0, voices(config, 0.0, settings.run))
     with threadpool_limits(1):
         separate(context, estimate, Listening(0.0, long.samples[:, : config.audio.rate_hz // 2]))  # loads its tables
         began = clock.now()
         for each in heard:
-            context.observations.append(observe(context, each))
+            context.observations.append(_observed(context, each))
             context.tools.explorer.estimate(context.observations)
         explored = clock.now()
         separate(context, estimate, long)
         separated = clock.now()
     return Cost((explored - began) / (len(heard) * settings.unit), (separated - explored) / settings.run)
+
+
+def _heard(config: Config, settings: Settings, number: int) -> Listening:
+    """What is heard at one orientation, or in a period in which the array turns: there every hop has its heading."""
+    if not settings.periods:
+        heading = number * settings.rotation
+        return Listening(heading, voices(config, heading, settings.unit))
+    turned, hops = settings.turn_rate * settings.unit, round(HOPS_PER_S * settings.unit)
+    heading = (number + 0.5) * turned
+    headings = heading + turned * ((np.arange(hops) + 0.5) / hops - 0.5)
+    return Listening(heading, voices(config, heading, settings.unit), turned / 2, headings)
+
+
+def _observed(context: Context, heard: Listening) -> Observation:
+    explorer = context.tools.turning
+    if explorer is None or heard.headings is None:
+        return observe(context, heard)
+    return observe_turned(context, explorer, Turned(heard.samples, heard.headings))
 
 
 def voices(config: Config, heading: float, seconds: float) -> Samples:

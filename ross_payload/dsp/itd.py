@@ -129,6 +129,12 @@ def lowest_psd(power: Real, trust: Trust) -> Real:
     return np.asarray(1.2 * uniform_filter1d(quiet, 15, axis=0))
 
 
+def lowest_noise(spectrogram: Complex, trust: Trust) -> Real:
+    """Noise PSD from the quietest frames of (2, n_freqs, n_frames), as `weighted_itd` guesses it, (n_freqs,)."""
+    power = _average((np.abs(spectrogram) ** 2).mean(axis=0), trust)
+    return lowest_psd(power, trust)[:, 0]
+
+
 def _itd(cross: Complex, frequencies: Real) -> Real:
     return np.asarray(np.angle(cross) / (2 * np.pi * frequencies[:, None]))
 

@@ -3,7 +3,8 @@
 At heading phi_r the ITD of a source at azimuth theta_k and elevation epsilon_k is normal around
 ``a_k cos(theta_k - phi_r)`` with a width sigma_k. The amplitude is ``a_k = s cos(epsilon_k)``: s <= 1 is the directness
 of the room (reflections pull ITDs towards 0). All amplitudes are drawn to their common s and all widths to their common
-width, as if so many counts had said so. Every orientation has its own weights, because talkers pause. What no source
+width, as if so many counts had said so. Every orientation has its own weights, because talkers pause. While the array
+turns many headings share the weights of one period, and every row of a histogram has its own heading. What no source
 explains is diffuse, normal around 0, or nobody's, spread evenly over all ITDs. ITDs are in units of d / v_p here.
 
 Many models of as many sources are refined together as one whose arrays have a leading dimension (`stacked`).
@@ -15,6 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ross_payload.interfaces import Real
 
@@ -37,6 +39,34 @@ class Data:
     counts: Real  # effective counts, (n_headings, n_bins)
     amplitudes: tuple[float, float] = AMPLITUDE  # least and greatest there can be
     alike: float = TIE  # counts by which an amplitude is drawn to that of all
+    periods: NDArray[np.intp] | None = None  # first row of every period, (n_periods,); None: each row is one
+
+    @property
+    def n_periods(self) -> int:
+        """Periods in which talkers are equally loud: an orientation, or a while in which the array turns."""
+        return len(self.headings if self.periods is None else self.periods)
+
+    @property
+    def evidence(self) -> Real:
+        """Counts of every period, (n_periods,)."""
+        return np.asarray(self.by_period(self.counts).sum(axis=1))
+
+    def by_period(self, values: Real, axis: int = 0) -> Real:
+        """Add up what rows have in common, (..., n_headings, ...) to (..., n_periods, ...).
+
+        >>> turned = Data(np.zeros(1), np.zeros(3), np.zeros((3, 1)), periods=np.array([0, 2]))
+        >>> turned.by_period(np.array([1.0, 2.0, 5.0])).tolist(), turned.by_row(np.array([7.0, 8.0])).tolist()
+        ([3.0, 5.0], [7.0, 7.0, 8.0])
+        """
+        if self.periods is None:
+            return values
+        return np.asarray(np.add.reduceat(values, self.periods, axis=axis))
+
+    def by_row(self, values: Real, axis: int = 0) -> Real:
+        """Give every row what its period has, (..., n_periods, ...) to (..., n_headings, ...)."""
+        if self.periods is None:
+            return values
+        return np.asarray(np.repeat(values, np.diff(self.periods, append=len(self.headings)), axis=axis))
 
     @property
     def aloft(self) -> bool:
@@ -51,7 +81,7 @@ class Mixture:
     azimuths: Real  # [rad], (k,)
     amplitudes: Real  # (k,)
     widths: Real  # [d / v_p], (k,)
-    weights: Real  # (n_headings, k + 2), rows sum to 1; the last two columns are the diffuse share and nobody's
+    weights: Real  # (n_periods, k + 2), rows sum to 1; the last two columns are the diffuse share and nobody's
     directness: float | Real = 1.0
 
     @property
@@ -63,7 +93,7 @@ class Mixture:
 def empty(data: Data) -> Mixture:
     """The model of no source."""
     nothing = np.zeros(0)
-    return Mixture(nothing, nothing, nothing, np.full((len(data.headings), OTHERS), 1 / OTHERS))
+    return Mixture(nothing, nothing, nothing, np.full((data.n_periods, OTHERS), 1 / OTHERS))
 
 
 def stacked(models: Sequence[Mixture]) -> Mixture:
@@ -121,7 +151,7 @@ def refine(data: Data, model: Mixture, rounds: int, tie: float | None = None) ->
 
 
 def add(model: Mixture, azimuth: float, amplitude: float, width: float, share: Real) -> Mixture:
-    """The model with one source more, the last, which takes ``share`` (n_headings,) of every orientation."""
+    """The model with one source more, the last, which takes ``share`` (n_periods,) of every period."""
     return replace(
         model,
         azimuths=np.append(model.azimuths, azimuth),
@@ -159,20 +189,25 @@ def split(model: Mixture, source: int, by: float, width: float) -> Mixture:
 
 
 def gains(data: Data, model: Mixture, places: tuple[Real, Real], width: float, rounds: int = 4) -> tuple[Real, Real]:
-    """Gain of log-likelihood [nat] by a source at each place, (n,), and its best shares, (n_headings, n).
+    """Gain of log-likelihood [nat] by a source at each place, (n,), and its best shares, (n_periods, n).
 
     ``places`` are azimuths and amplitudes, (n,) each. All else stays; the share is found by expectation maximisation in
-    every orientation.
+    every period.
     """
-    old = densities(data, model)[:, None] + TINY
-    excess = kernels(data, *places, np.full(len(places[0]), width)) / old - 1
-    total = data.counts.sum(axis=1)[:, None] + TINY
-    share = np.full(excess.shape[:2], 0.1)
+    excess = kernels(data, *places, np.full(len(places[0]), width))
+    excess /= densities(data, model)[:, None] + TINY
+    excess -= 1
+    total = data.evidence[:, None] + TINY
+    share = np.full((len(total), excess.shape[1]), 0.1, excess.dtype)
     counts = data.counts[..., None]
+    quotient = np.empty_like(excess)
     for _ in range(rounds):
-        quotient = excess / (1 + share[..., None] * excess)
-        share = share * (1 + (1 - share) * (quotient @ counts)[..., 0] / total)
-    gain = (np.log1p(share[..., None] * excess) @ counts)[..., 0].sum(axis=0)
+        np.multiply(data.by_row(share)[..., None], excess, out=quotient)
+        quotient += 1
+        np.divide(excess, quotient, out=quotient)
+        share = share * (1 + (1 - share) * data.by_period((quotient @ counts)[..., 0]) / total)
+    np.multiply(data.by_row(share)[..., None], excess, out=quotient)
+    gain = (np.log1p(quotient, out=quotient) @ counts)[..., 0].sum(axis=0)
     return np.asarray(gain), share
 
 
@@ -202,7 +237,7 @@ def _step(data: Data, model: Mixture, tie: float) -> Mixture:
         azimuths=model.azimuths + _clipped(turn, -0.2, 0.2),
         amplitudes=_clipped((tie * directness[..., None] + reach) / (tie + weight), *data.amplitudes),
         widths=_widths(spread, sources.sum(axis=-2)),
-        weights=_weights(counts),
+        weights=_weights(data.by_period(counts, axis=-2)),
         directness=directness,
     )
 
@@ -214,7 +249,7 @@ def _widths(spread: Real, counts: Real) -> Real:
 
 
 def _weights(counts: Real) -> Real:
-    """Shares of the counts (n_headings, k + 2), drawn to those of all orientations."""
+    """Shares of the counts (n_periods, k + 2), drawn to those of all periods."""
     of_all = counts.sum(axis=-2, keepdims=True)
     pooled = POOL * of_all / (of_all.sum(axis=-1, keepdims=True) + TINY)
     weights = counts + pooled + TINY
@@ -233,22 +268,23 @@ def _turned(data: Data, model: Mixture) -> tuple[Real, Real]:
 
 def _normal(data: Data, centre: Real | float, width: Real | float) -> Real:
     """Normal density over the bins times their width, broadcast against (..., n_bins)."""
-    step = data.grid[1] - data.grid[0]
-    off = (data.grid - centre) / width
+    precision, step = data.grid.dtype, data.grid[1] - data.grid[0]
+    off = (data.grid - np.asarray(centre, precision)) / np.asarray(width, precision)
     off *= off
     off *= -0.5
     np.exp(off, out=off)
-    off *= step / np.sqrt(2 * np.pi) / width
+    off *= np.asarray(step / np.sqrt(2 * np.pi) / width, precision)
     return np.asarray(off)
 
 
 def _joint(data: Data, model: Mixture) -> Real:
     """Weight times probability, (n_headings, k + 2, n_bins)."""
-    joint = np.empty((*model.weights.shape, len(data.grid)))
+    weights = data.by_row(model.weights, axis=-2)
+    joint = np.empty((*weights.shape, len(data.grid)), data.grid.dtype)
     joint[..., :-OTHERS, :] = kernels(data, model.azimuths, model.amplitudes, model.widths)
     joint[..., -OTHERS, :] = _normal(data, 0.0, DIFFUSE)
     joint[..., -1, :] = 1 / len(data.grid)
-    joint *= model.weights[..., None]
+    joint *= weights[..., None]
     return joint
 
 

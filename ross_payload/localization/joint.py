@@ -13,15 +13,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from ross_payload.angles import difference, wrap
-from ross_payload.dsp.density import histogram, histograms, itd_grid, kde, prominent_peaks
-from ross_payload.dsp.itd import Trust, band_limits, check_array, period_of, weighted_itd
+from ross_payload.dsp.density import itd_grid, kde, prominent_peaks
+from ross_payload.dsp.itd import Trust, band_limits, check_array, lowest_noise, period_of
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
 from ross_payload.localization import below, itd_mixture, model_order, talker_evidence
+from ross_payload.localization.itd_votes import Votes, votes
+from ross_payload.localization.sectors import covered, cut, rows_of, together
 from ross_payload.localization.talker_evidence import Evidence
 
 COUNT = 0.5  # effective counts per unit of weight: neighbouring bins are not independent
@@ -34,17 +37,7 @@ AMPLITUDE_BIAS = 0.008  # of an amplitude, however long one listens
 LOW = 0.97  # amplitude; a greater one may be that of a source at elevation 0
 CLEAR = 2.5  # standard deviations by which an amplitude must lie below 1
 ELSEWHERE = np.deg2rad(20.0)  # an azimuth further off than this is another place [rad]
-AMBIGUOUS = 0.15  # a phase so near to pi [rad] tells no delay: noise alone turns it into that of the opposite one
 RESOLVED = 10.0  # log-likelihood by which the place must beat every other place [nat]
-
-
-@dataclass(frozen=True, slots=True)
-class Histograms:
-    """What is kept of one orientation: weight per ITD bin."""
-
-    blocks: Real  # of all trustworthy bins, for every block of time, (n_blocks, n_bins)
-    strict: Real  # of bins that belong to one talker, (n_bins,)
-    among: talker_evidence.Among | None = None  # the noise of a vehicle, where that is known
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,24 +87,45 @@ class Joint:
 
         Frames of about 43 ms that overlap by three quarters serve best.
         """
-        unit = self.spacing / self.speed_of_sound
-        grid = itd_grid(self.spacing, self.speed_of_sound)
+        return self._observation(heading, self._votes(spectrogram, frequencies, noise_psd, frame_period))
+
+    def observe_turning(
+        self,
+        spectrogram: Complex,
+        frequencies: Real,
+        headings: Real,
+        noise_psd: Real | None,
+        *,
+        frame_period: float | None = None,
+        skip: int = 0,
+    ) -> Observation:
+        """Condense a period in which the array turned; see `interfaces.TurningExplorer`.
+
+        The motor is heard, too: the noise is at least what the quietest frames hold. The published density is that of
+        the sector in the middle.
+        """
+        if noise_psd is not None and spectrogram.shape[-1]:
+            noise_psd = np.maximum(noise_psd, lowest_noise(spectrogram, self.trust))
+        heard, headings = self._votes(spectrogram, frequencies, noise_psd, frame_period), headings[skip:]
+        return together([
+            self._observation(float(headings[part].mean()), heard.between(skip + part.start, skip + part.stop))
+            for part in cut(headings, heard.block)
+        ])  # fmt: skip
+
+    def _votes(
+        self, spectrogram: Complex, frequencies: Real, noise_psd: Real | None, frame_period: float | None
+    ) -> Votes:
+        grid, trusts = itd_grid(self.spacing, self.speed_of_sound), (self.trust, self.strict)
         low, high = band_limits(self.spacing, self.speed_of_sound)
         band = (frequencies >= low) & (frequencies <= high)
-        if not spectrogram.shape[-1] or not band.any():
-            return Observation(
-                heading, grid, np.zeros_like(grid), 0.0, (), Histograms(np.zeros((0, len(grid))), np.zeros(len(grid)))
-            )
         noise, period = None if noise_psd is None else noise_psd[band], period_of(frequencies, frame_period)
-        bins = [
-            weighted_itd(spectrogram[:, band], frequencies[band], period, noise, trust)
-            for trust in (self.trust, self.strict)
-        ]
-        rich, votes = histogram(*bins[0], grid), [_unambiguous(*each, frequencies[band]) for each in bins]
-        blocks = histograms(*votes[0], grid, max(round(talker_evidence.BLOCK / period), 1))
-        heard = Histograms(blocks, histogram(*votes[1], grid))
-        density = kde(rich, grid, BANDWIDTH * unit)
-        return Observation(heading, grid, density, float(rich.sum()), prominent_peaks(density, grid), heard)
+        return votes(spectrogram[:, band], frequencies[band], grid, trusts, period=period, noise=noise)
+
+    def _observation(self, heading: float, heard: Votes) -> Observation:
+        rich, grid = heard.whole, heard.grid
+        density = kde(rich, grid, BANDWIDTH * self.spacing / self.speed_of_sound)
+        peaks = prominent_peaks(density, grid)
+        return Observation(heading, grid, density, float(rich.sum()), peaks, heard.histograms())
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
         """Estimate K and all azimuths from every orientation heard so far; see `interfaces.Explorer`."""
@@ -167,29 +181,25 @@ class Joint:
     def evidence(self, observations: Sequence[Observation]) -> Evidence:
         """Histograms of all orientations, ITDs in units of d / v_p."""
         grid = observations[0].grid * self.speed_of_sound / self.spacing
-        headings = np.array([observation.heading for observation in observations])
         height = height_of(observations)
-        bounds = () if height is None else (below.amplitudes(height), below.ALIKE)
-        blocks = [COUNT * observation.features.blocks for observation in observations]
-        rich = np.stack([block.sum(axis=0) for block in blocks])
-        strict = COUNT * np.stack([observation.features.strict for observation in observations])
-        among = talker_evidence.together([observation.features.among for observation in observations])
-        whole, clear = (itd_mixture.Data(grid, headings, counts, *bounds) for counts in (rich, strict))
-        return Evidence(whole, clear, blocks, among)
+        bounds = {} if height is None else {"amplitudes": below.amplitudes(height), "alike": below.ALIKE}
+        rows = rows_of(observations)
+        blocks = [COUNT * block for block in rows.blocks]
+        rich, strict = np.stack([block.sum(axis=0) for block in blocks]), COUNT * rows.strict
+        if rows.periods is not None:  # many rows
+            grid, rich, strict = (values.astype(np.float32) for values in (grid, rich, strict))
+        shared: dict[str, Any] = bounds | {"periods": rows.periods}
+        whole, clear = (itd_mixture.Data(grid, rows.headings, counts, **shared) for counts in (rich, strict))
+        return Evidence(whole, clear, blocks, talker_evidence.together(rows.among))
 
     def _certain(self, data: itd_mixture.Data, fit: Fit, sources: tuple[SourceEstimate, ...]) -> bool:
         """The stop rule: K is beyond doubt, every place is sharp and unambiguous."""
         clear = fit.step.worth.min() >= self.enough.margin and fit.rival <= 1 / self.enough.margin
         sure = 1 - fit.likely <= self.enough.doubt and fit.more <= self.enough.doubt
         sharp = all(source.resolved and source.sigma <= self.enough.sigma for source in sources)
-        heard = len(data.headings) >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
+        turned = len(data.headings) if data.periods is None else covered(data.headings)
+        heard = turned >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
         return bool(clear and sure and sharp and heard and sources)
-
-
-def _unambiguous(itd: Real, weight: Real, frequencies: Real) -> tuple[Real, Real]:
-    """Weigh only bins whose phase tells their ITD: just below the aliasing limit a talker's on the axis does not."""
-    phase = 2 * np.pi * frequencies[:, None] * np.abs(itd)
-    return itd, np.asarray(weight * (phase < np.pi - AMBIGUOUS))
 
 
 def height_of(observations: Sequence[Observation]) -> float | None:
@@ -205,7 +215,7 @@ def _directness(data: itd_mixture.Data, model: itd_mixture.Mixture, placed: itd_
     """1 in the open; in a room s times the share of the evidence that is not diffuse."""
     if data.aloft:
         return 1.0
-    diffuse = np.average(model.weights[:, -itd_mixture.OTHERS], weights=data.counts.sum(axis=1) + itd_mixture.TINY)
+    diffuse = np.average(model.weights[:, -itd_mixture.OTHERS], weights=data.evidence + itd_mixture.TINY)
     return 1.0 if placed.width < OPEN else float(model.directness * (1 - diffuse))
 
 
@@ -214,7 +224,7 @@ def _sources(evidence: Evidence, fit: Fit, placed: itd_mixture.Mixture) -> tuple
     model, data = fit.step.model, evidence.rich
     every = talker_evidence.features(evidence, fit.step, fit.rival, range(len(model.azimuths)))
     confidences = talker_evidence.fitted("source", in_noise=evidence.in_noise).probability(every)
-    shares = np.average(model.weights, axis=0, weights=data.counts.sum(axis=1) + itd_mixture.TINY)
+    shares = np.average(model.weights, axis=0, weights=data.evidence + itd_mixture.TINY)
     azimuths, amplitudes = itd_mixture.sigmas(evidence.strict, placed)
     sigmas = np.minimum(np.hypot(azimuths, BIAS), np.pi)
     found = []

@@ -18,7 +18,8 @@ from ross_payload.dsp.itd import Trust, band_limits
 from ross_payload.dsp.itd_in_noise import weighted_itd_in_noise
 from ross_payload.dsp.rotors import Rotors, heard_from
 from ross_payload.interfaces import Complex, Marks, Observation, Real
-from ross_payload.localization.joint import BANDWIDTH, Histograms
+from ross_payload.localization.joint import BANDWIDTH
+from ross_payload.localization.sectors import Histograms
 from ross_payload.localization.talker_evidence import BLOCK, Among
 
 WIDTH = 0.1  # of the votes for a rotor [d / v_p]

@@ -122,7 +122,7 @@ def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int
     """
     model, total = step.model, float(evidence.rich.counts.sum()) + TINY
     k = len(model.azimuths)
-    counts = evidence.rich.counts.sum(axis=1)
+    counts = evidence.rich.evidence
     shares = np.average(model.weights, axis=0, weights=counts + TINY)
     worth = np.log(np.maximum(step.worth, LEAST))
     second = float(np.sort(worth)[1]) if k > 1 else float(worth[0]) + 1.0
@@ -131,12 +131,12 @@ def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int
         second, np.log(rival) if rival > 0 else FIRST, np.log(total), np.log(total) ** 2, np.log(len(counts)),
         k, k == 1, directness, model.width, wetness(evidence.rich, model), shares[-OTHERS], shares[-1],
     ]  # fmt: skip
-    whole, strict = (_by_heading(data, model) for data in (evidence.rich, evidence.strict))
+    whole, strict = (_by_period(data, model) for data in (evidence.rich, evidence.strict))
     voices = _voices(evidence, model, sources)
     found = []
     for source, voice in zip(sources, voices, strict=True):
-        gain = whole - _by_heading(evidence.rich, step.reduced[source])
-        lost = float((strict - _by_heading(evidence.strict, step.reduced[source])).sum())
+        gain = whole - _by_period(evidence.rich, step.reduced[source])
+        lost = float((strict - _by_period(evidence.strict, step.reduced[source])).sum())
         ordered = np.sort(gain)[::-1]
         middle = max(float(np.median(gain)), TINY) / total * 100 * len(gain)
         left, right = _neighbours(model.azimuths, source)
@@ -182,9 +182,10 @@ def _among_noise(described: Real, evidence: Evidence, step: Step, sources: Seque
     ])  # fmt: skip
 
 
-def _by_heading(data: Data, model: itd_mixture.Mixture) -> Real:
-    """Log-likelihood [nat] of the counts of every heading, (n_headings,)."""
-    return np.asarray((data.counts * np.log(itd_mixture.densities(data, model) + TINY)).sum(axis=-1))
+def _by_period(data: Data, model: itd_mixture.Mixture) -> Real:
+    """Log-likelihood [nat] of the counts of every period, (n_periods,)."""
+    likelihood = (data.counts * np.log(itd_mixture.densities(data, model) + TINY)).sum(axis=-1)
+    return np.asarray(data.by_period(likelihood))
 
 
 def _neighbours(azimuths: Real, source: int) -> tuple[float, float]:

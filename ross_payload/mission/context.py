@@ -37,6 +37,7 @@ from ross_payload.interfaces import (
     Real,
     Samples,
     Separator,
+    TurningExplorer,
     VoicePrint,
 )
 from ross_payload.localization.joint_in_noise import JointInNoise, Learnt
@@ -84,6 +85,9 @@ class Settings:
     level: bool = True  # sources are about as high as the array; not so below a vehicle that flies
     ego_noise: bool = False  # learn the noise of the vehicle in the lead-in
     blades: int = 2  # of every rotor
+    turn_rate: float = math.radians(20.0)  # while it explores without a pause [rad/s]
+    periods: int = 0  # T_unit that it listens then, at most; 0: it turns step by step
+    longest_move: float = 30.0  # that the guard bears [s]
 
 
 Planner = Callable[[Sequence[SourceEstimate], Turn, float, float | None], Plan]  # as `ross_payload.alignment.plan.plan`
@@ -103,6 +107,7 @@ class Tools:
     tracker: type[SourceTracker] = SourceTracker
     rotors: Rotors | None = None  # of the vehicle
     in_noise: JointInNoise | None = None  # observes for the explorer where the vehicle makes noise
+    turning: TurningExplorer | None = None  # the explorer, where it is to hear while the array turns
 
 
 class Ended(Exception):
@@ -129,6 +134,7 @@ class Listening:
     headings: Real | None = None  # in the middle of every hop where they were not all one [rad], (n_hops,)
     aboard: float = 0.0  # the mean heading in the frame of the vehicle [rad]
     rotor_speeds: Real | None = None  # at the beginning of every hop [1/s], (n_hops, n_rotors); None: not known
+    around: tuple[Samples, Samples] | None = None  # heard right before and after while the array turned, (2, m) each
 
 
 @dataclass(slots=True)
@@ -163,6 +169,11 @@ class Context:
     def time(self) -> float:
         """Mission time [s]."""
         return self.samples / self.settings.rate
+
+    @property
+    def rotations(self) -> int:
+        """Orientations of the latest exploration after the first one."""
+        return max(len(self.observations) - 1, 0)
 
     @property
     def here(self) -> Input:
@@ -275,8 +286,10 @@ def exchange(context: Context, wish: Output = NOTHING) -> Step[Input]:
     return heard
 
 
-def hop(context: Context, goal: float | None = None) -> Step[Input]:
+def hop(context: Context, goal: float | None = None, *, rate: float | None = None, halt: bool = False) -> Step[Input]:
     """Exchange one Output for one Input; every stop, cancel and fault is obeyed here.
+
+    ``goal`` [rad] and ``rate`` [rad/s] are those of the joint; ``halt`` brakes it.
 
     Raises
     ------
@@ -285,7 +298,7 @@ def hop(context: Context, goal: float | None = None) -> Step[Input]:
     FrameChanged
         When the attitude that the task depends on is lost or found.
     """
-    heard = yield from exchange(context, Output(goal=goal))
+    heard = yield from exchange(context, Output(goal=goal, rate=rate, halt=halt))
     obey(context, heard.orders)
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)

@@ -1,4 +1,7 @@
-"""Explore: rotate in steps, listen at each, find K and every azimuth (Algorithm 1 with all orientations at once)."""
+"""Explore: rotate in steps, listen at each, find K and every azimuth (Algorithm 1 with all orientations at once).
+
+Where it is wanted the array does not pause: `explore_turning`.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from ross_payload.calibration.consistency import contradiction
 from ross_payload.calibration.cross_spectrum import HEARD, heading_spectrum
 from ross_payload.events import ArrayContradicted, Doubted, Estimate, State
 from ross_payload.mission.context import Context, FrameChanged, Step, listen
+from ross_payload.mission.explore_turning import explore_turning
 from ross_payload.mission.heading_hold import face
 from ross_payload.mission.orientation_scan import certain, orientation, say_belief
 from ross_payload.mission.pipeline import Visits, promising, visit
@@ -35,7 +39,8 @@ def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
         context.drop_frame()
         context.explored, context.observations, context.beliefs = [], [], []
         try:
-            found = yield from _orientations(context)
+            explorer = context.tools.turning
+            found = yield from (_orientations(context) if explorer is None else explore_turning(context, explorer))
             check_array(context)
             return found
         except FrameChanged as changed:

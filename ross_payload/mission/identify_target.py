@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +66,17 @@ def separate(context: Context, estimate: Estimate, listening: Listening) -> tupl
     return groups, stft.synthesise(groups.signals, listening.samples.shape[1]).astype(np.float32)
 
 
+def separate_piece(context: Context, estimate: Estimate, listening: Listening) -> tuple[Groups, Real]:
+    """Separate a piece of a turn as `separate` does, by what was heard around it, too: it is short."""
+    if listening.around is None:
+        return separate(context, estimate, listening)
+    before, after = listening.around
+    whole = replace(listening, samples=np.concatenate([before, listening.samples, after], axis=1))
+    groups, voices = separate(context, estimate, whole)
+    first = before.shape[1]
+    return groups, voices[:, first : first + listening.samples.shape[1]]
+
+
 def recognise(
     context: Context, estimate: Estimate, listening: Listening, evidence: Evidence | None = None
 ) -> Identification:
@@ -110,7 +121,7 @@ def recall(context: Context, estimate: Estimate, known: Evidence | None = None) 
     if not context.explored or context.tools.voiceprint is None:
         return evidence
     apart = _apart(context, estimate, [heard.heading for heard in context.explored])
-    best = sorted(set(apart.argmax(axis=1).tolist()))
+    best = _best(context, apart)
     for source, curve in enumerate(apart):
         if source in evidence.clips:
             continue
@@ -125,7 +136,7 @@ def recall_more(context: Context, estimate: Estimate, evidence: Evidence, source
         return
     evidence.complete.add(source)
     apart = _apart(context, estimate, [heard.heading for heard in context.explored])
-    curve, best = apart[source], set(apart.argmax(axis=1).tolist())
+    curve, best = apart[source], set(_best(context, apart))
     where = [i for i in np.flatnonzero(curve >= APART * curve.max()).tolist() if i not in best]
     evidence.hear(source, *_recalled(context, estimate, evidence, source, where))
 
@@ -136,8 +147,21 @@ def _recalled(
     """What was heard of a source alone at orientations of the exploration; each of them is separated once."""
     for i in orientations:
         if i not in evidence.recalled:
-            evidence.recalled[i] = lone_voices(*separate(context, estimate, context.explored[i]))
+            evidence.recalled[i] = lone_voices(*separate_piece(context, estimate, context.explored[i]))
     return [evidence.recalled[i][source] for i in orientations if source in evidence.recalled[i]]
+
+
+def _best(context: Context, apart: Real) -> list[int]:
+    """The orientations that isolate one of the sources best: T_unit for each, of a turn as many pieces as last so long.
+
+    ``apart`` is the isolation of every source at every orientation, (k, n).
+    """
+    lasts = np.array([heard.samples.shape[1] for heard in context.explored])
+    unit, chosen = round(context.settings.unit * context.settings.rate), set()
+    for order in np.argsort(-apart, axis=1, kind="stable"):
+        before = np.cumsum(lasts[order]) - lasts[order]
+        chosen.update(order[before < unit].tolist())
+    return sorted(chosen)
 
 
 def _nothing_heard(context: Context) -> Evidence:

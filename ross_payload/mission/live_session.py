@@ -275,7 +275,7 @@ class LiveSession:
                 self._memory = replace(self._memory, estimate=event.estimate)
 
     def _progress(self, task: Task, event: OrientationHeard) -> Answered:
-        share = min(event.index / self._context.settings.max_rotations, 1.0)
+        share = min(event.index / max(self.config.explore.last_rotation, 1), 1.0)
         return Answered(event.time, task.number, Answer.PROGRESS, progress=share)
 
     def _rest(self, detail: str = "") -> None:

@@ -126,8 +126,7 @@ def _sought(context: Context, among: Search) -> Step[tuple[Search, int | None]]:
 
 
 def _say_estimate(context: Context, estimate: Estimate) -> None:
-    rotations = max(len(context.explored) - 1, 0)
-    context.publish(SourcesEstimated(context.time, estimate, rotations, final=True))
+    context.publish(SourcesEstimated(context.time, estimate, context.rotations, final=True))
 
 
 def _where(context: Context, informed: Estimate | None) -> Step[tuple[Estimate, int | None]]:

@@ -9,7 +9,9 @@ import numpy as np
 
 from ross_payload.angles import difference
 from ross_payload.events import Estimate, OrientationHeard, SourcesEstimated
-from ross_payload.interfaces import Observation
+from ross_payload.interfaces import Complex, Marks, Observation, TurningExplorer
+from ross_payload.localization import turning
+from ross_payload.localization.turning import Turned
 from ross_payload.mission.context import Context, Listening, Step
 from ross_payload.mission.heading_hold import attend
 
@@ -25,7 +27,11 @@ def orientation(context: Context, seconds: float) -> Step[Estimate]:
     """Listen for ``seconds`` at one heading; return what the explorer believes after this orientation."""
     heard = yield from attend(context, seconds)
     context.explored.append(heard)
-    seen = observe(context, heard)
+    return believe(context, observe(context, heard))
+
+
+def believe(context: Context, seen: Observation) -> Estimate:
+    """Ask the explorer what it believes after one more observation, and say that it was made."""
     r = len(context.observations)
     context.observations.append(seen)
     context.beliefs.append(context.tools.explorer.estimate(context.observations))
@@ -54,18 +60,42 @@ def observe(context: Context, listening: Listening) -> Observation:
         seen = context.tools.explorer.observe(
             spectrogram, stft.frequencies, listening.heading, noise_psd, frame_period=stft.period
         )
+    return at_height(context, seen)
+
+
+def observe_turned(context: Context, explorer: TurningExplorer, turned: Turned) -> Observation:
+    """Let the explorer condense what was heard while the array turned."""
+    stft = context.tools.explorer_stft
+    noise_psd, known = context.psd(stft, turned.frames(stft)), context.noise_of_explorer()
+    in_noise = context.tools.in_noise
+    if known is None or in_noise is None:
+        return at_height(context, turning.observe(explorer, stft, turned, noise_psd))
+
+    def observe(spectrogram: Complex, heading: float, aboard: float, tonal: Marks | None) -> Observation:
+        return in_noise.observe(spectrogram, stft.frequencies, heading, aboard, known, period=stft.period, tonal=tonal)
+
+    tonal = context.tonal(stft, turned.samples, turned.rotor_speeds)
+    return at_height(context, turning.observe_in_noise(stft, turned, observe, tonal))
+
+
+def at_height(context: Context, seen: Observation) -> Observation:
+    """The observation with the height of the array, where that is known."""
     height = None if context.last is None else context.last.attitude.height
     return seen if height is None else replace(seen, height=height)
 
 
 def say_belief(context: Context, *, final: bool) -> None:
     """Say what the explorer believes after the orientations heard so far."""
-    context.publish(SourcesEstimated(context.time, context.beliefs[-1], len(context.explored) - 1, final))
+    context.publish(SourcesEstimated(context.time, context.beliefs[-1], context.rotations, final))
 
 
 def certain(context: Context) -> bool:
-    """Whether enough has been heard: the explorer says so, not before the least number of rotations."""
-    return len(context.explored) > context.settings.min_rotations and context.beliefs[-1].certain
+    """Whether enough has been heard: the explorer says so, not before the least number of rotations.
+
+    While the array turns there are none: the explorer itself sees to it that it has turned far enough.
+    """
+    enough = context.tools.turning is not None or context.rotations >= context.settings.min_rotations
+    return enough and context.beliefs[-1].certain
 
 
 def steady(beliefs: Sequence[Estimate]) -> bool:

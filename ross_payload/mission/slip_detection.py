@@ -62,5 +62,5 @@ def _put_right(context: Context, estimate: Estimate, shift: float) -> Step[Estim
     context.explored = [replace(heard, heading=heard.heading - shift) for heard in context.explored]
     estimate = turned(estimate, -shift)
     context.holding = None
-    context.publish(SourcesEstimated(context.time, estimate, rotations=len(context.explored) - 1, final=True))
+    context.publish(SourcesEstimated(context.time, estimate, rotations=context.rotations, final=True))
     return estimate

@@ -13,10 +13,10 @@ from ross_payload.dsp.rotors import Rotors
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import PluginError
 from ross_payload.events import Estimate, SourceEstimate
-from ross_payload.interfaces import Attitude, Explorer, VoicePrint
+from ross_payload.interfaces import Attitude, VoicePrint
 from ross_payload.localization.joint_in_noise import JointInNoise
 from ross_payload.mission.context import Planner, Settings, Tools
-from ross_payload.plugin_checks import checked_explorer, load_separator
+from ross_payload.plugin_checks import CheckedExplorer, checked_explorer, load_separator
 from ross_payload.voiceprint.model_folder import ModelFolder
 
 EXPLORER_FRAME = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
@@ -50,6 +50,9 @@ def settings_of(config: Config, lower: float, upper: float) -> Settings:
         level=config.mount.source == "fixed",
         ego_noise=config.ego_noise.learn,
         blades=config.ego_noise.blades,
+        turn_rate=math.radians(explore.rate_deg_s),
+        periods=explore.periods,
+        longest_move=config.guard.max_move_s,
     )
 
 
@@ -76,13 +79,15 @@ def informed_of(config: Config, attitude: Attitude) -> Estimate | None:
     return Estimate(tuple(sources), certain=True)
 
 
-def explorer_of(config: Config) -> Explorer:
+def explorer_of(config: Config) -> CheckedExplorer:
     """Make the explorer that a configuration names, with its own options.
 
     Raises
     ------
     ConfigError
         When there is none of that name, or an option is wrong.
+    PluginError
+        When it is none, or is to hear while the array turns, and cannot.
     """
     array, asked = config.array, config.explore
     factory = plugins.load("ross_payload.explorers", asked.method)
@@ -92,15 +97,18 @@ def explorer_of(config: Config) -> Explorer:
         raise PluginError(f"explorer '{asked.method}': expected {expected}, got {factory!r}")
     options = validated(model, asked.options, f"explore.options of '{asked.method}'")
     given = (options,) if asked.options else ()
-    return checked_explorer(asked.method, lambda: factory.make(array.spacing_m, array.speed_of_sound_m_s, *given))
+    made = checked_explorer(asked.method, lambda: factory.make(array.spacing_m, array.speed_of_sound_m_s, *given))
+    if asked.continuous and not made.hears_turning:
+        raise PluginError(f"explore.continuous: expected an explorer that hears while turning, got '{asked.method}'")
+    return made
 
 
 def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
     """Load the plug-ins that a configuration names."""
-    audio = config.audio
+    audio, explorer = config.audio, explorer_of(config)
     frame = config.explore.frame or 2 ** round(math.log2(EXPLORER_FRAME * audio.rate_hz))
     return Tools(
-        explorer=explorer_of(config),
+        explorer=explorer,
         explorer_stft=Stft(audio.rate_hz, frame, round(frame * (1 - config.explore.overlap))),
         separator=load_separator(config.exploit.separator),
         stft=Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap))),
@@ -109,6 +117,7 @@ def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
         voice_model=ModelFolder.default().in_use(config.voice_print.model),
         rotors=rotors_of(config),
         in_noise=in_noise_of(config),
+        turning=explorer if config.explore.continuous else None,
     )
 
 

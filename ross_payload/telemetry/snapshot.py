@@ -64,7 +64,7 @@ def standing(hop: Input | None, state: ActuatorState | None, moment: Moment) -> 
         homed=state is not None and state.homed,
         open_loop=moment.open_loop,
         fault=fault,
-        rotation_max=moment.config.explore.max_rotations,
+        rotation_max=moment.config.explore.last_rotation,
         criterion=moment.config.exploit.criterion,
         streaming=moment.streaming,
         recording=moment.recording,

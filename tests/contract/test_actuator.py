@@ -15,6 +15,7 @@ from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault, ConfigError, LimitError
 from ross_payload.interfaces import Feedback, Services
+from ross_payload.mission.sweep import Sweep
 from ross_sim.clock import QUANTUM, SimClock
 
 pytestmark = pytest.mark.lockstep
@@ -108,6 +109,27 @@ def test_stop_halts_within_the_braking_distance_and_100_ms_of_travel(rig: Rig, a
     allowed = speed**2 / (2 * ACCELERATION) + (0.1 + rig.late) * (speed + ACCELERATION * 0.05) + SWING
     assert 0.0 <= rig.far_end.angle() - here <= allowed
     assert rig.far_end.angle() < rig.upper - 0.1
+    assert rig.far_end.complaints() == []
+
+
+def test_stop_ends_a_turn_back_and_forth_and_the_next_goal_of_it_is_refused(rig: Rig) -> None:
+    """As a mission turns that explores without a pause."""
+    sweep = Sweep((math.radians(20), 0.0), math.radians(30))
+    while not (sweep.index == 1 and rig.far_end.angle() < math.radians(15)):
+        assert rig.clock.now() < 20.0
+        goal = sweep.next_goal()
+        if goal is not None:
+            rig.actuator.command(goal, sweep.rate)
+        rig.clock.sleep(QUANTUM)
+        sweep.update(settled=rig.state.settled)
+    here = rig.far_end.angle()
+    rig.actuator.stop()
+    with pytest.raises(ActuatorFault, match="re-arm"):
+        rig.actuator.command(sweep.goal, sweep.rate)
+    rig.clock.sleep(2.0)
+    assert rig.state.rate == 0.0
+    braking = sweep.rate**2 / (2 * ACCELERATION)
+    assert 0.0 <= here - rig.far_end.angle() <= braking + (0.1 + rig.late) * sweep.rate + SWING
     assert rig.far_end.complaints() == []
 
 

@@ -1,7 +1,7 @@
 """A payload in real time beside `ross world` hears, turns and finds what a mission in lock-step does.
 
 Over TCP, and through a real sound system: the world feeds PulseAudio, the payload listens by PortAudio. What is heard
-is what the world made, sample by sample, and all that is not is counted: whatever the computer does. A mission is held
+is what the world made, sample by sample, and all that is not is counted, whatever the computer does. The voice is held
 to that of lock-step when the computer did not pause.
 """
 
@@ -25,6 +25,7 @@ PULSE_PLUGIN = "libasound_module_pcm_pulse.so"
 RATE = 16000
 TALKERS = (40, 155, -80)  # [deg], also those of the demo
 LESS = 1.5  # [dB]: a mission that a pause has delayed hears other words
+LEAST = 6.0  # [dB]: one that the computer paused for a while, too
 LATE = 0.4  # [s] by which a world that computes late, and says so, may silence its microphones
 SHORT = """
 title = "a short mission in real time"
@@ -118,7 +119,8 @@ def agree(live, lock_step):
     assert lock_step["outcome"] == "target_found"
     assert found(live) == pytest.approx(TALKERS, abs=3.0)
     assert found(live) == pytest.approx(found(lock_step), abs=1.5)
-    assert gain(live) > gain(lock_step) - LESS
+    paused = live["lost"] or live["late_s"] > LATE  # of a voice with holes SI-SDR tells the holes
+    assert gain(live) > (LEAST if paused else gain(lock_step) - LESS), told
 
 
 def found(report):

@@ -9,8 +9,11 @@ from mission_bench import SETTINGS, rig
 from ross_payload.calibration.consistency import Contradiction, contradiction
 from ross_payload.config import Config, validated
 from ross_payload.events import ArrayContradicted, OrientationHeard, State, StateChanged
+from ross_payload.interfaces import Attitude, AudioBlock, Input
 from ross_payload.mission import explore
 from ross_payload.mission.context import Context, Listening
+from ross_payload.mission.heard_turning import HeardTurning
+from ross_payload.pointing import Pointing
 from ross_payload.service.assemble import settings_of
 from ross_payload.telemetry.status_texts import line
 from ross_protocols.mavlink.values import Severity
@@ -78,6 +81,34 @@ def test_an_exploration_says_what_contradicts_the_configuration():
 def test_an_exploration_says_nothing_when_all_agrees_or_nobody_talks():
     assert explored() == []
     assert explored(silent=range(9)) == []
+
+
+def turned(*, spacing=0.05, gain_db=0.0, inverted=False, rate_deg_s=20.0, seconds=6.0):
+    """A context that has explored without a pause, and what it has to say: a source at 0.7 rad in the open."""
+    rng, n, finer = np.random.default_rng(0), round(seconds * RATE), 8
+    source = np.fft.irfft(np.fft.rfft(rng.standard_normal(n)), n * finer) * finer
+    times = np.arange(n) / RATE
+    delay = spacing / SPEED * np.cos(0.7 - np.deg2rad(rate_deg_s) * times)
+    lags = np.array([[-0.5], [0.5]]) * delay
+    samples = np.interp(times + lags, np.arange(n * finer) / (finer * RATE), source)
+    samples += 0.1 * rng.standard_normal((2, n))
+    samples[1] *= 10 ** (gain_db / 20) * (-1 if inverted else 1)
+    context, kept = Context(replace(SETTINGS, rate=RATE), tools=None), HeardTurning(RATE)
+    kept.begin()
+    for hop in range(round(seconds * 100)):
+        ends = np.deg2rad(rate_deg_s) * np.array([hop, hop + 1]) / 100
+        block = AudioBlock(samples[:, hop * RATE // 100 : (hop + 1) * RATE // 100], hop * RATE // 100, hop / 100)
+        kept.add(Input(block, float(ends[0]), Pointing(joint=float(ends[1])), False, Attitude(0.0)))
+    context.explored = kept.pieces(np.deg2rad(15.0))
+    explore.check_array(context)
+    return [event for event in context.pending if isinstance(event, ArrayContradicted)]
+
+
+def test_an_exploration_without_a_pause_says_so_too():
+    assert turned() == []
+    assert turned(gain_db=-2.5)[0].gain_db == pytest.approx(-2.5, abs=0.2)
+    assert turned(inverted=True)[0].inverted
+    assert turned(spacing=0.1)[0].spacing == pytest.approx(0.1, rel=0.12)
 
 
 def test_polarity_is_told_in_words():

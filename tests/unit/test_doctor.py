@@ -207,8 +207,9 @@ class SlowClock:
         return self.time
 
 
-def test_a_computer_as_fast_as_this_one_keeps_up():
-    cost = speed.rehearsed(config(**FAST), SystemClock())
+@pytest.mark.parametrize("motion", [{}, {"continuous": True, "rate_deg_s": 90}])
+def test_a_computer_as_fast_as_this_one_keeps_up(motion):
+    cost = speed.rehearsed(config(**FAST | {"explore": FAST["explore"] | motion}), SystemClock())
     assert 0 < cost.exploring < 100
     assert 0 < cost.separating < 100
 

@@ -149,6 +149,7 @@ def command() -> None:
 @click.option("--explorers", type=_Names(), help="Explorers; '' for none: true azimuths only.")
 @click.option("--t-unit", "unit_s", type=_Names(float), help="T_unit [s].")
 @click.option("--rotations", type=_Names(_schedule), help="Numbers of rotations, or stop: the explorer's own rule.")
+@click.option("--turning", "turning_deg_s", type=_Names(float), help="Turn without a pause [deg/s]; 0: step by step.")
 @click.option("--tell-k", is_flag=True, default=None, help="Tell the explorer K (joint only).")
 @click.option("--rules", help="Where to turn: best (predicted gain), or paper (its equations).")
 @click.option("--talkers", type=_Names(), help="Names in the folder; default: all. Up to five keep their order.")

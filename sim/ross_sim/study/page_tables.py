@@ -31,6 +31,7 @@ from ross_sim.study.calibration_rows import CalibrationRow, calibrations
 from ross_sim.study.exploration_tables import counts, reliability
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
+from ross_sim.study.motion_rows import MotionRow, motions
 from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.result_rows import Exploration, Separation
 from ross_sim.study.row_files import read_rows
@@ -54,6 +55,7 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
         "counts": lambda rows: counts(rows).body(),
         "reliability": lambda rows: reliability(rows).body(),
     },
+    MotionRow: {"motions": lambda rows: motions(rows).body()},
     CalibrationRow: {"calibrations": lambda rows: calibrations(rows).body()},
     NoiseRow: {"noises": lambda rows: noises(rows).body()},
     AboveRow: {"above": lambda rows: above(rows).body()},

@@ -74,6 +74,8 @@ class Exploration(Scene):
     all_found: bool
     certain: bool
     directness: float | None
+    turning_deg_s: float = 0.0  # 0: step by step
+    time_s: float | None = None  # since the exploration began, with the turns
 
     @property
     def right(self) -> bool:

@@ -20,10 +20,11 @@ from ross_payload.angles import difference
 from ross_payload.dsp.steering import tdoa
 from ross_payload.errors import RossError
 from ross_payload.events import AlignmentCandidate, Estimate, SourceEstimate
-from ross_payload.interfaces import Explorer, Real, Separator
+from ross_payload.interfaces import Observation, Real, Separator, TurningExplorer
 from ross_payload.localization.joint import Joint
 from ross_sim.study import result_rows
-from ross_sim.study.exploration import NEAR_DEG, matched, observed, render
+from ross_sim.study.exploration import NEAR_DEG, matched
+from ross_sim.study.exploration_course import Course, course_of
 from ross_sim.study.mixtures import Mixture, record
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.scoring import Belief, Separated, columns, scored, separations, tools_of
@@ -114,10 +115,10 @@ def perform(task: Task, study: Study, source: Source) -> result_rows.Result:
     return result_rows.Result(task.id, tuple(case.rows), tuple(case.explorations), tuple(case.timings))
 
 
-def _explorer(study: Study, name: str) -> Explorer:
+def _explorer(study: Study, name: str) -> TurningExplorer:
     """Make an explorer, checked; one of ours that is told K must be itself."""
     if study.tell_k:
-        told: Explorer = plugins.load("ross_payload.explorers", name).make(SPACING, SPEED_OF_SOUND)
+        told: TurningExplorer = plugins.load("ross_payload.explorers", name).make(SPACING, SPEED_OF_SOUND)
         return told
     return explorer_named(name)
 
@@ -145,15 +146,17 @@ def _unaligned(case: _Case) -> None:
             case.rows.append(case.scored(row, aimed, separated, target, heading))
 
 
-def _explored(case: _Case, explorer: Explorer) -> None:
+def _explored(case: _Case, explorer: TurningExplorer) -> None:
     """Explore once; separate after every schedule."""
-    headings = case.study.start(case.task.start) + case.study.step * np.arange(case.study.last + 1)
-    estimates = list(_estimates(case, explorer, headings))
+    course = course_of(case.study, case.task, case.stage)
+    estimates = list(_estimates(case, explorer, course))
+    headings = course.headings
     for r, estimate in enumerate(estimates):
-        case.explorations.append(_exploration(case, r, float(headings[r]), estimate))
+        case.explorations.append(_exploration(case, r, course, estimate))
     found: dict[int, list[result_rows.Separation]] = {}
     for schedule in case.study.rotations if case.tools else ():
         r = stopped([estimate.certain for estimate in estimates]) if schedule == STOP else int(schedule)
+        r = min(r, len(estimates) - 1)
         if r not in found:
             found[r] = list(_end_to_end(case, estimates[r], r, float(headings[r])))
         case.rows.extend(replace(row, schedule=str(schedule)) for row in found[r])
@@ -168,27 +171,27 @@ def stopped(certain: Sequence[bool]) -> int:
     return next((r for r, enough in enumerate(certain) if enough), len(certain) - 1)
 
 
-def _estimates(case: _Case, explorer: Explorer, headings: Real) -> Iterator[Estimate]:
+def _estimates(case: _Case, explorer: TurningExplorer, course: Course) -> Iterator[Estimate]:
     """What the explorer believes after every orientation; nobody tells the noise, nor K unless the study does."""
-    study, task, here, unit = case.study, case.task, case.stage, float(case.task.unit or 0.0)
-    rng = np.random.default_rng([study.seed, task.k, task.layout, task.start])
-    heard = render(here.speech, here.azimuths, here.setting, headings, rng, seconds=unit, rate=study.rate_hz)
-    observations, began = [], time.process_time()
-    for observation in observed(explorer, study.explorer_stft, heard, headings):
+    study, task = case.study, case.task
+    observations: list[Observation] = []
+    heard = course.observed_by(explorer)
+    began = time.process_time()
+    for observation in heard:
         observations.append(observation)
         if study.tell_k and isinstance(explorer, Joint):
             yield explorer.place(observations, task.k)
         else:
             yield explorer.estimate(observations)
-    case.timed(explorer.name, unit * len(headings), time.process_time() - began)
+    case.timed(explorer.name, float(task.unit or 0.0) * len(course.times), time.process_time() - began)
 
 
-def _exploration(case: _Case, rotations: int, heading: float, estimate: Estimate) -> result_rows.Exploration:
+def _exploration(case: _Case, r: int, course: Course, estimate: Estimate) -> result_rows.Exploration:
     task, errors = case.task, matched(case.stage.azimuths, estimate)[0]
     return result_rows.Exploration(
         task.id, task.setting, task.k, task.layout, case.study.seed, __version__,
         task.start, result_rows.degrees(case.study.start(task.start)), str(task.explorer), float(task.unit or 0.0),
-        rotations, result_rows.degrees(heading), case.stage.names,
+        r, result_rows.degrees(float(course.headings[r])), case.stage.names,
         azimuths_true_deg=tuple(result_rows.degrees(float(azimuth)) for azimuth in case.stage.azimuths),
         azimuths_deg=tuple(result_rows.degrees(source.azimuth) for source in estimate.sources),
         sigmas_deg=tuple(result_rows.degrees(source.sigma) for source in estimate.sources),
@@ -196,6 +199,7 @@ def _exploration(case: _Case, rotations: int, heading: float, estimate: Estimate
         errors_deg=tuple(round(float(error), 6) for error in errors),
         k_estimated=estimate.k, all_found=bool(errors.max() <= NEAR_DEG),
         certain=estimate.certain, directness=result_rows.number(estimate.directness),
+        turning_deg_s=task.rate, time_s=round(float(course.times[r]), 2),
     )  # fmt: skip
 
 

@@ -12,11 +12,10 @@ import numpy as np
 from pydantic import ConfigDict, Field, field_validator
 
 from ross_payload import plugins
-from ross_payload.config import Positive, Table, read_toml, validated
+from ross_payload.config import Explore, Positive, Table, read_toml, validated
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError, unknown
-from ross_payload.interfaces import Explorer
-from ross_payload.plugin_checks import checked_explorer, load_separator
+from ross_payload.plugin_checks import CheckedExplorer, checked_explorer, load_separator
 from ross_sim.cache import fingerprint
 from ross_sim.study.oracle_separators import ORACLES
 from ross_sim.study.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
 AnyTask = TypeVar("AnyTask", bound="DataclassInstance")
 Frame = Annotated[int, Field(ge=128, le=8192, multiple_of=2)]
 Overlap = Annotated[float, Field(ge=0.25, le=0.9)]
+SLOWEST_DEG_S = 5.0  # of a payload that turns without a pause
 STOP = "stop"  # the schedule that ends where the explorer is certain
 
 
@@ -46,6 +46,10 @@ class Study(Table):
     rotations: Annotated[tuple[Annotated[int, Field(ge=1, le=24)] | Literal["stop"], ...], Field(min_length=1)] = (12,)
     tell_k: bool = False  # the explorer is told K; `joint` only
     step_deg: Annotated[float, Field(ge=1, le=90)] = 15.0  # one rotation
+    turning_deg_s: Annotated[tuple[Annotated[float, Field(ge=0, le=90)], ...], Field(min_length=1)] = (
+        0.0,  # how fast the array turns without a pause; 0: it turns step by step
+    )
+    turn_deg: Annotated[float, Field(ge=90, le=3600)] = 540.0  # how far, back and forth
     run_s: Annotated[float, Field(ge=1, le=60)] = 10.0  # T_run
     rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 24000
     frame: Frame = 2048  # of the separation [samples]
@@ -58,7 +62,7 @@ class Study(Table):
     talkers: tuple[str, ...] = ()  # of the folder; none: all
     seed: Annotated[int, Field(ge=0)] = 0
 
-    @field_validator("settings", "k", "separators", "noise", "explorers", "unit_s", "rotations")
+    @field_validator("settings", "k", "separators", "noise", "explorers", "unit_s", "rotations", "turning_deg_s")
     @classmethod
     def _once(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
         if len(set(values)) < len(values):
@@ -70,6 +74,10 @@ class Study(Table):
         """The largest number of rotations: that of the longest schedule."""
         fixed = [count for count in self.rotations if isinstance(count, int)]
         return max([*fixed, *([self.max_rotations] if STOP in self.rotations else [])])
+
+    def periods(self, rate: float, unit: float) -> int:
+        """T_unit ``unit`` [s] in the whole turn at ``rate`` [deg/s]."""
+        return Explore(continuous=True, rate_deg_s=rate, turn_deg=self.turn_deg, unit_s=unit).periods
 
     @property
     def step(self) -> float:
@@ -109,6 +117,7 @@ class Task:
     start: int = 0
     explorer: str | None = None
     unit: float | None = None  # T_unit [s]
+    rate: float = 0.0  # at which the array turns while it explores [deg/s]; 0: it turns step by step
 
     @property
     def room(self) -> str:
@@ -123,7 +132,8 @@ class Task:
         ('S1-K3-L0-T2', 'S1-K3-L4-H1-joint-3s')
         """
         if self.explorer is not None:
-            return f"{self.room}-{self.explorer}-{self.unit:g}s"
+            turning = f"-{self.rate:g}deg_s" if self.rate else ""
+            return f"{self.room}-{self.explorer}-{self.unit:g}s{turning}"
         return self.room if self.target is None else f"{self._scene}-T{self.target}"
 
     @property
@@ -170,8 +180,8 @@ def _tasks(study: Study, setting: str, k: int, layout: int) -> Iterator[Task]:
     if study.separators:
         yield from (Task(setting, k, layout, target=target) for target in range(k))
         yield from (Task(setting, k, layout, start=start) for start in starts)
-    for start, explorer, unit in product(starts, study.explorers, study.unit_s):
-        yield Task(setting, k, layout, start=start, explorer=explorer, unit=unit)
+    for start, explorer, unit, rate in product(starts, study.explorers, study.unit_s, study.turning_deg_s):
+        yield Task(setting, k, layout, start=start, explorer=explorer, unit=unit, rate=rate)
 
 
 PAPERS = ("duet", "iva", "mvdr")  # the paper's separators
@@ -230,7 +240,7 @@ def chosen(name: str, changes: dict[str, Any], quick: bool) -> Study:
     return study
 
 
-def explorer_named(name: str) -> Explorer:
+def explorer_named(name: str) -> CheckedExplorer:
     """Make an explorer whose every result is checked, for the array of the study.
 
     Raises
@@ -263,6 +273,7 @@ def check_names(study: Study) -> None:
             load_separator(name)
     for name in study.explorers:
         explorer_named(name)
+    _check_turning(study)
     if study.tell_k and set(study.explorers) - {"joint"}:
         raise ConfigError(
             f"tell_k: expected only the explorer joint, which can use a known K, got {', '.join(study.explorers)}"
@@ -275,3 +286,13 @@ def check_names(study: Study) -> None:
         raise ConfigError(
             f"k: expected at most 5, the talkers of the paper's layout, or paper_layout = false, got {max(study.k)}"
         )
+
+
+def _check_turning(study: Study) -> None:
+    """Check that every explorer can hear while the array turns, where it does."""
+    slow = [rate for rate in study.turning_deg_s if 0 < rate < SLOWEST_DEG_S]
+    if slow:
+        raise ConfigError(f"turning_deg_s: expected 0, or at least {SLOWEST_DEG_S:g} deg/s, got {slow[0]:g}")
+    deaf = [name for name in study.explorers if any(study.turning_deg_s) and not explorer_named(name).hears_turning]
+    if deaf:
+        raise ConfigError(f"turning_deg_s: expected explorers that hear while turning, got {deaf[0]}")

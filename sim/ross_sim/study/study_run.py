@@ -20,6 +20,7 @@ from ross_payload.errors import OutputError, refused_as
 from ross_payload.plugins import install_line
 from ross_sim.study.dask_engine import Basis, cluster
 from ross_sim.study.figures import draw
+from ross_sim.study.motion_rows import MotionRow, motion_rows, motions
 from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, decode
 from ross_sim.study.row_files import has_parquet, write_csv, write_parquet
 from ross_sim.study.study_case import Failure, attempt
@@ -203,6 +204,10 @@ def write(store: Store[Result], study: Study) -> list[Table]:
         write_rows(store, name.replace("timings", "timing"), StoredRows(store, done, name), kind)
     separations, explorations = (list(StoredRows(store, done, name)) for name in ("separations", "explorations"))
     made = tables(study, separations, explorations)
+    if any(study.turning_deg_s):
+        compared = motion_rows(explorations)
+        write_rows(store, "motions", compared, MotionRow)
+        made.append(motions(compared))
     store.write("tables.md", "\n".join(table.markdown() for table in made).encode())
     with refused_as(OutputError, f"{store.folder}: figures cannot be written"):
         draw(store.folder, separations, explorations)

@@ -34,15 +34,17 @@ FINGERPRINTED: Code = {  # so do these parts of the code
     ross_payload: (
         *(f"{room}/*.py" for room in ("dsp", "localization", "separation", "alignment")),
         "separation/*.npz",
+        "localization/*.json",
         "plugin_checks.py",
         "angles.py",
     ),
-    ross_sim: ("acoustics/room.py", "acoustics/impulse_responses.py", "talkers/speech.py"),
+    ross_sim: ("acoustics/room.py", "acoustics/render.py", "acoustics/impulse_responses.py", "talkers/speech.py"),
     ross_sim.study: tuple(
         f"{name}.py"
         for name in (
             "baselines",
             "exploration",
+            "exploration_course",
             "mixtures",
             "oracle_separators",
             "result_rows",
@@ -50,6 +52,7 @@ FINGERPRINTED: Code = {  # so do these parts of the code
             "scoring",
             "study_case",
             "talker_placement",
+            "turning_render",
         )
     ),
 }

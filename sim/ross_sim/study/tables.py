@@ -129,12 +129,14 @@ def finds(schedules: Sequence[int | str], rows: Sequence[Exploration]) -> Table:
     """How well the explorer counts and places talkers after every schedule: a number of rotations, or ``stop``."""
     counts = sorted({row.k for row in rows})
     lines = []
-    for label, group in grouped(rows, lambda row: (row.explorer, row.unit_s, row.setting)).items():
-        explorer, unit, setting = label
+    for label, group in grouped(rows, lambda row: (row.explorer, row.unit_s, row.setting, row.turning_deg_s)).items():
+        explorer, unit, setting, rate = label
         explored = grouped(group, lambda row: row.task).values()
+        turning = f"{rate:g} deg/s, " if rate else ""
         for schedule in schedules:
             ends = [row for task in explored for row in _after(task, schedule)]
-            lines.append((f"{setting}, {explorer}, {unit:g} s, {schedule}", *_finds(ends, counts)))
+            if ends:
+                lines.append((f"{setting}, {explorer}, {unit:g} s, {turning}{schedule}", *_finds(ends, counts)))
     by_k = tuple(f"K = {k}" for k in counts)
     header = ("", "rotations", "K right", "all right", "recall", "error [deg]", *by_k)
     about = f"All right: K is right and every talker is within {NEAR_DEG:g} deg; the columns by K are shares all right."
