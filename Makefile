@@ -2,7 +2,7 @@
 # make check  ruff, mypy, imports      make bench  the measured tables       make soak  the full figures
 # make docs   build the manual         make site   the same of every version, for hosting
 # make protocols  regenerate the MAVLink dialect, C headers, the dissector
-# make release build and try what is published
+# make release build and try what is published    make deb  the Debian package, for this computer's release and processor
 # make hashes pin what a payload runs on, by hash, after a change of constraints.txt
 PYTHON ?= python3
 VENV ?= .venv
@@ -14,7 +14,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 COMPILED := PYTHONDONTWRITEBYTECODE=  # hundreds of processes are started
 
 HASHED := --extra capture --extra serial --extra can --extra gpio --extra ground --extra stream --extra voice
-.PHONY: demo test check bench soak docs site protocols hashes release clean
+.PHONY: demo test check bench soak docs site protocols hashes release deb clean
 .DELETE_ON_ERROR:
 
 demo: $(VENV)/.demo
@@ -62,6 +62,9 @@ release: | $(BIN)/python  # into dist/, see .ci/release.py; its tools have an en
 	$(VENV)/release/bin/python -m pip --disable-pip-version-check --quiet install --upgrade 'pip>=25.1'
 	$(VENV)/release/bin/python -m pip --quiet install --constraint constraints.txt --group release
 	$(VENV)/release/bin/python .ci/release.py
+
+deb:  # into dist/; EXTRAS and WHEELS as docs/how-to/debian-package.md tells
+	sh docs/deploy/build-deb.sh
 
 clean:
 	rm -rf $(VENV) out docs/_build dist build

@@ -64,6 +64,7 @@ EXTRA_OF = {  # by the module that an optional part imports
     "serial": "serial",
     "lgpio": "gpio",
     "pyarrow": "study",
+    "sklearn": "study",
     "aiohttp": "ground",
     "foxglove": "mcap",
     "mcap": "mcap",

@@ -5,8 +5,9 @@ Whom each output of a blind separator holds is told by the directions (`outputs_
 
 from __future__ import annotations
 
+from itertools import permutations
+
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from ross_payload.dsp.covariance import outer
 from ross_payload.dsp.steering import steering_vectors
@@ -94,7 +95,8 @@ def outputs_of(cross: Complex, frequencies: Real, tau: Real) -> tuple[int, ...]:
     phases = np.divide(cross[use], size, out=np.zeros_like(cross[use]), where=size > 0)
     expected = steering_vectors(frequencies[use], tau)[:, 1]
     agreement = (expected.conj().T @ phases).real
-    return tuple(int(i) for i in linear_sum_assignment(agreement, maximize=True)[1])
+    n_groups, n_outputs = agreement.shape  # few of each: all are tried; scipy.optimize takes 20 MB
+    return max(permutations(range(n_outputs), n_groups), key=lambda order: agreement[range(n_groups), order].sum())
 
 
 def images_of(demixing: Complex) -> Complex:

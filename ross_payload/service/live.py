@@ -67,7 +67,7 @@ def live(config: Config) -> int:
         latch = StopLatch(state_folder(config) / "stopped")
         stack.callback(latch.close)
         again = threading.Event()  # somebody has asked for a restart; asked on the pump, read when all is over
-        parts = stack.enter_context(_parts(config, clock, latch, again))
+        parts = stack.enter_context(_parts(config, clock, latch, watchdog, again))
         pumping = Pumping(clock)
         runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, pumping)))
         stack.callback(clock.every(POLL, lambda: pumping.poll(runner)))
@@ -102,7 +102,9 @@ class Pumping:
 
 
 @contextmanager
-def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: threading.Event) -> Iterator[Parts]:
+def _parts(
+    config: Config, clock: SystemClock, latch: StopLatch, watchdog: Watchdog, again: threading.Event
+) -> Iterator[Parts]:
     state = state_folder(config)
     with ExitStack() as stack:
         parameters = stack.enter_context(Parameters(config, state / "params.toml"))
@@ -134,6 +136,7 @@ def _parts(config: Config, clock: SystemClock, latch: StopLatch, again: threadin
             state=state,
             computer=ComputerReader(store.folder),
             live=True,
+            late=watchdog.late,
             restart=again.set,
             stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",
         )

@@ -10,7 +10,6 @@ from pathlib import Path
 
 from ross_payload.audio.live_source import Watched
 from ross_payload.audio.shared_source import SharedSource
-from ross_payload.audio.sinks.sdp_server import SdpServer
 from ross_payload.config import Config
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import AudioSource, Clock
@@ -63,6 +62,8 @@ def described(listening: Listening, config: Config) -> Iterator[None]:
     asked = config.listening
     with ExitStack() as stack:
         if asked.sdp_port:
+            from ross_payload.audio.sinks.sdp_server import SdpServer  # noqa: PLC0415  HTTP and TLS, for few
+
             try:
                 stack.enter_context(SdpServer(listening.descriptions, asked.sdp_port, asked.sdp_address))
             except AudioError as error:

@@ -32,7 +32,9 @@ from ross_payload.mission.live_session import Kit, LiveSession, Make
 from ross_payload.mission.tasks import Memory
 from ross_payload.orders import Explore, Order, Seek, Set, Task
 from ross_payload.service.assemble import settings_of, tools_of
+from ross_payload.service.condition import Condition
 from ross_payload.service.dronecan_node import Aboard, node_on_bus
+from ross_payload.service.health_socket import POLL_S, HealthSocket
 from ross_payload.service.live_listening import described, heard, listening_of, source_of
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
@@ -74,6 +76,7 @@ class Parts:
     state: Path | None = None  # folder of what outlives a restart
     rng: np.random.Generator = field(default_factory=np.random.default_rng)
     computer: Callable[[], Computer] | None = None  # how it is; None: what is said must not depend on the machine
+    late: Callable[[], tuple[str, ...]] | None = None  # who makes no progress, for whoever asks; None: nobody can
     restart: Callable[[], None] | None = None  # has this program started again when it ends; None: nobody would
 
 
@@ -115,6 +118,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         runner.observers += map(stack.enter_context, speakers)
         stack.callback(clock.every(POLL, parts.links.poll))
         stack.callback(clock.every(LOOK, Changes(parts.links.status, monitor.health, recorder.status).poll))
+        runner.observers += stack.enter_context(_asked(parts, monitor, recorder))
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
         stack.callback(clock.every(POLL, runner.poll))
         _wait_for_report(actuator, clock)
@@ -133,6 +137,18 @@ def _mission(parts: Parts, source: AudioSource, actuator: Guard, *, stopped: boo
     first = FIRST[config.service.autostart]
     mission = session.mission(first() if first is not None else None)
     return recorder, Runner(mission, source, actuator, parts.mount, config=config, clock=clock, latch=parts.latch)
+
+
+@contextmanager
+def _asked(parts: Parts, monitor: HealthMonitor, recorder: Recorder) -> Iterator[list[Observer]]:
+    """Have the pump answer whoever asks on this computer how the payload is; who watches for that is given."""
+    if parts.late is None or parts.state is None:
+        yield []
+        return
+    condition = Condition(parts.late, monitor.health, recorder.status, parts.links.status)
+    with HealthSocket(parts.state, condition.values) as wire, ExitStack() as stack:
+        stack.callback(parts.clock.every(POLL_S, wire.poll))
+        yield [condition]
 
 
 def _wait_for_report(actuator: Guard, clock: Clock) -> None:

@@ -6,15 +6,23 @@ import errno
 import os
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ross_payload.config import Config
 from ross_payload.errors import ConfigError
+
+if TYPE_CHECKING:  # `ross health` does without it
+    from ross_payload.config import Config
+
+
+def named_folder(named: str, environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the folder of what outlives a restart by its name in a configuration; "" leaves it to the environment."""
+    named = named or environment.get("STATE_DIRECTORY", "").partition(":")[0]
+    return Path(named).expanduser() if named else Path.home() / ".local" / "state" / "ross"
 
 
 def state_path(config: Config, environment: Mapping[str, str] = os.environ) -> Path:
     """Return the folder of what outlives a restart; it need not be there."""
-    named = config.service.state_dir or environment.get("STATE_DIRECTORY", "").partition(":")[0]
-    return Path(named).expanduser() if named else Path.home() / ".local" / "state" / "ross"
+    return named_folder(config.service.state_dir, environment)
 
 
 def recording_path(config: Config, environment: Mapping[str, str] = os.environ) -> Path:

@@ -19,7 +19,7 @@ from ross_payload.voiceprint import EmbeddingPrint
 MANIFEST = "session.json"
 FORMAT = "ross-session"
 VERSION = 1
-PACKAGES = ("ross-payload", "numpy", "scipy", "scikit-learn", "pymavlink", "pydantic")
+PACKAGES = ("ross-payload", "numpy", "scipy", "pymavlink", "pydantic")
 Kind = Literal["mission", "session"]
 
 

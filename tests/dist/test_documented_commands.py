@@ -28,6 +28,8 @@ INLINE = re.compile(r"`(?:[^`\n]*/)?(ross [^`\n]+)`")
 RUN, RUN_IN_SOAK, ELSEWHERE, NOT_RUN = "run here", "run here by make soak", "run by another test", "not run"
 WHERE = [
     (r"make (demo|test|release)", NOT_RUN, "sets up a virtual environment from an index; a release does it by hand"),
+    (r"make deb", ELSEWHERE, "tests/dist/test_debian_package.py"),
+    (r"source ~/ross/bin/activate$", NOT_RUN, "changes the reader's own shell"),
     (r"make (check|docs)$", NOT_RUN, "what every change must pass; tests/dist/test_docs.py builds the manual"),
     (r"curl -H", NOT_RUN, "needs the reader's own ground station; tests/unit/ground/test_rest_token.py does as much"),
     (r"curl |openapi-python-client ", ELSEWHERE, "tests/process/test_rest_guide.py"),
@@ -46,6 +48,10 @@ WHERE = [
     (r"pytest -m hardware", NOT_RUN, "turns real hardware"),
     (r"pytest tests/contract|ross actuators probe bench|ross sitl --actuator my_turntable", ELSEWHERE,
      "tests/dist/test_own_actuator.py"),
+    (r"sudo apt install ./dist/ross-payload|sudo -u ross -H ross doctor", ELSEWHERE,
+     "tests/dist/test_debian_package.py"),
+    (r"sudo podman build", ELSEWHERE, "tests/dist/test_container.py"),
+    (r"sudo podman", NOT_RUN, "no container engine runs where the tests run; tests/dist/test_container.py"),
     (r"sudo |uname|arecord|alsamixer|udevadm|ip -details|candump|systemctl|journalctl", NOT_RUN,
      "needs root, a Raspberry Pi, or systemd as the first process"),
     (r"/opt/ross/bin/python ", ELSEWHERE, "tests/dist/test_wheel.py"),

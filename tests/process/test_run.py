@@ -11,7 +11,9 @@ import pytest
 import soundfile
 from pymavlink import mavutil
 
+import waiting
 from ports import free_port
+from processes import program
 
 ROSS = (sys.executable, "-m", "ross_payload.cli")
 RATE = 16000
@@ -128,6 +130,20 @@ def test_a_mistake_gets_one_line_and_exit_code_2(folder, more, links, source, wo
     assert last.startswith("ross: ")
     assert words in last
     assert "Traceback" not in done.stderr
+
+
+def test_a_shell_asks_it_how_it_is_while_it_runs(folder):
+    path = written(folder, source="file:long.wav")
+
+    def asked():
+        command = [*ROSS, "health", path]
+        told = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        return told.returncode, told.stdout
+
+    assert asked() == (1, "")
+    with program([*ROSS, "run", path], folder):
+        waiting.wait_for(lambda: asked() == (0, "idle\n"))
+    assert asked() == (1, "")
 
 
 def test_a_port_in_use_is_named(folder):

@@ -49,7 +49,8 @@ import ross_payload.service.live
 from ross_payload.config import Config
 from ross_payload.service.assemble import tools_of
 tools_of(Config(), None)
-heavy = {"scipy.signal", "scipy.stats", "sklearn", "matplotlib", "pyroomacoustics", "sounddevice", "rich", "aiohttp"}
+heavy = {"scipy.optimize", "scipy.signal", "scipy.stats", "sklearn", "matplotlib", "pyroomacoustics"}
+heavy |= {"sounddevice", "rich", "aiohttp", "http.server"}
 assert not heavy & set(sys.modules), heavy & set(sys.modules)
 """
 

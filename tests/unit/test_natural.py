@@ -1,10 +1,19 @@
 import numpy as np
 import pytest
+from scipy.optimize import linear_sum_assignment
 
 from ross_payload.dsp.covariance import outer
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.interfaces import Scene
-from ross_payload.separation.natural_gradient_iva import demix, images_of, outputs_of, separator, whitening
+from ross_payload.separation.natural_gradient_iva import (
+    HIGH,
+    LOW,
+    demix,
+    images_of,
+    outputs_of,
+    separator,
+    whitening,
+)
 
 FREQUENCIES = np.fft.rfftfreq(256, 1 / 16000)
 LONGEST = 0.05 / 343.0
@@ -78,6 +87,17 @@ def test_columns_of_the_inverse_point_at_the_sources() -> None:
     assert outputs_of(cross, FREQUENCIES[1:], TAU) == (0, 1)
     assert outputs_of(cross, FREQUENCIES[1:], TAU[::-1]) == (1, 0)
     assert outputs_of(cross, FREQUENCIES[1:], TAU[1:]) == (1,)
+
+
+@pytest.mark.parametrize("n_groups", [1, 2, 3, 4])
+def test_the_assignment_of_outputs_is_the_best_one_as_scipy_finds_it(n_groups: int) -> None:
+    rng = np.random.default_rng(n_groups)
+    cross = np.exp(2j * np.pi * rng.random((FREQUENCIES.size - 1, 4)))
+    tau = rng.uniform(-1.5e-4, 1.5e-4, n_groups)
+    used = (FREQUENCIES[1:] >= LOW) & (FREQUENCIES[1:] <= HIGH)
+    phases = 2 * np.pi * FREQUENCIES[1:][used, None, None] * tau[:, None]
+    agreement = np.cos(np.angle(cross[used])[:, None, :] - phases).sum(axis=0)
+    assert outputs_of(cross, FREQUENCIES[1:], tau) == tuple(linear_sum_assignment(agreement, maximize=True)[1])
 
 
 def test_same_input_same_output() -> None:

@@ -30,7 +30,7 @@ from ross_payload.events import (
 from ross_payload.interfaces import Real, Result, Samples
 from ross_sim.talkers.path import Path
 
-PACKAGES = ("ross-payload", "numpy", "scipy", "scikit-learn", "pymavlink", "pyroomacoustics")
+PACKAGES = ("ross-payload", "numpy", "scipy", "pymavlink", "pyroomacoustics")
 
 
 @dataclass(frozen=True, slots=True)
