@@ -40,7 +40,7 @@ bench: $(VENV)/.dev
 	$(BIN)/python -m ross_sim.study.live_separation out/bench/live-separation.csv --speech $(SPEECH)
 
 soak: $(VENV)/.dev
-	$(ONE_THREAD) $(BIN)/pytest --numprocesses 2 -m soak --timeout 7200 $(ARGS)
+	$(ONE_THREAD) $(BIN)/pytest --numprocesses 2 -m 'soak or random' --hypothesis-profile soak --timeout 7200 $(ARGS)
 
 docs: $(VENV)/.dev
 	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build/html

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+import examples
 import forked_programs
 import lanes
 from forked_workers import ForkedWorkers
 
-settings.register_profile("shared machine", deadline=None)  # a busy machine makes no example wrong
-settings.load_profile("shared machine")
+settings.load_profile(examples.TEST)
 
 ROOT = Path(__file__).parents[1]
 PROMPT = b">>>"
@@ -73,9 +73,11 @@ def pytest_collection_finish(session):
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses
 def pytest_collection_modifyitems(items):
-    """Give every test its lane: the marker's, or that of its folder."""
+    """Give every test its lane: the marker's, or that of its folder. Mark those that draw examples."""
     imports, lane_of = cache(lanes.imports_of), cache(lanes.lane_of)
     for item in items:
+        if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
+            item.add_marker("random")
         try:
             markers = frozenset(mark.name for mark in item.iter_markers())
             item.add_marker(lane_of(item.path, markers, imports(getattr(item, "module", None))))

@@ -168,6 +168,19 @@ def test_away_from_a_payload_stop_is_for_all(crew, open_page):
         rearm(page)
 
 
+def test_what_was_on_its_way_of_another_payload_is_not_shown_as_that_of_the_chosen_one(crew, open_page):
+    """Else its state would stand below the other's name, and a command would go to it."""
+    page = open_page(crew.url)
+    shown = page.evaluate("""async () => {
+      const { blank, take, watching } = await import("/assets/connection.js");
+      const late = { type: "payload", id: "1-191", now: 1, sections: { standing: { state: "stopped" } } };
+      const before = take(blank("1-191"), late, 0);
+      const after = take(watching(before, "2-191"), late, 1);
+      return [before, after, take(after, { ...late, id: "2-191" }, 2)].map((store) => store.payload?.id ?? null);
+    }""")
+    assert shown == ["1-191", None, "2-191"]
+
+
 def test_an_order_is_followed_to_its_end(crew, open_page):
     page = command(open_page, crew.url, "2-191")
     page.evaluate(STATES)

@@ -30,13 +30,11 @@ ARRIVAL = 8.0  # of a move that a fault does not hinder [s]
 BACK = 20.0  # in which it must be well again after the fault is over [s]
 
 
-def at_rest(kind: str, chance: np.random.Generator) -> Rig:
-    """A rig that holds a random goal."""
-    rig = rig_of(kind).open()
+def at_rest(rig: Rig, chance: np.random.Generator) -> None:
+    """Let it hold a random goal."""
     rig.settle(within=5.0)
     rig.actuator.command(math.radians(chance.uniform(-60, 60)))
     rig.settle(within=8.0)
-    return rig
 
 
 def far_away(rig: Rig, chance: np.random.Generator) -> float:
@@ -100,23 +98,9 @@ def comes_back(rig: Rig) -> None:
     assert rig.far_end.angle() - here == pytest.approx(way, abs=0.01)
 
 
-def in_mid_move(kind: str, fault: Fault, detection: Detection, seed: int) -> None:
+def at_rest_before_a_move(rig: Rig, fault: Fault, detection: Detection, seed: int) -> None:
     chance = np.random.default_rng(seed)
-    rig = at_rest(kind, chance)
-    goal = far_away(rig, chance)
-    rig.actuator.command(goal)
-    rig.clock.sleep(chance.uniform(0.1, 0.8))
-    rig.far_end.afflict(fault)
-    noticed(rig, goal, detection)
-    comes_to_rest(rig, detection)
-    rig.far_end.afflict(fault, on=False)
-    comes_back(rig)
-    rig.actuator.__exit__(None, None, None)
-
-
-def at_rest_before_a_move(kind: str, fault: Fault, detection: Detection, seed: int) -> None:
-    chance = np.random.default_rng(seed)
-    rig = at_rest(kind, chance)
+    at_rest(rig, chance)
     held = goal = rig.state.angle
     rig.far_end.afflict(fault)
     for _ in range(chance.integers(1, 150)):
@@ -129,27 +113,42 @@ def at_rest_before_a_move(kind: str, fault: Fault, detection: Detection, seed: i
         comes_to_rest(rig, detection)
     rig.far_end.afflict(fault, on=False)
     comes_back(rig)
-    rig.actuator.__exit__(None, None, None)
+
+
+def in_mid_move(rig: Rig, fault: Fault, detection: Detection, seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    at_rest(rig, chance)
+    goal = far_away(rig, chance)
+    rig.actuator.command(goal)
+    rig.clock.sleep(chance.uniform(0.1, 0.8))
+    rig.far_end.afflict(fault)
+    noticed(rig, goal, detection)
+    comes_to_rest(rig, detection)
+    rig.far_end.afflict(fault, on=False)
+    comes_back(rig)
 
 
 @pytest.mark.parametrize(("kind", "fault", "detection"), CASES)
-def test_a_fault_in_mid_move_is_noticed_in_time_and_in_words(kind: str, fault: Fault, detection: Detection) -> None:
-    in_mid_move(kind, fault, detection, seed=1)
-
-
-@pytest.mark.parametrize(("kind", "fault", "detection"), CASES)
-def test_a_fault_at_rest_is_noticed_with_the_next_move_at_the_latest(
+def test_a_fault_is_noticed_in_mid_move_in_time_and_in_words_and_at_rest_with_the_next_move_at_the_latest(
     kind: str, fault: Fault, detection: Detection
 ) -> None:
-    at_rest_before_a_move(kind, fault, detection, seed=2)
+    rig = rig_of(kind).open()
+    in_mid_move(rig, fault, detection, seed=1)
+    if abs(rig.far_end.angle() - rig.state.angle) > rig.tolerance:  # its zero is where it was told to home
+        rig.actuator.__exit__(None, None, None)
+        rig = rig_of(kind).open()
+    at_rest_before_a_move(rig, fault, detection, seed=2)
+    rig.actuator.__exit__(None, None, None)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize(("kind", "fault", "detection"), CASES)
 def test_faults_are_noticed_at_20_moments(kind: str, fault: Fault, detection: Detection, seed: int) -> None:
-    in_mid_move(kind, fault, detection, seed)
-    at_rest_before_a_move(kind, fault, detection, seed)
+    for happens in (in_mid_move, at_rest_before_a_move):
+        rig = rig_of(kind).open()
+        happens(rig, fault, detection, seed)
+        rig.actuator.__exit__(None, None, None)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -81,7 +81,7 @@ def test_the_first_sample_is_the_first_that_the_card_gave_after_it_settled(liste
 def test_the_time_of_a_sample_follows_the_card_through_drift_and_jitter(listen, make_card, errors, ppm):
     card = make_card(ppm=ppm, jitter=0.012)
     with listen(card) as source:
-        blocks = read(source, 120)
+        blocks = read(source, 60)
         measured = source.status().rate
     assert np.abs(errors(blocks, card)).max() < NEAR
     assert measured / RATE - 1 == pytest.approx(ppm * 1e-6, abs=20e-6)
@@ -108,12 +108,12 @@ def test_a_stall_of_which_the_driver_keeps_everything_loses_nothing(listen, make
 def test_a_gap_does_not_spoil_the_measured_rate(listen, make_card, moments):
     card = make_card(ppm=100)
     with listen(card) as source:
-        read(source, 60)
+        read(source, 40)
         begin = moments.now() + 1
         card.blocked = (begin, begin + 1.5, False)
         read(source, 5)
         assert source.status().rate / RATE - 1 == pytest.approx(100e-6, abs=20e-6)
-        read(source, 60)
+        read(source, 40)
         assert source.status().rate / RATE - 1 == pytest.approx(100e-6, abs=20e-6)
 
 

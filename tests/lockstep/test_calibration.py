@@ -99,7 +99,7 @@ def test_it_turns_within_narrow_limits_and_says_when_they_are_too_narrow():
 
 
 def test_swapped_cables_are_found():
-    heard, _ = turned_in(scenario({"swapped": True}), phone(), PLAN)
+    heard, _ = turned_in(scenario({"swapped": True}), phone(), TurnPlan(headings=6, seconds=0.8))
     found = calibrate(heard, SPEED, azimuth=AZIMUTH)
     assert found.swapped
     assert changes(scenario().payload, found)["audio.channels"] == [1, 0]
@@ -136,7 +136,7 @@ def test_ctrl_c_brakes_it_and_ends_it():
 
 
 def test_a_study_writes_what_became_of_every_array(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(calibration_study, "PLAN", TurnPlan(headings=6, seconds=0.8))
+    monkeypatch.setattr(calibration_study, "PLAN", TurnPlan(headings=6, seconds=0.6))
     arguments = ("study", "calibration", "--settings", "S1", "--sounds", "noise", "--draws", "2", "--seed", "3")
     code, out, _ = called(monkeypatch, capsys, *arguments, "--out", tmp_path / "rows.csv")
     assert code == 0

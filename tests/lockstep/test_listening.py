@@ -7,11 +7,12 @@ import pytest
 import soundfile
 
 from ross_payload.sessions.session_store import SessionStore
-from short_mission import SHORT
+from short_mission import SHORT, WHOLE
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
-LISTENED = SHORT.replace("run_s = 1.0", "run_s = 2.0")
+LISTENED = SHORT.replace("run_s = 1.0", "run_s = 2.0") + '[payload.listening]\nseparator = "gaussian"\n'
+SERVED = WHOLE.replace("run_s = 1.0", "run_s = 2.0")
 RECORDED = (
     LISTENED
     + """
@@ -85,7 +86,7 @@ def test_a_recording_keeps_the_voices_that_it_is_asked_for_beside_the_mixture(fl
 def test_streams_of_a_scenario_are_served_too(fly, tmp_path):
     path = tmp_path / "streams.toml"
     streams = [("mixture", "a.wav"), ("source 0", "b.wav"), ("azimuth 40", "c.wav")]
-    path.write_text(LISTENED + "[payload.listening]\notherwise = 'silence'\n" + "".join(
+    path.write_text(SERVED + "[payload.listening]\notherwise = 'silence'\n" + "".join(
         f"[[payload.listening.streams]]\nsink = 'file'\nwhat = '{what}'\noptions = {{ path = '{tmp_path / name}' }}\n"
         for what, name in streams
     ))  # fmt: skip

@@ -5,9 +5,13 @@ import json
 import pytest
 
 from command_line import called_once
-from short_mission import THREE, brief
+from short_mission import CHEAP, THREE, brief
 
 pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
+
+
+def quick(name, folder):
+    return brief(name, folder, explore={"lead_in_s": 1.0, "unit_s": 1.5}, run_s=2.0, **CHEAP)
 
 
 @pytest.fixture
@@ -29,14 +33,14 @@ def pipelined(tmp_path_factory):
     """A pipelined mission, seed 1: the exit code, its report, and the folder of its results."""
     folder = tmp_path_factory.mktemp("pipelined")
     out = folder / "out"
-    code, _, err = called_once("sitl", "--json", "--out", out, "-s", brief("pipelined", folder), "--seed", 1)
+    code, _, err = called_once("sitl", "--json", "--out", out, "-s", quick("pipelined", folder), "--seed", 1)
     assert "Traceback" not in err
     return code, json.loads((out / "report.json").read_text()), out
 
 
 def test_a_pipelined_mission_hears_the_same_target_sooner(mission, pipelined, tmp_path):
     code, report, _ = pipelined
-    plain_code, plain = mission("demo", "--scenario", brief("demo", tmp_path), "--actuator", "ideal", "--seed", 1)
+    plain_code, plain = mission("demo", "--scenario", quick("demo", tmp_path), "--actuator", "ideal", "--seed", 1)
     assert (code, plain_code) == (0, 0)
     assert report["k"] == 3
     assert target(report)["talkers"] == [report["target"]]
@@ -45,7 +49,7 @@ def test_a_pipelined_mission_hears_the_same_target_sooner(mission, pipelined, tm
 
 
 def test_an_informed_mission_turns_at_once_and_says_that_it_was_informed(mission, tmp_path):
-    code, report = mission("informed", "--scenario", brief("demo", tmp_path), "--informed", "--seed", 1)
+    code, report = mission("informed", "--scenario", quick("demo", tmp_path), "--informed", "--seed", 1)
     assert (code, report["informed"], report["rotations"]) == (0, True, 0)
     assert [source["azimuth_error_deg"] for source in report["sources"]] == [0.0, 0.0, 0.0]
     assert report["configuration"]["payload"]["informed"]["azimuths_deg"] == [40.0, 155.0, -80.0]
@@ -53,7 +57,7 @@ def test_an_informed_mission_turns_at_once_and_says_that_it_was_informed(mission
 
 
 def test_azimuths_that_are_told_by_eye_will_do(mission, tmp_path):
-    code, report = mission("informed", "--scenario", brief("informed", tmp_path), "--seed", 1)
+    code, report = mission("informed", "--scenario", quick("informed", tmp_path), "--seed", 1)
     assert (code, report["informed"]) == (0, True)
     assert report["checks"][0]["candidate"] == 0
     assert target(report)["talkers"] == [report["target"]]
@@ -67,7 +71,7 @@ def same_files(one, two):
 
 
 def test_a_rerun_gives_the_same_bytes(mission, pipelined, tmp_path):
-    mission("again", "-s", brief("pipelined", tmp_path), "--seed", 1)
+    mission("again", "-s", quick("pipelined", tmp_path), "--seed", 1)
     same_files(pipelined[2], tmp_path / "again")
 
 

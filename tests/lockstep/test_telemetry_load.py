@@ -26,6 +26,7 @@ from ross_protocols.mavlink.tunnel import unwrap
 from ross_sim.clock import SimClock
 from ross_sim.sitl.mission_session import perform
 from ross_sim.sitl.talker_selection import directed, talkers_of
+from short_mission import SOON, brief
 
 pytestmark = pytest.mark.lockstep
 
@@ -88,9 +89,10 @@ class Line:
                 yield time_, (unwrap(packet.message) or packet) if packet.name == "TUNNEL" else packet
 
 
-@pytest.fixture(scope="module", params=["five-talkers"])
-def mission(request):
-    scenario = directed(request.param, {"actuator": None, "separator": "duet", "paper": False, "informed": False,
+@pytest.fixture(scope="module")
+def mission(tmp_path_factory):
+    five = brief("five-talkers", tmp_path_factory.mktemp("five"), explore=SOON)
+    scenario = directed(five, {"actuator": None, "separator": "duet", "paper": False, "informed": False,
         "seed": None, "speech": None, "target": None, "urls": ()})  # fmt: skip
     capture = Capture()
     perform(scenario, talkers_of(scenario, None, None), capture, None, None)

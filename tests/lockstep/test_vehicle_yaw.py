@@ -16,6 +16,7 @@ unit_s = 1.0
 max_rotations = 4
 [payload.exploit]
 separator = "duet"
+track = false
 run_s = 2.0
 check_s = 1.0
 """

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ports import free_port
 from ross_sim.scenario import load
+from short_mission import CHEAP, SOON, brief
 
 ROOT = Path(__file__).parents[2]
 HOW_TO = ROOT / "docs" / "how-to"
@@ -25,7 +26,8 @@ def test_the_scenario_of_the_guide_is_valid(tmp_path):
 
 
 def test_the_guide_reads_the_log_of_a_mission(tmp_path):
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--scenario", "one-talker", "--informed"]
+    asked = brief("one-talker", tmp_path, check_s=1.0, run_s=2.0, **CHEAP)
+    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--scenario", asked, "--informed"]
     subprocess.run([*command, "--out", "out/demo"], cwd=tmp_path, check=True, capture_output=True, timeout=250)
     program = block("read-telemetry.md", "python")
     environment = os.environ | {"MAVLINK20": "1"}
@@ -41,7 +43,7 @@ def test_the_guide_reads_the_log_of_a_mission(tmp_path):
 def commanded(tmp_path, script, *options):
     """Run a script beside a served payload; the lines that it prints."""
     port = free_port()
-    served = [sys.executable, "-m", "ross_payload.cli", "sitl", "--serve", "--scenario", "one-talker", *options]
+    served = [sys.executable, "-m", "ross_payload.cli", "sitl", "--serve", *options]
     ground = [sys.executable, "-c", script, f"udpin:127.0.0.1:{port}"]
     with subprocess.Popen([*served, "--telemetry", f"udpout:127.0.0.1:{port}"], cwd=tmp_path) as payload:
         try:
@@ -55,11 +57,13 @@ def commanded(tmp_path, script, *options):
 
 
 def test_the_guide_commands_a_simulated_payload(tmp_path):
-    assert commanded(tmp_path, block("command-the-payload.md", "python"))[-1] == "turned"
+    script = block("command-the-payload.md", "python")
+    assert commanded(tmp_path, script, "--scenario", "one-talker")[-1] == "turned"
 
 
 def test_the_guide_follows_an_exploration(tmp_path):
-    lines = commanded(tmp_path, block("script-the-ground.md", "python", 1), "--speed", "4")
+    asked = brief("one-talker", tmp_path, explore=SOON)
+    lines = commanded(tmp_path, block("script-the-ground.md", "python", 1), "--speed", "4", "--scenario", asked)
     assert "state explore_listen" in lines
     assert any(line.startswith("source 0 at ") for line in lines)
     assert lines[-1] == "1 sources"

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from processes import ROSS
+from short_mission import CHEAP, SOON, brief
 
 ROOT = Path(__file__).parents[2]
 CI = ROOT / "docs" / "examples" / "ci"
@@ -36,7 +37,7 @@ def environment(tmp_path):
     command = tmp_path / "ross"
     command.write_text(f'#!/bin/sh\nexec {" ".join(map(str, ROSS))} "$@"\n')
     command.chmod(0o755)
-    return os.environ | {"ROSS": str(command), "PYTHON": sys.executable, "SPEED": "8", "OUT": "flight"}
+    return os.environ | {"ROSS": str(command), "PYTHON": sys.executable, "SPEED": "4", "OUT": "flight"}
 
 
 def fly(folder, environment, *arguments):
@@ -47,7 +48,8 @@ def fly(folder, environment, *arguments):
 
 
 def test_the_example_finds_everybody_and_the_target(tmp_path, environment):
-    flown = fly(tmp_path, environment, "one-talker", CI / "flight.py", "3")
+    asked = brief("one-talker", tmp_path, explore=SOON, **CHEAP)
+    flown = fly(tmp_path, environment, asked, CI / "flight.py", "3")
     assert flown.returncode == 0, flown.stdout + flown.stderr
     assert re.search(r"talkers at \S+\nlargest error [0-2]\.\d\d deg\ntarget recognised\n", flown.stdout)
     assert (tmp_path / "flight" / "payload.log").exists()

@@ -18,7 +18,7 @@ from waiting import wait_for
 STUDY = """
 settings = ["S1"]
 k = [2]
-layouts = 2
+layouts = 1
 starts = 2
 separators = ["duet"]
 rotations = [2]
@@ -26,7 +26,7 @@ unit_s = [0.5]
 run_s = 1.0
 rate_hz = 16000
 """
-TASKS = 3 * (2 + 2 + 2)
+TASKS = 2 * (2 + 2 + 2)
 ROWS = ("separations.csv", "explorations.csv", "tables.md", "study.json")
 OTHER_CODE = """
 from ross_sim.study import study_store
@@ -85,20 +85,25 @@ def background(command, log):
             running.terminate()
 
 
+def dask(program, *options):
+    """One of Dask's commands; what it needs of ours is imported already where it is forked (`forked_programs`)."""
+    return [sys.executable, "-c", f"import ross_sim; from distributed.cli.dask_{program} import main; main()", *options]
+
+
 @contextmanager
-def cluster(tmp_path, *preloads):
+def cluster(tmp_path, *preloads, nanny="--nanny"):
     """A scheduler and a worker for every preload, None: as installed; yields the engine."""
-    where, dask = tmp_path / "scheduler.json", f"{sys.executable} -m distributed.cli.dask_"
+    where = tmp_path / "scheduler.json"
     local = ("--scheduler-file", where, "--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0")
     with ExitStack() as stack:
         log = tmp_path / "scheduler.log"
-        stack.enter_context(background([*f"{dask}scheduler --port 0".split(), *local], log))
+        stack.enter_context(background([*dask("scheduler", "--port", "0"), *local], log))
         wait_for(lambda: where.exists() and where.stat().st_size, what=log.read_text)
         for number, preload in enumerate(preloads):
             own, log = tmp_path / f"preload_{number}.py", tmp_path / f"worker-{number}.log"
             own.write_text(preload or "")
             named = ("--name", f"worker-{number}", "--preload", own, "--local-directory", tmp_path)
-            stack.enter_context(background([*f"{dask}worker --nthreads 1".split(), *local, *named], log))
+            stack.enter_context(background([*dask("worker", "--nthreads", "1", nanny), *local, *named], log))
             wait_for(lambda log=log: "Registered to" in log.read_text(), what=log.read_text)
         yield json.loads(where.read_text())["address"].replace("tcp://", "dask://")
 
@@ -116,7 +121,7 @@ def test_a_cluster_of_this_computer_gives_the_rows_of_one_process(folder, whole,
 
 
 def test_a_worker_with_other_code_is_refused_and_named_and_the_others_go_on(folder, whole, tmp_path):
-    with cluster(tmp_path, None, OTHER_CODE) as engine:
+    with cluster(tmp_path, None, OTHER_CODE, nanny="--no-nanny") as engine:
         done = study(folder, tmp_path / "out", "--engine", engine)
     assert (done.returncode, done.stderr) == (0, "")
     assert re.search(r"^worker tcp://127\.0\.0\.1:\d+ is refused: code is another, not \w+$", done.stdout, re.MULTILINE)

@@ -25,6 +25,7 @@ from typing import Any
 
 OURS = ("ross_payload", "ross_sim")
 HEAVY = ("aiohttp.web", "matplotlib.figure", "matplotlib.backends.backend_agg", "pyroomacoustics", "scipy.signal")
+HEAVY += ("distributed.cli.dask_scheduler", "distributed.cli.dask_worker")
 UNUSED = ("ross_sim.study.train", "ross_sim.study.baselines")
 PLACES = "PYTHONPATH"
 LONGEST = 1 << 20  # bytes of one request

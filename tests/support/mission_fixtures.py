@@ -2,10 +2,12 @@
 
 import json
 import socket
+import sys
 import threading
 import time
 from contextlib import contextmanager
 from functools import partial
+from types import SimpleNamespace
 
 import pytest
 
@@ -24,7 +26,8 @@ IN_PROGRESS = 5  # MAV_RESULT
 def without_picture():
     """Draw no picture of a mission in this process, where nobody looks at it: `mission.png` stays empty."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("ross_sim.sitl.mission_figure.draw", lambda path, *_, **__: path.touch())
+        nothing = SimpleNamespace(draw=lambda path, *_, **__: path.touch())  # nor is matplotlib imported
+        patch.setitem(sys.modules, "ross_sim.sitl.mission_figure", nothing)
         yield
 
 

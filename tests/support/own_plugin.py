@@ -1,9 +1,14 @@
 """A plug-in of a page 'Add your own ...': its files as they stand there, installed into a folder, and run there."""
 
+import hashlib
 import os
 import shlex
+import shutil
 import subprocess
 import sys
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from manual import blocks
 
@@ -17,9 +22,26 @@ def made(page, folder):
 
 
 def install(folder):
-    """Install the package in a folder into the folder ``site`` beside it."""
-    options = ["--quiet", "--no-deps", "--no-index", "--no-build-isolation", "--target", folder / "site"]
-    subprocess.run([sys.executable, "-m", "pip", "install", *options, folder], check=True, capture_output=True)
+    """Install the package in a folder into the folder ``site`` beside it; once for all tests of a run.
+
+    A run's worker (`forked_workers`) has a folder of its own beside those of the others.
+    """
+    own = folder.parent
+    kept = (own.parent if own.name.startswith("worker") else own) / f"site-{_content(folder)}"
+    if not kept.exists():
+        options = ["--quiet", "--no-deps", "--no-index", "--no-build-isolation", "--target", folder / "site"]
+        subprocess.run([sys.executable, "-m", "pip", "install", *options, folder], check=True, capture_output=True)
+        with suppress(OSError), TemporaryDirectory(dir=kept.parent) as half:
+            shutil.copytree(folder / "site", Path(half) / "site")
+            (Path(half) / "site").rename(kept)  # whole, or not at all; another worker may have been sooner
+    else:
+        shutil.copytree(kept, folder / "site")
+
+
+def _content(folder):
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    parts = [part for path in files for part in (str(path.relative_to(folder)).encode(), path.read_bytes())]
+    return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
 
 
 def run(folder, *command, cwd=None, timeout=250):

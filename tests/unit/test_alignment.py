@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from ross_payload.alignment.plan import ENOUGH, Plan, Turn, isolation, plan
 from ross_payload.alignment.predicted_gain import predicted_gain
 from ross_payload.dsp.steering import ALIAS
@@ -122,7 +123,7 @@ def test_after_its_turn_the_array_stays(azimuths: list[float], heading: float) -
         assert next(c.rule for c in there if c.source == candidate.source) == "stay"
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(st.lists(angles, min_size=2, max_size=5, unique=True), st.floats(0.05, 1.0))
 def test_narrow_limits_give_the_best_reachable_heading(azimuths: list[float], reach: float) -> None:
     headings = np.linspace(-reach, reach, 201)

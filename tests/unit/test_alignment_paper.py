@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from ross_payload.alignment.paper_rules import aliasing_headings, paper_plan
 from ross_payload.alignment.plan import Plan, Turn, isolation
 from ross_payload.angles import difference
@@ -80,7 +81,7 @@ def test_candidates_come_in_order_of_travel(azimuths: list[float], heading: floa
     assert travel == sorted(travel)
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(st.lists(angles, min_size=3, max_size=5, unique=True), st.floats(0.05, 1.0))
 def test_narrow_limits_give_the_best_reachable_isolation(azimuths: list[float], reach: float) -> None:
     reachable = isolation(azimuths, np.linspace(-reach, reach, 201), SPACING, SPEED).max(axis=1)

@@ -10,6 +10,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from ross_payload.alignment.paper_rules import paper_plan
 from ross_payload.alignment.plan import Turn, isolation
 from ross_payload.angles import wrap_axis
@@ -49,7 +50,7 @@ def acute_layouts(draw: st.DrawFn, fewest: int = 0) -> Real:
     return np.deg2rad(draw(st.floats(-180, 180)) + np.array([0.0, ahead, -behind, *others]))
 
 
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=examples(200))
 @given(acute_layouts())
 def test_where_the_triangle_with_both_neighbours_is_acute_no_heading_beats_their_bisector(azimuths: Real) -> None:
     assert acute(float(azimuths[0]), *neighbours(azimuths))
@@ -57,7 +58,7 @@ def test_where_the_triangle_with_both_neighbours_is_acute_no_heading_beats_their
     assert bisector >= best - 1e-9
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=examples(50))
 @given(acute_layouts(fewest=1))
 def test_the_paper_plans_for_such_a_target_is_the_bisector(azimuths: Real) -> None:
     sources = [SourceEstimate(float(azimuth), 0.01, 1.0, True) for azimuth in azimuths]
@@ -95,7 +96,7 @@ def exceptions(draw: st.DrawFn) -> tuple[Real, float]:
     return np.array([np.pi / 2 - half, np.pi / 2 + half, *(reach * np.array(others))]), half
 
 
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=examples(100))
 @given(exceptions(), st.floats(-np.pi, np.pi))
 def test_in_the_exception_of_the_footnote_the_target_is_best_heard_along_the_chord(
     exception: tuple[Real, float], turned: float

@@ -18,7 +18,7 @@ FLIPPED = np.array([[1], [-1]], np.float32)
 
 
 class Swinging:
-    """A far end that turns, with the noise of its motor, for two seconds of every six."""
+    """A far end that turns, with the noise of its motor, for two seconds of every five."""
 
     port = None
 
@@ -26,7 +26,7 @@ class Swinging:
         self._angle = 0.0
 
     def advance(self, now):
-        self._angle = 1.2 * min(max(now % 6 - 3, 0), 2)
+        self._angle = 1.2 * min(max(now % 5 - 2, 0), 2)
 
     def angle(self):
         return self._angle
@@ -42,7 +42,7 @@ def test_a_scenario_raises_no_alarm_and_with_one_polarity_wrong_that_one(name):
     world = World(scenario, voices, Swinging(), SimClock(), 1)
     well, wrong = HealthMonitor(config), HealthMonitor(config)
     with world.source as source:
-        for _ in range(round(12 * config.audio.rate_hz / config.hop)):
+        for _ in range(round(7 * config.audio.rate_hz / config.hop)):
             block = source.read(config.hop)
             well.listen(block)
             wrong.listen(replace(block, samples=block.samples * FLIPPED))

@@ -195,7 +195,7 @@ ODDS = [
 
 
 @pytest.mark.parametrize("odds", ODDS, ids="+".join)
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.soak)])
 def test_on_a_bad_link_every_command_is_obeyed_once_and_its_end_is_told(sky, odds, seed):
     payload = Payload(sky(**odds, seed=seed))
     client = Patient(payload)

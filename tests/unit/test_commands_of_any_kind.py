@@ -23,6 +23,7 @@ from command_bench import (
     TURN,
     Payload,
 )
+from examples import examples
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.mavlink.ftp_server import FtpServer
@@ -80,7 +81,7 @@ def only_what_was_asked_for(given, message):
     return target[0] in (0, 1) and target[1] in (0, 191) and len(given) == 1 and isinstance(given[0], may)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(st.lists(st.tuples(commands, octets, octets), min_size=1, max_size=30))
 def test_of_random_commands_none_raises_and_none_is_obeyed_that_was_not_asked_for(sky, frames):
     payload = Payload(sky())
@@ -147,8 +148,8 @@ def flood(sky, count, seed):
     return orders
 
 
-def test_ten_thousand_random_frames_do_nothing_that_was_not_asked_for(sky):
-    assert flood(sky, 10_000, seed=1) > 100  # else nothing was tested
+def test_three_thousand_random_frames_do_nothing_that_was_not_asked_for(sky):
+    assert flood(sky, 3_000, seed=1) > 30  # else nothing was tested
 
 
 @pytest.mark.soak

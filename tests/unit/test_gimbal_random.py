@@ -68,7 +68,7 @@ def stops(bench):
 
 
 @pytest.mark.parametrize("mode", ["standalone", "device"])
-@pytest.mark.parametrize("seed", [*range(3), *[pytest.param(seed, marks=pytest.mark.soak) for seed in range(3, 50)]])
+@pytest.mark.parametrize("seed", [0, *[pytest.param(seed, marks=pytest.mark.soak) for seed in range(1, 50)]])
 def test_whatever_is_asked(mode, seed):
     dice = random.Random(seed)  # noqa: S311
     with ExitStack() as stack:

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from fake_lgpio import FakeLgpio
 from pulse_trains import pulse, segment
 from ross_payload.actuators.guard import Guard
@@ -283,7 +284,7 @@ def test_a_process_that_dies_at_full_speed_stops_the_edges_at_once() -> None:
 step = st.tuples(st.floats(-199, 199), st.floats(1, 400), st.integers(1, 80), st.booleans())
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=examples(15))
 @given(
     steps=st.lists(step, min_size=1, max_size=5), microsteps=st.sampled_from([1, 4, 16, 32]), phase=st.floats(0, 0.02)
 )

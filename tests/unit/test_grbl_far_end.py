@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from ross_payload.actuators.grbl.options import Options
 from ross_protocols.grbl.protocol import JOG_CANCEL, RESET, STATUS, Alarm, Error, Lines, Ok, Report, State
 from ross_sim.devices.far_end import Fault
@@ -80,7 +81,7 @@ def test_a_line_back_begins_from_rest():
     assert duration(motion) == pytest.approx(2.0, abs=0.02)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25))
 @given(
     st.lists(st.tuples(st.integers(-800, 800), st.integers(-300, 300), st.floats(600, 9000)), min_size=1, max_size=6)
 )

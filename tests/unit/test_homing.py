@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.actuators.tb6600.homing import Debouncer
@@ -77,7 +78,7 @@ def test_a_switch_that_is_high_when_pressed_and_a_motor_that_turns_the_other_way
     assert bench.go(45.0).true_deg == pytest.approx(45.0, abs=STEP)
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=examples(6))
 @given(start=st.integers(-20, 20), bounce=st.sampled_from([0.0, 0.02, 0.05]), speed=st.floats(5, 90))
 def test_wherever_it_stands_and_however_the_switch_chatters_the_zero_is_within_two_steps(
     start: int, bounce: float, speed: float

@@ -79,7 +79,7 @@ def test_all_that_was_heard_gets_out_without_any_mission(tmp_path):
 def test_a_voice_is_what_the_lock_step_gives_but_for_when_it_is_learnt(tmp_path):
     told = SourcesEstimated(0.0, estimate(), rotations=1, final=True), StateChanged(0.0, State.RUN)
     (first, *_) = inputs(MIXTURE)
-    slow = {"what": "source 1", "learn_s": 10.0}  # nothing is learnt in time: geometry alone
+    slow = {"what": "source 1", "separator": "gaussian", "learn_s": 10.0}  # nothing is learnt in time: geometry alone
     (tmp_path / "live").mkdir()
     with live(config(tmp_path / "live", **slow), tmp_path) as listening:
         for event in told:

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from ross_payload import plugins
 from ross_payload.angles import difference
 from ross_payload.dsp.density import itd_grid
@@ -72,7 +73,7 @@ def test_any_schedule_gives_the_exact_azimuths(headings: list[float]) -> None:
     assert found_deg(believe([100.0, -40.0], headings)) == pytest.approx([-40, 100], abs=0.01)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=examples(60))
 @given(azimuth=st.floats(-179, 179), rotation=st.floats(10, 80), start=st.floats(-180, 180), back=st.booleans())
 def test_one_source_and_one_rotation_tell_front_from_back(
     azimuth: float, rotation: float, start: float, back: bool

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault
@@ -186,7 +187,7 @@ attitudes = st.builds(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(said=st.lists(st.one_of(orders, points, attitudes, st.binary(max_size=40)), max_size=20))
 def test_whatever_is_said_to_it_the_gimbal_lives_within_its_travel(said):
     ground = Ground()

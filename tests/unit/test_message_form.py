@@ -36,16 +36,17 @@ def read(source: str) -> tuple[tuple[int, str], ...]:
 
 def texts(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Yield line and text of every string literal that is no docstring; a formatted one as a whole, {} for a value."""
-    silent = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.JoinedStr):
+    silent = set()
+    for node in ast.walk(tree):  # a node comes before its parts
+        if isinstance(node, ast.Expr):
+            silent.add(id(node.value))
+        elif isinstance(node, ast.JoinedStr):
             silent |= {id(part) for part in node.values}
             yield (
                 node.lineno,
                 "".join(str(part.value) if isinstance(part, ast.Constant) else "{}" for part in node.values),
             )
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in silent:
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in silent:
             yield node.lineno, node.value
 
 

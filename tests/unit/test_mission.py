@@ -249,7 +249,7 @@ def test_restarts_are_bounded():
 def test_a_stop_is_obeyed_within_one_hop_anywhere(order):
     probe = rig()
     probe.run()
-    for at in range(0, probe.hops, 7):
+    for at in range(0, probe.hops, 13):
         one = rig()
 
         def press(self, heard, at=at):

@@ -7,6 +7,7 @@ from aiortc.rtp import RtpPacket
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from lossy_network import Network, compared, heard, voiced
 from ross_payload.audio.sinks.rtp_sender import RtpSender
 from ross_payload.interfaces import VoiceBlock
@@ -15,6 +16,7 @@ from ross_payload.transport.rtp.session_description import Media
 
 RATE = 16000
 VOICE = voiced(12.0, RATE)
+BRIEF = VOICE[: 6 * RATE]
 BAD = Network(loss=0.05, jitter=0.05)
 
 
@@ -49,7 +51,7 @@ def test_l16_goes_out_at_a_rate_that_a_player_wants():
 @pytest.mark.parametrize("codec", ["L16", "opus"])
 @pytest.mark.parametrize("answers", [True, False])
 def test_every_packet_is_counted(codec, answers):
-    out = heard(VOICE, RATE, codec, Network(loss=0.1, twice=0.1, jitter=0.03, answers=answers), delay_s=0.12)
+    out = heard(BRIEF, RATE, codec, Network(loss=0.1, twice=0.1, jitter=0.03, answers=answers), delay_s=0.12)
     reception = out.reception
     assert reception.received == len(out.arrived)
     assert reception.duplicates == out.arrived.total() - len(out.arrived)
@@ -61,10 +63,10 @@ def test_every_packet_is_counted(codec, answers):
 @pytest.mark.parametrize(("codec", "answers", "worst"), [("opus", True, 0.5), ("opus", False, 2.0), ("L16", True, 1.0)])
 def test_five_percent_lost_and_fifty_milliseconds_of_jitter_cost_little(codec, answers, worst):
     """A voice that was separated with 12 dB loses less than `worst` dB."""
-    separated = VOICE + 10 ** (-12 / 20) * np.std(VOICE) * np.random.default_rng(1).standard_normal(len(VOICE))
+    separated = BRIEF + 10 ** (-12 / 20) * np.std(BRIEF) * np.random.default_rng(1).standard_normal(len(BRIEF))
     network = Network(loss=0.05, jitter=0.05, answers=answers)
     clean, lossy = (
-        compared(VOICE, heard(separated, RATE, codec, each, delay_s=0.2).samples, RATE)[1]
+        compared(BRIEF, heard(separated, RATE, codec, each, delay_s=0.2).samples, RATE)[1]
         for each in (Network(), network)
     )
     assert clean > 10
@@ -72,9 +74,9 @@ def test_five_percent_lost_and_fifty_milliseconds_of_jitter_cost_little(codec, a
 
 
 def test_almost_nothing_is_made_up_when_the_sender_repeats_what_was_lost():
-    share = heard(VOICE, RATE, "L16", BAD, delay_s=0.2).reception.concealed_s / 12
-    alone = heard(VOICE, RATE, "L16", Network(loss=0.05, jitter=0.05, answers=False), delay_s=0.2)
-    assert alone.reception.concealed_s / 12 == pytest.approx(0.05, abs=0.02)
+    share = heard(BRIEF, RATE, "L16", BAD, delay_s=0.2).reception.concealed_s / 6
+    alone = heard(BRIEF, RATE, "L16", Network(loss=0.05, jitter=0.05, answers=False), delay_s=0.2)
+    assert alone.reception.concealed_s / 6 == pytest.approx(0.05, abs=0.02)
     assert share < 0.01
 
 
@@ -93,13 +95,12 @@ def test_the_delay_adapts_to_the_network(jitter, least, most):
     assert reception.late < 0.02 * reception.received
 
 
-@pytest.mark.parametrize("drift", [-5e-4, 5e-4])
-@pytest.mark.parametrize("codec", ["L16", "opus"])
+@pytest.mark.parametrize(("codec", "drift"), [("L16", -1e-3), ("opus", 1e-3)])
 def test_clocks_that_differ_are_followed(codec, drift):
-    """The clock of who plays is faster by 0.05 %: in 40 s, 20 ms are put in, and nothing is made up."""
-    voice = np.tile(VOICE, 4)[: 40 * RATE]
+    """The clock of who plays is faster by 0.1 %: in 24 s, 24 ms are put in, and nothing is made up."""
+    voice = np.tile(VOICE, 2)
     reception = heard(voice, RATE, codec, Network(drift=drift), delay_s=0.06).reception
-    assert reception.adjusted_s == pytest.approx(40 * drift, abs=0.012)
+    assert reception.adjusted_s == pytest.approx(24 * drift, abs=0.012)
     assert reception.delay_s == pytest.approx(0.06, abs=0.02)
     assert reception.concealed_s == 0
 
@@ -225,7 +226,7 @@ DATAGRAMS = st.one_of(
 
 
 @given(st.lists(st.tuples(DATAGRAMS, st.floats(0, 0.5), st.integers(0, 2000)), max_size=30))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @pytest.mark.parametrize("media", [Media.of("L16", RATE), Media("opus", RATE, 96)])
 def test_whatever_arrives_as_much_is_played_as_is_asked_for(media, arrivals):
     receiver, now = RtpReceiver(media), 0.0

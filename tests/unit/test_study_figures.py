@@ -47,10 +47,18 @@ def explorations():
                 )  # fmt: skip
 
 
+def rows_to_draw():
+    """Those of two settings and one K: several pictures in every figure, and as few as will do."""
+    return (
+        [row for row in separations() if row.setting != "S2" and row.k == 3],
+        [row for row in explorations() if row.setting != "S2"],
+    )
+
+
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory):
     folder = tmp_path_factory.mktemp("figures")
-    return folder, draw(folder, list(separations()), list(explorations()))
+    return folder, draw(folder, *rows_to_draw())
 
 
 def test_there_are_three_kinds_of_figures_each_twice(drawn):
@@ -72,7 +80,7 @@ def test_figures_have_ink_and_still_have_it_in_grey(drawn):
 
 def test_the_same_rows_give_the_same_bytes(drawn, tmp_path):
     folder, names = drawn
-    draw(tmp_path, list(separations()), list(explorations()))
+    draw(tmp_path, *rows_to_draw())
     for name in names:
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes(), name
 

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from ross_payload.actuators.tb6600.pulse_segments import PulseLine
 from ross_payload.errors import ActuatorFault, ConfigError, NotHomed
 from ross_sim.clock import QUANTUM
@@ -195,7 +196,7 @@ def test_the_state_follows_the_shaft_within_half_a_degree_while_turning() -> Non
 step = st.tuples(st.floats(-199, 199), st.floats(1, 400), st.integers(1, 80), st.booleans())
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20))
 @given(steps=st.lists(step, min_size=1, max_size=6), microsteps=st.sampled_from([1, 4, 16, 32]))
 def test_no_sequence_of_goals_and_stops_breaks_the_module_s_timing_or_the_caps(
     steps: list[tuple[float, float, int, bool]], microsteps: int

@@ -11,7 +11,7 @@ from ross_payload.voiceprint import VoiceStore, built_in_model, enrol
 from ross_payload.voiceprint.disturbed_copies import COPIES, disturbed
 from ross_payload.voiceprint.embedding_model import EmbeddingModel
 from ross_payload.voiceprint.embedding_print import Calibration
-from ross_payload.voiceprint.features import RATE
+from ross_payload.voiceprint.features import RATE, at_rate
 from ross_payload.voiceprint.model_folder import ANY, ModelFolder
 from speaker_network import SIZE, speaker_network, vowel
 
@@ -169,8 +169,9 @@ def test_a_published_network_tells_readers_apart(shared_model, speech):
     model = EmbeddingModel(shared_model.read_bytes(), shared_model.name, ANY)
     names = ("ls3005", "ls3331", "ls2414")
     clips = {(name, part): read_mono(speech / name / f"{part}.flac") for name in names for part in ("enrol", "speech")}
-    prints = {name: enrol(*clips[name, "enrol"], model) for name in names}
+    prints = {name: enrol(voice[: 5 * rate], rate, model) for name in names for voice, rate in [clips[name, "enrol"]]}
     for name in names:
         voice, rate = clips[name, "speech"]
-        scores = {other: one.score(voice[: 6 * rate], rate) for other, one in prints.items()}
+        embedding = model.embed(at_rate(voice[: 6 * rate], rate))
+        scores = {other: one.compared(embedding, 6.0) for other, one in prints.items()}
         assert [other for other, score in scores.items() if score.accepted] == [name]

@@ -133,9 +133,12 @@ class SegmentQueue:
         """The counter at ``time`` [s], up to a second ago, in radians: steps handed over whose time has come."""
         ahead = 0
         for steps in reversed(self._recent):
-            if steps.last <= time:
+            if steps.first > time:
+                ahead += steps.sum
+            elif steps.last > time:
+                ahead += steps.after(time)
+            else:
                 break
-            ahead += steps.after(time)
         return (self._line_state.count - ahead) * self._resolution
 
     def known(self, now: float) -> float:

@@ -17,6 +17,7 @@ from ross_payload.voiceprint import BuiltInModel, EmbeddingPrint, VoiceModel, Vo
 from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_sim.scenario import Scenario, load
 from ross_sim.talkers.speech import TalkerVoice
+from ross_sim.talkers.synthetic_prints import synthetic_print
 from ross_sim.talkers.synthetic_voices import voices_of
 
 
@@ -106,10 +107,11 @@ def talkers_of(scenario: Scenario, speech: Path | None, target: str | None) -> T
             return TalkerSelection(voices, target, _enrolled(target, voices, model))
         voice = found
         voices = (voice, *(other for other in voices if other is not voice))
-    voiceprint = enrol(voice.enrolment, voice.rate, model)
-    if speech is None and isinstance(voiceprint.model, BuiltInModel):
+    if speech is None and isinstance(model, BuiltInModel):
+        voiceprint = synthetic_print(voice, model)
         return TalkerSelection(voices, voice.name, voiceprint, voiceprint)
-    return TalkerSelection(voices, voice.name, voiceprint)  # what a network made is replayed by its recorded answers
+    # what a network made is replayed by its recorded answers
+    return TalkerSelection(voices, voice.name, enrol(voice.enrolment, voice.rate, model))
 
 
 def _enrolled(target: str, voices: tuple[TalkerVoice, ...], model: VoiceModel) -> VoicePrint:

@@ -13,6 +13,7 @@ import soundfile
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from flight_sound import CLICK, HEARD_FROM, RATE, mixture, session, simulated
 from ground_page import browser, page
 from ross_payload.ground.errors import GroundError
@@ -249,7 +250,7 @@ def test_a_chunk_that_grows_beyond_what_it_says_is_not_inflated(tmp_path, monkey
         unpacked(path, tmp_path / "out")
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300))
 @given(st.binary(max_size=200), st.sampled_from(["protobuf", "json", "cdr"]))
 def test_no_bytes_do_more_than_be_refused(data, encoding):
     try:
@@ -259,7 +260,7 @@ def test_no_bytes_do_more_than_be_refused(data, encoding):
     assert part.samples.dtype == np.int16
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(st.data())
 def test_no_damage_does_more_than_be_refused(tmp_path_factory, data):
     folder = tmp_path_factory.mktemp("damaged")

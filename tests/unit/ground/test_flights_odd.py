@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.console import Console
 
+from examples import examples
 from flight_logs import UNIX, raw_frame, record
 from ross_payload.ground.flights.playback import Playback
 from ross_payload.ground.flights.reading import open_flight
@@ -47,7 +48,7 @@ def place(tmp_path_factory):
     return tmp_path_factory.mktemp("odd")
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(frames=st.lists(messages(), min_size=2, max_size=25))
 def test_no_message_is_too_odd(place, frames):
     (place / "odd.tlog").write_bytes(b"".join(record(UNIX + 1000 * count, frame) for count, frame in enumerate(frames)))
@@ -61,7 +62,7 @@ def test_no_message_is_too_odd(place, frames):
     export(flight, flight.payloads, place / "odd.mcap")
 
 
-@settings(max_examples=6)
+@settings(max_examples=examples(6))
 @given(frames=st.lists(messages(), min_size=10, max_size=25))
 def test_no_message_is_too_odd_to_be_drawn(place, frames):
     picture = pytest.importorskip("ross_payload.ground.flights.plot", reason="needs the extra 'sim'")

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from flight_logs import UNIX, full_tick, record, vehicle_frames, write_hour
 from ross_payload.ground.flights.playback import SPACING, Playback
 from ross_payload.ground.flights.reading import open_flight
@@ -55,7 +56,7 @@ def known(fleet):
 SHARES = st.floats(0.0, 1.0)
 
 
-@settings(max_examples=8)
+@settings(max_examples=examples(8))
 @given(shares=st.lists(SHARES, min_size=1, max_size=4))
 def test_wherever_one_came_from_the_fleet_is_that_of_the_moment(flight, shares):
     playback = Playback(flight)
@@ -64,7 +65,7 @@ def test_wherever_one_came_from_the_fleet_is_that_of_the_moment(flight, shares):
     assert known(playback.fleet) == known(heard_all(flight, playback.at))
 
 
-@settings(max_examples=5)
+@settings(max_examples=examples(5))
 @given(share=SHARES, steps=st.integers(1, 30), speed=st.sampled_from([1.0, 4.0, 64.0]))
 def test_playing_comes_to_the_same_as_seeking(flight, share, steps, speed):
     played, sought = Playback(flight), Playback(flight)

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common as pymavlink_common
 
+from examples import examples
 from flight_logs import UNIX, frames, full_tick, log_of, vehicle_frames
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.frame_stats import tallies
@@ -213,7 +214,7 @@ def changed(data, changes):
     return data
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(changes=CHANGES, end=st.integers(0, 2 * len(BASE)))
 def test_no_damage_raises_anything_else_or_is_read_as_a_message(tmp_path_factory, changes, end):
     path = tmp_path_factory.getbasetemp() / "mutated.tlog"
@@ -229,7 +230,7 @@ def test_no_damage_raises_anything_else_or_is_read_as_a_message(tmp_path_factory
     assert all(any(Decoder().feed(frame)) for frame in found)
 
 
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 @given(data=st.binary(min_size=1, max_size=4000))
 def test_noise_is_no_log(tmp_path_factory, data):
     path = tmp_path_factory.getbasetemp() / "noise.tlog"

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from fleet_ear import Ground, source, status
 from ross_payload.ground.model.view import view
 from ross_protocols.mavlink import values as v
@@ -98,7 +99,7 @@ def test_a_payload_that_says_nothing_but_nonsense_is_there_all_the_same(ground):
 numbers = [layout.message.id for layout in LAYOUTS] + [common.MAVLINK_MSG_ID_ONBOARD_COMPUTER_STATUS, 385, 33, 77]
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200))
 @given(st.lists(st.tuples(st.sampled_from(numbers), st.binary(min_size=1, max_size=255)), min_size=1, max_size=20))
 def test_whatever_bytes_a_payload_sends_the_picture_is_strict_json(frames):
     ground = Ground()

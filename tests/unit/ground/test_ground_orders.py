@@ -5,6 +5,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from client_bench import OVER, US, WHO
+from examples import examples
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_types import Cancel, Explore, Listen, Rearm, Record, Stop, Turn
 from ross_payload.ground.model.payload_state import PayloadState as Known
@@ -259,7 +260,7 @@ actions = st.one_of(
 )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300))
 @given(st.lists(actions, max_size=25))
 @example([("order", Turn(40.0)), ("cancel", 1), ("wait", 6.0), ("ack", Turn(40.0), Result.IN_PROGRESS, None)])
 def test_whatever_is_answered_what_is_over_stays_over_and_silence_ends_every_talk(story):

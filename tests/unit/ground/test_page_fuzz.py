@@ -7,6 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from examples import examples
 from ground_page import audio, on_a_thread
 from hand_station import HandStation
 from recording_bench import input_of, record
@@ -142,7 +143,7 @@ bodies = st.one_of(
 )
 
 
-@settings(max_examples=EXAMPLES, deadline=None)
+@settings(max_examples=examples(EXAMPLES))
 @given(target=st.tuples(methods, paths), extra=headers, body=bodies, kind=st.one_of(st.just(FORM), values))
 @example(target=(b"GET", b"/"), extra=[b"Expect: 100-continue"], body=b"", kind=FORM)
 def test_no_request_is_a_fault_of_the_page(served, target, extra, body, kind):
@@ -155,7 +156,7 @@ def test_no_request_is_a_fault_of_the_page(served, target, extra, body, kind):
         assert status == 101 or 200 <= status < 500, told[:300]
 
 
-@settings(max_examples=EXAMPLES // 5, deadline=None)
+@settings(max_examples=examples(EXAMPLES // 5))
 @given(data=st.binary(min_size=1, max_size=200))
 def test_bytes_that_are_no_request_are_no_fault_of_the_page(served, data):
     port, faults = served
@@ -179,7 +180,7 @@ things = st.recursive(
 )
 
 
-@settings(max_examples=2 * EXAMPLES, deadline=None)
+@settings(max_examples=examples(2 * EXAMPLES))
 @given(kind=st.sampled_from(sorted(REQUESTS)), fields=st.dictionaries(keys, things, max_size=6), known=st.booleans())
 def test_no_message_is_a_fault_of_the_page(kind, fields, known):
     station = HandStation()
@@ -190,7 +191,7 @@ def test_no_message_is_a_fault_of_the_page(kind, fields, known):
         session.due()
 
 
-@settings(max_examples=EXAMPLES // 5, deadline=None)
+@settings(max_examples=examples(EXAMPLES // 5))
 @given(text=st.text(max_size=100))
 def test_a_text_that_is_no_message_is_refused(text):
     with FlightLibrary(None) as flights:

@@ -6,7 +6,7 @@ import { Listening } from "./audio/listening.js";
 import { Spectrogram } from "./audio/spectrogram.js";
 import { pressed } from "./keyboard.js";
 import { html, render } from "./templates.js";
-import { blank, closed, connect, liveAddress, take, unwatched } from "./connection.js";
+import { blank, closed, connect, liveAddress, take, watching } from "./connection.js";
 import { banners } from "./parts/banners.js";
 import { header } from "./parts/header.js";
 import { joined } from "./parts/comparison.js";
@@ -26,9 +26,9 @@ const VIEWS = { fleet: fleetView, payload: payloadView, map: mapView, flights: f
 /** Everything a view needs: what is known, how the screen is, and how to change either. */
 class Page {
   constructor() {
-    this.store = blank();
-    this.socket = { up: false, ever: false, since: performance.now() };
     this.route = routeOf(location.hash);
+    this.store = blank(this.route.id);
+    this.socket = { up: false, ever: false, since: performance.now() };
     this.ui = {
       theme: readTheme(),
       help: false,
@@ -109,7 +109,7 @@ class Page {
 
   watch(id) {
     this.listening.stop(); // what is heard is what is on the screen
-    this.store = unwatched(this.store);
+    this.store = watching(this.store, id);
     this.ui = { ...this.ui, selected: null, hovered: null, drag: null, cursor: null, drafts: {}, filter: "", enrolling: null };
     this.send(id ? { type: "watch", id } : { type: "unwatch" });
   }

@@ -19,9 +19,10 @@ const RATE_SPAN = 5; // [s] over which rates are taken
  * @property {{now: number, frames: number, bytes: number, lost: number}[]} counts  of the last seconds, oldest first
  */
 
-/** Return a store that knows nothing. */
-export function blank() {
+/** Return a store that knows nothing, and of which payload it is to know more; null: of none. */
+export function blank(watched = null) {
   return {
+    watched,
     you: null,
     version: "",
     mode: "live",
@@ -66,7 +67,9 @@ const TAKERS = {
   payload: (store, message, got) =>
     message.slot
       ? inSlot(store, message.slot, (slot) => ({ ...slot, payload: told(slot?.payload, message, got) }))
-      : { ...store, payload: told(store.payload, message, got) },
+      : message.id === store.watched // else it was on its way when another one was chosen
+        ? { ...store, payload: told(store.payload, message, got) }
+        : store,
 };
 
 function inSlot(store, slot, change) {
@@ -98,8 +101,8 @@ function counted(counts, now, reception) {
   return [...kept, { now, frames: reception.frames, bytes: reception.bytes, lost: reception.lost }];
 }
 
-/** Return the store without the watched payload, when another one is to be watched. */
-export const unwatched = (store) => ({ ...store, payload: null });
+/** Return the store that watches another payload, of which it knows nothing yet; null: none. */
+export const watching = (store, watched) => ({ ...store, payload: null, watched });
 
 /** Return the store with one slot emptied. */
 export const closed = (store, slot) => ({ ...store, slots: { ...store.slots, [slot]: null } });

@@ -1,0 +1,15 @@
+"""How many random examples a test draws: a fifth in `make test`, always the same; all, and others, in `make soak`."""
+
+from __future__ import annotations
+
+from hypothesis import settings
+
+TEST, SOAK = "test", "soak"  # profiles; pytest's --hypothesis-profile chooses another than the first
+
+settings.register_profile(TEST, deadline=None, derandomize=True, max_examples=20)
+settings.register_profile(SOAK, deadline=None, max_examples=100)  # a busy machine makes no example wrong
+
+
+def examples(full: int) -> int:
+    """The examples of a test that looks at ``full`` of them in `make soak`, at least 2."""
+    return max(2, full * settings.default.max_examples // 100)
