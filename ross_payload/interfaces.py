@@ -24,6 +24,7 @@ from ross_payload.pointing import Pointing
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]
 Samples = NDArray[np.float32]
+Marks = NDArray[np.bool_]
 Cancel = Callable[[], None]  # ends a periodic call
 
 
@@ -264,6 +265,7 @@ class Attitude:
     age: float = 0.0  # [s]
     known: bool = True  # False: angles are in the mount frame
     height: float | None = None  # above the mouths of those who talk [m], None: not known
+    rotor_speeds: tuple[float, ...] = ()  # of the rotors of the vehicle [1/s], 0: stands or not known; (): of none
 
 
 class Mount(Protocol):

@@ -54,10 +54,15 @@ messageName = {
     [54009] = 'ROSS_LINK',
     [54010] = 'ROSS_STREAM',
     [80] = 'COMMAND_CANCEL',
+    [226] = 'RPM',
+    [291] = 'ESC_STATUS',
     [300] = 'PROTOCOL_VERSION',
     [396] = 'COMPONENT_INFORMATION_BASIC',
     [397] = 'COMPONENT_METADATA',
     [436] = 'CURRENT_MODE',
+    [11030] = 'ESC_TELEMETRY_1_TO_4',
+    [11031] = 'ESC_TELEMETRY_5_TO_8',
+    [11032] = 'ESC_TELEMETRY_9_TO_12',
     [0] = 'HEARTBEAT',
     [33] = 'GLOBAL_POSITION_INT',
     [148] = 'AUTOPILOT_VERSION',
@@ -961,6 +966,21 @@ f.COMMAND_CANCEL_target_system = ProtoField.new("target_system (uint8_t)", "mavl
 f.COMMAND_CANCEL_target_component = ProtoField.new("target_component (uint8_t)", "mavlink_proto.COMMAND_CANCEL_target_component", ftypes.UINT8, nil)
 f.COMMAND_CANCEL_command = ProtoField.new("command (uint16_t)", "mavlink_proto.COMMAND_CANCEL_command", ftypes.UINT16, nil)
 
+f.RPM_rpm1 = ProtoField.new("rpm1 (float) [rpm]", "mavlink_proto.RPM_rpm1", ftypes.FLOAT, nil)
+f.RPM_rpm2 = ProtoField.new("rpm2 (float) [rpm]", "mavlink_proto.RPM_rpm2", ftypes.FLOAT, nil)
+
+f.ESC_STATUS_index = ProtoField.new("index (uint8_t)", "mavlink_proto.ESC_STATUS_index", ftypes.UINT8, nil)
+f.ESC_STATUS_time_usec = ProtoField.new("time_usec (uint64_t) [us]", "mavlink_proto.ESC_STATUS_time_usec", ftypes.UINT64, nil)
+for i = 0, 3 do
+    f["ESC_STATUS_rpm_"..i] = ProtoField.new("rpm["..i.."] (int32_t) [rpm]", "mavlink_proto.ESC_STATUS_rpm_"..i, ftypes.INT32, nil)
+end
+for i = 0, 3 do
+    f["ESC_STATUS_voltage_"..i] = ProtoField.new("voltage["..i.."] (float) [V]", "mavlink_proto.ESC_STATUS_voltage_"..i, ftypes.FLOAT, nil)
+end
+for i = 0, 3 do
+    f["ESC_STATUS_current_"..i] = ProtoField.new("current["..i.."] (float) [A]", "mavlink_proto.ESC_STATUS_current_"..i, ftypes.FLOAT, nil)
+end
+
 f.PROTOCOL_VERSION_version = ProtoField.new("version (uint16_t)", "mavlink_proto.PROTOCOL_VERSION_version", ftypes.UINT16, nil)
 f.PROTOCOL_VERSION_min_version = ProtoField.new("min_version (uint16_t)", "mavlink_proto.PROTOCOL_VERSION_min_version", ftypes.UINT16, nil)
 f.PROTOCOL_VERSION_max_version = ProtoField.new("max_version (uint16_t)", "mavlink_proto.PROTOCOL_VERSION_max_version", ftypes.UINT16, nil)
@@ -987,6 +1007,63 @@ f.COMPONENT_METADATA_uri = ProtoField.new("uri (char)", "mavlink_proto.COMPONENT
 f.CURRENT_MODE_standard_mode = ProtoField.new("standard_mode (uint8_t)", "mavlink_proto.CURRENT_MODE_standard_mode", ftypes.UINT8, nil)
 f.CURRENT_MODE_custom_mode = ProtoField.new("custom_mode (uint32_t)", "mavlink_proto.CURRENT_MODE_custom_mode", ftypes.UINT32, nil)
 f.CURRENT_MODE_intended_custom_mode = ProtoField.new("intended_custom_mode (uint32_t)", "mavlink_proto.CURRENT_MODE_intended_custom_mode", ftypes.UINT32, nil)
+
+for i = 0, 3 do
+    f["ESC_TELEMETRY_1_TO_4_temperature_"..i] = ProtoField.new("temperature["..i.."] (uint8_t) [degC]", "mavlink_proto.ESC_TELEMETRY_1_TO_4_temperature_"..i, ftypes.UINT8, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_1_TO_4_voltage_"..i] = ProtoField.new("voltage["..i.."] (uint16_t) [cV]", "mavlink_proto.ESC_TELEMETRY_1_TO_4_voltage_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_1_TO_4_current_"..i] = ProtoField.new("current["..i.."] (uint16_t) [cA]", "mavlink_proto.ESC_TELEMETRY_1_TO_4_current_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_1_TO_4_totalcurrent_"..i] = ProtoField.new("totalcurrent["..i.."] (uint16_t) [mAh]", "mavlink_proto.ESC_TELEMETRY_1_TO_4_totalcurrent_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_1_TO_4_rpm_"..i] = ProtoField.new("rpm["..i.."] (uint16_t) [rpm]", "mavlink_proto.ESC_TELEMETRY_1_TO_4_rpm_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_1_TO_4_count_"..i] = ProtoField.new("count["..i.."] (uint16_t)", "mavlink_proto.ESC_TELEMETRY_1_TO_4_count_"..i, ftypes.UINT16, nil)
+end
+
+for i = 0, 3 do
+    f["ESC_TELEMETRY_5_TO_8_temperature_"..i] = ProtoField.new("temperature["..i.."] (uint8_t) [degC]", "mavlink_proto.ESC_TELEMETRY_5_TO_8_temperature_"..i, ftypes.UINT8, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_5_TO_8_voltage_"..i] = ProtoField.new("voltage["..i.."] (uint16_t) [cV]", "mavlink_proto.ESC_TELEMETRY_5_TO_8_voltage_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_5_TO_8_current_"..i] = ProtoField.new("current["..i.."] (uint16_t) [cA]", "mavlink_proto.ESC_TELEMETRY_5_TO_8_current_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_5_TO_8_totalcurrent_"..i] = ProtoField.new("totalcurrent["..i.."] (uint16_t) [mAh]", "mavlink_proto.ESC_TELEMETRY_5_TO_8_totalcurrent_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_5_TO_8_rpm_"..i] = ProtoField.new("rpm["..i.."] (uint16_t) [rpm]", "mavlink_proto.ESC_TELEMETRY_5_TO_8_rpm_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_5_TO_8_count_"..i] = ProtoField.new("count["..i.."] (uint16_t)", "mavlink_proto.ESC_TELEMETRY_5_TO_8_count_"..i, ftypes.UINT16, nil)
+end
+
+for i = 0, 3 do
+    f["ESC_TELEMETRY_9_TO_12_temperature_"..i] = ProtoField.new("temperature["..i.."] (uint8_t) [degC]", "mavlink_proto.ESC_TELEMETRY_9_TO_12_temperature_"..i, ftypes.UINT8, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_9_TO_12_voltage_"..i] = ProtoField.new("voltage["..i.."] (uint16_t) [cV]", "mavlink_proto.ESC_TELEMETRY_9_TO_12_voltage_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_9_TO_12_current_"..i] = ProtoField.new("current["..i.."] (uint16_t) [cA]", "mavlink_proto.ESC_TELEMETRY_9_TO_12_current_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_9_TO_12_totalcurrent_"..i] = ProtoField.new("totalcurrent["..i.."] (uint16_t) [mAh]", "mavlink_proto.ESC_TELEMETRY_9_TO_12_totalcurrent_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_9_TO_12_rpm_"..i] = ProtoField.new("rpm["..i.."] (uint16_t) [rpm]", "mavlink_proto.ESC_TELEMETRY_9_TO_12_rpm_"..i, ftypes.UINT16, nil)
+end
+for i = 0, 3 do
+    f["ESC_TELEMETRY_9_TO_12_count_"..i] = ProtoField.new("count["..i.."] (uint16_t)", "mavlink_proto.ESC_TELEMETRY_9_TO_12_count_"..i, ftypes.UINT16, nil)
+end
 
 f.HEARTBEAT_type = ProtoField.new("type (MAV_TYPE)", "mavlink_proto.HEARTBEAT_type", ftypes.UINT8, enumEntryName.MAV_TYPE)
 f.HEARTBEAT_autopilot = ProtoField.new("autopilot (MAV_AUTOPILOT)", "mavlink_proto.HEARTBEAT_autopilot", ftypes.UINT8, enumEntryName.MAV_AUTOPILOT)
@@ -2108,6 +2185,50 @@ function payload_fns.payload_80(buffer, tree, msgid, offset, limit, pinfo)
     tvbrange = padded(offset + 0, 2)
     subtree = tree:add_le(f.COMMAND_CANCEL_command, tvbrange)
 end
+-- dissect payload of message type RPM
+function payload_fns.payload_226(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 8 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 8)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 0, 4)
+    subtree = tree:add_le(f.RPM_rpm1, tvbrange)
+    tvbrange = padded(offset + 4, 4)
+    subtree = tree:add_le(f.RPM_rpm2, tvbrange)
+end
+-- dissect payload of message type ESC_STATUS
+function payload_fns.payload_291(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 57 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 57)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 56, 1)
+    subtree = tree:add_le(f.ESC_STATUS_index, tvbrange)
+    tvbrange = padded(offset + 0, 8)
+    subtree = tree:add_le(f.ESC_STATUS_time_usec, tvbrange)
+    value = tvbrange:le_uint64()
+    subtree:append_text(time_usec_decode(value))
+    for i = 0, 3 do
+        tvbrange = padded(offset + 8 + 4 * i, 4)
+        subtree = tree:add_le(f["ESC_STATUS_rpm_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 24 + 4 * i, 4)
+        subtree = tree:add_le(f["ESC_STATUS_voltage_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 40 + 4 * i, 4)
+        subtree = tree:add_le(f["ESC_STATUS_current_"..i], tvbrange)
+    end
+end
 -- dissect payload of message type PROTOCOL_VERSION
 function payload_fns.payload_300(buffer, tree, msgid, offset, limit, pinfo)
     local padded, field_offset, value, subtree, tvbrange
@@ -2193,6 +2314,111 @@ function payload_fns.payload_436(buffer, tree, msgid, offset, limit, pinfo)
     subtree = tree:add_le(f.CURRENT_MODE_custom_mode, tvbrange)
     tvbrange = padded(offset + 4, 4)
     subtree = tree:add_le(f.CURRENT_MODE_intended_custom_mode, tvbrange)
+end
+-- dissect payload of message type ESC_TELEMETRY_1_TO_4
+function payload_fns.payload_11030(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 44 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 44)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 40 + 1 * i, 1)
+        subtree = tree:add_le(f["ESC_TELEMETRY_1_TO_4_temperature_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 0 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_1_TO_4_voltage_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 8 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_1_TO_4_current_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 16 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_1_TO_4_totalcurrent_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 24 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_1_TO_4_rpm_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 32 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_1_TO_4_count_"..i], tvbrange)
+    end
+end
+-- dissect payload of message type ESC_TELEMETRY_5_TO_8
+function payload_fns.payload_11031(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 44 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 44)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 40 + 1 * i, 1)
+        subtree = tree:add_le(f["ESC_TELEMETRY_5_TO_8_temperature_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 0 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_5_TO_8_voltage_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 8 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_5_TO_8_current_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 16 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_5_TO_8_totalcurrent_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 24 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_5_TO_8_rpm_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 32 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_5_TO_8_count_"..i], tvbrange)
+    end
+end
+-- dissect payload of message type ESC_TELEMETRY_9_TO_12
+function payload_fns.payload_11032(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 44 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 44)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 40 + 1 * i, 1)
+        subtree = tree:add_le(f["ESC_TELEMETRY_9_TO_12_temperature_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 0 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_9_TO_12_voltage_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 8 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_9_TO_12_current_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 16 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_9_TO_12_totalcurrent_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 24 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_9_TO_12_rpm_"..i], tvbrange)
+    end
+    for i = 0, 3 do
+        tvbrange = padded(offset + 32 + 2 * i, 2)
+        subtree = tree:add_le(f["ESC_TELEMETRY_9_TO_12_count_"..i], tvbrange)
+    end
 end
 -- dissect payload of message type HEARTBEAT
 function payload_fns.payload_0(buffer, tree, msgid, offset, limit, pinfo)

@@ -75,6 +75,7 @@ class EgoNoise(Table):
 
     learn: bool = False  # in the lead-in, while nobody talks; it is found anew in all that is heard from then on
     rotors_m: tuple[tuple[Metres, Metres, Metres], ...] = ()  # ahead, to the left and above the array's centre
+    blades: Annotated[int, Field(ge=1, le=8)] = 2  # of every rotor: where its tones are, once its speed is told
 
     @model_validator(mode="after")
     def _apart(self) -> EgoNoise:

@@ -189,11 +189,8 @@ class Joint:
         if rows.periods is not None:  # many rows
             grid, rich, strict = (values.astype(np.float32) for values in (grid, rich, strict))
         shared: dict[str, Any] = bounds | {"periods": rows.periods}
-        return Evidence(
-            itd_mixture.Data(grid, rows.headings, rich, **shared),
-            itd_mixture.Data(grid, rows.headings, strict, **shared),
-            blocks,
-        )
+        whole, clear = (itd_mixture.Data(grid, rows.headings, counts, **shared) for counts in (rich, strict))
+        return Evidence(whole, clear, blocks, talker_evidence.together(rows.among))
 
     def _certain(self, data: itd_mixture.Data, fit: Fit, sources: tuple[SourceEstimate, ...]) -> bool:
         """The stop rule: K is beyond doubt, every place is sharp and unambiguous."""
@@ -226,7 +223,7 @@ def _sources(evidence: Evidence, fit: Fit, placed: itd_mixture.Mixture) -> tuple
     """The sources of a fit, ``placed`` by the strict histograms, the one with the most evidence first."""
     model, data = fit.step.model, evidence.rich
     every = talker_evidence.features(evidence, fit.step, fit.rival, range(len(model.azimuths)))
-    confidences = talker_evidence.fitted("source").probability(every)
+    confidences = talker_evidence.fitted("source", in_noise=evidence.in_noise).probability(every)
     shares = np.average(model.weights, axis=0, weights=data.evidence + itd_mixture.TINY)
     azimuths, amplitudes = itd_mixture.sigmas(evidence.strict, placed)
     sigmas = np.minimum(np.hypot(azimuths, BIAS), np.pi)

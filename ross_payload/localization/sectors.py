@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ross_payload.interfaces import Observation, Real
+from ross_payload.localization.talker_evidence import Among
 
 SECTOR = np.deg2rad(6.0)  # the array turns within one sector by less than this and what it turns in one block [rad]
 STEP = np.deg2rad(15.0)  # axes that differ by as much tell as much as two orientations [rad]
@@ -26,6 +27,7 @@ class Histograms:
 
     blocks: Real  # of all trustworthy bins, for every block of time, (n_blocks, n_bins)
     strict: Real  # of bins that belong to one talker, (n_bins,)
+    among: Among | None = None  # the noise of a vehicle, where that is known
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +45,7 @@ class Rows:
     headings: Real  # [rad], (n_rows,)
     blocks: tuple[Real, ...]  # (n_blocks, n_bins) of every row
     strict: Real  # (n_rows, n_bins)
+    among: tuple[Among | None, ...]  # of every row
     periods: NDArray[np.intp] | None  # first row of every period; None: each row is one
 
 
@@ -55,6 +58,7 @@ def rows_of(observations: Sequence[Observation]) -> Rows:
         np.concatenate([sectors.headings for sectors in kept]),
         tuple(each.blocks for each in every),
         np.stack([each.strict for each in every]),
+        tuple(each.among for each in every),
         None if max(counts) == 1 else np.cumsum([0, *counts[:-1]]),
     )
 

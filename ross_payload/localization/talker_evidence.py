@@ -30,6 +30,7 @@ NEAR = np.deg2rad(35.0)  # a source between two that are nearer than this may be
 ALONE = 0.7  # a bin of the histograms is a source's own when this share of it is
 FIRST = -3.0  # log of worth over price before the first step
 STEADIEST = 20.0  # bound of the steadiness of a gain over the headings
+WHITE = "talker_evidence.json"  # weights for noise that is white
 LIKELY = 0.5  # probability above which there are as many talkers as sources
 
 DESCRIBED = (
@@ -44,6 +45,19 @@ PRODUCTS = (
     ("worth", "headings"), ("rival", "headings"), ("worth", "directness"), ("worth", "sources"), ("rival", "sources"),
 )  # fmt: skip
 FEATURES = (*DESCRIBED, *(f"{one} {other}" for one, other in PRODUCTS))
+BESIDE = 0.25  # distance from a rotor at which a source may well be that rotor, as phasors
+IN_NOISE = (
+    "kept", "rotor", "rotor worth", "rotor kept", "rotor strict", "rotor dominance", "rotor steady",
+    "kept worth", "kept strict", "kept rival",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Among:
+    """The noise of a vehicle among which something was heard."""
+
+    rotors: tuple[complex, ...]  # cos(elevation) exp(j azimuth) of every rotor whose place is known
+    kept: float  # share of the votes that are not the noise's
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +67,12 @@ class Evidence:
     rich: Data
     strict: Data
     blocks: Sequence[Real]  # effective counts, (n_blocks, n_bins) of every heading
+    among: Among | None = None  # None: the noise is white
+
+    @property
+    def in_noise(self) -> bool:
+        """Whether the weights for the noise of a vehicle serve; far below one nobody has fitted them."""
+        return self.among is not None and not self.rich.aloft
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,11 +88,19 @@ class Logistic:
 
 
 @cache
-def fitted(name: str) -> Logistic:
-    """The regression ``count`` or ``source`` with the weights of this package."""
-    text = files("ross_payload.localization").joinpath("talker_evidence.json").read_text(encoding="utf-8")
-    found = json.loads(text)[name]
-    return Logistic(float(found["intercept"]), np.array([found["weights"][feature] for feature in FEATURES]))
+def fitted(name: str, *, in_noise: bool = False) -> Logistic:
+    """The regression ``count`` or ``source`` with the weights of this package; others among the noise of a vehicle."""
+    file, features = ("talker_evidence_in_noise.json", FEATURES + IN_NOISE) if in_noise else (WHITE, FEATURES)
+    found = json.loads(files("ross_payload.localization").joinpath(file).read_text(encoding="utf-8"))[name]
+    return Logistic(float(found["intercept"]), np.array([found["weights"][feature] for feature in features]))
+
+
+def together(every: Sequence[Among | None]) -> Among | None:
+    """What the noise was at all headings: where the rotors were last, and the mean share that was kept."""
+    known = [among for among in every if among is not None]
+    if 2 * len(known) <= len(every):
+        return None
+    return Among(known[-1].rotors, sum(among.kept for among in known) / len(known))
 
 
 def likely(evidence: Evidence, step: Step, rival: float) -> float:
@@ -80,7 +108,7 @@ def likely(evidence: Evidence, step: Step, rival: float) -> float:
 
     Below a vehicle every source must be somebody, too: what rotors leave over is steady there, and worth much.
     """
-    least = fitted("count").probability(features(evidence, step, rival, [step.least]))
+    least = fitted("count", in_noise=evidence.in_noise).probability(features(evidence, step, rival, [step.least]))
     if not evidence.rich.aloft:
         return float(least[0])
     every = fitted("source").probability(features(evidence, step, rival, range(len(step.worth))))
@@ -88,7 +116,7 @@ def likely(evidence: Evidence, step: Step, rival: float) -> float:
 
 
 def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int]) -> Real:
-    """What tells some sources of a mixture from ghosts, (n, n_features) in the order of `FEATURES`.
+    """What tells some sources of a mixture from ghosts, (n, n_features) in the order of `FEATURES`, then `IN_NOISE`.
 
     ``rival`` is the worth over price of the source that went before this mixture, 0 when none did.
     """
@@ -122,7 +150,9 @@ def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int
             np.log(model.widths[source] / model.width), model.amplitudes[source], min(left, right), max(left, right),
             left < NEAR and right < NEAR, *voice,
         ])  # fmt: skip
-    return with_products(np.array(found, dtype=float).reshape(len(sources), len(DESCRIBED)))
+    described = np.array(found, dtype=float).reshape(len(sources), len(DESCRIBED))
+    whole = with_products(described)
+    return np.column_stack([whole, _among_noise(described, evidence, step, sources)]) if evidence.in_noise else whole
 
 
 def with_products(described: Real) -> Real:
@@ -130,6 +160,26 @@ def with_products(described: Real) -> Real:
     at = {name: index for index, name in enumerate(DESCRIBED)}
     products = [described[:, at[one]] * described[:, at[other]] for one, other in PRODUCTS]
     return np.column_stack([described, *products])
+
+
+def _among_noise(described: Real, evidence: Evidence, step: Step, sources: Sequence[int]) -> Real:
+    """What tells sources from what the noise of a vehicle leaves over, (n, n) in the order of `IN_NOISE`.
+
+    The share of votes that is not the noise's, as a logarithm; how near a source is to a rotor, 1 where they are one;
+    and products with what is said of the source anyway.
+    """
+    if evidence.among is None:
+        return np.zeros((len(sources), 0))
+    rotors, model = np.array(evidence.among.rotors, dtype=complex), step.model
+    phasors = (model.amplitudes * np.exp(1j * model.azimuths))[list(sources)]
+    apart = np.abs(phasors[:, None] - rotors).min(axis=1, initial=np.inf)
+    rotor = np.exp(-((apart / BESIDE) ** 2))
+    kept = np.full(len(sources), np.log(evidence.among.kept + 0.01))
+    of = {name: described[:, DESCRIBED.index(name)] for name in ("worth", "strict", "dominance", "steady", "rival")}
+    return np.column_stack([
+        kept, rotor, rotor * of["worth"], rotor * kept, rotor * of["strict"], rotor * of["dominance"],
+        rotor * of["steady"], kept * of["worth"], kept * of["strict"], kept * of["rival"],
+    ])  # fmt: skip
 
 
 def _by_period(data: Data, model: itd_mixture.Mixture) -> Real:

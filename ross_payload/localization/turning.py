@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ross_payload.dsp.stft import Stft
-from ross_payload.interfaces import Complex, Observation, Real, Samples, TurningExplorer
+from ross_payload.interfaces import Complex, Marks, Observation, Real, Samples, TurningExplorer
 from ross_payload.localization.sectors import cut, together
 from ross_payload.localization.talker_evidence import BLOCK
 
 BEFORE_S = 0.15  # heard before a period, to know which echoes are still to come [s]
 
-ObserveInNoise = Callable[[Complex, float, float], Observation]  # spectrogram, heading and heading aboard [rad]
+# of a spectrogram, heading and heading aboard [rad], and where tones of rotors are
+ObserveInNoise = Callable[[Complex, float, float, Marks | None], Observation]
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,7 @@ class Turned:
     headings: Real  # in the middle of every hop of these samples [rad], (n_hops,)
     before: int = 0  # samples that do not belong to the period
     aboard: Real | None = None  # the headings in the frame of the vehicle [rad], (n_hops,); None: the same
+    rotor_speeds: Real | None = None  # at the beginning of every hop [1/s], (n_hops, n_rotors); None: not known
 
     def frames(self, stft: Stft) -> Complex:
         """Frames that end within the samples, (2, n_freqs, n_frames)."""
@@ -49,12 +51,21 @@ def observe(explorer: TurningExplorer, stft: Stft, turned: Turned, noise_psd: Re
     )
 
 
-def observe_in_noise(stft: Stft, turned: Turned, observe: ObserveInNoise) -> Observation:
-    """Condense a period among the noise of the vehicle sector by sector, as if the array rested in each of them."""
-    spectrogram = turned.frames(stft)[..., turned.skip(stft) :]
-    headings = turned.at(stft, turned.headings)[turned.skip(stft) :]
-    aboard = headings if turned.aboard is None else turned.at(stft, turned.aboard)[turned.skip(stft) :]
-    parts = cut(headings, max(round(BLOCK / stft.period), 1))
+def observe_in_noise(stft: Stft, turned: Turned, observe: ObserveInNoise, tonal: Marks | None = None) -> Observation:
+    """Condense a period among the noise of the vehicle sector by sector, as if the array rested in each of them.
+
+    ``tonal`` says where in the frames of all samples tones of rotors are, (n_freqs, n_frames); None: nobody knows.
+    """
+    skip = turned.skip(stft)
+    spectrogram, headings = turned.frames(stft)[..., skip:], turned.at(stft, turned.headings)[skip:]
+    aboard = headings if turned.aboard is None else turned.at(stft, turned.aboard)[skip:]
+    marks = None if tonal is None else tonal[:, skip:]
     return together([
-        observe(spectrogram[..., part], float(headings[part].mean()), float(aboard[part].mean())) for part in parts
+        observe(
+            spectrogram[..., part],
+            float(headings[part].mean()),
+            float(aboard[part].mean()),
+            None if marks is None else marks[:, part],
+        )
+        for part in cut(headings, max(round(BLOCK / stft.period), 1))
     ])  # fmt: skip

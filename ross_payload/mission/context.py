@@ -12,6 +12,7 @@ import numpy as np
 from ross_payload.alignment.plan import Plan, Turn, plan
 from ross_payload.dsp.ego_noise import EgoNoise, learnt
 from ross_payload.dsp.noise import quiet_psd
+from ross_payload.dsp.rotor_tones import tones
 from ross_payload.dsp.rotors import Rotors
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
@@ -30,6 +31,7 @@ from ross_payload.interfaces import (
     Complex,
     Explorer,
     Input,
+    Marks,
     Observation,
     Output,
     Real,
@@ -82,6 +84,7 @@ class Settings:
     track: bool = False  # follow sources that move while it listens
     level: bool = True  # sources are about as high as the array; not so below a vehicle that flies
     ego_noise: bool = False  # learn the noise of the vehicle in the lead-in
+    blades: int = 2  # of every rotor
     turn_rate: float = math.radians(20.0)  # while it explores without a pause [rad/s]
     periods: int = 0  # T_unit that it listens then, at most; 0: it turns step by step
     longest_move: float = 30.0  # that the guard bears [s]
@@ -130,6 +133,7 @@ class Listening:
     spread: float = 0.0  # largest deviation from the heading while it was followed [rad]
     headings: Real | None = None  # in the middle of every hop where they were not all one [rad], (n_hops,)
     aboard: float = 0.0  # the mean heading in the frame of the vehicle [rad]
+    rotor_speeds: Real | None = None  # at the beginning of every hop [1/s], (n_hops, n_rotors); None: not known
     around: tuple[Samples, Samples] | None = None  # heard right before and after while the array turned, (2, m) each
 
 
@@ -143,6 +147,7 @@ class Context:
     last: Input | None = None
     lead_in: Samples | None = None  # (2, n), quiet or not
     lead_in_aboard: float = 0.0  # heading in the frame of the vehicle where it was heard [rad]
+    lead_in_speeds: Real | None = None  # of the rotors meanwhile, as of `Listening`
     ego_noise: dict[int, EgoNoise | None] = field(default_factory=dict)  # by STFT frame
     heard_noise: list[Learnt | None] = field(
         default_factory=list
@@ -221,11 +226,8 @@ class Context:
             self.noise_psd[stft.frame] = found
         return self.noise_psd[stft.frame]
 
-    def noise_field(self, stft: Stft, spectrogram: Complex, aboard: float) -> Real | None:
-        """Noise covariance of every bin of what was heard at ``aboard`` [rad]; None when the noise is white or unknown.
-
-        ``aboard`` is the heading in the frame of the vehicle.
-        """
+    def noise_field(self, stft: Stft, spectrogram: Complex, listening: Listening) -> Real | None:
+        """Noise covariance of every bin of what was heard; None when the noise is white or unknown."""
         if not self.settings.ego_noise or self.lead_in is None or self.lead_in.shape[1] < stft.frame:
             return None
         if stft.frame not in self.ego_noise:
@@ -233,7 +235,18 @@ class Context:
             rotors = self.tools.rotors
             self.ego_noise[stft.frame] = learnt(heard, stft.frequencies, stft.period, self.lead_in_aboard, rotors)
         noise = self.ego_noise[stft.frame]
-        return None if noise is None else noise.field(spectrogram, stft.frequencies, stft.period, aboard)
+        if noise is None:
+            return None
+        tonal = self.tonal(stft, listening.samples, listening.rotor_speeds)
+        return noise.field(spectrogram, stft.frequencies, stft.period, listening.aboard, tonal)
+
+    def tonal(self, stft: Stft, samples: Samples, speeds: Real | None) -> Marks | None:
+        """Where in the spectrogram of ``samples`` tones of the rotors are; None when their speeds are not known."""
+        if speeds is None:
+            return None
+        n = samples.shape[1]
+        frames, seconds = stft.frames_of(n), n / self.settings.rate
+        return tones(stft.frequencies, stft.period, frames, speeds, seconds=seconds, blades=self.settings.blades)
 
     def noise_of_explorer(self) -> Learnt | None:
         """What the explorer knows of the noise of the vehicle; None when there is nothing to know."""
@@ -242,13 +255,17 @@ class Context:
             return None
         if not self.heard_noise:
             heard = stft.analyse(self.lead_in)
-            known = self.tools.in_noise.learn(heard, stft.frequencies, stft.period, aboard, self.tools.rotors)
+            tonal = self.tonal(stft, self.lead_in, self.lead_in_speeds)
+            known = self.tools.in_noise.learn(
+                heard, stft.frequencies, stft.period, aboard, self.tools.rotors, tonal=tonal
+            )
             self.heard_noise.append(known)
         return self.heard_noise[0]
 
-    def keep_lead_in(self, samples: Samples) -> None:
-        """Keep what was heard at the present heading while nobody talked."""
+    def keep_lead_in(self, samples: Samples, speeds: Real | None) -> None:
+        """Keep what was heard at the present heading while nobody talked, and how fast the rotors turned."""
         self.lead_in, self.lead_in_aboard = samples, self.pointing.heading - self.pointing.base
+        self.lead_in_speeds = speeds
         self.ego_noise, self.heard_noise = {}, []
 
     def say_noise(self, *, quiet: bool) -> None:
@@ -320,16 +337,30 @@ def _obey(context: Context, order: Order) -> None:
             context.publish(Answered(context.time, order.number, Answer.REFUSED, BUSY))
 
 
-def listen(context: Context, seconds: float) -> Step[Samples]:
-    """Hear ``seconds`` of audio at rest; return the samples (2, n)."""
+def listen(context: Context, seconds: float) -> Step[tuple[Samples, Real | None]]:
+    """Hear ``seconds`` of audio at rest; return the samples (2, n), and the speeds of the rotors as of `Listening`."""
     wanted = round(seconds * context.settings.rate)
     blocks: list[Samples] = []
+    speeds: list[tuple[float, ...]] = []
     heard = 0
     while heard < wanted:
-        block = (yield from hop(context)).block.samples
-        blocks.append(block)
-        heard += block.shape[1]
-    return np.concatenate(blocks, axis=1) if blocks else np.zeros((2, 0), np.float32)
+        now = yield from hop(context)
+        blocks.append(now.block.samples)
+        speeds.append(now.attitude.rotor_speeds)
+        heard += now.block.samples.shape[1]
+    return np.concatenate(blocks, axis=1) if blocks else np.zeros((2, 0), np.float32), speeds_by_hop(speeds)
+
+
+def speeds_by_hop(told: Sequence[tuple[float, ...]]) -> Real | None:
+    """Speeds of the rotors at every hop [1/s], (n_hops, n_rotors); None when nobody told any.
+
+    >>> speeds_by_hop([(), (90.0, 91.0)]).tolist(), speeds_by_hop([(), ()])
+    ([[0.0, 0.0], [90.0, 91.0]], None)
+    """
+    n_rotors = max(map(len, told), default=0)
+    if not n_rotors:
+        return None
+    return np.array([[*speeds, *[0.0] * (n_rotors - len(speeds))] for speeds in told])
 
 
 def turn(context: Context, joint: float, reason: str) -> Step[None]:

@@ -23,7 +23,7 @@ SAME = 0.5  # of a step: an alignment so near to an orientation of the schedule 
 def lead_in(context: Context) -> Step[None]:
     """Listen before anything turns: the quiet, when there is one, tells the noise."""
     context.enter(State.LEAD_IN)
-    context.keep_lead_in((yield from listen(context, context.settings.lead_in)))
+    context.keep_lead_in(*(yield from listen(context, context.settings.lead_in)))
 
 
 def explore(context: Context) -> Step[tuple[Estimate, int | None]]:

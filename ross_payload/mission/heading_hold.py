@@ -14,7 +14,7 @@ import numpy as np
 from ross_payload.angles import circular_mean, difference, wrap
 from ross_payload.events import AlignmentCandidate, State, TurnStarted
 from ross_payload.interfaces import Input, Samples
-from ross_payload.mission.context import Context, Listening, Step, hop
+from ross_payload.mission.context import Context, Listening, Step, hop, speeds_by_hop
 from ross_payload.mission.heading_control import STILL, Follower
 from ross_payload.pointing import nearest_joint, nearest_limit
 
@@ -114,6 +114,7 @@ class _Period:
     headings: list[float] = field(default_factory=list)  # in the middle of every hop [rad]
     last: float = 0.0  # heading at the end [rad]
     aboard: list[float] = field(default_factory=list)  # at the end of every hop, frame of the vehicle [rad]
+    speeds: list[tuple[float, ...]] = field(default_factory=list)  # of the rotors at the beginning of every hop [1/s]
     samples: int = 0
 
     def add(self, hop: Input) -> None:
@@ -121,13 +122,17 @@ class _Period:
         self.headings.append(hop.heading_start + wrap(hop.pointing.heading - hop.heading_start) / 2)
         self.last = hop.pointing.heading
         self.aboard.append(hop.pointing.heading - hop.pointing.base)
+        self.speeds.append(hop.attitude.rotor_speeds)
         self.samples += hop.block.samples.shape[1]
 
     def listening(self) -> Listening:
         """All of it, at the mean heading; at the heading itself when nothing has turned."""
         samples = np.concatenate(self.blocks, axis=1)
         if np.abs(difference(self.headings, self.last)).max() <= STILL:
-            return Listening(self.last, samples, aboard=circular_mean(self.aboard))
+            return Listening(
+                self.last, samples, aboard=circular_mean(self.aboard), rotor_speeds=speeds_by_hop(self.speeds)
+            )
         mean = circular_mean(self.headings)
         spread = float(np.abs(difference(self.headings, mean)).max())
-        return Listening(mean, samples, spread, np.array(self.headings), circular_mean(self.aboard))
+        aboard, speeds = circular_mean(self.aboard), speeds_by_hop(self.speeds)
+        return Listening(mean, samples, spread, np.array(self.headings), aboard, speeds)

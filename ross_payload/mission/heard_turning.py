@@ -10,7 +10,7 @@ import numpy as np
 from ross_payload.angles import circular_mean, difference, wrap
 from ross_payload.interfaces import Input, Samples
 from ross_payload.localization.turning import BEFORE_S, Turned
-from ross_payload.mission.context import Listening
+from ross_payload.mission.context import Listening, speeds_by_hop
 
 SHORTEST_S = 0.5  # piece [s]
 AROUND_S = 0.5  # heard before and after a piece, to learn from [s]
@@ -25,6 +25,7 @@ class HeardTurning:
     _ends: list[int] = field(default_factory=list)  # samples heard at the end of every hop
     _headings: list[float] = field(default_factory=list)  # in the middle of every hop [rad], not wrapped
     _aboard: list[float] = field(default_factory=list)  # the same in the frame of the vehicle
+    _speeds: list[tuple[float, ...]] = field(default_factory=list)  # of the rotors at the beginning of every hop [1/s]
     _first: int = 0  # hop with which the period begins
 
     @property
@@ -44,6 +45,7 @@ class HeardTurning:
         self._ends.append(self._end(len(self._ends)) + hop.block.samples.shape[1])
         self._headings.append(heading)
         self._aboard.append(heading - base)
+        self._speeds.append(hop.attitude.rotor_speeds)
 
     def period(self) -> Turned:
         """The present period, and what was heard right before it."""
@@ -53,7 +55,7 @@ class HeardTurning:
             first -= 1
         samples = np.concatenate(self._blocks[first:], axis=1)
         headings, aboard = np.array(self._headings[first:]), np.array(self._aboard[first:])
-        return Turned(samples, headings, start - self._end(first), aboard)
+        return Turned(samples, headings, start - self._end(first), aboard, speeds_by_hop(self._speeds[first:]))
 
     def pieces(self, turned: float) -> list[Listening]:
         """Cut all of it where the array has turned by an angle [rad], but not into pieces that are too short."""
@@ -77,6 +79,7 @@ class HeardTurning:
             float(np.abs(difference(headings, mean)).max()),
             headings,
             circular_mean(self._aboard[first:last]),
+            speeds_by_hop(self._speeds[first:last]),
             around=(samples[:, max(begin - around, 0) : begin], samples[:, end : end + around]),
         )
 

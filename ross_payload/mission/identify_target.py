@@ -60,7 +60,7 @@ def separate(context: Context, estimate: Estimate, listening: Listening) -> tupl
         noise_psd=context.psd(stft, spectrogram),
         seed=settings.seed,
         hop=stft.hop,
-        noise_field=context.noise_field(stft, spectrogram, listening.aboard),
+        noise_field=context.noise_field(stft, spectrogram, listening),
     )
     groups = context.tools.separator.batch(spectrogram, scene)
     return groups, stft.synthesise(groups.signals, listening.samples.shape[1]).astype(np.float32)

@@ -254,8 +254,13 @@ class LiveSession:
             except StopIteration as end:
                 self._remember(self._context.pending)
                 if isinstance(task, MeasureNoise):
-                    noise, aboard = self._context.lead_in, self._context.lead_in_aboard
-                    self._memory = replace(self._memory, noise=noise, noise_aboard=aboard)
+                    heard = self._context
+                    self._memory = replace(
+                        self._memory,
+                        noise=heard.lead_in,
+                        noise_aboard=heard.lead_in_aboard,
+                        noise_speeds=heard.lead_in_speeds,
+                    )
                 result: Result = end.value
                 return result
 

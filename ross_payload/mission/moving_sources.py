@@ -101,6 +101,14 @@ def _headings(listening: Listening, middles: Real) -> Real:
     return np.interp(middles, (np.arange(hops) + 0.5) * n / hops, np.unwrap(listening.headings))
 
 
+def _speeds(listening: Listening, begin: int, end: int) -> Real | None:
+    """Speeds of the rotors in the hops of a part of what was heard, between two samples."""
+    if listening.rotor_speeds is None:
+        return None
+    each = len(listening.rotor_speeds) / listening.samples.shape[1]
+    return listening.rotor_speeds[int(begin * each) : max(int(np.ceil(end * each)), int(begin * each) + 1)]
+
+
 def _joined(context: Context, estimate: Estimate, listening: Listening, found: Sequence[Piece]) -> tuple[Groups, Real]:
     """Separate every piece; return the groups and their voices (n_groups, n_samples) over the whole period."""
     rate, n = context.settings.rate, listening.samples.shape[1]
@@ -114,7 +122,9 @@ def _joined(context: Context, estimate: Estimate, listening: Listening, found: S
             for source, azimuth in zip(estimate.sources, piece.azimuths, strict=True)
         )
         aboard = listening.aboard + piece.heading - listening.heading
-        heard = Listening(piece.heading, listening.samples[:, begin:end], aboard=aboard)
+        heard = Listening(
+            piece.heading, listening.samples[:, begin:end], aboard=aboard, rotor_speeds=_speeds(listening, begin, end)
+        )
         groups, parts = separate(context, replace(estimate, sources=sources), heard)
         weight = _window(piece, np.arange(begin, end), n, fade)
         for group, part in zip(groups.members, parts, strict=True):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ross_payload.angles import difference
 from ross_payload.events import Estimate, OrientationHeard, SourcesEstimated
-from ross_payload.interfaces import Complex, Observation, TurningExplorer
+from ross_payload.interfaces import Complex, Marks, Observation, TurningExplorer
 from ross_payload.localization import turning
 from ross_payload.localization.turning import Turned
 from ross_payload.mission.context import Context, Listening, Step
@@ -48,7 +48,13 @@ def observe(context: Context, listening: Listening) -> Observation:
     noise_psd, known = context.psd(stft, spectrogram), context.noise_of_explorer()
     if known is not None and context.tools.in_noise is not None:
         seen = context.tools.in_noise.observe(
-            spectrogram, stft.frequencies, listening.heading, listening.aboard, known, period=stft.period
+            spectrogram,
+            stft.frequencies,
+            listening.heading,
+            listening.aboard,
+            known,
+            period=stft.period,
+            tonal=context.tonal(stft, listening.samples, listening.rotor_speeds),
         )
     else:
         seen = context.tools.explorer.observe(
@@ -65,10 +71,11 @@ def observe_turned(context: Context, explorer: TurningExplorer, turned: Turned) 
     if known is None or in_noise is None:
         return at_height(context, turning.observe(explorer, stft, turned, noise_psd))
 
-    def observe(spectrogram: Complex, heading: float, aboard: float) -> Observation:
-        return in_noise.observe(spectrogram, stft.frequencies, heading, aboard, known, period=stft.period)
+    def observe(spectrogram: Complex, heading: float, aboard: float, tonal: Marks | None) -> Observation:
+        return in_noise.observe(spectrogram, stft.frequencies, heading, aboard, known, period=stft.period, tonal=tonal)
 
-    return at_height(context, turning.observe_in_noise(stft, turned, observe))
+    tonal = context.tonal(stft, turned.samples, turned.rotor_speeds)
+    return at_height(context, turning.observe_in_noise(stft, turned, observe, tonal))
 
 
 def at_height(context: Context, seen: Observation) -> Observation:

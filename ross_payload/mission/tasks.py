@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ross_payload import orders
 from ross_payload.angles import wrap
 from ross_payload.events import Estimate, Outcome, SourceEstimate, SourcesEstimated, State
-from ross_payload.interfaces import Output, Result, Samples
+from ross_payload.interfaces import Output, Real, Result, Samples
 from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, Step, exchange, hop, listen, obey, turn
 from ross_payload.mission.enrol_talker import NotEnrolled, enrol_source
@@ -40,6 +40,7 @@ class Memory:
     explored: bool = False  # it was heard, not told
     noise: Samples | None = None  # heard at rest while nobody talked, (2, n)
     noise_aboard: float = 0.0  # heading in the frame of the vehicle where it was heard [rad]
+    noise_speeds: Real | None = None  # of the rotors meanwhile [1/s], (n_hops, n_rotors)
     stopped: bool = False  # by an order, and not re-armed
     samples: int = 0  # heard since the session began
     starting: bool = False  # nothing was ordered yet, and the actuator has not been well yet
@@ -80,6 +81,7 @@ def perform(context: Context, memory: Memory, task: orders.Task) -> Step[Result]
         When an order or a fault ends it.
     """
     context.lead_in, context.lead_in_aboard = memory.noise, memory.noise_aboard
+    context.lead_in_speeds = memory.noise_speeds
     if memory.explored and memory.estimate is not None:
         context.surveyed = memory.estimate, memory.earth
     match task:
@@ -231,7 +233,7 @@ def _home(context: Context) -> Step[Result]:
 def _measure(context: Context, seconds: float) -> Step[Result]:
     yield from hop(context)
     context.enter(State.NOISE)
-    heard = yield from listen(context, max(seconds or context.settings.lead_in, LEAST_NOISE))
-    context.keep_lead_in(heard)
+    heard, speeds = yield from listen(context, max(seconds or context.settings.lead_in, LEAST_NOISE))
+    context.keep_lead_in(heard, speeds)
     context.say_noise(quiet=True)
     return Result(Outcome.COMPLETED, f"noise measured for {heard.shape[1] / context.settings.rate:g} s")

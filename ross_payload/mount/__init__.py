@@ -15,6 +15,7 @@ from ross_payload.config import VEHICLE_YAW, Config
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Attitude, Clock, Mount
 from ross_payload.mavlink import Component, Received, Router
+from ross_payload.mount.rotor_speeds import RotorSpeeds, WithRotors
 from ross_payload.timebase import Timebase
 from ross_protocols.mavlink import vehicle
 from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
@@ -190,17 +191,21 @@ def fixed_mount(config: Config) -> FixedMount:
 
 
 def mount_of(config: Config, clock: Clock, links: Router, timebase: Timebase) -> Mount:
-    """Make the mount that a configuration describes.
+    """Make the mount that a configuration describes; it tells the speeds of rotors where their noise is learnt.
 
     Raises
     ------
     ConfigError
         When the attitude is wanted from an autopilot and no link leads to one.
     """
-    if config.mount.source == "fixed":
-        return fixed_mount(config)
-    if not any(link.role == "autopilot" for link in links.status()):
+    flies = any(link.role == "autopilot" for link in links.status())
+    if config.mount.source != "fixed" and not flies:
         raise ConfigError('mount.source = "autopilot": expected a [[links]] table with role = "autopilot", got none')
-    component = links.component(config.telemetry.component_id)
-    asked, told = config.mount, config.telemetry.system_id
-    return AutopilotMount(component, clock, timebase, fresh=asked.fresh_s, system_id=told, height=asked.height_m)
+    asked, told, address = config.mount, config.telemetry.system_id, config.telemetry.component_id
+    mount: Mount = fixed_mount(config)
+    if asked.source != "fixed":
+        component = links.component(address)
+        mount = AutopilotMount(component, clock, timebase, fresh=asked.fresh_s, system_id=told, height=asked.height_m)
+    if config.ego_noise.learn and flies:
+        return WithRotors(mount, RotorSpeeds(links.component(address), clock, told))
+    return mount

@@ -21,17 +21,14 @@ from ross_payload.dsp.stft import Stft, band
 from ross_payload.interfaces import Complex, Groups, LiveSeparator, Quality, Real, Scene
 from ross_payload.separation.cacgmm import learn
 from ross_payload.separation.directness import ASTRAY, VOICE, astray, geometric_start
+from ross_payload.separation.evened_noise import FLOOR, evened
 from ross_payload.separation.live_gaussian import LiveGaussian
 
 UPDATES = 20
 UNSMOOTHED = 2  # updates before the smoothing begins
 AT_ONCE = 20000  # time-frequency bins worked on together: they stay in the cache
 TINY = float(np.finfo(np.float32).tiny)
-FLOOR = 1e-8  # of every PSD, relative to the mean power of the mixture
 ACTIVE = 1.15  # bins with less than this many times the noise hold nobody
-LARGER = (4.5, 2.0)  # noise term over the noise, which is not all Gaussian: where hardly anybody is heard, and where ..
-HEARD = (-8.0, 5.0)  # .. talkers are clearly heard: their mean power over that of the noise [dB]
-LOWEST_VOICE = 80.0  # nobody talks below; propellers and wind do [Hz]
 TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
 LONG = 0.128  # frames that a reverberant recording is cut into [s]
 
@@ -198,7 +195,15 @@ def reverberant(spectrogram: Complex, scene: Scene) -> bool:
 Core = Callable[[Complex, Scene, Real], tuple[Complex, Real, tuple[Quality, ...]]]
 
 
-def from_directions(core: Core, spectrogram: Complex, scene: Scene, name: str, *, always_below: float = 0.0) -> Groups:
+def from_directions(
+    core: Core,
+    spectrogram: Complex,
+    scene: Scene,
+    name: str,
+    *,
+    always_below: float = 0.0,
+    larger: float | None = None,
+) -> Groups:
     """Separate a recording (2, n_freqs, n_frames) at unit power, in the frequencies in which somebody is heard.
 
     A reverberant one is separated in long frames. Sources that share a TDOA are one group. Where the noise has a
@@ -213,6 +218,8 @@ def from_directions(core: Core, spectrogram: Complex, scene: Scene, name: str, *
         Of the separator.
     always_below
         Frequencies [Hz] that count though nobody is heard there.
+    larger
+        As of `ross_payload.separation.evened_noise.evened`.
 
     Raises
     ------
@@ -226,7 +233,7 @@ def from_directions(core: Core, spectrogram: Complex, scene: Scene, name: str, *
     signals, masks = np.zeros(shape, spectrogram.dtype), np.zeros(shape, np.float32)
     power = float((np.abs(spectrogram) ** 2).mean()) if spectrogram.size else 0.0
     if scene.noise_field is not None and members and power > 0:
-        return replace(_in_noise(core, spectrogram, scene, delays), members=members, method=name)
+        return replace(_in_noise(core, spectrogram, scene, delays, larger), members=members, method=name)
     quality: tuple[Quality, ...] = ()
     if members and power > 0:
         unit = (spectrogram / np.sqrt(power)).astype(np.complex64)
@@ -241,25 +248,13 @@ def from_directions(core: Core, spectrogram: Complex, scene: Scene, name: str, *
     return Groups(signals, members, name, masks=masks, quality=quality)
 
 
-def _in_noise(core: Core, spectrogram: Complex, scene: Scene, delays: Real) -> Groups:
+def _in_noise(core: Core, spectrogram: Complex, scene: Scene, delays: Real, larger: float | None) -> Groups:
     """Separate in the frequencies of voices; the noise term is larger than the noise, which is not all Gaussian."""
-    field = np.asarray(scene.noise_field, dtype=np.float32)
-    level = np.maximum(0.5 * (field[:, 0] + field[:, 1]), np.finfo(np.float32).tiny)
-    usual = np.exp(np.log(level).mean(axis=1))
-    loudness = np.sqrt(level / usual[:, None])
-    even = spectrogram / loudness
-    use = scene.frequencies >= LOWEST_VOICE
-    power = float((np.abs(even[:, use]) ** 2).mean())
-    voices = band(scene.frequencies, *VOICE)
-    heard = float(((np.abs(even[:, voices]) ** 2).mean(axis=(0, 2)) / usual[voices]).mean()) - 1
-    larger = float(np.interp(10 * np.log10(max(heard, 1e-3)), HEARD, LARGER))
-    noise = np.maximum(larger * usual[use] / power, FLOOR).astype(np.float32)
-    part = replace(scene, frequencies=scene.frequencies[use], tau=delays, noise_field=(field / level[:, None])[use])
+    even = evened(spectrogram, scene, delays, larger)
     signals = np.zeros((len(delays), *spectrogram.shape[1:]), spectrogram.dtype)
     masks = np.zeros(signals.shape, np.float32)
-    unit = (even[:, use] / np.sqrt(power)).astype(np.complex64)
-    found, masks[:, use], quality = core(unit, part, noise)
-    signals[:, use] = found * np.sqrt(power) * loudness[use]
+    found, masks[:, even.used], quality = core(even.unit, even.scene, even.noise_psd)
+    signals[:, even.used] = found * even.level
     return Groups(signals, (), "", masks=masks, quality=quality)
 
 

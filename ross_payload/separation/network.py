@@ -188,7 +188,18 @@ def _shifted(out: Real, values: Real, rows: slice, shift: int, axis: int) -> Non
 @cache
 def shipped_network() -> Network:
     """The network of the package, trained by `ross_sim.study.train_refiner`."""
-    return read_network(files(__package__).joinpath("refiner.npz").read_bytes(), "refiner.npz")
+    return network_of(shipped_arrays())
+
+
+def shipped_arrays() -> dict[str, Real]:
+    """The weights of the package by name."""
+    return _arrays(files(__package__).joinpath("refiner.npz").read_bytes(), "refiner.npz")
+
+
+@cache
+def network_in_noise() -> Network:
+    """The network of the package for noise that has a direction, trained by the same command."""
+    return read_network(files(__package__).joinpath("refiner_in_noise.npz").read_bytes(), "refiner_in_noise.npz")
 
 
 def read_network(content: bytes, name: str) -> Network:
@@ -199,9 +210,17 @@ def read_network(content: bytes, name: str) -> Network:
     ConfigError
         When it is damaged or something else.
     """
+    arrays = _arrays(content, name)
+    try:
+        return network_of(arrays)
+    except KeyError as error:
+        raise ConfigError(f"{name}: expected the weights of a refiner, got something else") from error
+
+
+def _arrays(content: bytes, name: str) -> dict[str, Real]:
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            return network_of({key: np.asarray(arrays[key], np.float32) for key in arrays.files})
+            return {key: np.asarray(arrays[key], np.float32) for key in arrays.files}
     except Exception as error:  # zipfile, zlib and numpy each have their own way to fail on damaged bytes
         raise ConfigError(f"{name}: expected the weights of a refiner, got something else") from error
 

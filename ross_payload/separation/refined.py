@@ -19,11 +19,19 @@ from ross_payload.dsp.metrics import qualities
 from ross_payload.interfaces import Complex, Groups, LiveSeparator, Quality, Real, Scene
 from ross_payload.separation.live_gaussian import Learnt, LiveGaussian, State, separated, thinned
 from ross_payload.separation.local_gaussian_model import fitted, from_directions, wiener
-from ross_payload.separation.network import Network, Past, shipped_network
-from ross_payload.separation.refiner_features import HIGHEST, LEAST, STEADY, features, trained_for
+from ross_payload.separation.network import Network, Past, network_in_noise, shipped_network
+from ross_payload.separation.refiner_features import (
+    HIDDEN,
+    HIGHEST,
+    LEAST,
+    STEADY,
+    features,
+    features_in_noise,
+    trained_for,
+)
 
 BONUS = 0.75  # SI-SDR above that of the local Gaussian model [dB]
-TRUSTED = (5.0, 15.0)  # from no trust in the network to full: mixture over the noise term [dB]
+LARGER = 1.5  # noise term over the noise that has a direction: the network corrects it, too
 KEPT = 3  # frames that the network has seen whose corrections are interpolated
 
 
@@ -32,12 +40,14 @@ class Refined:
 
     name = "refined"
 
-    def __init__(self, network: Network | None = None) -> None:
-        self._network = network
+    def __init__(self, network: Network | None = None, in_noise: Network | None = None) -> None:
+        self._network, self._in_noise = network, in_noise
 
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
         """Separate as `ross_payload.separation.local_gaussian_model.from_directions` says."""
-        return from_directions(self._separated, spectrogram, scene, self.name, always_below=HIGHEST)
+        core = self._separated if scene.noise_field is None else self._separated_in_noise
+        larger = LARGER if trained_for(scene.frequencies) else None
+        return from_directions(core, spectrogram, scene, self.name, always_below=HIGHEST, larger=larger)
 
     def live(self, lookahead: int = 1) -> LiveSeparator:
         """Return the same model frame by frame."""
@@ -47,13 +57,28 @@ class Refined:
         observed, covariances, psds = fitted(unit, scene, noise_psd)
         quality = qualities(psds, covariances, BONUS)
         low = slice(0, int((scene.frequencies < HIGHEST).sum()))
-        share = 1.0 if scene.noise_field is None else _trusted(observed, noise_psd)
-        if share and trained_for(scene.frequencies[low]):
+        if trained_for(scene.frequencies[low]):
             network = self._network or shipped_network()
             shown = features(observed[low], covariances[low], psds[low])
-            corrections = network.corrections(shown, scene.frequencies[low])
-            factors = np.exp(corrections if share == 1 else np.float32(share) * corrections)
+            factors = np.exp(network.corrections(shown, scene.frequencies[low]))
             psds[low, :-1] = np.maximum(psds[low, :-1], LEAST) * np.swapaxes(factors, 0, 1)
+        masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
+        psds[:, -1] = np.maximum(psds[:, -1], STEADY * (1 + psds[:, :-1].sum(axis=1)))
+        return wiener(unit, psds, covariances), masks, quality
+
+    def _separated_in_noise(
+        self, unit: Complex, scene: Scene, noise_psd: Real
+    ) -> tuple[Complex, Real, tuple[Quality, ...]]:
+        """As `_separated`; the noise is one more group, whose PSD is corrected like those of the others."""
+        observed, covariances, psds = fitted(unit, scene, noise_psd)
+        quality = qualities(psds, covariances, BONUS)
+        low = slice(0, int((scene.frequencies < HIGHEST).sum()))
+        if trained_for(scene.frequencies[low]):
+            network, field = self._in_noise or network_in_noise(), np.asarray(scene.noise_field)[low]
+            shown = shown_in_noise(observed[low], covariances[low, :-1], psds[low, :-1], noise_psd[low], field)
+            factors = np.exp(network.corrections(shown, scene.frequencies[low]))
+            psds[low, :-1] = _above(psds[low, :-1], noise_psd[low])
+            psds[low] *= np.swapaxes(factors, 0, 1)
         masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
         psds[:, -1] = np.maximum(psds[:, -1], STEADY * (1 + psds[:, :-1].sum(axis=1)))
         return wiener(unit, psds, covariances, scene.noise_field), masks, quality
@@ -152,13 +177,29 @@ class LiveRefined:
         return np.asarray((1 - part) * state.corrections[first] + part * state.corrections[first + 1])
 
 
-def _trusted(observed: Real, noise_psd: Real) -> float:
-    """Share of its corrections that the network is trusted with among noise that has a direction.
+def shown_in_noise(observed: Real, covariances: Real, psds: Real, noise_psd: Real, field: Real) -> Real:
+    """What the network is shown where the noise has a direction: the groups, and the noise as one more.
 
-    It was trained with white noise, 5 dB below the mixture and less.
+    Parameters
+    ----------
+    observed
+        Coordinates of x x^H, (n_freqs, 4, n_frames).
+    covariances, psds
+        Of the groups, (n_freqs, n_groups, 4) and (n_freqs, n_groups, n_frames).
+    noise_psd
+        (n_freqs,).
+    field
+        Coordinates of the covariance of the noise, trace 2, (n_freqs, 4, n_frames).
     """
-    ratio = 10 * np.log10(0.5 * (observed[:, 0] + observed[:, 1]).mean() / noise_psd.mean())
-    return float(np.interp(ratio, TRUSTED, (0, 1)))
+    noise = np.broadcast_to(noise_psd[:, None, None], (len(psds), 1, psds.shape[2]))
+    every = np.concatenate([_above(psds, noise_psd), noise], axis=1)
+    white = np.broadcast_to(np.array([1, 1, 0, 0], np.float32), (len(psds), 1, 4))
+    return features_in_noise(observed, np.concatenate([covariances, white], axis=1), every, field)
+
+
+def _above(psds: Real, noise_psd: Real) -> Real:
+    """PSDs from which the network can lift a voice that the local Gaussian model gave up."""
+    return np.asarray(np.maximum(psds, HIDDEN * noise_psd[:, None, None] + LEAST))
 
 
 def _low(scene: Scene) -> int:

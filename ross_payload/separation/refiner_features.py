@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ross_payload.dsp.covariance import adjugate, determinant
@@ -9,13 +11,38 @@ from ross_payload.interfaces import Real
 
 HIGHEST = 6000.0  # bins above this keep the PSDs of the local Gaussian model [Hz]
 N_FEATURES = 10
+N_IN_NOISE = N_FEATURES + 1  # the last says whether a group is the noise
 SCALE = 0.2  # of logarithms: the network sees numbers around 1
 LEAST = 1e-7  # of every PSD that is shown
+HIDDEN = 0.01  # of the noise: no PSD is shown, or corrected from, below it where the noise has a direction
 MISFIT = 1e-3  # of a direction that fits perfectly
 FAR = 8.0  # bound of logarithms of ratios
 BESIDE = 2  # bins on either side that the local covariance is averaged over
 WIDTHS = (6.0, 15.0)  # of bins that the network was trained for [Hz]
 STEADY = 1e-5  # noise in the Wiener filter, relative to everything: no covariance is singular
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Groups:
+    """Covariances of all groups that are described; the noise, if it is one of them, has one for every bin."""
+
+    sources: Real  # (n_freqs, n_groups, 4)
+    field: Real | None = None  # (n_freqs, 4, n_frames)
+
+    def traces(self, others: Real) -> Real:
+        """tr(R_k M) for M of every bin (n_freqs, 4, n_frames), (n_freqs, n_described, n_frames)."""
+        found = self.sources @ others
+        if self.field is None:
+            return found
+        return np.concatenate([found, (self.field * others).sum(axis=1, keepdims=True)], axis=1)
+
+    def determinants(self) -> Real:
+        """(n_freqs, n_described, 1 or n_frames)."""
+        found = determinant(self.sources)[..., None]
+        if self.field is None:
+            return found
+        noise = determinant(np.swapaxes(self.field, 1, 2))[:, None]
+        return np.concatenate([np.broadcast_to(found, (*found.shape[:2], noise.shape[2])), noise], axis=1)
 
 
 def features(observed: Real, covariances: Real, psds: Real) -> Real:
@@ -31,24 +58,55 @@ def features(observed: Real, covariances: Real, psds: Real) -> Real:
     observed, covariances, psds
         As `ross_payload.separation.local_gaussian_model.fitted` returns them, the noise last.
     """
-    own, sources = psds[:, :-1], covariances[:, :-1]
+    own = psds[:, :-1]
     total = np.swapaxes(covariances, 1, 2) @ psds
-    inner = np.maximum(determinant(np.swapaxes(total, 1, 2)), np.finfo(psds.dtype).tiny)[:, None]
+    others = own.sum(axis=1, keepdims=True) - own
+    return _stacked(_described(observed, _Groups(covariances[:, :-1]), own, others, total=total, noise=psds[:, -1:]))
+
+
+def features_in_noise(observed: Real, covariances: Real, psds: Real, field: Real) -> Real:
+    """The same where noise has a direction, which is one more group, the last, (n_groups + 1, N_IN_NOISE, ..).
+
+    The noise is not among "the others" of a talker, whom its PSD stands beside anyway.
+
+    Parameters
+    ----------
+    observed, covariances, psds
+        As of `features`.
+    field
+        Coordinates of the covariance of the noise, trace 2, (n_freqs, 4, n_frames).
+    """
+    talkers = psds[:, :-1]
+    total = np.swapaxes(covariances[:, :-1], 1, 2) @ talkers + psds[:, -1:] * field
+    every = talkers.sum(axis=1, keepdims=True)
+    others = np.concatenate([every - talkers, every], axis=1)
+    groups = _Groups(covariances[:, :-1], field)
+    described = _described(observed, groups, psds, others, total=total, noise=psds[:, -1:])
+    noise = np.zeros((1, psds.shape[1], 1), psds.dtype)
+    noise[:, -1] = 1
+    return _stacked((*described, noise))
+
+
+def _described(
+    observed: Real, groups: _Groups, own: Real, others: Real, *, total: Real, noise: Real
+) -> tuple[Real, ...]:
+    """The features, each (n_freqs, n_described, n_frames) or to be broadcast to it."""
+    inner = np.maximum(determinant(np.swapaxes(total, 1, 2)), np.finfo(own.dtype).tiny)[:, None]
     opposite = adjugate(total, axis=1)
-    mixed, cross = sources @ opposite, sources @ adjugate(observed, axis=1)
+    mixed, cross = groups.traces(opposite), groups.traces(adjugate(observed, axis=1))
     update = np.maximum((observed * opposite).sum(axis=1, keepdims=True) / inner - cross / mixed, 0)
     power = 0.5 * (observed[:, :1] + observed[:, 1:2])
     misfit = np.log(cross / (4 * power**2 + LEAST**2) * 2 * power + MISFIT)
     near = _around(observed)
     near_power = 0.5 * (near[:, :1] + near[:, 1:2])
-    near_misfit = np.log(sources @ adjugate(near, axis=1) / (4 * near_power**2 + LEAST**2) * 2 * near_power + MISFIT)
+    near_cross = groups.traces(adjugate(near, axis=1))
+    near_misfit = np.log(near_cross / (4 * near_power**2 + LEAST**2) * 2 * near_power + MISFIT)
     incoherence = determinant(np.swapaxes(near, 1, 2))[:, None] / (near_power**2 + LEAST**2)
-    likelihood = np.log(determinant(sources) + MISFIT)[..., None] - 2 * misfit
-    shown = np.empty((own.shape[1], N_FEATURES, own.shape[0], own.shape[2]), np.float32)
-    every = (
+    likelihood = np.log(groups.determinants() + MISFIT) - 2 * misfit
+    return (
         _log(own),
-        _log(own.sum(axis=1, keepdims=True) - own),
-        _log(psds[:, -1:]),
+        _log(others),
+        _log(noise),
         _log(power),
         SCALE * misfit,
         SCALE * _margin(likelihood),
@@ -57,6 +115,12 @@ def features(observed: Real, covariances: Real, psds: Real) -> Real:
         SCALE * near_misfit,
         SCALE * np.log(np.maximum(incoherence, 0) + MISFIT),
     )
+
+
+def _stacked(every: tuple[Real, ...]) -> Real:
+    """Features as the network takes them, (n_described, n_features, n_freqs, n_frames)."""
+    n_freqs, n_described, n_frames = every[0].shape
+    shown = np.empty((n_described, len(every), n_freqs, n_frames), np.float32)
     for index, feature in enumerate(every):
         shown[:, index] = np.swapaxes(feature, 0, 1)
     return shown

@@ -49,6 +49,7 @@ def settings_of(config: Config, lower: float, upper: float) -> Settings:
         track=exploit.track,
         level=config.mount.source == "fixed",
         ego_noise=config.ego_noise.learn,
+        blades=config.ego_noise.blades,
         turn_rate=math.radians(explore.rate_deg_s),
         periods=explore.periods,
         longest_move=config.guard.max_move_s,

@@ -19,7 +19,7 @@ from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Samp
 from ross_payload.orders import Order
 from ross_payload.pointing import BaseRate, Pointing
 
-ATTITUDE = 6  # numbers of an attitude, before its height
+ATTITUDE = 6  # numbers of an attitude, before its height and the speeds of rotors
 ORDERS: dict[str, type[Order]] = {
     name: kind for name, kind in vars(orders).items() if isinstance(kind, type) and issubclass(kind, Order)
 }
@@ -48,6 +48,8 @@ def line(hop: Input, *, exact: bool = True) -> str:
     }
     if hop.attitude.height is not None:
         values["height"] = hop.attitude.height
+    if hop.attitude.rotor_speeds:
+        values["rotors"] = hop.attitude.rotor_speeds
     return json.dumps(values | {name: value for name, value in rare.items() if value}, separators=(",", ":")) + "\n"
 
 
@@ -59,6 +61,8 @@ def parsed(text: bytes) -> dict[str, Any] | None:
         whole = all(isinstance(number, int | float) for number in numbers)
         whole = whole and len(values["heading"]) == 2 and len(values["attitude"]) == ATTITUDE
         whole = whole and isinstance(values.get("height", 0.0), int | float)
+        speeds = values.get("rotors", ())
+        whole = whole and isinstance(speeds, list | tuple) and all(isinstance(speed, int | float) for speed in speeds)
         told = values.get("pointing", ())
         whole = whole and len(told) in (0, 4) and all(isinstance(number, int | float) for number in told)
         whole = whole and isinstance(values["n"], int) and values["n"] > 0 and isinstance(values["index"], int)
@@ -94,10 +98,15 @@ def input_of(values: Mapping[str, Any], samples: Samples, raw: Samples | None) -
         heading_start=values["heading"][0],
         pointing=_pointing_of(values),
         settled=values["settled"],
-        attitude=replace(Attitude(*values["attitude"]), height=values.get("height")),
+        attitude=_attitude_of(values),
         fault=values.get("fault", ""),
         orders=tuple(order_of(order) for order in values.get("orders", ())),
     )
+
+
+def _attitude_of(values: Mapping[str, Any]) -> Attitude:
+    attitude, speeds = Attitude(*values["attitude"]), tuple(values.get("rotors", ()))
+    return replace(attitude, height=values.get("height"), rotor_speeds=speeds)
 
 
 def _pointing_of(values: Mapping[str, Any]) -> Pointing:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -40,6 +40,7 @@ class Vehicle(Table):
     attitude_hz: Annotated[float, Field(gt=0, le=100)] = 25.0  # ATTITUDE
     latency_ms: Annotated[float, Field(ge=0, le=1000)] = 40.0  # of the link, at least
     jitter_ms: Annotated[float, Field(ge=0, le=1000)] = 20.0  # on top of it, at most
+    rotor_messages: Literal["esc_telemetry", "esc_status", "rpm", "none"] = "esc_telemetry"  # that tell of made rotors
     silent: tuple[tuple[Seconds, Seconds], ...] = ()  # [[from, to], ...] when the autopilot says nothing
     gust_deg_s2: Annotated[float, Field(ge=0, le=1000)] = 0.0  # yaw that gusts of wind give, standard deviation
     gust_s: Annotated[float, Field(gt=0, le=60)] = 0.5  # how long a gust lasts: its correlation time

@@ -4,6 +4,7 @@ import numpy as np
 
 from ross_payload.dsp.rotors import Rotors
 from ross_payload.dsp.stft import Stft
+from ross_payload.localization.joint_in_noise import JointInNoise
 from ross_sim.acoustics.near_field import NearField
 from ross_sim.acoustics.rotor_noise import rotor
 
@@ -42,3 +43,22 @@ def talk(seconds, azimuth, heading, seed=2):
     said = steady * np.convolve(syllables, np.hanning(1000) / 500, mode="same")
     image = heard([said], [(2.5 * np.cos(azimuth), 2.5 * np.sin(azimuth), 0.0)], heading)
     return image / np.sqrt((image[0] ** 2).mean())
+
+
+def observations(azimuths, seconds=2):
+    """What the explorer observes at six headings among rotors, talkers at some azimuths."""
+    within = JointInNoise(SPACING, SPEED_OF_SOUND)
+    known = within.learn(
+        STFT.analyse(rotor_noise(2, 0.0).astype(np.float32)), STFT.frequencies, STFT.period, 0.0, ROTORS
+    )
+    seen = []
+    for index, heading in enumerate(0.5 * np.arange(6)):
+        heard = rotor_noise(seconds, heading, seed=index)
+        for azimuth in azimuths:
+            heard = heard + talk(seconds, azimuth, heading, seed=index)
+        seen.append(
+            within.observe(
+                STFT.analyse(heard.astype(np.float32)), STFT.frequencies, heading, heading, known, period=STFT.period
+            )
+        )
+    return seen

@@ -1,5 +1,7 @@
 """What a lead-in tells of the noise of the vehicle, and what the explorer makes of it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -9,9 +11,11 @@ from ross_payload.dsp.itd import Trust, weighted_itd
 from ross_payload.dsp.itd_in_noise import weighted_itd_in_noise
 from ross_payload.dsp.noise_field import noise_field
 from ross_payload.dsp.rotors import Rotors, heard_from
+from ross_payload.localization import model_order, talker_evidence
 from ross_payload.localization.joint import Joint
 from ross_payload.localization.joint_in_noise import JointInNoise, Votes
-from rotor_scenes import PLACES, RATE, ROTORS, SPACING, SPEED_OF_SOUND, STFT, rotor_noise, talk
+from ross_payload.localization.talker_evidence import Among
+from rotor_scenes import PLACES, RATE, ROTORS, SPACING, SPEED_OF_SOUND, STFT, observations, rotor_noise, talk
 
 UNIT = SPACING / SPEED_OF_SOUND
 BAND = (STFT.frequencies > 500) & (STFT.frequencies < 3400)
@@ -124,3 +128,46 @@ def test_silence_after_the_lead_in_is_nobody():
     assert Joint(SPACING, SPEED_OF_SOUND).estimate(seen).k == 0
     nothing = within.observe(np.zeros((2, 257, 0), complex), STFT.frequencies, 0.0, 0.0, known, period=STFT.period)
     assert nothing.weight == 0
+
+
+def test_a_source_where_a_rotor_is_must_have_more_to_say_than_one_elsewhere():
+    joint, seen = Joint(SPACING, SPEED_OF_SOUND), observations([1.6])
+    assert all(0 <= each.features.among.kept <= 1 for each in seen)
+    step = next(step for step in model_order.steps(joint.evidence(seen).rich, joint.price) if len(step.worth) == 1)
+    at = joint.evidence(seen)
+    there = Among((complex(step.model.amplitudes[0] * np.exp(1j * step.model.azimuths[0])),), at.among.kept)
+    near, far = (
+        talker_evidence.likely(dataclasses.replace(at, among=among), step, 0.0)
+        for among in (there, Among((), there.kept))
+    )
+    assert near < far
+
+
+def test_evidence_among_noise_has_weights_of_its_own():
+    joint, seen = Joint(SPACING, SPEED_OF_SOUND), observations([1.6])
+    at = joint.evidence(seen)
+    (step, *_) = model_order.steps(at.rich, joint.price)
+    shown = talker_evidence.features(at, step, 0.0, [0])
+    white = talker_evidence.features(dataclasses.replace(at, among=None), step, 0.0, [0])
+    assert shown.shape[1] == white.shape[1] + len(talker_evidence.IN_NOISE)
+    np.testing.assert_array_equal(shown[:, : white.shape[1]], white)
+    assert talker_evidence.fitted("count", in_noise=True).weights.shape == (shown.shape[1],)
+
+
+def test_rotors_are_named_in_the_frame_of_the_azimuths_and_not_at_all_in_wind():
+    within = JointInNoise(SPACING, SPEED_OF_SOUND)
+    heard = spectrogram(rotor_noise(2, 0.0))
+    known = within.learn(heard, STFT.frequencies, STFT.period, 0.0, ROTORS)
+    turned = within.observe(heard, STFT.frequencies, 0.7, 0.0, known, period=STFT.period).features.among
+    assert np.angle(turned.rotors[0]) == pytest.approx(np.arctan2(0.25, 0.25) + 0.7)
+    windy = dataclasses.replace(known, noise=dataclasses.replace(known.noise, gusty=True))
+    assert within.observe(heard, STFT.frequencies, 0.7, 0.0, windy, period=STFT.period).features.among.rotors == ()
+
+
+def test_far_below_a_vehicle_the_weights_are_those_of_white_noise():
+    joint, seen = Joint(SPACING, SPEED_OF_SOUND), observations([1.6])
+    aloft = joint.evidence([dataclasses.replace(each, height=10.0) for each in seen])
+    assert aloft.among is not None
+    assert not aloft.in_noise
+    (step, *_) = model_order.steps(aloft.rich, joint.price)
+    assert talker_evidence.features(aloft, step, 0.0, [0]).shape[1] == len(talker_evidence.FEATURES)

@@ -261,6 +261,20 @@ def test_the_next_period_knows_what_was_heard_right_before_it():
     assert len(second.headings) == second.samples.shape[1] // HOP
 
 
+def test_speeds_of_rotors_go_with_what_was_heard():
+    kept, one = HeardTurning(RATE), Turntable(None, rate=RATE_RAD_S)
+    one.goal = np.pi
+    kept.begin()
+    for number in range(100):
+        heard = one._hear()
+        kept.add(replace(heard, attitude=replace(heard.attitude, rotor_speeds=(90.0 + number,))))
+    assert kept.period().rotor_speeds.ravel().tolist() == (90.0 + np.arange(100)).tolist()
+    pieces = kept.pieces(np.deg2rad(15.0))
+    assert len(pieces) > 1
+    assert np.concatenate([piece.rotor_speeds for piece in pieces]).ravel().tolist() == (90.0 + np.arange(100)).tolist()
+    assert heard_over(30.0, 100).period().rotor_speeds is None
+
+
 def test_the_heading_aboard_leaves_out_the_vehicle():
     turned = heard_over(30.0, 100, base=1.0).period()
     np.testing.assert_allclose([wrap(each) for each in turned.headings - turned.aboard], 1.0)

@@ -11,11 +11,12 @@ import pytest
 from ross_payload.angles import difference
 from ross_payload.dsp.itd import Trust, lowest_noise
 from ross_payload.dsp.stft import Stft
-from ross_payload.interfaces import Complex, Observation, Real
-from ross_payload.localization import itd_mixture, turning
+from ross_payload.interfaces import Complex, Marks, Observation, Real
+from ross_payload.localization import itd_mixture, talker_evidence, turning
 from ross_payload.localization.itd_mixture import Data
 from ross_payload.localization.joint import Joint
-from ross_payload.localization.sectors import SECTOR, Sectors
+from ross_payload.localization.sectors import SECTOR, Histograms, Sectors, rows_of
+from ross_payload.localization.talker_evidence import Among
 from ross_payload.localization.turning import Turned
 
 pytestmark = pytest.mark.lockstep
@@ -162,7 +163,8 @@ def test_among_the_noise_of_the_vehicle_every_sector_is_observed_at_its_own_head
     turned = Turned(np.zeros((2, n), np.float32), hops, aboard=hops - 1.0)
     asked = []
 
-    def observe(spectrogram: Complex, heading: float, aboard: float) -> Observation:
+    def observe(spectrogram: Complex, heading: float, aboard: float, tonal: Marks | None) -> Observation:
+        assert tonal is None
         asked.append((spectrogram.shape[-1], heading, aboard))
         return Observation(heading, np.zeros(1), np.zeros(1), 1.0, features="kept")
 
@@ -172,3 +174,28 @@ def test_among_the_noise_of_the_vehicle_every_sector_is_observed_at_its_own_head
     assert 60 / 7 < len(asked) <= 60 / 6
     assert seen.weight == len(asked)
     assert seen.features.histograms == ("kept",) * len(asked)
+
+
+def test_tones_of_rotors_are_told_to_the_sector_in_which_they_were_heard() -> None:
+    rng, before = np.random.default_rng(1), 8 * STFT.hop
+    samples = rng.standard_normal((2, RATE + before)).astype(np.float32)
+    turned = Turned(samples, np.deg2rad(np.linspace(0, 30, 50)), before)
+    marks = np.abs(STFT.analyse(samples)[0]) > 1.0  # any that are those of their frames
+    asked = []
+
+    def observe(spectrogram: Complex, heading: float, _: float, tonal: Marks | None) -> Observation:
+        assert tonal is not None
+        np.testing.assert_array_equal(tonal, np.abs(spectrogram[0]) > 1.0)
+        asked.append(tonal)
+        return Observation(heading, np.zeros(1), np.zeros(1), 1.0, features="kept")
+
+    turning.observe_in_noise(STFT, turned, observe, marks)
+    assert len(asked) > 2
+    assert any(tonal.any() for tonal in asked)
+
+
+def test_what_is_known_of_the_noise_in_every_sector_counts_together() -> None:
+    nothing = np.zeros((1, 3))
+    kept = [Histograms(nothing, nothing[0], Among((1j,), share)) for share in (0.2, 0.4)]
+    seen = Observation(0.0, np.zeros(3), np.zeros(3), 1.0, (), Sectors(np.array([0.0, 0.1]), tuple(kept)))
+    assert talker_evidence.together(rows_of([seen]).among) == Among((1j,), pytest.approx(0.3))

@@ -17,6 +17,7 @@ TERMS = re.compile(
     r"says who it is|told from outside|well again|still not well|no word of|to and fro|(ended|stopped) by hand)\b"
 )
 KEYS = {  # names of arrays and parameters in files, not words for a user: (file, text)
+    ("sim/ross_sim/study/noise_pieces.py", "wanted"),
     ("sim/ross_sim/study/refiner_clips.py", "wanted"),
 }
 PROSE = {"sim/ross_sim/talkers/texts.py"}  # what synthetic voices read aloud

@@ -6,8 +6,9 @@ import soundfile
 
 from ross_payload.errors import ConfigError
 from ross_sim.study.mixtures import RATE
+from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings, scene
-from ross_sim.study.noise_study import Row, table
+from ross_sim.study.noise_study import SHORT, tonal_of
 
 VOICES = [np.random.default_rng(n).standard_normal(4 * RATE).astype(np.float32) for n in range(3)]
 
@@ -60,19 +61,31 @@ def test_propellers_of_a_folder_are_read_and_bare_motors_are_not(tmp_path):
 
 
 def test_all_right_means_k_and_everybody_near():
-    one = Row("synthetic", "learnt", 0.0, 2, 0, 1, k_found=2, within=2)
+    one = NoiseRow("synthetic", "learnt", 0.0, 2, 0, 1, k_found=2, within=2)
     assert one.right
-    assert not Row("synthetic", "learnt", 0.0, 2, 0, 1, k_found=3, within=2).right
-    assert not Row("synthetic", "learnt", 0.0, 2, 0, 1, k_found=2, within=1).right
+    assert not NoiseRow("synthetic", "learnt", 0.0, 2, 0, 1, k_found=3, within=2).right
+    assert not NoiseRow("synthetic", "learnt", 0.0, 2, 0, 1, k_found=2, within=1).right
 
 
 def test_the_table_keeps_lone_talkers_apart():
     found = [
-        Row("synthetic", "learnt", 0.0, 2, 0, 1, k_found=2, within=2),
-        Row("synthetic", "learnt", 0.0, 1, 0, 1, k_found=2, within=1),
-        Row("synthetic", "learnt", 0.0, 2, 0, 1, target=0, si_sdr_in_db=-6.0, si_sdr_out_db=5.0),
-        Row("synthetic", "learnt", 0.0, 2, 0, 1, target=1, si_sdr_in_db=-4.0, si_sdr_out_db=7.0),
-        Row("synthetic", "learnt", 0.0, 1, 0, 1, target=0, si_sdr_in_db=0.0, si_sdr_out_db=9.0),
+        NoiseRow("synthetic", "learnt", 0.0, 2, 0, 1, k_found=2, within=2),
+        NoiseRow("synthetic", "learnt", 0.0, 1, 0, 1, k_found=2, within=1),
+        NoiseRow("synthetic", "learnt", 0.0, 2, 0, 1, target=0, si_sdr_in_db=-6.0, si_sdr_out_db=5.0),
+        NoiseRow("synthetic", "learnt", 0.0, 2, 0, 1, target=1, si_sdr_in_db=-4.0, si_sdr_out_db=7.0),
+        NoiseRow("synthetic", "learnt", 0.0, 1, 0, 1, target=0, si_sdr_in_db=0.0, si_sdr_out_db=9.0),
     ]
-    last = table(found).splitlines()[-1]
-    assert last == "| synthetic | learnt | 0 dB | 0.50 (1 of 2) | 1.00 | -5.0 | 6.0 | 0.0 | 9.0 |"
+    last = noises(found).body().splitlines()[-1]
+    assert last == (
+        "| synthetic | learnt | 0 dB | 1/2 (9-91 %) | 3/3 (44-100 %) | -5.0 ± 12.7 | 6.0 ± 12.7 | 0.0 | 9.0 |"
+    )
+
+
+def test_speeds_are_known_of_rotors_that_are_made_alone():
+    rng = np.random.default_rng(1)
+    made, blown = noise_of("drifting", 1.0, (), rng), noise_of("wind", 1.0, (), rng)
+    tonal = tonal_of(made, SHORT, 0, RATE)
+    first = SHORT.frequencies[tonal[:, 40]][0]
+    assert first == pytest.approx(2 * made.speeds[:, RATE // 2].mean(), abs=2 * SHORT.frequencies[1])
+    assert tonal_of(blown, SHORT, 0, RATE) is None
+    assert noise_of("recorded", 1.0, [np.ones(RATE, np.float32)], rng).speeds is None

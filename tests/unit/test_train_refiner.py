@@ -88,7 +88,7 @@ def test_a_few_steps_lessen_the_loss_and_the_payload_computes_the_same(tmp_path:
     seed = next(n for n in range(20) if len(clip(_voices(), n, 0).wanted) in GROUPS)
     paths = list(clips(_voices(), tmp_path, 1, seed))
     recipe = Recipe(n_steps=40, n_channels=8, n_blocks=2, n_last=8, each=20)
-    weights, batch = train(paths, [], tmp_path, recipe, 0), piece(load(paths[0]), 20, PIECE)
+    weights, batch = train(paths, [], tmp_path, recipe, seed=0), piece(load(paths[0]), 20, PIECE)
     start = refiner_model.initial(8, 2, 8, np.random.default_rng([0, 6]))
     assert refiner_model.loss(np, weights, batch) < refiner_model.loss(np, start, batch)
     shown = batch[0]
@@ -98,4 +98,4 @@ def test_a_few_steps_lessen_the_loss_and_the_payload_computes_the_same(tmp_path:
     np.testing.assert_allclose(network_of(weights).corrections(shown, frequencies), expected, atol=1e-4)
     last = next(tmp_path.glob("steps-*/000040.npz"))
     last.unlink()  # as when it was interrupted
-    assert encode_network(train(paths, [], tmp_path, recipe, 0)) == encode_network(weights)
+    assert encode_network(train(paths, [], tmp_path, recipe, seed=0)) == encode_network(weights)

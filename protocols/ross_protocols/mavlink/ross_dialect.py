@@ -792,10 +792,15 @@ MAVLINK_MSG_ID_ROSS_ISOLATION = 54008
 MAVLINK_MSG_ID_ROSS_LINK = 54009
 MAVLINK_MSG_ID_ROSS_STREAM = 54010
 MAVLINK_MSG_ID_COMMAND_CANCEL = 80
+MAVLINK_MSG_ID_RPM = 226
+MAVLINK_MSG_ID_ESC_STATUS = 291
 MAVLINK_MSG_ID_PROTOCOL_VERSION = 300
 MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC = 396
 MAVLINK_MSG_ID_COMPONENT_METADATA = 397
 MAVLINK_MSG_ID_CURRENT_MODE = 436
+MAVLINK_MSG_ID_ESC_TELEMETRY_1_TO_4 = 11030
+MAVLINK_MSG_ID_ESC_TELEMETRY_5_TO_8 = 11031
+MAVLINK_MSG_ID_ESC_TELEMETRY_9_TO_12 = 11032
 
 
 class MAVLink_ross_information_message(MAVLink_message):
@@ -1407,6 +1412,87 @@ class MAVLink_command_cancel_message(MAVLink_message):
 setattr(MAVLink_command_cancel_message, "name", mavlink_msg_deprecated_name_property())
 
 
+class MAVLink_rpm_message(MAVLink_message):
+    """
+    What two sensors of speed tell to an ArduPilot.
+    """
+
+    id = MAVLINK_MSG_ID_RPM
+    msgname = "RPM"
+    fieldnames = ["rpm1", "rpm2"]
+    ordered_fieldnames = ["rpm1", "rpm2"]
+    fieldtypes = ["float", "float"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {}
+    fieldunits_by_name: Dict[str, str] = {"rpm1": "rpm", "rpm2": "rpm"}
+    native_format = bytearray(b"<ff")
+    orders = [0, 1]
+    lengths = [1, 1]
+    array_lengths = [0, 0]
+    crc_extra = 207
+    unpacker = struct.Struct("<ff")
+    instance_field = None
+    instance_offset = -1
+
+    def __init__(self, rpm1: float, rpm2: float):
+        MAVLink_message.__init__(self, MAVLink_rpm_message.id, MAVLink_rpm_message.msgname)
+        self._fieldnames = MAVLink_rpm_message.fieldnames
+        self._instance_field = MAVLink_rpm_message.instance_field
+        self._instance_offset = MAVLink_rpm_message.instance_offset
+        self.rpm1 = rpm1
+        self.rpm2 = rpm2
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.rpm1, self.rpm2), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_rpm_message, "name", mavlink_msg_deprecated_name_property())
+
+
+class MAVLink_esc_status_message(MAVLink_message):
+    """
+    How four motors turn, from the speed controllers of a PX4.
+    """
+
+    id = MAVLINK_MSG_ID_ESC_STATUS
+    msgname = "ESC_STATUS"
+    fieldnames = ["index", "time_usec", "rpm", "voltage", "current"]
+    ordered_fieldnames = ["time_usec", "rpm", "voltage", "current", "index"]
+    fieldtypes = ["uint8_t", "uint64_t", "int32_t", "float", "float"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {}
+    fieldunits_by_name: Dict[str, str] = {"time_usec": "us", "rpm": "rpm", "voltage": "V", "current": "A"}
+    native_format = bytearray(b"<QiffB")
+    orders = [4, 0, 1, 2, 3]
+    lengths = [1, 4, 4, 4, 1]
+    array_lengths = [0, 4, 4, 4, 0]
+    crc_extra = 10
+    unpacker = struct.Struct("<Q4i4f4fB")
+    instance_field = "index"
+    instance_offset = 56
+
+    def __init__(self, index: int, time_usec: int, rpm: Sequence[int], voltage: Sequence[float], current: Sequence[float]):
+        MAVLink_message.__init__(self, MAVLink_esc_status_message.id, MAVLink_esc_status_message.msgname)
+        self._fieldnames = MAVLink_esc_status_message.fieldnames
+        self._instance_field = MAVLink_esc_status_message.instance_field
+        self._instance_offset = MAVLink_esc_status_message.instance_offset
+        self.index = index
+        self.time_usec = time_usec
+        self.rpm = rpm
+        self.voltage = voltage
+        self.current = current
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.time_usec, self.rpm[0], self.rpm[1], self.rpm[2], self.rpm[3], self.voltage[0], self.voltage[1], self.voltage[2], self.voltage[3], self.current[0], self.current[1], self.current[2], self.current[3], self.index), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_esc_status_message, "name", mavlink_msg_deprecated_name_property())
+
+
 class MAVLink_protocol_version_message(MAVLink_message):
     """
     The versions of MAVLink that the sender speaks: 100 is 1.0, 200 is
@@ -1582,6 +1668,138 @@ class MAVLink_current_mode_message(MAVLink_message):
 setattr(MAVLink_current_mode_message, "name", mavlink_msg_deprecated_name_property())
 
 
+class MAVLink_esc_telemetry_1_to_4_message(MAVLink_message):
+    """
+    How motors 1 to 4 turn, from the speed controllers of an
+    ArduPilot.
+    """
+
+    id = MAVLINK_MSG_ID_ESC_TELEMETRY_1_TO_4
+    msgname = "ESC_TELEMETRY_1_TO_4"
+    fieldnames = ["temperature", "voltage", "current", "totalcurrent", "rpm", "count"]
+    ordered_fieldnames = ["voltage", "current", "totalcurrent", "rpm", "count", "temperature"]
+    fieldtypes = ["uint8_t", "uint16_t", "uint16_t", "uint16_t", "uint16_t", "uint16_t"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {}
+    fieldunits_by_name: Dict[str, str] = {"temperature": "degC", "voltage": "cV", "current": "cA", "totalcurrent": "mAh", "rpm": "rpm"}
+    native_format = bytearray(b"<HHHHHB")
+    orders = [5, 0, 1, 2, 3, 4]
+    lengths = [4, 4, 4, 4, 4, 4]
+    array_lengths = [4, 4, 4, 4, 4, 4]
+    crc_extra = 144
+    unpacker = struct.Struct("<4H4H4H4H4H4B")
+    instance_field = None
+    instance_offset = -1
+
+    def __init__(self, temperature: Sequence[int], voltage: Sequence[int], current: Sequence[int], totalcurrent: Sequence[int], rpm: Sequence[int], count: Sequence[int]):
+        MAVLink_message.__init__(self, MAVLink_esc_telemetry_1_to_4_message.id, MAVLink_esc_telemetry_1_to_4_message.msgname)
+        self._fieldnames = MAVLink_esc_telemetry_1_to_4_message.fieldnames
+        self._instance_field = MAVLink_esc_telemetry_1_to_4_message.instance_field
+        self._instance_offset = MAVLink_esc_telemetry_1_to_4_message.instance_offset
+        self.temperature = temperature
+        self.voltage = voltage
+        self.current = current
+        self.totalcurrent = totalcurrent
+        self.rpm = rpm
+        self.count = count
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.voltage[0], self.voltage[1], self.voltage[2], self.voltage[3], self.current[0], self.current[1], self.current[2], self.current[3], self.totalcurrent[0], self.totalcurrent[1], self.totalcurrent[2], self.totalcurrent[3], self.rpm[0], self.rpm[1], self.rpm[2], self.rpm[3], self.count[0], self.count[1], self.count[2], self.count[3], self.temperature[0], self.temperature[1], self.temperature[2], self.temperature[3]), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_esc_telemetry_1_to_4_message, "name", mavlink_msg_deprecated_name_property())
+
+
+class MAVLink_esc_telemetry_5_to_8_message(MAVLink_message):
+    """
+    How motors 5 to 8 turn, from the speed controllers of an
+    ArduPilot.
+    """
+
+    id = MAVLINK_MSG_ID_ESC_TELEMETRY_5_TO_8
+    msgname = "ESC_TELEMETRY_5_TO_8"
+    fieldnames = ["temperature", "voltage", "current", "totalcurrent", "rpm", "count"]
+    ordered_fieldnames = ["voltage", "current", "totalcurrent", "rpm", "count", "temperature"]
+    fieldtypes = ["uint8_t", "uint16_t", "uint16_t", "uint16_t", "uint16_t", "uint16_t"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {}
+    fieldunits_by_name: Dict[str, str] = {"temperature": "degC", "voltage": "cV", "current": "cA", "totalcurrent": "mAh", "rpm": "rpm"}
+    native_format = bytearray(b"<HHHHHB")
+    orders = [5, 0, 1, 2, 3, 4]
+    lengths = [4, 4, 4, 4, 4, 4]
+    array_lengths = [4, 4, 4, 4, 4, 4]
+    crc_extra = 133
+    unpacker = struct.Struct("<4H4H4H4H4H4B")
+    instance_field = None
+    instance_offset = -1
+
+    def __init__(self, temperature: Sequence[int], voltage: Sequence[int], current: Sequence[int], totalcurrent: Sequence[int], rpm: Sequence[int], count: Sequence[int]):
+        MAVLink_message.__init__(self, MAVLink_esc_telemetry_5_to_8_message.id, MAVLink_esc_telemetry_5_to_8_message.msgname)
+        self._fieldnames = MAVLink_esc_telemetry_5_to_8_message.fieldnames
+        self._instance_field = MAVLink_esc_telemetry_5_to_8_message.instance_field
+        self._instance_offset = MAVLink_esc_telemetry_5_to_8_message.instance_offset
+        self.temperature = temperature
+        self.voltage = voltage
+        self.current = current
+        self.totalcurrent = totalcurrent
+        self.rpm = rpm
+        self.count = count
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.voltage[0], self.voltage[1], self.voltage[2], self.voltage[3], self.current[0], self.current[1], self.current[2], self.current[3], self.totalcurrent[0], self.totalcurrent[1], self.totalcurrent[2], self.totalcurrent[3], self.rpm[0], self.rpm[1], self.rpm[2], self.rpm[3], self.count[0], self.count[1], self.count[2], self.count[3], self.temperature[0], self.temperature[1], self.temperature[2], self.temperature[3]), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_esc_telemetry_5_to_8_message, "name", mavlink_msg_deprecated_name_property())
+
+
+class MAVLink_esc_telemetry_9_to_12_message(MAVLink_message):
+    """
+    How motors 9 to 12 turn, from the speed controllers of an
+    ArduPilot.
+    """
+
+    id = MAVLINK_MSG_ID_ESC_TELEMETRY_9_TO_12
+    msgname = "ESC_TELEMETRY_9_TO_12"
+    fieldnames = ["temperature", "voltage", "current", "totalcurrent", "rpm", "count"]
+    ordered_fieldnames = ["voltage", "current", "totalcurrent", "rpm", "count", "temperature"]
+    fieldtypes = ["uint8_t", "uint16_t", "uint16_t", "uint16_t", "uint16_t", "uint16_t"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {}
+    fieldunits_by_name: Dict[str, str] = {"temperature": "degC", "voltage": "cV", "current": "cA", "totalcurrent": "mAh", "rpm": "rpm"}
+    native_format = bytearray(b"<HHHHHB")
+    orders = [5, 0, 1, 2, 3, 4]
+    lengths = [4, 4, 4, 4, 4, 4]
+    array_lengths = [4, 4, 4, 4, 4, 4]
+    crc_extra = 85
+    unpacker = struct.Struct("<4H4H4H4H4H4B")
+    instance_field = None
+    instance_offset = -1
+
+    def __init__(self, temperature: Sequence[int], voltage: Sequence[int], current: Sequence[int], totalcurrent: Sequence[int], rpm: Sequence[int], count: Sequence[int]):
+        MAVLink_message.__init__(self, MAVLink_esc_telemetry_9_to_12_message.id, MAVLink_esc_telemetry_9_to_12_message.msgname)
+        self._fieldnames = MAVLink_esc_telemetry_9_to_12_message.fieldnames
+        self._instance_field = MAVLink_esc_telemetry_9_to_12_message.instance_field
+        self._instance_offset = MAVLink_esc_telemetry_9_to_12_message.instance_offset
+        self.temperature = temperature
+        self.voltage = voltage
+        self.current = current
+        self.totalcurrent = totalcurrent
+        self.rpm = rpm
+        self.count = count
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.voltage[0], self.voltage[1], self.voltage[2], self.voltage[3], self.current[0], self.current[1], self.current[2], self.current[3], self.totalcurrent[0], self.totalcurrent[1], self.totalcurrent[2], self.totalcurrent[3], self.rpm[0], self.rpm[1], self.rpm[2], self.rpm[3], self.count[0], self.count[1], self.count[2], self.count[3], self.temperature[0], self.temperature[1], self.temperature[2], self.temperature[3]), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_esc_telemetry_9_to_12_message, "name", mavlink_msg_deprecated_name_property())
+
+
 mavlink_map: Dict[int, Type[MAVLink_message]] = {
     MAVLINK_MSG_ID_ROSS_INFORMATION: MAVLink_ross_information_message,
     MAVLINK_MSG_ID_ROSS_STATUS: MAVLink_ross_status_message,
@@ -1595,10 +1813,15 @@ mavlink_map: Dict[int, Type[MAVLink_message]] = {
     MAVLINK_MSG_ID_ROSS_LINK: MAVLink_ross_link_message,
     MAVLINK_MSG_ID_ROSS_STREAM: MAVLink_ross_stream_message,
     MAVLINK_MSG_ID_COMMAND_CANCEL: MAVLink_command_cancel_message,
+    MAVLINK_MSG_ID_RPM: MAVLink_rpm_message,
+    MAVLINK_MSG_ID_ESC_STATUS: MAVLink_esc_status_message,
     MAVLINK_MSG_ID_PROTOCOL_VERSION: MAVLink_protocol_version_message,
     MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC: MAVLink_component_information_basic_message,
     MAVLINK_MSG_ID_COMPONENT_METADATA: MAVLink_component_metadata_message,
     MAVLINK_MSG_ID_CURRENT_MODE: MAVLink_current_mode_message,
+    MAVLINK_MSG_ID_ESC_TELEMETRY_1_TO_4: MAVLink_esc_telemetry_1_to_4_message,
+    MAVLINK_MSG_ID_ESC_TELEMETRY_5_TO_8: MAVLink_esc_telemetry_5_to_8_message,
+    MAVLINK_MSG_ID_ESC_TELEMETRY_9_TO_12: MAVLink_esc_telemetry_9_to_12_message,
 }
 
 
@@ -2497,6 +2720,52 @@ class MAVLink(object):
         """
         self.send(self.command_cancel_encode(target_system, target_component, command), force_mavlink1=force_mavlink1)
 
+    def rpm_encode(self, rpm1: float, rpm2: float) -> MAVLink_rpm_message:
+        """
+        What two sensors of speed tell to an ArduPilot.
+
+        rpm1                      : Of the first sensor. [rpm] (type:float)
+        rpm2                      : Of the second sensor. [rpm] (type:float)
+
+        """
+        return MAVLink_rpm_message(rpm1, rpm2)
+
+    def rpm_send(self, rpm1: float, rpm2: float, force_mavlink1: bool = False) -> None:
+        """
+        What two sensors of speed tell to an ArduPilot.
+
+        rpm1                      : Of the first sensor. [rpm] (type:float)
+        rpm2                      : Of the second sensor. [rpm] (type:float)
+
+        """
+        self.send(self.rpm_encode(rpm1, rpm2), force_mavlink1=force_mavlink1)
+
+    def esc_status_encode(self, index: int, time_usec: int, rpm: Sequence[int], voltage: Sequence[float], current: Sequence[float]) -> MAVLink_esc_status_message:
+        """
+        How four motors turn, from the speed controllers of a PX4.
+
+        index                     : Of the first of the four, from 0. (type:uint8_t)
+        time_usec                 : Time since boot, or UNIX time. [us] (type:uint64_t)
+        rpm                       : Speed of every motor; below 0 it turns the other way. [rpm] (type:int32_t)
+        voltage                   : Voltage of every motor. [V] (type:float)
+        current                   : Current of every motor. [A] (type:float)
+
+        """
+        return MAVLink_esc_status_message(index, time_usec, rpm, voltage, current)
+
+    def esc_status_send(self, index: int, time_usec: int, rpm: Sequence[int], voltage: Sequence[float], current: Sequence[float], force_mavlink1: bool = False) -> None:
+        """
+        How four motors turn, from the speed controllers of a PX4.
+
+        index                     : Of the first of the four, from 0. (type:uint8_t)
+        time_usec                 : Time since boot, or UNIX time. [us] (type:uint64_t)
+        rpm                       : Speed of every motor; below 0 it turns the other way. [rpm] (type:int32_t)
+        voltage                   : Voltage of every motor. [V] (type:float)
+        current                   : Current of every motor. [A] (type:float)
+
+        """
+        self.send(self.esc_status_encode(index, time_usec, rpm, voltage, current), force_mavlink1=force_mavlink1)
+
     def protocol_version_encode(self, version: int, min_version: int, max_version: int, spec_version_hash: Sequence[int], library_version_hash: Sequence[int]) -> MAVLink_protocol_version_message:
         """
         The versions of MAVLink that the sender speaks: 100 is 1.0, 200 is
@@ -2602,3 +2871,87 @@ class MAVLink(object):
 
         """
         self.send(self.current_mode_encode(standard_mode, custom_mode, intended_custom_mode), force_mavlink1=force_mavlink1)
+
+    def esc_telemetry_1_to_4_encode(self, temperature: Sequence[int], voltage: Sequence[int], current: Sequence[int], totalcurrent: Sequence[int], rpm: Sequence[int], count: Sequence[int]) -> MAVLink_esc_telemetry_1_to_4_message:
+        """
+        How motors 1 to 4 turn, from the speed controllers of an ArduPilot.
+
+        temperature               : Temperature of every controller. [degC] (type:uint8_t)
+        voltage                   : Voltage of every motor. [cV] (type:uint16_t)
+        current                   : Current of every motor. [cA] (type:uint16_t)
+        totalcurrent              : What every motor has used. [mAh] (type:uint16_t)
+        rpm                       : Speed of every motor. [rpm] (type:uint16_t)
+        count                     : Reports of every controller so far, modulo 65536. (type:uint16_t)
+
+        """
+        return MAVLink_esc_telemetry_1_to_4_message(temperature, voltage, current, totalcurrent, rpm, count)
+
+    def esc_telemetry_1_to_4_send(self, temperature: Sequence[int], voltage: Sequence[int], current: Sequence[int], totalcurrent: Sequence[int], rpm: Sequence[int], count: Sequence[int], force_mavlink1: bool = False) -> None:
+        """
+        How motors 1 to 4 turn, from the speed controllers of an ArduPilot.
+
+        temperature               : Temperature of every controller. [degC] (type:uint8_t)
+        voltage                   : Voltage of every motor. [cV] (type:uint16_t)
+        current                   : Current of every motor. [cA] (type:uint16_t)
+        totalcurrent              : What every motor has used. [mAh] (type:uint16_t)
+        rpm                       : Speed of every motor. [rpm] (type:uint16_t)
+        count                     : Reports of every controller so far, modulo 65536. (type:uint16_t)
+
+        """
+        self.send(self.esc_telemetry_1_to_4_encode(temperature, voltage, current, totalcurrent, rpm, count), force_mavlink1=force_mavlink1)
+
+    def esc_telemetry_5_to_8_encode(self, temperature: Sequence[int], voltage: Sequence[int], current: Sequence[int], totalcurrent: Sequence[int], rpm: Sequence[int], count: Sequence[int]) -> MAVLink_esc_telemetry_5_to_8_message:
+        """
+        How motors 5 to 8 turn, from the speed controllers of an ArduPilot.
+
+        temperature               : Temperature of every controller. [degC] (type:uint8_t)
+        voltage                   : Voltage of every motor. [cV] (type:uint16_t)
+        current                   : Current of every motor. [cA] (type:uint16_t)
+        totalcurrent              : What every motor has used. [mAh] (type:uint16_t)
+        rpm                       : Speed of every motor. [rpm] (type:uint16_t)
+        count                     : Reports of every controller so far, modulo 65536. (type:uint16_t)
+
+        """
+        return MAVLink_esc_telemetry_5_to_8_message(temperature, voltage, current, totalcurrent, rpm, count)
+
+    def esc_telemetry_5_to_8_send(self, temperature: Sequence[int], voltage: Sequence[int], current: Sequence[int], totalcurrent: Sequence[int], rpm: Sequence[int], count: Sequence[int], force_mavlink1: bool = False) -> None:
+        """
+        How motors 5 to 8 turn, from the speed controllers of an ArduPilot.
+
+        temperature               : Temperature of every controller. [degC] (type:uint8_t)
+        voltage                   : Voltage of every motor. [cV] (type:uint16_t)
+        current                   : Current of every motor. [cA] (type:uint16_t)
+        totalcurrent              : What every motor has used. [mAh] (type:uint16_t)
+        rpm                       : Speed of every motor. [rpm] (type:uint16_t)
+        count                     : Reports of every controller so far, modulo 65536. (type:uint16_t)
+
+        """
+        self.send(self.esc_telemetry_5_to_8_encode(temperature, voltage, current, totalcurrent, rpm, count), force_mavlink1=force_mavlink1)
+
+    def esc_telemetry_9_to_12_encode(self, temperature: Sequence[int], voltage: Sequence[int], current: Sequence[int], totalcurrent: Sequence[int], rpm: Sequence[int], count: Sequence[int]) -> MAVLink_esc_telemetry_9_to_12_message:
+        """
+        How motors 9 to 12 turn, from the speed controllers of an ArduPilot.
+
+        temperature               : Temperature of every controller. [degC] (type:uint8_t)
+        voltage                   : Voltage of every motor. [cV] (type:uint16_t)
+        current                   : Current of every motor. [cA] (type:uint16_t)
+        totalcurrent              : What every motor has used. [mAh] (type:uint16_t)
+        rpm                       : Speed of every motor. [rpm] (type:uint16_t)
+        count                     : Reports of every controller so far, modulo 65536. (type:uint16_t)
+
+        """
+        return MAVLink_esc_telemetry_9_to_12_message(temperature, voltage, current, totalcurrent, rpm, count)
+
+    def esc_telemetry_9_to_12_send(self, temperature: Sequence[int], voltage: Sequence[int], current: Sequence[int], totalcurrent: Sequence[int], rpm: Sequence[int], count: Sequence[int], force_mavlink1: bool = False) -> None:
+        """
+        How motors 9 to 12 turn, from the speed controllers of an ArduPilot.
+
+        temperature               : Temperature of every controller. [degC] (type:uint8_t)
+        voltage                   : Voltage of every motor. [cV] (type:uint16_t)
+        current                   : Current of every motor. [cA] (type:uint16_t)
+        totalcurrent              : What every motor has used. [mAh] (type:uint16_t)
+        rpm                       : Speed of every motor. [rpm] (type:uint16_t)
+        count                     : Reports of every controller so far, modulo 65536. (type:uint16_t)
+
+        """
+        self.send(self.esc_telemetry_9_to_12_encode(temperature, voltage, current, totalcurrent, rpm, count), force_mavlink1=force_mavlink1)

@@ -1,14 +1,14 @@
 """An autopilot that behaves like an ArduPilot as far as a payload notices: attitude, time, routing.
 
-It flies nothing. It says where the vehicle points, answers TIMESYNC and requests for message rates, passes messages
-between its links as `routing` tells, and may manage a gimbal. Commands that it does not know it refuses; parameters and
-missions it has none.
+It flies nothing. It says where the vehicle points and how fast its rotors turn, answers TIMESYNC and requests for
+message rates, passes messages between its links as `routing` tells, and may manage a gimbal. Commands that it does not
+know it refuses; parameters and missions it has none.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,7 +16,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from ross_payload.interfaces import Clock
 from ross_payload.transport.ports import Transport
-from ross_protocols.mavlink import gimbal_messages, vehicle
+from ross_protocols.mavlink import gimbal_messages, rotor_speeds, vehicle
 from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.vehicle import AUTOPILOT, SystemTime, TimeSync, VehicleAttitude
@@ -37,7 +37,10 @@ MANAGED = (
 )
 OF_MANAGER = (*MANAGED, SET_ATTITUDE, mavlink.MAVLINK_MSG_ID_COMMAND_LONG)  # what its gimbal manager says by itself
 EARLY = 1e-9  # [s], of rounding
+ROTORS = {"esc_telemetry": rotor_speeds.TELEMETRY, "esc_status": (rotor_speeds.STATUS,), "rpm": (rotor_speeds.SENSORS,)}
 BOOT = 100.0  # what its clock shows when its life begins here [s]
+
+Rotors = Callable[[], Sequence[float]]  # how fast every rotor turns at this moment [1/s]
 
 TICK = 2 * STEP  # [s] in which it lives
 LATENCY, JITTER = 0.001, 0.002  # of the line between gimbal and autopilot [s]
@@ -90,6 +93,10 @@ class Autopilot:
         Of a gimbal, which is on one of its links; None: it has none.
     height
         Above home, where it hovers [m].
+    rotors
+        Returns how fast every rotor turns at this moment [1/s]; None: it does not know.
+    rotor_messages
+        Which messages tell that, once somebody has asked for them: a key of `ROTORS`, or "none".
     """
 
     def __init__(
@@ -103,9 +110,15 @@ class Autopilot:
         silent: Iterable[tuple[float, float]] = (),
         manager: ArduPilot | None = None,
         height: float = 0.0,
+        rotors: Rotors | None = None,
+        rotor_messages: str = "esc_telemetry",
     ) -> None:
         self._yaw = yaw
         self._height = height
+        self._rotors, told = rotors, ROTORS.get(rotor_messages, ())
+        groups = -(-len(rotors()) // rotor_speeds.EACH) if rotors is not None else 0
+        self._adjustable = ADJUSTABLE | frozenset(told[:groups])
+        self._told = 0  # messages about rotors so far
         self._system_id = system_id
         self._periods = PERIODS | {ATTITUDE: attitude}
         self._boot = boot
@@ -153,9 +166,9 @@ class Autopilot:
 
     def _command(self, plug: _Plug, message: Any, now: float) -> int:
         number = int(message.param1) if math.isfinite(message.param1) else -1
-        if message.command == mavlink.MAV_CMD_REQUEST_MESSAGE and number in (*ADJUSTABLE, HEARTBEAT):
+        if message.command == mavlink.MAV_CMD_REQUEST_MESSAGE and number in (*self._adjustable, HEARTBEAT):
             self._send(plug, self._message(number, now))
-        elif message.command == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL and number in ADJUSTABLE:
+        elif message.command == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL and number in self._adjustable:
             self._rate(plug, number, message.param2)
         elif message.command == mavlink.MAV_CMD_REQUEST_MESSAGE:
             return int(mavlink.MAV_RESULT_FAILED)
@@ -185,8 +198,19 @@ class Autopilot:
         if number in (ATTITUDE, GIMBAL_STATE):
             at = VehicleAttitude(shown, self._yaw.at(now), 0.0, 0.0, self._yaw.rate(now))
             return vehicle.attitude(at) if number == ATTITUDE else vehicle.gimbal_state(at)
+        if number not in (HEARTBEAT, TIMESYNC) and self._rotors is not None:
+            return self._rotor_message(number, shown, self._rotors())
         kind, maker = mavlink.MAV_TYPE_QUADROTOR, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA
         return mavlink.MAVLink_heartbeat_message(kind, maker, 1, 0, mavlink.MAV_STATE_STANDBY, 3)
+
+    def _rotor_message(self, number: int, shown: float, speeds: Sequence[float]) -> Any:
+        if number == rotor_speeds.STATUS:
+            return rotor_speeds.rotor_status(shown, speeds)
+        if number == rotor_speeds.SENSORS:
+            return rotor_speeds.rotor_sensors(speeds)
+        self._told += 1
+        group = rotor_speeds.TELEMETRY.index(number)
+        return rotor_speeds.rotor_telemetry(speeds[group * rotor_speeds.EACH :], group, self._told)
 
     def _shown(self, now: float) -> float:
         """What its clock shows [s]."""

@@ -38,6 +38,7 @@ from ross_payload.sessions.replay_results import voices_of
 from ross_payload.telemetry.component import Telemetry
 from ross_payload.timebase import Timebase
 from ross_sim.autopilot import simulated_autopilot as simulated
+from ross_sim.autopilot.simulated_autopilot import Rotors
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, wire
 from ross_sim.scenario import Cast, Scenario
@@ -154,7 +155,7 @@ def _staged(
     actuator = stack.enter_context(open_actuator(config, Services(clock, lambda url: far_end.port)))
     _find(actuator, far_end, clock, config.guard)
     stack.enter_context(world.source)
-    mount, _ = aboard(scenario, clock, links)
+    mount, _ = aboard(scenario, clock, links, world.rotor_speeds)
     clock.every(POLL, links.poll)
     recorder = stack.enter_context(recorded(tape, _beginning(scenario, company, actuator), clock, links))
     cost = Cost()
@@ -195,20 +196,27 @@ def room_yaw(scenario: Scenario) -> float:
     return scenario.vehicle.motion().mean
 
 
-def aboard(scenario: Scenario, clock: SimClock, links: Router) -> tuple[Mount, Timebase]:
-    """Make the mount, the time, and the autopilot that tells them, if there is one."""
+def aboard(scenario: Scenario, clock: SimClock, links: Router, rotors: Rotors | None = None) -> tuple[Mount, Timebase]:
+    """Make the mount, the time, and the autopilot that tells them and how fast ``rotors`` turn, if there is one."""
     config, timebase = scenario.payload, Timebase(clock)
     if scenario.vehicle is not None and config.actuator.kind != VEHICLE_YAW:  # which is an autopilot
-        _attach_autopilot(scenario, scenario.vehicle, clock, links)
+        _attach_autopilot(scenario, scenario.vehicle, clock, links, rotors)
     timebase.attach(links.component(config.telemetry.component_id))
     return mount_of(config, clock, links, timebase), timebase
 
 
-def _attach_autopilot(scenario: Scenario, vehicle: Vehicle, clock: SimClock, links: Router) -> None:
+def _attach_autopilot(
+    scenario: Scenario, vehicle: Vehicle, clock: SimClock, links: Router, rotors: Rotors | None
+) -> None:
     """Attach an autopilot to the payload's links, over a wire that takes its time."""
     height = sum(scenario.centre()[2:])  # above the floor, where it has taken off
     autopilot = simulated.Autopilot(
-        vehicle.motion(), attitude=1 / vehicle.attitude_hz, silent=vehicle.silent, height=height
+        vehicle.motion(),
+        attitude=1 / vehicle.attitude_hz,
+        silent=vehicle.silent,
+        height=height,
+        rotors=rotors,
+        rotor_messages=vehicle.rotor_messages,
     )
     payload_end, own_end = wire(clock, vehicle.latency_ms / 1e3, vehicle.jitter_ms / 1e3, scenario.payload.seed)
     links.attach(Link(url=simulated.URL, role="autopilot"), payload_end)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Samples
+from ross_payload.interfaces import Real, Samples
 from ross_sim.acoustics import far_noise
 from ross_sim.acoustics.fan_noise import fan
 from ross_sim.acoustics.impulse_responses import Responses
@@ -34,6 +34,7 @@ class NoiseHeard:
     room: tuple[TalkerSignals, ...]  # asked with the heading in the frame of the room, as talkers are
     vehicle: tuple[TalkerSignals, ...]  # asked with the heading in the frame of the vehicle
     microphones: tuple[Samples, ...]  # of each microphone on its own, repeated, (2, n)
+    rotor_speeds: tuple[Real, ...] = ()  # of every rotor that is made [1/s], at every sample, repeated
 
     def at_microphones(self, first: int, last: int) -> Samples | float:
         """What either microphone hears on its own from sample ``first`` to before ``last``, (2, last - first)."""
@@ -63,19 +64,21 @@ def noise_heard(scenario: Scenario, reference: float, seeds: Seeds, cache: Path 
     made = list(zip(scenario.noise.sources, seeds.spawn(len(scenario.noise.sources)), strict=True))
     places = [(source, seed) for source, seed in made if source.kind == "place"]
     room = [_places(scenario, places, reference, cache)] if places else []
-    vehicle, microphones = [], []
+    vehicle, microphones, speeds = [], [], []
     for source, seed in made:
         rng = np.random.Generator(np.random.PCG64(seed))
         rms = reference * 10 ** (-source.snr_db / 20)
         if source.kind == "rotor":
-            vehicle.append(_rotors(scenario, source, rms, rng))
+            sounds, turning = _rotors(scenario, source, rng)
+            vehicle.append(_as_loud(scenario, sounds, source.rotors_m, rms))
+            speeds += turning
         elif source.kind == "wind":
             microphones.append(np.asarray(rms * _wind(source, scenario.payload.audio.rate_hz, rng), dtype=np.float32))
         elif source.kind == "babble":
             room.append(_babble(scenario, source, rms, rng))
         elif source.kind == "passing_car":
             room.append(_car(scenario, source, rms, rng))
-    return NoiseHeard(tuple(room), tuple(vehicle), tuple(microphones))
+    return NoiseHeard(tuple(room), tuple(vehicle), tuple(microphones), tuple(speeds))
 
 
 def _places(
@@ -98,16 +101,18 @@ def _of_place(source: NoiseSource, rate: int, seed: Seeds) -> Samples:
     return _recordings(source, rate, "'fan' or ")[0]
 
 
-def _rotors(scenario: Scenario, source: NoiseSource, rms: float, rng: np.random.Generator) -> TalkerSignals:
-    """Rotors that are all as loud; recordings are shared out, each rotor from a moment of its own."""
+def _rotors(scenario: Scenario, source: NoiseSource, rng: np.random.Generator) -> tuple[list[Samples], list[Real]]:
+    """Sound of every rotor, and how fast those that are made turn [1/s].
+
+    Recordings are shared out, each rotor from a moment of its own; nobody knows their speeds.
+    """
     rate = scenario.payload.audio.rate_hz
     if source.sound:
         clips = _recordings(source, rate)
         turns = [clips[index % len(clips)] for index in range(len(source.rotors_m))]
-        sounds = [_unit(np.roll(clip, int(rng.integers(clip.size)))) for clip in turns]
-    else:
-        sounds = [rotor(rate, source.rpm, source.blades, rng).sound for _ in source.rotors_m]
-    return _as_loud(scenario, sounds, source.rotors_m, rms)
+        return [_unit(np.roll(clip, int(rng.integers(clip.size)))) for clip in turns], []
+    made = [rotor(rate, source.rpm, source.blades, rng) for _ in source.rotors_m]
+    return [each.sound for each in made], [each.speed for each in made]
 
 
 def _wind(source: NoiseSource, rate: int, rng: np.random.Generator) -> Samples:

@@ -163,7 +163,7 @@ def _parts(
     config, live = scenario.payload, clock is not world.clock
     state = Path(stack.enter_context(TemporaryDirectory(prefix="ross-sitl-")))
     links = stack.enter_context(Router.open(config.links, clock, system_id=config.telemetry.system_id, state=state))
-    mount, timebase = aboard(scenario, world.clock, links)
+    mount, timebase = aboard(scenario, world.clock, links, world.rotor_speeds)
     store = SessionStore(recordings)
     return Parts(
         clock=clock,

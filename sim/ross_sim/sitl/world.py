@@ -168,6 +168,11 @@ class World:
             self._wait()
         return self._render(self._waiting.popleft())
 
+    def rotor_speeds(self) -> list[float]:
+        """Return how fast the rotors that are made turn at this moment [1/s]."""
+        sample = round(self._quanta * QUANTUM * self.rate)
+        return [float(speeds[sample % speeds.size]) for speeds in self._beside.rotor_speeds]
+
     def drain(self) -> Rendered:
         """Hand over what was rendered since the last call and forget it: a world that lives for hours must not grow."""
         with self._guard:

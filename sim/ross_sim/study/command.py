@@ -234,24 +234,29 @@ def calibration(**asked: Any) -> int:
 @click.option("--kinds", type=_Names(), default="synthetic,recorded", help="synthetic, drifting, recorded, wind.")
 @click.option("--snr", type=_Names(float), default="0,-5,-10", help="Talkers over noise at microphone 1 [dB].")
 @click.option("--layouts", type=click.IntRange(1, 1000), default=3, help="Of every K from 1 to 3.")
-@click.option("--models", type=_Names(), default="learnt,white", help="learnt: covariances; white: as without.")
+@click.option(
+    "--models",
+    type=_Names(),
+    default="learnt,white",
+    help="learnt: covariances; told: and rotor speeds; white: without.",
+)
 @click.option("--separator", default="refined", help="Name of a separator.")
 @click.option("--only", type=click.Choice(["explore", "separate"]), help="One half of it.")
-@click.option("--seed", type=click.IntRange(min=0), default=1, help="Seed of everything random.")
+@click.option("--seed", type=_Names(int), default="1", help="Seeds of everything random, one after the other.")
 def noise_study(*, out: Path, speech: Path, noise: Path | None, only: str | None, **axes: Any) -> int:
     """Measure finding and separating among rotors and in wind: noise x ratio x K x layouts.
 
     Exit codes: 0 done, 2 bad input.
     """
     from ross_sim.study.noise_scenes import KINDS
-    from ross_sim.study.noise_study import Design, conduct_noise
+    from ross_sim.study.noise_study import MODELS, Design, conduct_noise
 
     wrong = next((kind for kind in axes["kinds"] if kind not in KINDS), None)
     if wrong is not None:
         raise ConfigError(f"--kinds: {unknown('noise', wrong, KINDS)}")
-    unlike = next((model for model in axes["models"] if model not in ("learnt", "white")), None)
+    unlike = next((model for model in axes["models"] if model not in MODELS), None)
     if unlike is not None:
-        raise ConfigError(f"--models: {unknown('model', unlike, ('learnt', 'white'))}")
+        raise ConfigError(f"--models: {unknown('model', unlike, MODELS)}")
     design = Design(
         axes["kinds"],
         axes["snr"],

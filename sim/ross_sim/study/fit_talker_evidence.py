@@ -86,17 +86,17 @@ def owned(sources: Real, talkers: Real) -> Real:
     return found
 
 
-def fit(features: Real, true: Real, weights: Real) -> Logistic:
+def fit(features: Real, true: Real, weights: Real, penalty: float = PENALTY) -> Logistic:
     """Logistic regression on standardised features, as one on the features themselves."""
     from sklearn.linear_model import LogisticRegression  # noqa: PLC0415  takes a second
 
     mean, scale = features.mean(axis=0), np.maximum(features.std(axis=0), 1e-6)
-    model = LogisticRegression(C=PENALTY, max_iter=5000).fit((features - mean) / scale, true, sample_weight=weights)
+    model = LogisticRegression(C=penalty, max_iter=5000).fit((features - mean) / scale, true, sample_weight=weights)
     slopes = model.coef_[0] / scale
     return Logistic(float(model.intercept_[0] - slopes @ mean), slopes)
 
 
-def fit_count(found: Sequence[Descent]) -> Logistic:
+def fit_count(found: Sequence[Descent], penalty: float = PENALTY) -> Logistic:
     """Whether there are as many talkers as sources, from mixtures of about the right order; that order counts most.
 
     Mixtures that are not too large and yet hold a ghost count little: they are right about K by chance.
@@ -106,7 +106,7 @@ def fit_count(found: Sequence[Descent]) -> Logistic:
     order = np.array([1.0 if fewer in (0, -1) else FURTHER for _, fewer in near])
     haunted = np.array([fewer >= 0 and not row.somebody.all() for row, fewer in near])
     features = np.stack([row.features[row.least] for row, _ in near])
-    return fit(features, np.array([fewer >= 0 for _, fewer in near]), order * np.where(haunted, HAUNTED, 1.0))
+    return fit(features, np.array([fewer >= 0 for _, fewer in near]), order * np.where(haunted, HAUNTED, 1.0), penalty)
 
 
 def chosen(descent: Descent, count: Logistic) -> Row | None:
@@ -117,23 +117,26 @@ def chosen(descent: Descent, count: Logistic) -> Row | None:
     return None
 
 
-def fitted(found: Sequence[Descent]) -> tuple[dict[str, Logistic], list[tuple[Descent, Row | None]]]:
+def fitted(
+    found: Sequence[Descent], penalty: float = PENALTY
+) -> tuple[dict[str, Logistic], list[tuple[Descent, Row | None]]]:
     """Both regressions, and what `count` chose in every scene by weights from other scenes."""
     names = sorted({descent.scene for descent in found})
     fold = {name: index % FOLDS for index, name in enumerate(np.random.default_rng(0).permutation(names))}
     picked: list[tuple[Descent, Row | None]] = []
     for index in range(FOLDS):
-        count = fit_count([descent for descent in found if fold[descent.scene] != index])
+        count = fit_count([descent for descent in found if fold[descent.scene] != index], penalty)
         picked += [(descent, chosen(descent, count)) for descent in found if fold[descent.scene] == index]
     rows = [row for _, row in picked if row is not None]
     features, true = np.concatenate([row.features for row in rows]), np.concatenate([row.somebody for row in rows])
-    return {"count": fit_count(found), "source": fit(features, true, np.ones(len(true)))}, picked
+    both = {"count": fit_count(found, penalty), "source": fit(features, true, np.ones(len(true)), penalty)}
+    return both, picked
 
 
-def report(picked: Sequence[tuple[Descent, Row | None]]) -> str:
+def report(picked: Sequence[tuple[Descent, Row | None]], every: Sequence[int] = ROTATIONS) -> str:
     """How often K is right after every number of rotations, in scenes that the weights were not fitted to."""
     lines = []
-    for rotations in ROTATIONS:
+    for rotations in every:
         by_room: dict[str, list[bool]] = {}
         for descent, row in ((descent, row) for descent, row in picked if descent.rotations == rotations):
             room, k = descent.scene.split("-")[:2]
@@ -166,12 +169,12 @@ def readers(folder: Path) -> list[Samples]:
     return found
 
 
-def encoded(models: dict[str, Logistic], about: str) -> bytes:
+def encoded(models: dict[str, Logistic], about: str, names: Sequence[str] = FEATURES) -> bytes:
     """As the package keeps them."""
     plain = {
         name: {
             "intercept": round(model.intercept, DIGITS),
-            "weights": {feature: round(float(w), DIGITS) for feature, w in zip(FEATURES, model.weights, strict=True)},
+            "weights": {feature: round(float(w), DIGITS) for feature, w in zip(names, model.weights, strict=True)},
         }
         for name, model in models.items()
     }

@@ -29,6 +29,7 @@ from ross_sim.talkers.speech import SUFFIXES, read
 HEADINGS = STEP * np.arange(9)
 SENSOR_DB = -25.0  # of the talkers
 SLOWEST, FASTEST = 4000.0, 8000.0  # rotors of a scene [1/min]
+BLADES = 2
 THROTTLE = 0.6  # of the gusts of wind: how far the level of every rotor drifts, where it does
 LEVEL = 0.05  # root mean square of what is heard, of full scale
 ROTORS = Rotors(QUADROTOR, SPACING, SPEED_OF_SOUND)
@@ -42,6 +43,7 @@ class Noise:
 
     kind: str
     sounds: Real
+    speeds: Real | None = None  # of rotors that are made [1/s], (4, n); None: not known
 
     def at(self, heading: float, begin: int, end: int) -> Real:
         """What both microphones hear at a heading [rad] between two samples, (2, end - begin)."""
@@ -62,6 +64,7 @@ class NoiseScene:
     voices: tuple[Samples, ...]
     lead_in: Samples  # (2, n), at the first heading
     heard: Samples  # (n_headings, 2, n)
+    noise: Noise
 
 
 def recordings(folder: Path) -> list[Samples]:
@@ -84,15 +87,17 @@ def noise_of(kind: str, seconds: float, clips: Sequence[Samples], rng: np.random
     n = round(seconds * RATE)
     if kind == "wind":
         return Noise(kind, np.asarray(wind(RATE, rng, seconds=seconds), dtype=float))
+    speeds = None
     if kind == "recorded":
         clip = clips[int(rng.integers(len(clips)))]
         sounds = [np.resize(np.roll(clip, -int(rng.integers(clip.size))), n).astype(float) for _ in QUADROTOR]
     else:
         rpm = rng.uniform(SLOWEST, FASTEST)
-        sounds = [rotor(RATE, rpm, 2, rng, seconds).sound.astype(float) for _ in QUADROTOR]
+        made = [rotor(RATE, rpm, BLADES, rng, seconds) for _ in QUADROTOR]
+        sounds, speeds = [each.sound.astype(float) for each in made], np.stack([each.speed for each in made])
     if kind == "drifting":
         sounds = [sound * 10 ** (THROTTLE * gust_levels(n, rng) / 20) for sound in sounds]
-    return Noise(kind, np.stack([sound / np.sqrt(np.mean(sound**2)) for sound in sounds]))
+    return Noise(kind, np.stack([sound / np.sqrt(np.mean(sound**2)) for sound in sounds]), speeds)
 
 
 def images_of(voices: Sequence[Real], azimuths: Real, heading: float) -> Real:
@@ -130,4 +135,5 @@ def scene(
     lead_in = gain * lead_in + sensor * rng.standard_normal(lead_in.shape)
     scale = LEVEL / np.sqrt(np.mean(heard**2))
     name = f"{kind}-{k}-{snr_db:g}-{'-'.join(map(str, key))}"
-    return NoiseScene(name, azimuths, chosen, (scale * lead_in).astype(np.float32), (scale * heard).astype(np.float32))
+    lead_in, heard = (scale * lead_in).astype(np.float32), (scale * heard).astype(np.float32)
+    return NoiseScene(name, azimuths, chosen, lead_in, heard, noise)

@@ -32,6 +32,7 @@ from ross_sim.study.exploration_tables import counts, reliability
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
 from ross_sim.study.motion_rows import MotionRow, motions
+from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.result_rows import Exploration, Separation
 from ross_sim.study.row_files import read_rows
 from ross_sim.study.study_design import STOP
@@ -56,6 +57,7 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
     },
     MotionRow: {"motions": lambda rows: motions(rows).body()},
     CalibrationRow: {"calibrations": lambda rows: calibrations(rows).body()},
+    NoiseRow: {"noises": lambda rows: noises(rows).body()},
     AboveRow: {"above": lambda rows: above(rows).body()},
     live_tables.Row: {"live": live_tables.tables},
     BenchmarkSeparation: {"benchmark-separation": lambda rows: separation_table(rows).body()},

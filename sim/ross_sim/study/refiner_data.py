@@ -18,7 +18,8 @@ from ross_payload.dsp.noise import guessed_psd
 from ross_payload.dsp.steering import directions_of, tdoa
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Complex, Real, Samples, Scene
-from ross_payload.separation.local_gaussian_model import FLOOR, fitted
+from ross_payload.separation.evened_noise import FLOOR
+from ross_payload.separation.local_gaussian_model import fitted
 from ross_payload.separation.refiner_features import HIGHEST
 from ross_sim.acoustics.room import RoomSpec, respond
 from ross_sim.study.mixtures import aligned_heading, spread
@@ -72,7 +73,7 @@ def clip(voices: Mapping[str, Real], seed: int, index: int) -> Clip:
     stage, rng = _stage(seed, index // SHARING), np.random.default_rng([seed, 1, index])
     names = rng.permutation(sorted(voices))
     n_sources = len(stage.azimuths)
-    cast = [_voice(voices[names[i % len(names)]], stage.rate, rng) for i in range(n_sources)]
+    cast = [recorded_voice(voices[names[i % len(names)]], stage.rate, rng) for i in range(n_sources)]
     images = _images(cast, stage, rng)
     return _fitted(images, *_believed_tdoas(stage.azimuths, stage.heading, rng), stage.rate, rng)
 
@@ -108,7 +109,7 @@ def _stage(seed: int, index: int) -> Stage:
     return Stage(rate, azimuths, heading, respond(spec, [heading])[0])
 
 
-def _voice(speech: Real, rate: int, rng: np.random.Generator) -> Real:
+def recorded_voice(speech: Real, rate: int, rng: np.random.Generator) -> Real:
     """A piece of a talker at another speed, through another microphone, (n,) at ``rate``."""
     n, speed = round(SECONDS * RATE), float(rng.uniform(0.85, 1.2))
     length = round(n * speed) + 400

@@ -12,7 +12,7 @@ import numpy as np
 
 from ross_payload.interfaces import Real
 from ross_payload.separation.network import COLUMNS, LIMIT, PLACES, ROWS, STEPS
-from ross_payload.separation.refiner_features import N_FEATURES, SCALE, STEADY
+from ross_payload.separation.refiner_features import N_FEATURES, N_IN_NOISE, SCALE, STEADY
 
 CLIPPED, QUIET = 1e-3, 3e-3  # error that counts as none, and of a group that is silent, relative to its power
 
@@ -32,6 +32,17 @@ def initial(n_channels: int, n_blocks: int, n_last: int, rng: np.random.Generato
         weights[f"t{i}"] = rng.normal(0, 0.3 * np.sqrt(2 / (3 * c)), (3 * c, c))
         weights[f"d{i}"] = np.zeros((c, 1))
     return {name: np.asarray(array, np.float32) for name, array in weights.items()}
+
+
+def widened(weights: Mapping[str, Real]) -> dict[str, Real]:
+    """Weights that see what is shown in noise, and make of it what they made without: new inputs weigh nothing."""
+    each, before = ROWS * COLUMNS, N_FEATURES * ROWS * COLUMNS
+    new = each * (N_IN_NOISE - N_FEATURES)
+    found = {name: np.asarray(array, np.float32) for name, array in weights.items()}
+    for name in ("in", "see", "skip"):
+        array = found[name]
+        found[name] = np.hstack([array[:, :before], np.zeros((len(array), new), np.float32), array[:, before:]])
+    return found
 
 
 def corrections(xp: Any, weights: Mapping[str, Any], shown: Any, where: Any, ahead: Any = 1.0) -> Any:
@@ -107,6 +118,53 @@ def loss(xp: Any, weights: Mapping[str, Any], batch: Any, ahead: Any = 1.0) -> A
     log_psds = shown[:, 0] / SCALE + corrections(xp, weights, shown, where, ahead)
     error = ((filtered(xp, log_psds, covariances, noise, mixture) - wanted) ** 2).sum(axis=(0, 2, 3))
     power, heard = (wanted**2).sum(axis=(0, 2, 3)), (mixture[:, 0] ** 2).sum()
+    return 10 * xp.log10((error + CLIPPED * power + 1e-4 * heard) / (power + QUIET * heard)).mean()
+
+
+def filtered_in_noise(xp: Any, log_psds: Any, covariances: Any, field: Any, mixture: Any) -> Any:
+    """As `filtered`, where the noise, the last of the PSDs, has a covariance in every bin.
+
+    Parameters
+    ----------
+    log_psds
+        The noise last, (n_groups + 1, n_freqs, n_frames).
+    covariances
+        Coordinates, trace 2, (n_freqs, n_groups, 4).
+    field
+        Coordinates of the covariance of the noise, trace 2, (n_freqs, 4, n_frames).
+    mixture
+        Real and imaginary part, (2, 2 microphones, n_freqs, n_frames).
+    """
+    psds = [xp.exp(row) for row in log_psds]
+    parts = [[covariances[:, k, i, None] for i in range(4)] for k in range(len(psds) - 1)]
+    parts.append([field[:, i] for i in range(4)])
+    psds[-1] = xp.maximum(psds[-1], STEADY * (1 + sum(psds[:-1])))
+    h11, h22, real, imag = (sum(v * part[i] for v, part in zip(psds, parts, strict=True)) for i in range(4))
+    determinant = 0.0
+    for k, (v, own) in enumerate(zip(psds, parts, strict=True)):
+        determinant = determinant + 0.5 * _gram(xp, own, own) * v**2
+        for w, other in zip(psds[:k], parts[:k], strict=True):
+            determinant = determinant + _gram(xp, own, other) * v * w
+    (r1, r2), (i1, i2) = mixture
+    real, imag = -real / np.sqrt(2), -imag / np.sqrt(2)
+    first = (h22 * r1 + real * r2 - imag * i2) / determinant, (h22 * i1 + real * i2 + imag * r2) / determinant
+    second = (real * r1 + imag * i1 + h11 * r2) / determinant, (real * i1 - imag * r1 + h11 * i2) / determinant
+    signals = []
+    for v, (a, _, b, c) in zip(psds[:-1], parts[:-1], strict=True):
+        across = b / np.sqrt(2), c / np.sqrt(2)
+        out_real = v * (a * first[0] + across[0] * second[0] - across[1] * second[1])
+        out_imag = v * (a * first[1] + across[0] * second[1] + across[1] * second[0])
+        signals.append(xp.stack([out_real, out_imag]))
+    return xp.stack(signals, axis=1)
+
+
+def loss_in_noise(xp: Any, weights: Mapping[str, Any], batch: Any, ahead: Any = 1.0) -> Any:
+    """As `loss` of what was divided by the level of the noise and is multiplied by it again."""
+    shown, where, covariances, field, level, mixture, wanted = batch
+    log_psds = shown[:, 0] / SCALE + corrections(xp, weights, shown, where, ahead)
+    error = (((filtered_in_noise(xp, log_psds, covariances, field, mixture) - wanted) * level) ** 2).sum(axis=(0, 2, 3))
+    power = ((wanted * level) ** 2).sum(axis=(0, 2, 3))
+    heard = power.mean()
     return 10 * xp.log10((error + CLIPPED * power + 1e-4 * heard) / (power + QUIET * heard)).mean()
 
 

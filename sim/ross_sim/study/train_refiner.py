@@ -1,4 +1,7 @@
-"""Train the refiner: ``python -m ross_sim.study.train_refiner --readers DIR --work DIR [--seed 0] OUT``.
+"""Train the refiner: ``python -m ross_sim.study.train_refiner --readers DIR --work DIR [--seed 0] [--motor FILE] OUT``.
+
+With ``--motor``, the recording of a motor without a propeller, it is trained for noise that has a direction, beginning
+with the shipped weights.
 
 Clips of random mixtures are made once; then a network is trained on random pieces of them, one piece per step, with
 Adam and an average of the weights. The folder of readers has a list, MANIFEST.tsv, that says who is in the set
@@ -11,7 +14,7 @@ from __future__ import annotations
 
 import importlib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -23,16 +26,19 @@ from threadpoolctl import threadpool_limits
 from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError, RossError
 from ross_payload.interfaces import Real
-from ross_payload.separation.network import encode_network
+from ross_payload.separation.network import encode_network, shipped_arrays
 from ross_sim.cache import Array, cached, fingerprint
-from ross_sim.study import refiner_model
+from ross_sim.study import noise_pieces, refiner_model
 from ross_sim.study.refiner_clips import Batch, clips, kept_out, load, piece
-from ross_sim.study.refiner_model import initial
+from ross_sim.study.refiner_model import initial, widened
 from ross_sim.study.training_voices import readers
+from ross_sim.study.voice_augmentation import RATE
+from ross_sim.talkers.speech import read
 
 N_CLIPS, N_WATCHED = 800, 40
 N_CHANNELS, N_BLOCKS, N_LAST = 48, 6, 64
 N_STEPS = 7_000
+N_NOISY_CLIPS, N_NOISY_WATCHED, N_NOISY_STEPS = 115, 8, 2_000  # from the shipped weights on
 PIECE = 64  # frames
 GROUPS = (2, 3, 4, 5)
 BLIND = 0.25  # how often nothing is known of what follows, as frame by frame
@@ -52,6 +58,26 @@ class Recipe:
     n_blocks: int = N_BLOCKS
     n_last: int = N_LAST
     each: int = EACH
+
+
+@dataclass(frozen=True, slots=True)
+class Purpose:
+    """What a network is trained for: its weights to begin with, pieces of clips, and their loss."""
+
+    begin: Callable[[Recipe, int], dict[str, Real]]
+    piece: Callable[[Mapping[str, Array], int, int], Batch]
+    loss: Callable[..., Any]
+    groups: tuple[int, ...]  # that it is trained on, with the noise where that is one
+
+
+def _random(recipe: Recipe, seed: int) -> dict[str, Real]:
+    return initial(recipe.n_channels, recipe.n_blocks, recipe.n_last, np.random.default_rng([seed, 6]))
+
+
+WHITE = Purpose(_random, piece, refiner_model.loss, tuple(n + 1 for n in GROUPS))
+IN_NOISE = Purpose(
+    lambda *_: widened(shipped_arrays()), noise_pieces.piece_in_noise, refiner_model.loss_in_noise, (1, 2, 3, 4)
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +101,9 @@ def step_size(step: int, n_steps: int) -> float:
     return FASTEST * min((step + 1) / WARM, 1.0, max(n_steps - step, 0) / (FALLING * n_steps))
 
 
-def train(paths: Sequence[Path], watched: Sequence[Path], work: Path, recipe: Recipe, seed: int) -> dict[str, Real]:
+def train(
+    paths: Sequence[Path], watched: Sequence[Path], work: Path, recipe: Recipe, *, seed: int, purpose: Purpose = WHITE
+) -> dict[str, Real]:
     """Train on clips; returns the averaged weights by name.
 
     Raises
@@ -84,10 +112,10 @@ def train(paths: Sequence[Path], watched: Sequence[Path], work: Path, recipe: Re
         When jax or optax is missing, or no clip can be used.
     """
     jax, optax = _import("jax"), _import("optax")
-    known = list(usable(paths))
+    known = list(usable(paths, purpose))
     kept = work / f"steps-{fingerprint(recipe=asdict(recipe), seed=seed, clips=[path.name for path in paths])[:8]}"
-    method, advance, judge = _compiled(jax, optax)
-    weights = initial(recipe.n_channels, recipe.n_blocks, recipe.n_last, np.random.default_rng([seed, 6]))
+    method, advance, judge = _compiled(jax, optax, purpose)
+    weights = purpose.begin(recipe, seed)
     now = Progress(0, weights, weights, *jax.tree.flatten(method.init(weights)))
     while now.step < recipe.n_steps:
         done = min(now.step + recipe.each, recipe.n_steps)
@@ -96,8 +124,12 @@ def train(paths: Sequence[Path], watched: Sequence[Path], work: Path, recipe: Re
         def some(done: int = done, before: Progress = before) -> dict[str, Array]:
             after = before
             for step in range(before.step, done):
-                after = _stepped(jax.tree, advance, after, _drawn(known, seed, step), recipe.n_steps)
-            error = np.mean([float(judge(after.mean, load_whole(path))) for path in watched]) if watched else np.nan
+                after = _stepped(jax.tree, advance, after, _drawn(known, seed, step, purpose), recipe.n_steps)
+            error = (
+                np.mean([float(judge(after.mean, load_whole(path, purpose))) for path in watched])
+                if watched
+                else np.nan
+            )
             click.echo(f"step {done}: {np.mean(after.losses):.2f} dB, average of the weights on others {error:.3f} dB")
             return _packed(after, float(error))
 
@@ -105,28 +137,28 @@ def train(paths: Sequence[Path], watched: Sequence[Path], work: Path, recipe: Re
     return {name: np.asarray(array) for name, array in now.mean.items()}
 
 
-def usable(paths: Sequence[Path]) -> Iterator[Path]:
+def usable(paths: Sequence[Path], purpose: Purpose = WHITE) -> Iterator[Path]:
     """Those clips that have as many groups as the network is trained on."""
     for path in paths:
         with np.load(path, allow_pickle=False) as arrays:
-            if arrays["covariances"].shape[1] - 1 in GROUPS:
+            if arrays["covariances"].shape[1] in purpose.groups:
                 yield path
 
 
-def load_whole(path: Path) -> Batch:
+def load_whole(path: Path, purpose: Purpose = WHITE) -> Batch:
     """Read a clip as one piece, as many frames as patches fill."""
     kept = load(path)
-    return piece(kept, 0, kept["mixture"].shape[-1] // 2 * 2)
+    return purpose.piece(kept, 0, kept["mixture"].shape[-1] // 2 * 2)
 
 
-def _drawn(known: Sequence[Path], seed: int, step: int) -> tuple[Batch, float]:
+def _drawn(known: Sequence[Path], seed: int, step: int, purpose: Purpose) -> tuple[Batch, float]:
     """The piece of a step, and whether the network is shown what follows: 1 or 0."""
     if not known:
-        raise ConfigError(f"expected clips with {GROUPS[0]} to {GROUPS[-1]} groups, got none")
+        raise ConfigError(f"expected clips with {purpose.groups[0]} to {purpose.groups[-1]} covariances, got none")
     rng = np.random.default_rng([seed, 7, step])
     kept = load(known[int(rng.integers(len(known)))])
     start = int(rng.integers(kept["mixture"].shape[-1] - PIECE))
-    return piece(kept, start, PIECE), float(rng.random() >= BLIND)
+    return purpose.piece(kept, start, PIECE), float(rng.random() >= BLIND)
 
 
 def _stepped(tree: Any, advance: Any, before: Progress, drawn: tuple[Batch, float], n_steps: int) -> Progress:
@@ -138,11 +170,11 @@ def _stepped(tree: Any, advance: Any, before: Progress, drawn: tuple[Batch, floa
     return replace(before, step=before.step + 1, weights=weights, mean=mean, state=tree.leaves(state), losses=losses)
 
 
-def _compiled(jax: Any, optax: Any) -> tuple[Any, Any, Any]:
+def _compiled(jax: Any, optax: Any, purpose: Purpose) -> tuple[Any, Any, Any]:
     """Adam without its step size, one step of it, and the loss of a clip."""
 
     def error(weights: Any, batch: Any, ahead: Any) -> Any:
-        return refiner_model.loss(jax.numpy, weights, batch, ahead)
+        return purpose.loss(jax.numpy, weights, batch, ahead)
 
     def step(before: Any, batch: Any, ahead: Any, sizes: Any) -> Any:
         weights, mean, state = before
@@ -183,19 +215,31 @@ def _import(name: str) -> Any:
 @click.command(help=__doc__)
 @click.option("--readers", "folder", type=click.Path(path_type=Path), required=True, help="Folder with MANIFEST.tsv.")
 @click.option("--work", type=click.Path(path_type=Path), required=True, help="What is made on the way is kept here.")
-@click.option("--clips", "n_clips", type=click.IntRange(min=1), default=N_CLIPS, show_default=True)
-@click.option("--steps", type=click.IntRange(min=1), default=N_STEPS, show_default=True)
+@click.option("--clips", "n_clips", type=click.IntRange(min=1), help=f"{N_CLIPS}; {N_NOISY_CLIPS} for noise.")
+@click.option("--steps", type=click.IntRange(min=1), help=f"{N_STEPS}; {N_NOISY_STEPS} for noise.")
 @click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--motor", type=click.Path(path_type=Path), default=None, help="Train for noise that has a direction.")
 @click.argument("out", type=click.Path(path_type=Path))
-def main(*, folder: Path, work: Path, n_clips: int, steps: int, seed: int, out: Path) -> None:
+def main(
+    *, folder: Path, work: Path, n_clips: int | None, steps: int | None, seed: int, motor: Path | None, out: Path
+) -> None:
     """Train and write the weights (.npz)."""
     try:
         with threadpool_limits(1):
             voices = readers(folder, "train")
             held = {name: voices.pop(name) for name in kept_out(voices, seed)}
-            watched = list(usable(list(clips(held, work / "watched", N_WATCHED, seed + 1))))
-            paths = list(clips(voices, work / "clips", n_clips, seed))
-            content = encode_network(train(paths, watched, work, Recipe(n_steps=steps), seed))
+            if motor is None:
+                watched = list(usable(list(clips(held, work / "watched", N_WATCHED, seed + 1))))
+                paths = list(clips(voices, work / "clips", n_clips or N_CLIPS, seed))
+                weights = train(paths, watched, work, Recipe(n_steps=steps or N_STEPS), seed=seed)
+            else:
+                sound, make = read(motor, RATE).astype(float), noise_pieces.noisy_clips
+                watched = list(make(held, sound, work / "watched", N_NOISY_WATCHED, seed + 1))
+                paths = list(make(voices, sound, work / "clips", n_clips or N_NOISY_CLIPS, seed))
+                weights = train(
+                    paths, watched, work, Recipe(n_steps=steps or N_NOISY_STEPS, each=500), seed=seed, purpose=IN_NOISE
+                )
+            content = encode_network(weights)
         write_whole(out, content)
     except RossError as error:
         raise click.ClickException(str(error)) from error
