@@ -27,6 +27,7 @@ def compared(open_page, ground, **size):
     page = open_page(f"{ground.url}#/flights", **size)
     page.get_by_role("button", name="Open long.tlog").click()
     page.get_by_role("slider", name="Time of long.tlog").fill("9")
+    eventually(page, lambda: "13:29" in page.locator(".playback > .soft").inner_text())
     page.get_by_role("button", name="Compare with short.tlog").click()
     page.get_by_role("slider", name="Time of both flights").wait_for()
     return page

@@ -216,5 +216,6 @@ def test_pymavlinks_own_client_lists_and_fetches_a_recording(payload, tmp_path):
         SimpleNamespace(mav=mav, recv_match=recv_match, source_system=255, source_component=190), 1, 191
     )
     assert client.cmd_get([PATH.decode(), str(tmp_path / "got.wav")]).error_code == 0
+    client.ftp_settings.idle_detection_time = 100.0  # [s] without a message, on a busy computer
     client.process_ftp_reply("OpenFileRO", timeout=120)
     assert (tmp_path / "got.wav").read_bytes() == AUDIO
