@@ -16,8 +16,8 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Attitude, Clock, Mount
 from ross_payload.mavlink import Component, Received, Router
 from ross_payload.mount.rotor_speeds import RotorSpeeds, WithRotors
-from ross_payload.mount.trusted_autopilot import TrustedAutopilot
 from ross_payload.timebase import Timebase
+from ross_payload.trusted_autopilot import TrustedAutopilot
 from ross_protocols.mavlink import vehicle
 from ross_protocols.mavlink.vehicle import VehicleAttitude
 

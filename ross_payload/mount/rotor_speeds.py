@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from ross_payload.interfaces import Attitude, Clock, Mount
 from ross_payload.mavlink import Component, Received
-from ross_payload.mount.trusted_autopilot import TrustedAutopilot
+from ross_payload.trusted_autopilot import TrustedAutopilot
 from ross_protocols.mavlink import rotor_speeds, vehicle
 
 WANTED = 10.0  # [Hz] of every message

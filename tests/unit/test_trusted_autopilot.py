@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from ross_payload.mount.trusted_autopilot import TrustedAutopilot
+from ross_payload.trusted_autopilot import TrustedAutopilot
 
 
 def received(system=1, component=1, role="autopilot"):

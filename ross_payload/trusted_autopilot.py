@@ -2,8 +2,22 @@
 
 from __future__ import annotations
 
-from ross_payload.mavlink import Received
+from typing import Protocol
+
+from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.vehicle import AUTOPILOT
+
+
+class ReceivedPacket(Protocol):
+    """A packet and the role of the link that it came from."""
+
+    @property
+    def role(self) -> str:
+        """``autopilot`` or ``ground``."""
+
+    @property
+    def packet(self) -> Packet:
+        """What was said, and by whom."""
 
 
 class TrustedAutopilot:
@@ -18,7 +32,7 @@ class TrustedAutopilot:
     def __init__(self, system_id: int = 0) -> None:
         self.system_id = system_id
 
-    def sent(self, received: Received) -> bool:
+    def sent(self, received: ReceivedPacket) -> bool:
         """Tell whether it sent what a link has received."""
         packet = received.packet
         if received.role != "autopilot" or packet.component_id != AUTOPILOT:
