@@ -7,10 +7,10 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from ross_payload import trusted_autopilot
 from ross_payload.interfaces import Clock
 from ross_protocols.mavlink import vehicle
-from ross_protocols.mavlink.codec import Packet
-from ross_protocols.mavlink.vehicle import AUTOPILOT, SystemTime, TimeSync
+from ross_protocols.mavlink.vehicle import SystemTime, TimeSync
 
 SAMPLES = 16  # round trips kept: the quickest one tells most
 PAUSE = 0.02  # [s] between two answers of ours: nobody needs more
@@ -21,20 +21,12 @@ EASE = 0.1  # of a smaller difference, at a time
 PLAUSIBLE = 4_102_444_800.0  # UNIX time of 2100 [s]: a clock that says more is wrong
 
 
-class ReceivedPacket(Protocol):
+class ReceivedPacket(trusted_autopilot.ReceivedPacket, Protocol):
     """A packet and how it came."""
 
     @property
     def link(self) -> str:
         """URL of the link."""
-
-    @property
-    def role(self) -> str:
-        """``autopilot`` or ``ground``."""
-
-    @property
-    def packet(self) -> Packet:
-        """What was said, and by whom."""
 
 
 class Component(Protocol):
@@ -72,7 +64,7 @@ class Timebase:
     def __init__(self, clock: Clock, system: Callable[[], float | None] = lambda: None, *, system_id: int = 0) -> None:
         self._clock = clock
         self._system = system
-        self._system_id = system_id
+        self._autopilot = trusted_autopilot.TrustedAutopilot(system_id)
         self._component: Component | None = None
         self._answered = -math.inf  # when a request was answered last [s]
         self._asked: deque[int] = deque(maxlen=4)  # times of our requests [ns]
@@ -104,7 +96,7 @@ class Timebase:
         said = vehicle.read(received.packet.message)
         if isinstance(said, TimeSync) and said.answered is None:
             self._answer(said, received.link)
-        elif not self._from_autopilot(received):
+        elif not self._autopilot.sent(received):
             return
         elif isinstance(said, TimeSync) and said.answered is not None:
             self._measure(said.asked, said.answered)
@@ -119,13 +111,6 @@ class Timebase:
         if now - self._answered >= PAUSE:
             self._answered = now
             self._send(TimeSync(request.asked, self._nanoseconds()), link)
-
-    def _from_autopilot(self, received: ReceivedPacket) -> bool:
-        packet = received.packet
-        if received.role != "autopilot" or packet.component_id != AUTOPILOT:
-            return False
-        self._system_id = self._system_id or packet.system_id
-        return packet.system_id == self._system_id
 
     def _measure(self, asked: int, answered: int) -> None:
         """Take the answer to one of our requests for what it says half-way through its round trip."""

@@ -90,7 +90,7 @@ def cut(headings: Real, block: int, sector: float = SECTOR) -> list[slice]:
     """Cut frames at these headings [rad], (n_frames,), into sectors of whole blocks of ``block`` frames.
 
     >>> [(each.start, each.stop) for each in cut(np.deg2rad([0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 15.0, 15.0, 15.0]), 2)]
-    [(0, 4), (4, 9)]
+    [(0, 2), (2, 4), (4, 9)]
     """
     found = [0]
     for frame in range(0, len(headings), block):

@@ -17,8 +17,9 @@ from ross_payload.interfaces import Attitude, Clock, Mount
 from ross_payload.mavlink import Component, Received, Router
 from ross_payload.mount.rotor_speeds import RotorSpeeds, WithRotors
 from ross_payload.timebase import Timebase
+from ross_payload.trusted_autopilot import TrustedAutopilot
 from ross_protocols.mavlink import vehicle
-from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
+from ross_protocols.mavlink.vehicle import VehicleAttitude
 
 WANTED = 25.0  # [Hz] of ATTITUDE
 ENOUGH = 18.0  # [Hz]: what flows at this rate is not asked for again
@@ -115,7 +116,7 @@ class AutopilotMount:
         self._clock = clock
         self._timebase = timebase
         self._history = AttitudeHistory(fresh)
-        self._system_id = system_id
+        self._autopilot = TrustedAutopilot(system_id)
         self._asked_height = height == "autopilot"
         self._height = None if height == "autopilot" else height
         self._risen = -math.inf  # when the height was told last [s]
@@ -131,10 +132,7 @@ class AutopilotMount:
     def on_packet(self, received: Received) -> None:
         """Take in what any link has heard."""
         packet = received.packet
-        if received.role != "autopilot" or packet.component_id != AUTOPILOT:
-            return
-        self._system_id = self._system_id or packet.system_id
-        if packet.system_id != self._system_id:
+        if not self._autopilot.sent(received):
             return
         if packet.name == "HEARTBEAT":
             self._look(received.link)
@@ -150,9 +148,9 @@ class AutopilotMount:
         """Ask for attitudes when fewer than wanted have come since the last look."""
         now = self._clock.now()
         if self._count < ENOUGH * (now - self._looked):
-            self._component.send(vehicle.message_interval(self._system_id, ATTITUDE, WANTED), link)
+            self._component.send(vehicle.message_interval(self._autopilot.system_id, ATTITUDE, WANTED), link)
         if self._asked_height and now - self._risen > 1 / POSITION_WANTED + OLDEST:
-            self._component.send(vehicle.message_interval(self._system_id, POSITION, POSITION_WANTED), link)
+            self._component.send(vehicle.message_interval(self._autopilot.system_id, POSITION, POSITION_WANTED), link)
         self._looked, self._count = now, 0
 
     def _time(self, report: VehicleAttitude) -> float:

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from ross_payload.interfaces import Attitude, Clock, Mount
 from ross_payload.mavlink import Component, Received
+from ross_payload.trusted_autopilot import TrustedAutopilot
 from ross_protocols.mavlink import rotor_speeds, vehicle
-from ross_protocols.mavlink.vehicle import AUTOPILOT
 
 WANTED = 10.0  # [Hz] of every message
 FRESH = 1.0  # [s]: an older speed is not known
@@ -33,7 +33,7 @@ class RotorSpeeds:
     """
 
     def __init__(self, component: Component, clock: Clock, system_id: int = 0) -> None:
-        self._component, self._clock, self._system_id = component, clock, system_id
+        self._component, self._clock, self._autopilot = component, clock, TrustedAutopilot(system_id)
         self._kept: tuple[list[float], list[dict[int, float]]] = ([], [])  # times [s], fresh speeds; only appended to
         self._latest: dict[int, tuple[float, float]] = {}  # time and speed by rotor
         self._controllers = float("-inf")  # when a controller was heard last [s]
@@ -53,10 +53,7 @@ class RotorSpeeds:
     def on_packet(self, received: Received) -> None:
         """Take in what any link has heard."""
         packet = received.packet
-        if received.role != "autopilot" or packet.component_id != AUTOPILOT:
-            return
-        self._system_id = self._system_id or packet.system_id
-        if packet.system_id != self._system_id:
+        if not self._autopilot.sent(received):
             return
         now = self._clock.now()
         if packet.name == "HEARTBEAT":
@@ -76,7 +73,7 @@ class RotorSpeeds:
         if times and now - times[-1] < FRESH:
             return
         for message_id in ASKED:
-            self._component.send(vehicle.message_interval(self._system_id, message_id, WANTED), link)
+            self._component.send(vehicle.message_interval(self._autopilot.system_id, message_id, WANTED), link)
 
     def _note(self, now: float, speeds: dict[int, float]) -> None:
         times, reports = self._kept

@@ -45,9 +45,10 @@ class HealthSocket:
 
     def poll(self) -> None:
         """Answer those who have connected; never waits."""
-        for _ in range(CLIENTS if self._wire is not None else 0):
+        wire = self._wire  # another thread may close it
+        for _ in range(CLIENTS if wire is not None else 0):
             try:
-                client, _ = self._wire.accept()  # type: ignore[union-attr]
+                client, _ = wire.accept()  # type: ignore[union-attr]
             except OSError:  # nobody, or one that has gone again
                 return
             with client, contextlib.suppress(OSError):

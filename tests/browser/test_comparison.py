@@ -43,6 +43,18 @@ def moments(page):
     return page.locator(".slot .playback > .soft").all_inner_texts()
 
 
+def test_where_the_slider_was_moved_is_shown_until_a_busy_ground_process_answers(ground, open_page):
+    page = open_page(f"{ground.url}#/flights")
+    page.get_by_role("button", name="Open long.tlog").click()
+    page.get_by_role("slider", name="Time of long.tlog").wait_for()
+    with ground.frozen():
+        page.get_by_role("slider", name="Time of long.tlog").fill("9")
+        page.wait_for_timeout(1500)
+        assert "13:29" in moments(page)[0]
+    page.get_by_role("button", name="Compare with short.tlog").click()
+    eventually(page, lambda: len(moments(page)) == 2 and all("13:29" in moment for moment in moments(page)))
+
+
 def test_two_flights_have_one_slider_and_one_play(ground, open_page):
     page = compared(open_page, ground)
     assert page.locator(".playback .slider input").count() == 1

@@ -88,7 +88,7 @@ WHERE = [
     (r"ross study full .*--engine|dask (scheduler|worker)", ELSEWHERE, "tests/process/test_study_cluster.py"),
     (r"ross study status", ELSEWHERE, "tests/lockstep/test_study_shards.py"),
     (r"ross study (full .*--shard|merge)", ELSEWHERE, "tests/lockstep/test_study_shards.py"),
-    (r"ross study (separation|above|--out|quick --explorers)", NOT_RUN,
+    (r"ross study (separation|above|noise|--out|quick --explorers)", NOT_RUN,
      "takes hours; presets are run by tests/lockstep/test_study.py"),
     (r"ross study quick --out", RUN_IN_SOAK, {0}),
     (r"ross sitl", RUN_IN_SOAK, {0, 3}),

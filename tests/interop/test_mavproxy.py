@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from mavproxy_prompt import mavproxy
+from ross_payload.config.parameter_table import TABLE
 from waiting import wait_for
 
 pytestmark = pytest.mark.process
@@ -35,13 +36,13 @@ def prompt(payload, guide):
 
 def test_it_links_up_and_fetches_the_parameters(prompt):
     prompt.read(r"Detected vehicle 1:191 on link 0")
-    prompt.read(r"Received 14 parameters")
+    prompt.read(rf"Received {len(TABLE)} parameters")
     prompt.type("param show EXP*")
     prompt.read(r"EXP_LEAD_IN +2\.0")
 
 
 def test_what_it_writes_is_kept(prompt, payload):
-    prompt.read(r"Received 14 parameters")
+    prompt.read(rf"Received {len(TABLE)} parameters")
     prompt.type("param set XPL_RUNS 3")
     wait_for(lambda: payload.kept() == {"XPL_RUNS": 3.0})
 

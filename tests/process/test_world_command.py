@@ -1,11 +1,14 @@
 """`ross world` as its user starts it: addresses, truth, mistakes."""
 
 import json
+import re
 import signal
 import subprocess
 import sys
 
 import pytest
+
+LATE = re.compile(r"ross: the world is [\d.]+ s late: this computer does not keep up\n")  # which a busy one is told
 
 
 def test_a_world_that_nobody_listens_to_ends_cleanly_with_a_truth_of_nothing(tmp_path):
@@ -16,7 +19,7 @@ def test_a_world_that_nobody_listens_to_ends_cleanly_with_a_truth_of_nothing(tmp
         told = json.loads(world.stdout.readline())
         world.send_signal(signal.SIGINT)
         _, err = world.communicate(timeout=60)
-    assert (world.returncode, err) == (0, "")
+    assert (world.returncode, LATE.sub("", err)) == (0, "")
     assert told["wire"].startswith("pulses:tcp:127.0.0.1:")
     truth = json.loads((out / "truth.json").read_text())
     assert (truth["samples"], truth["began_s"], len(truth["talkers"])) == (0, None, 1)

@@ -39,6 +39,15 @@ class Ground:
         assert number == signal.SIGKILL or self._process.returncode == 0, rest
         assert "Traceback" not in rest, rest
 
+    @contextmanager
+    def frozen(self):
+        """Keep it from doing anything meanwhile."""
+        self._process.send_signal(signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            self._process.send_signal(signal.SIGCONT)
+
     def cpu(self):
         """Seconds of processor time so far."""
         fields = Path(f"/proc/{self._process.pid}/stat").read_text().rpartition(")")[2].split()

@@ -4,6 +4,7 @@ import logging
 import os
 import struct
 import time
+from itertools import count
 from types import SimpleNamespace
 
 import numpy as np
@@ -199,9 +200,10 @@ def test_nothing_is_offered_unless_it_is_asked_for():
     assert not Config().recording.offer_ftp
 
 
-@pytest.mark.process  # it gives up after seconds of this world
-def test_pymavlinks_own_client_lists_and_fetches_a_recording(payload, tmp_path):
-    late = []
+def test_pymavlinks_own_client_lists_and_fetches_a_recording(payload, tmp_path, monkeypatch):
+    late, calls = [], count()
+    slow = SimpleNamespace(time=lambda: next(calls) * 1e-6, sleep=time.sleep)  # it gives up after seconds
+    monkeypatch.setattr(mavftp, "time", slow)
 
     def send(network, system, component, content):
         payload.ground.send(ross.MAVLink_file_transfer_protocol_message(network, system, component, list(content)))

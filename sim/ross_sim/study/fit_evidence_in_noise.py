@@ -17,10 +17,9 @@ from threadpoolctl import threadpool_limits
 from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Observation, Samples
-from ross_payload.localization import model_order, talker_evidence
 from ross_payload.localization.joint import Joint
 from ross_payload.localization.talker_evidence import FEATURES, IN_NOISE
-from ross_sim.study.fit_talker_evidence import Descent, Row, encoded, fitted, owned, report
+from ross_sim.study.fit_talker_evidence import Descent, descents_of, encoded, fitted, report
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.noise_scenes import NoiseScene, recordings, scene
 from ross_sim.study.noise_study import observed
@@ -51,14 +50,7 @@ def noisy_scenes(voices: Sequence[Samples], clips: Sequence[Samples], count: int
 
 def descents(heard: NoiseScene, seen: Sequence[Observation], joint: Joint) -> Iterator[Descent]:
     """Mixtures of falling order after some rotations."""
-    for rotations in ROTATIONS:
-        evidence, rows, rival = joint.evidence(seen[: rotations + 1]), [], 0.0
-        for step in model_order.steps(evidence.rich, joint.price):
-            if step.possible:
-                found = talker_evidence.features(evidence, step, rival, range(len(step.worth)))
-                rows.append(Row(found, step.least, owned(step.model.azimuths, heard.azimuths)))
-                rival = float(step.worth[step.least])
-        yield Descent(heard.name, len(heard.azimuths), rotations, tuple(rows))
+    return descents_of(heard.name, heard.azimuths, seen, joint, ROTATIONS)
 
 
 def voices_of(folder: Path) -> list[Samples]:

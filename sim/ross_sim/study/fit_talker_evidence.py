@@ -24,7 +24,7 @@ from ross_payload.angles import difference
 from ross_payload.atomic_files import write_whole
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Explorer, Real, Samples
+from ross_payload.interfaces import Explorer, Observation, Real, Samples
 from ross_payload.localization import model_order, talker_evidence
 from ross_payload.localization.joint import Joint
 from ross_payload.localization.talker_evidence import FEATURES, LIKELY, Logistic
@@ -65,14 +65,21 @@ class Descent:
 def descents(scene: EvidenceScene, joint: Joint) -> Iterator[Descent]:
     """Explore a scene."""
     seen = list(observed(cast(Explorer, joint), Stft(RATE, FRAME, FRAME // 4), scene.heard, HEADINGS))
-    for rotations in ROTATIONS:
+    yield from descents_of(scene.name, scene.azimuths, seen, joint, ROTATIONS)
+
+
+def descents_of(
+    name: str, azimuths: Real, seen: Sequence[Observation], joint: Joint, after: Sequence[int]
+) -> Iterator[Descent]:
+    """Mixtures of falling order ``after`` so many rotations, of a scene with talkers at these azimuths [rad]."""
+    for rotations in after:
         evidence, rows, rival = joint.evidence(seen[: rotations + 1]), [], 0.0
         for step in model_order.steps(evidence.rich, joint.price):
             if step.possible:
                 found = talker_evidence.features(evidence, step, rival, range(len(step.worth)))
-                rows.append(Row(found, step.least, owned(step.model.azimuths, scene.azimuths)))
+                rows.append(Row(found, step.least, owned(step.model.azimuths, azimuths)))
                 rival = float(step.worth[step.least])
-        yield Descent(scene.name, len(scene.azimuths), rotations, tuple(rows))
+        yield Descent(name, len(azimuths), rotations, tuple(rows))
 
 
 def owned(sources: Real, talkers: Real) -> Real:

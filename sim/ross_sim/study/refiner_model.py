@@ -99,12 +99,18 @@ def filtered(xp: Any, log_psds: Any, covariances: Any, noise: Any, mixture: Any)
         determinant = determinant + 2 * n * v + 0.5 * _gram(xp, own, own) * v**2
         for w, other in zip(psds[:k], parts[:k], strict=True):
             determinant = determinant + _gram(xp, own, other) * v * w
+    return _wiener(xp, zip(psds, parts, strict=True), (h11, h22, real, imag), determinant, mixture)
+
+
+def _wiener(xp: Any, groups: Any, total: Any, determinant: Any, mixture: Any) -> Any:
+    """What every group (PSD, covariance) has of a mixture whose covariance is ``total``, with this determinant."""
+    h11, h22, real, imag = total
     (r1, r2), (i1, i2) = mixture
     real, imag = -real / np.sqrt(2), -imag / np.sqrt(2)
     first = (h22 * r1 + real * r2 - imag * i2) / determinant, (h22 * i1 + real * i2 + imag * r2) / determinant
     second = (real * r1 + imag * i1 + h11 * r2) / determinant, (real * i1 - imag * r1 + h11 * i2) / determinant
     signals = []
-    for v, (a, _, b, c) in zip(psds, parts, strict=True):
+    for v, (a, _, b, c) in groups:
         across = b / np.sqrt(2), c / np.sqrt(2)
         out_real = v * (a * first[0] + across[0] * second[0] - across[1] * second[1])
         out_imag = v * (a * first[1] + across[0] * second[1] + across[1] * second[0])
@@ -145,17 +151,7 @@ def filtered_in_noise(xp: Any, log_psds: Any, covariances: Any, field: Any, mixt
         determinant = determinant + 0.5 * _gram(xp, own, own) * v**2
         for w, other in zip(psds[:k], parts[:k], strict=True):
             determinant = determinant + _gram(xp, own, other) * v * w
-    (r1, r2), (i1, i2) = mixture
-    real, imag = -real / np.sqrt(2), -imag / np.sqrt(2)
-    first = (h22 * r1 + real * r2 - imag * i2) / determinant, (h22 * i1 + real * i2 + imag * r2) / determinant
-    second = (real * r1 + imag * i1 + h11 * r2) / determinant, (real * i1 - imag * r1 + h11 * i2) / determinant
-    signals = []
-    for v, (a, _, b, c) in zip(psds[:-1], parts[:-1], strict=True):
-        across = b / np.sqrt(2), c / np.sqrt(2)
-        out_real = v * (a * first[0] + across[0] * second[0] - across[1] * second[1])
-        out_imag = v * (a * first[1] + across[0] * second[1] + across[1] * second[0])
-        signals.append(xp.stack([out_real, out_imag]))
-    return xp.stack(signals, axis=1)
+    return _wiener(xp, zip(psds[:-1], parts[:-1], strict=True), (h11, h22, real, imag), determinant, mixture)
 
 
 def loss_in_noise(xp: Any, weights: Mapping[str, Any], batch: Any, ahead: Any = 1.0) -> Any:

@@ -10,6 +10,7 @@ import { blank, closed, connect, liveAddress, take, watching } from "./connectio
 import { banners } from "./parts/banners.js";
 import { header } from "./parts/header.js";
 import { joined } from "./parts/comparison.js";
+import { answered } from "./parts/playback.js";
 import { routeOf, titleOf } from "./route.js";
 import { followed } from "./stop.js";
 import { applyTheme, readTheme } from "./theme.js";
@@ -77,7 +78,10 @@ class Page {
 
   onMessage(message, before) {
     if (message.type === "hello") this.resume();
-    if (message.type === "flight") joined(this, message.slot, before);
+    if (message.type === "flight") {
+      answered(this, message.slot);
+      joined(this, message.slot, before);
+    }
     this.draw();
   }
 

@@ -5,7 +5,9 @@ import { clock, utc } from "../formatting.js";
 import { tracks } from "./flight-tracks.js";
 
 const SPEEDS = [1, 2, 4, 8, 16, 64];
-const SETTLED = 600; // [ms] within which the answer to a move of the slider comes
+const SETTLED = 600; // [ms] within which the answer to a move of the slider comes while the flight plays
+const PATIENCE = 10_000; // [ms] for that answer while the flight stands: a busy computer takes its time
+const SAME = 0.05; // [s] between a move and its answer
 const STEP = 5; // [s] of the arrow keys
 
 /** The payload of a slot as it was told last; null: none yet. */
@@ -110,20 +112,31 @@ function marks(flight, seek) {
   </details>`;
 }
 
+const isAwaited = (moved, { name, playing }) =>
+  moved?.name === name && performance.now() - moved.since < (playing ? SETTLED : PATIENCE);
+
 /** Where a flight is now [s]: as the slider was moved, as it was told, and on from there while it plays. */
 export function momentOf(page, slot) {
   const { flight, got } = page.store.slots[slot];
   const moved = page.ui.seeks[slot];
-  if (moved && performance.now() - moved.since < SETTLED) return moved.at;
+  if (isAwaited(moved, flight)) return moved.at;
   const on = flight.playing ? ((performance.now() - got) / 1000) * flight.speed : 0;
   return Math.min(flight.at + on, flight.duration);
+}
+
+/** Forget a move of the slider once a flight that stands is told to be there. */
+export function answered(page, slot) {
+  const flight = page.store.slots[slot]?.flight;
+  const moved = page.ui.seeks[slot];
+  if (flight && moved && !flight.playing && Math.abs(flight.at - moved.at) < SAME)
+    page.ui = { ...page.ui, seeks: { ...page.ui.seeks, [slot]: null } };
 }
 
 /** Move a flight to a time [s] within it; return that. */
 export function seekTo(page, slot, to) {
   const { flight } = page.store.slots[slot];
   const at = Math.min(Math.max(to, 0), flight.duration);
-  page.change({ seeks: { ...page.ui.seeks, [slot]: { at, since: performance.now() } } });
+  page.change({ seeks: { ...page.ui.seeks, [slot]: { name: flight.name, at, since: performance.now() } } });
   page.send({ type: "flight", slot, seek: at });
   return at;
 }
