@@ -35,6 +35,8 @@ SURE = 0.7  # probability of that, from which on the source has moved
 STIRRED = 0.7  # probability that anybody has moved from which on a turn may tell who
 UNSURE = 0.6  # and up to which it has not
 HEARD = (0.08, 0.12)  # change of its delay that cannot come from echoes, in the open and in rooms [d / v_p]
+FAR_OFF = np.radians(10.0)  # away from the place of the exploration: off the axis, more than echoes can do [rad]
+CLEAR = 0.4  # sigma over how far a source is from that place, up to which it is clear where it is
 TELLING = 1.3  # times that, the delay of who stays would have changed if the array had slipped
 LASTING = 2  # corrections in a row that must say so
 FAR = 3  # a correction says it for as many as its delay has changed by times HEARD, at most so many
@@ -180,6 +182,7 @@ class SourceTracker:
         """Decide at a mission time [s] who has moved: for sure, for a while, and beside somebody who has not."""
         told = np.array([source.azimuth for source in self.anchor.sources])
         each, anybody = self.tracks.gone(told, MOVED, HEARD[self.tracks.wet])
+        each = np.maximum(each, self._clear(told))
         witness = self._witness(told, each)
         if not witness and self._alike(told, each >= SURE):
             self.moved, self.stirred = [False] * self.anchor.k, False
@@ -190,6 +193,15 @@ class SourceTracker:
             certain = each[k] >= SURE and self.tracks.ages[k] <= UPDATE
             self._streak[k] = 0 if each[k] <= UNSURE else self._streak[k] + int(certain) * int(far[k])
             self.moved[k] = self.moved[k] or (witness and self._streak[k] >= LASTING)
+
+    def _clear(self, told: Real) -> Real:
+        """Probability that every source is far from where it was, 0 where it is not clear where it is instead, (k,).
+
+        Who walks near the axis, or past the mirror image of its place, may have the delay of that place for long. What
+        echoes feign near the axis has a mirror image itself, and is not clear.
+        """
+        away, _ = self.tracks.gone(told, FAR_OFF, 0.0)
+        return np.asarray(away * (self.tracks.sigmas <= CLEAR * np.abs(difference(self.tracks.azimuths, told))))
 
     def _changed(self, told: Real) -> Real:
         """By how much the delays at this heading differ from those at the azimuths that were told [d / v_p], (k,)."""
