@@ -43,6 +43,7 @@ class Scene:
     elevations: Real  # their cosines, (k,)
     shares: Real  # of the bins, (k,)
     wet: bool  # in reverberation
+    directness: float  # reflections draw delays to 0 by this factor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +81,7 @@ def likelihood(heard: FrameStatistics, scene: Scene, hearing: Hearing) -> Likeli
     density, case = [], []
     for elevation, table in zip(scene.elevations.tolist(), tables, strict=True):
         if elevation not in cells:
-            delays = hearing.directness[scene.wet] * elevation * np.cos(AZIMUTHS - heard.headings[:, None])
+            delays = scene.directness * elevation * np.cos(AZIMUTHS - heard.headings[:, None])
             unique, index = np.unique(_nearest(delays), axis=1, return_inverse=True)
             cells[elevation] = unique, index.reshape(-1)
         unique, index = cells[elevation]
@@ -107,7 +108,7 @@ def _tables(heard: FrameStatistics, turned: Real, scene: Scene, hearing: Hearing
     low = np.flatnonzero(row < len(BELOW))
     if len(scene.azimuths) < 2 or not len(low):
         return [plain] * len(scene.azimuths), nobody.astype(np.float32)
-    delays = scene.elevations * np.cos(scene.azimuths - heard.headings.mean()) * hearing.directness[scene.wet]
+    delays = scene.elevations * np.cos(scene.azimuths - heard.headings.mean()) * scene.directness
     tables = []
     for source in range(len(delays)):
         table = plain.copy()

@@ -23,7 +23,6 @@ class Hearing:
     noise: float = 0.03  # standard deviation of a phase at any frequency [rad]
     error: tuple[float, float] = (0.12, 0.13)  # and per root of 2 pi f d / v_p, in the open and in reverberation [rad]
     wider: float = 2.1  # times that where another source has a part of the bin
-    directness: tuple[float, float] = (1.0, 0.985)  # reflections draw delays to 0 by this factor
     share: float = 1.5  # counts by which shares are drawn to those of before
     recent: float = 2.0  # in which shares are forgotten [s]
     homes: float = 4.0  # in which what was heard of who rests is forgotten [s]

@@ -48,6 +48,7 @@ from ross_payload.localization.track_correction import correct, widened
 from ross_payload.localization.track_hypotheses import Hypothesis, Members, Tracks
 
 PLACE = np.radians(1.5)  # of where somebody rests, beside that of the exploration [rad]
+DRAWN = 0.75  # share of what is not direct by which it draws delays to 0
 MOST = 8  # hypotheses
 LEAVE = 2  # at one time, at most: one more would seldom be told from echoes
 UNLIKELY = 1e-4  # least weight of a hypothesis: phases that echoes share tell less than they seem to
@@ -71,6 +72,7 @@ def begin(estimate: Estimate, spacing: float, speed_of_sound: float) -> Tracks:
         ages=np.zeros(k),
         unit=spacing / speed_of_sound,
         wet=estimate.directness is None or estimate.directness < OPEN,
+        directness=1.0 if estimate.directness is None else 1 - DRAWN * (1 - estimate.directness),
     )
 
 
