@@ -32,6 +32,7 @@ N_BANDS = len(BANDS) + 1
 GROUP = 8  # bins whose densities are multiplied before the logarithm
 LEAST = np.float32(1e-4)  # density: no bin speaks against anything by more than nine nats
 ANYWHERE = 0.5  # share of what is from nobody that has a delay at least: an echo
+PLANE = 0.97  # directness of a plane with echoes, for which errors and thresholds were chosen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +73,11 @@ class Likelihood:
         return np.asarray(self.count * np.log(np.multiply.reduce(grouped, axis=-3)).sum(axis=-2))
 
 
+def excess(directness: float) -> float:
+    """By how much more reflections draw delays to 0 than in a plane."""
+    return max(PLANE - directness, 0.0)
+
+
 def likelihood(heard: FrameStatistics, scene: Scene, hearing: Hearing) -> Likelihood:
     """How likely the phases are for all azimuths of all sources."""
     heard = heard.evenly(hearing.used, GROUP)
@@ -98,7 +104,8 @@ def _nearest(delays: Real) -> NDArray[np.intp]:
 def _tables(heard: FrameStatistics, turned: Real, scene: Scene, hearing: Hearing) -> tuple[list[Real], Real]:
     """Density of every phase for every delay of every source, (n, n_delays) each, and for nobody, (n,)."""
     off = np.cos(heard.phases.astype(np.float32)[:, None] - turned[:, None] * DELAYS.astype(np.float32)) - 1
-    variance = hearing.noise**2 + hearing.error[scene.wet] ** 2 * turned
+    error = hearing.error[scene.wet] + hearing.echoic * excess(scene.directness)
+    variance = hearing.noise**2 + error**2 * turned
     alone, beside = _von_mises(off, 1 / variance), _von_mises(off, 1 / (hearing.wider**2 * variance))
     row = np.searchsorted(BELOW, heard.frequencies)
     shared = SHARED[np.minimum(row, len(BELOW) - 1)].astype(np.float32)

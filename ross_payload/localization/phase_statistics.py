@@ -22,6 +22,7 @@ class Hearing:
     high: float = 8000.0  # [Hz]
     noise: float = 0.03  # standard deviation of a phase at any frequency [rad]
     error: tuple[float, float] = (0.12, 0.13)  # and per root of 2 pi f d / v_p, in the open and in reverberation [rad]
+    echoic: float = 0.6  # more of that for every unit by which reflections draw delays to 0 more than in a plane [rad]
     wider: float = 2.1  # times that where another source has a part of the bin
     share: float = 1.5  # counts by which shares are drawn to those of before
     recent: float = 2.0  # in which shares are forgotten [s]
