@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,15 +20,18 @@ class Hearing:
     trust: Trust = field(default_factory=lambda: Trust(neighbourhood=(1, 3), coherence=0.95))
     low: float = 300.0  # frequencies used [Hz]
     high: float = 8000.0  # [Hz]
-    noise: float = 0.2  # standard deviation of a phase at any frequency [rad]
-    spread: tuple[float, float] = (0.03, 0.04)  # of a delay, in the open and in reverberation [d / v_p]
-    directness: tuple[float, float] = (1.0, 0.985)  # reflections draw delays to 0 by this factor
+    noise: float = 0.03  # standard deviation of a phase at any frequency [rad]
+    error: tuple[float, float] = (0.12, 0.13)  # and per root of 2 pi f d / v_p, in the open and in reverberation [rad]
+    echoic: float = 0.6  # more of that for every unit by which reflections draw delays to 0 more than in a plane [rad]
+    wider: float = 2.1  # times that where another source has a part of the bin
     share: float = 1.5  # counts by which shares are drawn to those of before
     recent: float = 2.0  # in which shares are forgotten [s]
+    homes: float = 4.0  # in which what was heard of who rests is forgotten [s]
     talks: float = 3.0  # log-likelihood by which a source must explain the frames of one step to be heard [nat]
     count: float = 0.3  # effective counts per unit of weight: neighbouring bins are not independent
     tells: float = 320.0  # effective counts per second, at most: bins of one time have their errors in common
-    most: int = 300  # bins of one step that are looked at; they count for the others
+    most: int = 300  # bins of one step that are told; they count for the others
+    used: int = 160  # and of these that are looked at
 
 
 HEARING = Hearing()
@@ -44,6 +47,19 @@ class FrameStatistics:
     frequencies: Real  # [Hz], (n,)
     phases: Real  # of microphone 2 against microphone 1 [rad], (n,)
     weights: Real  # effective counts, (n,)
+
+    def evenly(self, most: int, group: int) -> FrameStatistics:
+        """Bins that count alike, drawn evenly by what they count: at most ``most``, in whole groups."""
+        n, total = min(-(-len(self.weights) // group) * group, most), float(self.weights.sum())
+        drawn = np.searchsorted(np.cumsum(self.weights), (np.arange(n) + 0.5) / n * total)
+        drawn = np.minimum(drawn, len(self.weights) - 1)
+        return replace(
+            self,
+            bundle=self.bundle[drawn],
+            frequencies=self.frequencies[drawn],
+            phases=self.phases[drawn],
+            weights=np.full(n, total / n),
+        )
 
 
 def statistics(

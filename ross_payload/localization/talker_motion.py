@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy.fft import irfft, rfft
 
 from ross_payload.angles import difference
 from ross_payload.interfaces import Complex, Real
@@ -43,6 +44,7 @@ class Motion:
 MOTION = Motion()
 
 
+@lru_cache(1)
 def fresh_rates() -> Real:
     """How fast somebody walks who sets out: slow rates are likelier, (n_rates,)."""
     width = np.gradient(RATES)
@@ -70,23 +72,25 @@ def _changes(seconds: float, motion: Motion) -> Real:
     after = (1 - stops - turns - changes) * near + turns * np.eye(n)[::-1] + changes * fresh[:, None]
     after[REST] += stops
     after[:, REST] = np.where(walks, out * fresh, 1 - out)
-    return np.asarray(after)
+    return np.asarray(after, np.float32)
 
 
 @lru_cache(16)
 def _travel(seconds: float, sway: float) -> Complex:
     """Fourier coefficients of how every rate moves an azimuth, (n_rates, n_azimuths // 2 + 1)."""
     orders = np.arange(N_AZIMUTHS // 2 + 1)
-    return np.asarray(np.exp(-1j * orders * RATES[:, None] * seconds - 0.5 * orders**2 * sway**2 * seconds))
+    return np.asarray(
+        np.exp(-1j * orders * RATES[:, None] * seconds - 0.5 * orders**2 * sway**2 * seconds), np.complex64
+    )
 
 
 def moved(belief: Real, seconds: float, motion: Motion = MOTION) -> Real:
-    """Let somebody live for ``seconds``: what is believed then, (n_rates, n_azimuths), summing to 1."""
-    spectra = np.fft.rfft(_changes(seconds, motion) @ belief, axis=1) * _travel(seconds, motion.sway)
-    after = np.maximum(np.fft.irfft(spectra, N_AZIMUTHS, axis=1), 0.0)
-    lost = motion.anywhere * seconds
-    after = (1 - lost) * after / after.sum() + lost * after.sum(axis=1, keepdims=True) / after.sum() / N_AZIMUTHS
-    return np.asarray(after)
+    """Let somebody live for ``seconds``: what is believed then, (..., n_rates, n_azimuths), summing to 1."""
+    spectra = rfft(_changes(seconds, motion) @ belief) * _travel(seconds, motion.sway)
+    after = np.maximum(irfft(spectra, N_AZIMUTHS), 0.0)
+    lost, whole = motion.anywhere * seconds, after.sum(axis=(-2, -1), keepdims=True)
+    anywhere = lost / N_AZIMUTHS * after.sum(axis=-1, keepdims=True)
+    return np.asarray(((1 - lost) * after + anywhere) / whole)
 
 
 def around(azimuth: float, sigma: float) -> Real:

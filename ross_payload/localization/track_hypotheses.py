@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -36,23 +37,26 @@ class Hypothesis:
         return tuple(sorted(self.left))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)  # no slots: what is asked for often is kept
 class Tracks:
     """What is believed of all sources at one time."""
 
     hypotheses: tuple[Hypothesis, ...]  # weights sum to 1
-    homes: Real  # where each rested [rad], (k,)
-    rests: Real  # densities of that on the grid, (k, n_azimuths)
+    homes: Real  # where each rested, as was told [rad], (k,)
+    told: Real  # densities of that on the grid, (k, n_azimuths)
+    rests: Real  # and what was heard of it since: where who rests is heard, (k, n_azimuths)
     heading: float  # of the array when it was last heard [rad]
     elevations: Real  # cosines, (k,)
-    shares: Real  # of the bins, the last is nobody's, (k + 1,)
+    shares: Real  # of the bins of every band, the last is nobody's, (k + 1, n_bands)
     ages: Real  # since each was heard [s], (k,)
     unit: float  # d / v_p [s]
     wet: bool  # in reverberation
+    directness: float  # reflections draw delays to 0 by this factor
 
-    def _mixed(self) -> Real:
+    @cached_property
+    def mixed(self) -> Real:
         """Density of every source over rates and azimuths, (k, n_rates, n_azimuths)."""
-        mixed = np.zeros((len(self.homes), len(RATES), N_AZIMUTHS))
+        mixed = np.zeros((len(self.homes), len(RATES), N_AZIMUTHS), np.float32)
         for each in self.hypotheses:
             for source in range(len(mixed)):
                 if source in each.left:
@@ -61,12 +65,12 @@ class Tracks:
                     mixed[source, REST] += each.weight * self.rests[source]
         return mixed
 
-    @property
+    @cached_property
     def places(self) -> Real:
         """Probability of every azimuth of the grid, (k, n_azimuths)."""
-        return np.asarray(self._mixed().sum(axis=1))
+        return np.asarray(self.mixed.sum(axis=1, dtype=float))
 
-    @property
+    @cached_property
     def azimuths(self) -> Real:
         """Likeliest azimuth of every source [rad], in (-pi, pi]: the mean around the highest peak, (k,)."""
         return _likeliest(self.places)
@@ -74,24 +78,21 @@ class Tracks:
     @property
     def sigmas(self) -> Real:
         """Root mean square deviation of the azimuth from the likeliest one [rad], other peaks included, (k,)."""
-        places = self.places
-        off = difference(AZIMUTHS, _likeliest(places)[:, None])
-        return np.asarray(np.sqrt((places * off**2).sum(axis=1) + LEAST**2))
+        off = difference(AZIMUTHS, self.azimuths[:, None])
+        return np.asarray(np.sqrt((self.places * off**2).sum(axis=1) + LEAST**2))
 
     @property
     def spreads(self) -> Real:
         """Standard deviation around the likeliest azimuth alone [rad], other peaks left out, (k,)."""
-        places = self.places
-        off = difference(AZIMUTHS, _likeliest(places)[:, None])
-        near = places * (np.abs(off) <= PEAK)
+        off = difference(AZIMUTHS, self.azimuths[:, None])
+        near = self.places * (np.abs(off) <= PEAK)
         return np.asarray(np.sqrt((near * off**2).sum(axis=1) / (near.sum(axis=1) + TINY) + LEAST**2))
 
     @property
     def held(self) -> Real:
         """Probability that a source is near its likeliest azimuth, (k,)."""
-        places = self.places
-        near = np.abs(difference(AZIMUTHS, _likeliest(places)[:, None])) <= PEAK
-        return np.asarray((places * near).sum(axis=1))
+        near = np.abs(difference(AZIMUTHS, self.azimuths[:, None])) <= PEAK
+        return np.asarray((self.places * near).sum(axis=1))
 
     @property
     def ways(self) -> tuple[Real, Real]:
@@ -118,9 +119,8 @@ class Tracks:
     @property
     def rates(self) -> Real:
         """Mean rate of every source around its likeliest azimuth [rad/s], (k,)."""
-        mixed = self._mixed()
-        near = np.abs(difference(AZIMUTHS, _likeliest(mixed.sum(axis=1))[:, None])) <= PEAK
-        found = (mixed * near[:, None]).sum(axis=2)
+        near = np.abs(difference(AZIMUTHS, self.azimuths[:, None])) <= PEAK
+        found = (self.mixed * near[:, None]).sum(axis=2)
         return np.asarray(found @ RATES / (found.sum(axis=1) + TINY))
 
     def gone(self, azimuths: Real, by: float, heard: float) -> tuple[Real, float]:

@@ -21,6 +21,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate, SourcesTracked
 from ross_payload.interfaces import Complex, Input, Real, Samples
 from ross_payload.localization import tracking
+from ross_payload.localization.phase_likelihood import excess
 from ross_payload.localization.phase_statistics import statistics
 from ross_payload.localization.track_hypotheses import Tracks
 from ross_payload.pointing import Pointing
@@ -34,9 +35,12 @@ MOVED = np.radians(5.0)  # away from the place of the exploration [rad]
 SURE = 0.7  # probability of that, from which on the source has moved
 STIRRED = 0.7  # probability that anybody has moved from which on a turn may tell who
 UNSURE = 0.6  # and up to which it has not
-HEARD = (0.08, 0.12)  # change of its delay that cannot come from echoes, in the open and in rooms [d / v_p]
+HEARD = (0.08, 0.12)  # change of its delay that cannot come from echoes, in the open and in planes [d / v_p]
+FAR_OFF = np.radians(10.0)  # away from the place of the exploration: off the axis, more than echoes can do [rad]
+CLEAR = 0.4  # sigma over how far a source is from that place, up to which it is clear where it is
 TELLING = 1.3  # times that, the delay of who stays would have changed if the array had slipped
 LASTING = 2  # corrections in a row that must say so
+LONGER = 15  # more of them for every unit by which reflections draw delays to 0 more than in a plane
 FAR = 3  # a correction says it for as many as its delay has changed by times HEARD, at most so many
 ALIKE = np.radians(5.0)  # between the shifts of sources that a slip has moved [rad]
 FRESH = 1.0  # a source that was heard within this can witness [s]
@@ -97,6 +101,11 @@ class SourceTracker:
         """Where the sources are taken to be [rad], (k,)."""
         told = np.array([source.azimuth for source in self.anchor.sources])
         return np.where(self.moved, self.tracks.azimuths + self.tracks.rates * self.behind, told)
+
+    @property
+    def _echoed(self) -> float:
+        """Change of a delay that may come from echoes [d / v_p]."""
+        return HEARD[self.tracks.wet] + excess(self.tracks.directness)
 
     @property
     def behind(self) -> float:
@@ -179,17 +188,29 @@ class SourceTracker:
     def corrected(self, time: float) -> None:
         """Decide at a mission time [s] who has moved: for sure, for a while, and beside somebody who has not."""
         told = np.array([source.azimuth for source in self.anchor.sources])
-        each, anybody = self.tracks.gone(told, MOVED, HEARD[self.tracks.wet])
+        echoes = excess(self.tracks.directness)  # [d / v_p], at broadside also [rad]
+        each, anybody = self.tracks.gone(told, MOVED, self._echoed)
+        each = np.maximum(each, self._clear(told, FAR_OFF + echoes))
         witness = self._witness(told, each)
         if not witness and self._alike(told, each >= SURE):
             self.moved, self.stirred = [False] * self.anchor.k, False
         self._stir = self._stir + 1 if anybody >= STIRRED else 0
         self.stirred = self.stirred or (witness and self._stir >= LASTING // 2)
-        far = np.clip(self._changed(told) / HEARD[self.tracks.wet], 1, FAR)
+        far = np.clip(self._changed(told) / self._echoed, 1, FAR)
+        lasting = LASTING + int(LONGER * echoes)
         for k in range(self.anchor.k):
             certain = each[k] >= SURE and self.tracks.ages[k] <= UPDATE
             self._streak[k] = 0 if each[k] <= UNSURE else self._streak[k] + int(certain) * int(far[k])
-            self.moved[k] = self.moved[k] or (witness and self._streak[k] >= LASTING)
+            self.moved[k] = self.moved[k] or (witness and self._streak[k] >= lasting)
+
+    def _clear(self, told: Real, far: float) -> Real:
+        """Probability that every source is ``far`` [rad] from its place, 0 where it is not clear where it is, (k,).
+
+        Who walks near the axis, or past the mirror image of its place, may have the delay of that place for long. What
+        echoes feign near the axis has a mirror image itself, and is not clear.
+        """
+        away, _ = self.tracks.gone(told, far, 0.0)
+        return np.asarray(away * (self.tracks.sigmas <= CLEAR * np.abs(difference(self.tracks.azimuths, told))))
 
     def _changed(self, told: Real) -> Real:
         """By how much the delays at this heading differ from those at the azimuths that were told [d / v_p], (k,)."""
@@ -203,9 +224,7 @@ class SourceTracker:
         shift = float(difference(self.tracks.azimuths, told)[gone.argmax()])
         axis = told - self.tracks.heading
         slipped = np.abs(self.tracks.elevations * (np.cos(axis + shift) - np.cos(axis)))
-        return bool(
-            np.any((slipped > TELLING * HEARD[self.tracks.wet]) & (self.tracks.ages <= FRESH) & (gone <= UNSURE))
-        )
+        return bool(np.any((slipped > TELLING * self._echoed) & (self.tracks.ages <= FRESH) & (gone <= UNSURE)))
 
     def _alike(self, told: Real, gone: NDArray[np.bool_]) -> bool:
         """Whether two sources at least are gone, all by the same angle."""

@@ -98,7 +98,7 @@ def test_the_truth_is_written_hop_by_hop(flown):
 
 
 def test_a_rerun_gives_the_same_bytes(tmp_path):
-    asked = scenario(sets_out=2.0, separator="auto", check_s=1.0, run_s=3.0, runs=1)  # walks while it listens
+    asked = scenario(sets_out=2.0, separator="auto", check_s=1.0, run_s=4.0, runs=1)  # walks while it listens
     one, other = (fly(asked, tmp_path / name)[2] for name in ("one", "other"))
     names = sorted(path.name for path in one.iterdir() if path.name != "timing.json")
     assert [name for name in names if (one / name).read_bytes() != (other / name).read_bytes()] == []

@@ -130,3 +130,32 @@ def test_when_all_turn_out_to_be_shifted_alike_nobody_has_moved():
     tracker.moved, tracker.stirred = [True, False], True
     tracker.corrected(1.0)
     assert (tracker.moved, tracker.stirred) == ([False, False], False)
+
+
+def mirrored(sigma_deg):
+    """Source 0 is in the mirror image of its place in the axis, at 120 degrees: its delay has not changed."""
+    tracker = tracker_of(100, -60)
+    there = tracking.begin(estimate(140, -60, sigma=math.radians(sigma_deg)), SPACING, SPEED)
+    tracker.tracks = replace(there, heading=math.radians(120))
+    return tracker
+
+
+@pytest.mark.parametrize(("sigma_deg", "moved"), [(10.0, True), (25.0, False)])
+def test_who_has_the_delay_of_its_place_has_moved_where_it_is_clear_that_it_is_elsewhere(sigma_deg, moved):
+    tracker = mirrored(sigma_deg)
+    for step in range(LASTING):
+        assert tracker.moved == [False, False]
+        tracker.corrected(UPDATE * step)
+    assert tracker.moved == [moved, False]
+
+
+def test_who_may_be_on_either_side_of_the_axis_has_not_moved():
+    tracker = mirrored(2.0)
+    sides = [tracking.begin(estimate(azimuth, -60), SPACING, SPEED).told[0] for azimuth in (100, 140)]
+    walks = np.outer(np.arange(len(RATES)) == 8, 0.2 * sides[0] + 0.8 * sides[1])
+    still = tracker.tracks.hypotheses[0]
+    tracker.tracks = replace(tracker.tracks, hypotheses=(replace(still, left={0: walks}),))
+    for step in range(3 * LASTING):
+        tracker.corrected(UPDATE * step)
+    assert math.degrees(tracker.tracks.azimuths[0]) == pytest.approx(140, abs=1)
+    assert tracker.moved == [False, False]

@@ -10,7 +10,7 @@ from ross_payload.alignment.predicted_gain import predicted_gain
 from ross_payload.alignment.realignment import Beliefs, told, worth
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.localization import tracking
-from ross_payload.localization.phase_statistics import FrameStatistics, silence, statistics
+from ross_payload.localization.phase_statistics import HEARING, FrameStatistics, silence, statistics
 from ross_payload.localization.talker_motion import AZIMUTHS
 
 SPACING, SPEED = 0.05, 343.0
@@ -27,7 +27,8 @@ def phases(azimuths, heading, rng, n=60):
     """Bins that each hear one of the sources at azimuths [deg], with the error of a phase that the model expects."""
     frequencies = rng.uniform(300, 6000, n)
     delay = SPACING / SPEED * np.cos(np.radians(rng.choice(azimuths, n)) - heading)
-    phase = 2 * np.pi * frequencies * delay + 0.25 * rng.standard_normal(n)
+    error = np.sqrt(HEARING.noise**2 + HEARING.error[0] ** 2 * 2 * np.pi * frequencies * SPACING / SPEED)
+    phase = 2 * np.pi * frequencies * delay + error * rng.standard_normal(n)
     wrapped = np.angle(np.exp(1j * phase))
     return FrameStatistics(STEP, np.array([heading]), np.zeros(n, np.intp), frequencies, wrapped, np.full(n, 0.3))
 

@@ -1,0 +1,143 @@
+"""How likely the phases of some bins are for a source at every azimuth, and for nobody.
+
+A bin that one source has for itself has the phase ``2 pi f tau`` with ``tau = (d / v_p) a cos(azimuth - heading)``,
+also above the frequency where that wraps, and an error whose standard deviation grows with the root of the frequency.
+
+Talkers share bins. Where another source has a part ``u`` of the power, the expected cross-spectrum is
+``(1 - u) exp(j phi) + u exp(j phi')``. Below 2 kHz the phases of two sources at microphones 5 cm apart are so near that
+such a bin is as coherent as any other, and its delay lies a part ``u`` of the way to the other source. A quiet talker
+with a low voice has few other bins: without this it seems to be where nobody is. How often bins are shared, and the
+errors, were chosen on simulated rooms with recorded voices (decision 112).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import i0e
+
+from ross_payload.interfaces import Real
+from ross_payload.localization.phase_statistics import FrameStatistics, Hearing
+from ross_payload.localization.talker_motion import AZIMUTHS
+
+N_DELAYS = 101
+DELAYS = np.linspace(-1.0, 1.0, N_DELAYS)  # [d / v_p]
+PARTS = np.array([0.06, 0.17, 0.38])  # of the power that another source has in a bin, as often as SHARED says
+BELOW = np.array([450.0, 700.0, 1000.0, 2000.0])  # [Hz], up to which frequencies the rows of SHARED hold
+SHARED = np.array([[0.18, 0.15, 0.14], [0.16, 0.12, 0.09], [0.14, 0.085, 0.065], [0.125, 0.065, 0.05]])
+BANDS = np.array([700.0, 1400.0, 2800.0])  # between the bands in which every source has shares of its own [Hz]
+N_BANDS = len(BANDS) + 1
+GROUP = 8  # bins whose densities are multiplied before the logarithm
+LEAST = np.float32(1e-4)  # density: no bin speaks against anything by more than nine nats
+ANYWHERE = 0.5  # share of what is from nobody that has a delay at least: an echo
+PLANE = 0.97  # directness of a plane with echoes, for which errors and thresholds were chosen
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """What is known of the sources before the frames are heard."""
+
+    unit: float  # d / v_p [s]
+    azimuths: Real  # likeliest ones [rad], (k,)
+    elevations: Real  # their cosines, (k,)
+    shares: Real  # of the bins, (k,)
+    wet: bool  # in reverberation
+    directness: float  # reflections draw delays to 0 by this factor
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Likelihood:
+    """What some frames say: density of every bin's phase for every azimuth of every source.
+
+    Azimuths with one delay at every heading of these frames are told apart by nothing, and are one case. The number of
+    bins is a multiple of `GROUP`; they count alike.
+    """
+
+    density: tuple[Real, ...]  # by source, (n, n_cases)
+    case: tuple[NDArray[np.intp], ...]  # by source: which of them an azimuth is, (n_azimuths,)
+    nobody: Real  # density of every bin's phase for what is from no source, (n,)
+    band: NDArray[np.intp]  # of every bin, (n,)
+    count: float  # effective, of every bin
+
+    def marginal(self, source: int, places: Real) -> Real:
+        """Density of every bin's phase for a source that is believed to be somewhere, (n,)."""
+        density, case = self.density[source], self.case[source]
+        return np.asarray(density @ np.bincount(case, places, density.shape[1]).astype(np.float32))
+
+    def log(self, densities: Real) -> Real:
+        """Log-likelihood of all bins, (..., n, n_cases) -> (..., n_cases)."""
+        *more, n, cases = densities.shape
+        grouped = np.maximum(densities, LEAST).reshape(*more, GROUP, n // GROUP, cases)
+        return np.asarray(self.count * np.log(np.multiply.reduce(grouped, axis=-3)).sum(axis=-2))
+
+
+def excess(directness: float) -> float:
+    """By how much more reflections draw delays to 0 than in a plane."""
+    return max(PLANE - directness, 0.0)
+
+
+def likelihood(heard: FrameStatistics, scene: Scene, hearing: Hearing) -> Likelihood:
+    """How likely the phases are for all azimuths of all sources."""
+    heard = heard.evenly(hearing.used, GROUP)
+    turned = (2 * np.pi * scene.unit * heard.frequencies).astype(np.float32)
+    tables, nobody = _tables(heard, turned, scene, hearing)
+    cells: dict[float, tuple[NDArray[np.intp], NDArray[np.intp]]] = {}
+    density, case = [], []
+    for elevation, table in zip(scene.elevations.tolist(), tables, strict=True):
+        if elevation not in cells:
+            delays = scene.directness * elevation * np.cos(AZIMUTHS - heard.headings[:, None])
+            unique, index = np.unique(_nearest(delays), axis=1, return_inverse=True)
+            cells[elevation] = unique, index.reshape(-1)
+        unique, index = cells[elevation]
+        density.append(np.take_along_axis(table, unique[heard.bundle], axis=1))
+        case.append(index)
+    band = np.searchsorted(BANDS, heard.frequencies)
+    return Likelihood(tuple(density), tuple(case), nobody, band, float(heard.weights[0]))
+
+
+def _nearest(delays: Real) -> NDArray[np.intp]:
+    return np.asarray(np.round((delays + 1) / (DELAYS[1] - DELAYS[0])), dtype=np.intp)
+
+
+def _tables(heard: FrameStatistics, turned: Real, scene: Scene, hearing: Hearing) -> tuple[list[Real], Real]:
+    """Density of every phase for every delay of every source, (n, n_delays) each, and for nobody, (n,)."""
+    off = np.cos(heard.phases.astype(np.float32)[:, None] - turned[:, None] * DELAYS.astype(np.float32)) - 1
+    error = hearing.error[scene.wet] + hearing.echoic * excess(scene.directness)
+    variance = hearing.noise**2 + error**2 * turned
+    alone, beside = _von_mises(off, 1 / variance), _von_mises(off, 1 / (hearing.wider**2 * variance))
+    row = np.searchsorted(BELOW, heard.frequencies)
+    shared = SHARED[np.minimum(row, len(BELOW) - 1)].astype(np.float32)
+    own = (1 - shared.sum(axis=1))[:, None] * alone
+    plain = own + shared.sum(axis=1)[:, None] * beside
+    nobody = (1 - ANYWHERE) / (2 * np.pi) + ANYWHERE * plain.mean(axis=1)
+    low = np.flatnonzero(row < len(BELOW))
+    if len(scene.azimuths) < 2 or not len(low):
+        return [plain] * len(scene.azimuths), nobody.astype(np.float32)
+    delays = scene.elevations * np.cos(scene.azimuths - heard.headings.mean()) * scene.directness
+    tables = []
+    for source in range(len(delays)):
+        table = plain.copy()
+        table[low] = own[low]
+        for column, part in enumerate(PARTS):
+            table[low] += shared[low, column, None] * (beside[low] @ _drawn(source, part, delays, scene.shares))
+        tables.append(table)
+    return tables, nobody.astype(np.float32)
+
+
+def _von_mises(off: Real, kappa: Real) -> Real:
+    kappa = kappa[:, None]
+    return np.asarray(np.exp(kappa * off) / (2 * np.pi * i0e(kappa)), np.float32)
+
+
+def _drawn(source: int, part: float, delays: Real, shares: Real) -> Real:
+    """Which delay (rows) a bin has whose source has a delay (columns), when another has a part of it, (n, n)."""
+    drawn, column = np.zeros((N_DELAYS, N_DELAYS), np.float32), np.arange(N_DELAYS)
+    others = np.delete(np.arange(len(delays)), source)
+    for other, odds in zip(others, shares[others] / shares[others].sum(), strict=True):
+        place = ((1 - part) * DELAYS + part * delays[other] + 1) / (DELAYS[1] - DELAYS[0])
+        below = np.clip(np.floor(place).astype(int), 0, N_DELAYS - 2)
+        drawn[below, column] += odds * (1 - place + below)
+        drawn[below + 1, column] += odds * (place - below)
+    return drawn
