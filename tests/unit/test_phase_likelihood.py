@@ -23,7 +23,7 @@ def bins(frequencies, phases, heading=0.0, weights=None):
 
 def scene(*degrees):
     k = len(degrees)
-    return Scene(UNIT, np.radians(degrees), np.ones(k), np.full(k, 1 / k), wet=False)
+    return Scene(UNIT, np.radians(degrees), np.ones(k), np.full(k, 1 / k), wet=False, directness=1.0)
 
 
 @pytest.mark.parametrize("frequency", [400.0, 1500.0, 5000.0])
@@ -59,6 +59,33 @@ def test_bins_drawn_evenly_count_as_much_as_all():
     assert np.ptp(drawn.weights) == 0.0
     mean = np.average(heard.frequencies, weights=heard.weights)
     assert drawn.frequencies.mean() == pytest.approx(mean, rel=0.02)
+
+
+def rested(told, drawn, azimuths=(40.0, -115.0), heading=0.1):
+    """Tracks after five seconds of talkers at rest; reflections draw their delays to 0 by ``drawn``."""
+    sources = tuple(SourceEstimate(math.radians(a), math.radians(1.0), 1.0, resolved=True) for a in azimuths)
+    tracks, rng = (
+        tracking.begin(Estimate(sources, certain=True, directness=told), 0.05, 343.0),
+        np.random.default_rng(0),
+    )
+    for _ in range(20):
+        turned = 2 * np.pi * rng.uniform(300, 6000, 80) * UNIT
+        delay = drawn * np.cos(np.radians(rng.choice(azimuths, 80)) - heading)
+        phases = turned * delay + 0.15 * np.sqrt(turned) * rng.standard_normal(80)
+        heard = bins(turned / (2 * np.pi * UNIT), np.angle(np.exp(1j * phases)), heading, np.ones(80))
+        tracks = tracking.step(tracks, heard)
+    return tracks
+
+
+@pytest.mark.parametrize("directness", [0.9, 0.8, 0.7])
+def test_nobody_leaves_when_reflections_draw_delays_to_zero_as_the_exploration_has_told(directness):
+    """Of what is not direct three quarters draw the delays (measured in simulated rooms, decision 115)."""
+    drawn = 1 - 0.75 * (1 - directness)
+    stays = [each.weight for each in rested(directness, drawn).hypotheses if not each.members]
+    assert stays
+    assert stays[0] > 0.5
+    left = sum(each.weight for each in rested(1.0, drawn).hypotheses if each.members)
+    assert left > 0.9  # who is told of the open takes the same delays for those of somebody elsewhere
 
 
 def test_where_somebody_rests_is_heard_within_what_was_told():

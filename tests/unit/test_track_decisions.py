@@ -117,6 +117,18 @@ def test_who_has_left_for_long_has_moved_and_not_before(azimuth, corrections):
     assert tracker.azimuths == pytest.approx(np.radians([azimuth, -60]), abs=0.02)
 
 
+def test_what_reflections_may_do_to_a_delay_is_no_move():
+    """23 degrees away at broadside: beyond what echoes do in the open, not where they draw delays to 0 by a fifth."""
+    open_air = tracker_of(90, -150, now=(113, -150))
+    room = tracker_of(90, -150, now=(113, -150))
+    room.tracks = replace(room.tracks, wet=True, directness=0.6)
+    for tracker in (open_air, room):
+        for step in range(2 * LASTING):
+            tracker.corrected(10.0 + step * UPDATE)
+    assert open_air.moved == [True, False]
+    assert room.moved == [False, False]
+
+
 def test_who_is_silent_has_not_moved_however_likely_it_is():
     tracker = tracker_of(100, -60, now=(140, -60))
     tracker.tracks = replace(tracker.tracks, ages=np.array([2.0, 0.0]))

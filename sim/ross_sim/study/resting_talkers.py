@@ -1,0 +1,149 @@
+"""Talkers who rest while the array listens: how often the tracker wrongly says that somebody has moved.
+
+``python -m ross_sim.study.resting_talkers --speech DIR [--settings S1,S2,A0.45] [--k 3,4] [--draws 8] [--seed S]``
+
+K talkers speak for 16 s around an array that rests at the best heading for one of them. The tracker begins with their
+azimuths, wrong by as much as an exploration of that room is, and with the directness that one tells of it (`TOLD`).
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.signal import oaconvolve
+
+from ross_payload.alignment.predicted_gain import best_headings
+from ross_payload.angles import difference, wrap
+from ross_payload.dsp.noise import quiet_psd
+from ross_payload.dsp.stft import Stft
+from ross_payload.events import Estimate, SourceEstimate
+from ross_payload.interfaces import Real, Samples
+from ross_payload.localization import tracking
+from ross_payload.localization.phase_statistics import FrameStatistics, statistics
+from ross_payload.mission.source_tracking import ECHOES, UPDATE, SourceTracker
+from ross_sim.study.intervals import wilson
+from ross_sim.study.mixtures import SNR_DB, spread
+from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
+from ross_sim.talkers.synthetic_voices import voices_of
+
+RATE = 16000  # [Hz]
+STFT = Stft(RATE, 1024, 256)
+SECONDS, BEFORE, LEAD_IN = 16, 1, 2  # heard, said before that rings on, and noise alone [s]
+TOLD = {"S1": (1.0, 0.3), "S2": (0.953, 0.4), "A0.3": (0.85, 0.8), "A0.45": (0.8, 1.0), "B0.45": (0.68, 2.0)}
+SIGMA = np.radians(1.0)  # that is told with the azimuths [rad]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """Talkers at rest, and what is heard of them."""
+
+    setting: str
+    azimuths: Real  # [rad], (k,)
+    heading: float  # [rad]
+    heard: tuple[FrameStatistics, ...]  # every `UPDATE`
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What the tracker said of one scene."""
+
+    moved_at_s: float | None  # when it first said that somebody has moved
+    share: float  # of the corrections after which somebody was said to have moved
+    worst_deg: float  # farthest that such a track was from where its talker rested
+
+
+def scene_of(setting: str, k: int, seed: int, voices: Sequence[Samples], seconds: float = SECONDS) -> Scene:
+    """Render random talkers of equal power at microphone 1, noise 15 dB below, and pick the trustworthy bins."""
+    room, rng, n = SETTINGS[setting], np.random.default_rng([seed, k]), round(seconds * RATE)
+    azimuths = spread(k, rng)
+    places = room.places(azimuths, rng)
+    heading = float(best_headings(azimuths, directness=TOLD[setting][0])[0])
+    responses = room.responses(places, [heading], RATE)[0]
+    mixture, before = np.zeros((2, n)), BEFORE * RATE
+    for source, voice in enumerate(rng.permutation(len(voices))[:k]):
+        speech = np.resize(np.roll(voices[voice], -int(rng.integers(len(voices[voice])))), n + before)
+        image = oaconvolve(speech[None], responses[:, source], axes=-1)[:, before : before + n]
+        mixture += image / np.sqrt(np.mean(image[0] ** 2))
+    level = np.sqrt(np.mean(mixture[0] ** 2)) * 10 ** (-SNR_DB / 20)
+    lead_in = (level * rng.standard_normal((2, LEAD_IN * RATE))).astype(np.float32)
+    spectrogram = STFT.analyse((mixture + level * rng.standard_normal(mixture.shape)).astype(np.float32))
+    noise = quiet_psd(STFT.analyse(lead_in), spectrogram)
+    step, echoes = round(UPDATE / STFT.period), round(ECHOES / STFT.period)
+    heard = []
+    for first in range(0, spectrogram.shape[-1] - step + 1, step):
+        skip = min(first, echoes)
+        frames, still = spectrogram[:, :, first - skip : first + step], np.full(step + skip, heading)
+        heard.append(statistics(frames, STFT.frequencies, still, noise, period=STFT.period, skip=skip))
+    return Scene(setting, azimuths, heading, tuple(heard))
+
+
+def tracked(scene: Scene, seed: int, directness: float | None = None) -> Outcome:
+    """Let the tracker hear a scene; ``directness``: told instead of what an exploration tells of such a room."""
+    told, error_deg = TOLD[scene.setting]
+    errors = np.random.default_rng([seed, len(scene.azimuths), 1]).normal(
+        0.0, np.radians(error_deg), scene.azimuths.size
+    )
+    sources = tuple(
+        SourceEstimate(wrap(float(azimuth)), SIGMA, confidence=1.0, resolved=True)
+        for azimuth in scene.azimuths + errors
+    )
+    anchor = Estimate(sources, certain=True, directness=told if directness is None else directness)
+    tracker = SourceTracker(anchor, 0, STFT, SPACING, SPEED_OF_SOUND, None, None)
+    time, first, said, worst = 0.0, None, 0, 0.0
+    for heard in scene.heard:
+        time += heard.seconds
+        tracker.tracks = tracking.step(tracker.tracks, heard)
+        tracker.corrected(time)
+        if tracker.acts:
+            first, said = time if first is None else first, said + 1
+            off = np.abs(difference(tracker.tracks.azimuths, scene.azimuths))[tracker.moved]
+            worst = max(worst, float(np.degrees(off.max())))
+    return Outcome(first, said / len(scene.heard), worst)
+
+
+def outcomes(
+    settings: Sequence[str], ks: Sequence[int], seeds: Sequence[int], voices: Sequence[Samples]
+) -> Iterator[tuple[str, int, list[Outcome]]]:
+    """Every room and K, scene by scene."""
+    for setting in settings:
+        for k in ks:
+            yield setting, k, [tracked(scene_of(setting, k, seed, voices), seed) for seed in seeds]
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Print a table in Markdown."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--speech", type=Path, help="folder of recordings; default: synthetic voices")
+    parser.add_argument("--settings", default=",".join(TOLD), help="rooms, separated by commas")
+    parser.add_argument("--k", default="3,4", help="numbers of talkers, separated by commas")
+    parser.add_argument("--draws", type=int, default=8)
+    parser.add_argument("--seed", type=int, default=0, help="of the first draw; the next have the next seeds")
+    given = parser.parse_args(arguments)
+    settings = given.settings.split(",")
+    if unknown := sorted(set(settings) - set(TOLD)):
+        parser.error(f"--settings: expected {', '.join(TOLD)}, got {unknown[0]}")
+    voices = [voice.speech for voice in voices_of(given.speech, RATE)]
+    columns = ("room", "K", "somebody has moved", "95 %", "share of the time", "farthest [deg]")
+    _line(columns)
+    _line(["---"] * len(columns))
+    seeds = range(given.seed, given.seed + given.draws)
+    for setting, k, found in outcomes(settings, [int(k) for k in given.k.split(",")], seeds, voices):
+        wrong = sum(outcome.moved_at_s is not None for outcome in found)
+        low, high = wilson(wrong, len(found))
+        share = np.mean([outcome.share for outcome in found])
+        worst = max(outcome.worst_deg for outcome in found)
+        _line([setting, k, f"{wrong}/{len(found)}", f"{low:.2f}-{high:.2f}", f"{share:.2f}", f"{worst:.0f}"])
+
+
+def _line(cells: Sequence[object]) -> None:
+    sys.stdout.write(f"| {' | '.join(map(str, cells))} |\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
