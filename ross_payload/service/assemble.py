@@ -118,6 +118,7 @@ def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
         rotors=rotors_of(config),
         in_noise=in_noise_of(config),
         turning=explorer if config.explore.continuous else None,
+        reconsidering=explorer if explorer.reconsiders else None,
     )
 
 
