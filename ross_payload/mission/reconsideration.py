@@ -148,5 +148,5 @@ def _due(context: Context, estimate: Estimate) -> bool:
 
 
 def _moved(context: Context) -> bool:
-    """Whether somebody has moved since the listening began: azimuths of the exploration hold no longer."""
-    return context.tracker is not None and (context.tracker.acts or context.tracker.stirred)
+    """Whether a source has left the place where the exploration found it."""
+    return context.tracker is not None and context.tracker.acts
