@@ -65,10 +65,12 @@ def test_what_is_heard_at_the_alignments_renews_every_confidence_and_moves_nothi
     assert [turn.joint for turn in one.said(TurnStarted)] == [turn.joint for turn in plain.said(TurnStarted)]
 
 
-def test_the_explorer_is_asked_before_and_after_a_run_and_no_heading_outweighs_the_exploration():
+def test_the_explorer_is_asked_after_ever_longer_times_and_no_heading_outweighs_the_exploration():
     again = Again()
-    flown(again, settings=replace(base.SETTINGS, run=10.5))
-    assert again.asked == [(3 + 1, 3), (3 + MOST, 3)]  # of T_check and 15 T_unit at one heading four count
+    one, _ = flown(again, settings=replace(base.SETTINGS, run=5.25, runs=10))
+    assert set(again.asked) == {(3 + MOST, 3)}  # of T_check and 70 T_unit at one heading four count
+    times = np.diff([event.time for event in one.said(SourcesReconsidered)])
+    assert (times / 5.25).round().astype(int).tolist() == [2, 2, 4]
 
 
 def test_a_source_that_is_most_probably_nobody_is_dropped_and_the_others_stay():
