@@ -222,9 +222,9 @@ class SourceTracker:
             self.turned = time
         if time - self.turned < DWELL or self._planned == self._frames:
             return None
+        self._planned = self._frames  # nothing new is known before the next correction
         if not (self.acts or self.stirred or self.tracks.spreads.max(initial=0.0) > UNSEEN):
             return None
-        self._planned = self._frames  # nothing new is known before the next correction
         ahead = tracking.predict(self.tracks, AHEAD)
         offsets = np.arange(-round(SHORT / FINE), round(SHORT / FINE) + 1) * FINE
         offsets = offsets[(here.joint + offsets >= lower) & (here.joint + offsets <= upper) | (offsets == 0.0)]

@@ -97,7 +97,10 @@ def play_with(node):
 SCENE = """
 title = "a mission on a bus"
 [payload.explore]
+lead_in_s = 1.0
 unit_s = 1.5
+min_rotations = 2
+max_rotations = 2
 [payload.dronecan]
 port = "{bus}"
 [payload.service]

@@ -236,7 +236,7 @@ def test_a_folder_that_is_no_session_gets_one_line(tmp_path, run):
 def test_the_guide_works_as_printed(run, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("ross_sim.scenario._folder", lambda: tmp_path)  # where its scenario takes less time
-    brief("one-talker", tmp_path, explore=SOON, check_s=1.0, run_s=8.0, **CHEAP)
+    brief("one-talker", tmp_path, explore=SOON, check_s=1.0, run_s=6.0, **CHEAP)
     page = (Path(__file__).parents[2] / "docs" / "how-to" / "record-and-replay.md").read_text(encoding="utf-8")
     lines = [line for block in re.findall(r"```sh\n(.*?)```", page, re.DOTALL) for line in block.splitlines()]
     assert len(lines) == 6

@@ -140,7 +140,7 @@ def test_recorded_talkers_are_told_apart(speech, tmp_path):
 
 
 def test_a_target_that_is_not_there_is_not_found(mission, tmp_path):
-    asked = brief("no-target", tmp_path, explore=SOON, max_restarts=0, **CHEAP)
+    asked = brief("no-target", tmp_path, explore=SOON, max_restarts=0, check_s=1.0, run_s=1.0, **CHEAP)
     asked.write_text(asked.read_text().replace("target = 3", "target = 7"))  # higher than all, for less is heard
     code, _, report = mission("--scenario", asked, "--actuator", "ideal")
     assert code == 3
@@ -251,11 +251,11 @@ def test_other_files_in_the_folder_are_left_alone_and_a_title_is_only_a_title(mi
 
 
 SOONER = {  # what happens in the scenario `restart`, in less time
-    "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.0\nmin_rotations = 2\nmax_rotations = 3",
-    "runs = 2": "runs = 2\ncheck_s = 2.0\nrun_s = 3.0\nseparator = 'gaussian'\ntrack = false",
-    "[[42, 62]]": "[[11, 18]]",
-    "end_s = 45": "end_s = 12",
-    "start_s = 46": "start_s = 13",
+    "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.0\nmin_rotations = 2\nmax_rotations = 2",
+    "runs = 2": "runs = 2\ncheck_s = 1.0\nrun_s = 3.0\nseparator = 'gaussian'\ntrack = false",
+    "[[42, 62]]": "[[9, 14]]",
+    "end_s = 45": "end_s = 10",
+    "start_s = 46": "start_s = 11",
 }
 
 
@@ -270,7 +270,9 @@ def test_a_mission_that_loses_its_target_starts_again_and_finds_it(mission, tmp_
 
 def test_a_target_asked_for_by_name_is_in_the_room(mission, speech, tmp_path):
     wanted = ("--speech", speech, "--target", "vctk_p226")
-    code, _, report = mission("--scenario", brief("demo", tmp_path, run_s=2.0, **CHEAP), "--informed", *wanted)
+    code, _, report = mission(
+        "--scenario", brief("demo", tmp_path, check_s=1.0, run_s=1.0, **CHEAP), "--informed", *wanted
+    )
     assert (code, report["target"]) == (0, "vctk_p226")
 
 

@@ -11,19 +11,20 @@ from short_mission import THREE, changed
 pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
 SOONER = {  # what happens in the scenario `slip`, in less time
-    "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.5\nmax_rotations = 4",
+    "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.5\nmin_rotations = 2\nmax_rotations = 2",
     "runs = 2": "runs = 2\ncheck_s = 2.0\nrun_s = 4.0\nseparator = 'gaussian'",
-    "at_s = 34": "at_s = 15",
+    "at_s = 34": "at_s = 10",
 }
 QUIET = """
 title = "Nothing slips"
 [payload.explore]
 lead_in_s = 1.0
 unit_s = 1.5
-max_rotations = 4
+min_rotations = 2
+max_rotations = 2
 [payload.exploit]
 separator = "gaussian"
-check_s = 2.0
+check_s = 1.0
 run_s = 2.0
 runs = 2
 [noise]
@@ -56,7 +57,7 @@ def test_a_mission_without_a_slip_looks_for_none(run, tmp_path):
     scenario.write_text(QUIET + THREE)
     code, report = flown(run, tmp_path / "out", "--scenario", scenario, "-a", "ideal")
     assert (code, report["slips_deg"]) == (0, [])
-    assert report["mission_s"] < 36  # explored once
+    assert report["mission_s"] < 18  # explored once
 
 
 def test_a_trouble_that_makes_no_sense_for_an_actuator_is_one_clear_line(run, tmp_path):

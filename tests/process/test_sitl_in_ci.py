@@ -48,7 +48,7 @@ def fly(folder, environment, *arguments):
 
 
 def test_the_example_finds_everybody_and_the_target(tmp_path, environment):
-    asked = brief("one-talker", tmp_path, explore=SOON, **CHEAP)
+    asked = brief("one-talker", tmp_path, explore=SOON, check_s=1.0, run_s=2.0, **CHEAP)
     flown = fly(tmp_path, environment, asked, CI / "flight.py", "3")
     assert flown.returncode == 0, flown.stdout + flown.stderr
     assert re.search(r"talkers at \S+\nlargest error [0-2]\.\d\d deg\ntarget recognised\n", flown.stdout)

@@ -18,7 +18,7 @@ from waiting import wait_for
 STUDY = """
 settings = ["S1"]
 k = [2]
-layouts = 1
+layouts = 0
 starts = 2
 separators = ["duet"]
 rotations = [2]
@@ -26,7 +26,7 @@ unit_s = [0.5]
 run_s = 1.0
 rate_hz = 16000
 """
-TASKS = 2 * (2 + 2 + 2)
+TASKS = 2 + 2 + 2
 ROWS = ("separations.csv", "explorations.csv", "tables.md", "study.json")
 OTHER_CODE = """
 from ross_sim.study import study_store
@@ -45,7 +45,7 @@ from ross_sim.study import study_case
 if study_case.perform.__module__ == study_case.__name__:  # it is loaded twice
     before = study_case.perform
     def perform(task, study, source):
-        if task.id == "S1-K2-L1-T1":
+        if task.id == "S1-K2-L0-T1":
             os.kill(os.getpid(), 9)
         return before(task, study, source)
     study_case.perform = perform
@@ -141,7 +141,7 @@ def test_a_task_that_ends_its_workers_fails_alone(folder, tmp_path):
     with cluster(tmp_path, DEADLY) as engine:
         done = study(folder, tmp_path / "out", "--engine", engine)
     assert done.returncode == 1
-    assert "1 tasks failed, and the same command tries them again; S1-K2-L1-T1: its worker died" in done.stdout
+    assert "1 tasks failed, and the same command tries them again; S1-K2-L0-T1: its worker died" in done.stdout
     journal = (tmp_path / "out" / "journal.jsonl").read_text().splitlines()
     assert len(journal) == TASKS - 1
 

@@ -10,7 +10,7 @@ title = "a short mission"
 lead_in_s = 1.0
 unit_s = 1.0
 min_rotations = 2
-max_rotations = 3
+max_rotations = 2
 [payload.exploit]
 separator = "gaussian"
 track = false

@@ -77,6 +77,14 @@ def test_one_heading_does_not_depend_on_the_others():
     assert np.array_equal(respond(room, [0.1, 0.2, 0.3])[1], respond(room, [0.2])[0])
 
 
+def test_a_room_that_was_heard_before_sounds_as_one_that_is_new():
+    room, other = spec(t60=0.4), spec(t60=0.3)
+    first = respond(room, [0.2, 0.7])
+    for place in (room, other):
+        respond(place, [1.0])
+    assert np.array_equal(respond(room, [0.7])[0], first[1])
+
+
 def test_no_source_gives_no_response():
     assert respond(spec(sources=()), [0.0, 1.0]).shape[:3] == (2, 2, 0)
 

@@ -42,7 +42,8 @@ def explored(source):
 
 
 def test_a_task_gives_the_same_rows_every_time(source):
-    once, again, other = (perform(EXPLORED, study(rotations=(2,), seed=seed), source) for seed in (0, 0, 1))
+    task, asked = replace(EXPLORED, unit=0.5), {"rotations": (2,), "unit_s": (0.5,), "run_s": 1.0}
+    once, again, other = (perform(task, study(**asked, seed=seed), source) for seed in (0, 0, 1))
     assert again.separations == once.separations
     assert again.explorations == once.explorations
     assert other.explorations != once.explorations

@@ -64,10 +64,10 @@ def test_where_hardly_anything_is_gained_the_array_stays():
 
 
 def test_nothing_turns_before_somebody_has_moved():
-    tracker = tracker_of(40, -40)
-    assert turn(tracker) is None
-    tracker.stirred = True  # it is not known who
-    assert turn(tracker) is not None
+    still, stirred = tracker_of(40, -40), tracker_of(40, -40)
+    assert turn(still) is None
+    stirred.stirred = True  # it is not known who
+    assert turn(stirred) is not None
 
 
 def test_the_array_turns_to_look_when_it_is_not_known_whether_somebody_has_moved():

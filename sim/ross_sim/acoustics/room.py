@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.metadata import version
 from typing import Any
 
@@ -22,6 +24,7 @@ CLEARANCE = 0.2  # [m], nearest a source may come to the centre of the array
 WALL = 0.01  # [m], nearest anything may come to a wall
 SPEED_OF_SOUND = 343.0  # [m/s]
 SINC = 81  # taps of a fractional delay; every response starts SINC // 2 samples late
+_ONE_AT_A_TIME = threading.Lock()  # a room that is kept has one array, and the library's constants are everybody's
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,15 +73,14 @@ def respond(spec: RoomSpec, headings: Sequence[float]) -> Samples:
     n_sources = len(spec.sources)
     if not n_sources or not len(headings):
         return np.zeros((len(headings), 2, n_sources, n_taps(spec)), dtype=np.float32)
-    with _single_thread(spec.t60 > 0):
-        room = _shoebox(spec)
-        room.add_microphone_array(microphones(spec, headings))
-        for source in spec.sources:
-            room.add_source(list(source))
+    with _ONE_AT_A_TIME, _single_thread(spec.t60 > 0):
+        room = _room_with_images(spec)
+        _hear_at(room, microphones(spec, headings))
         room.compute_rir()
+        heard, room.rir = room.rir, None
     taps = n_taps(spec)
     padded = np.zeros((2 * len(headings), n_sources, taps), dtype=np.float32)
-    for row, responses in zip(padded, room.rir, strict=True):
+    for row, responses in zip(padded, heard, strict=True):
         for out, response in zip(row, responses, strict=True):
             out[: min(taps, len(response))] = response[:taps]
     return padded.reshape(len(headings), 2, n_sources, taps)
@@ -103,13 +105,32 @@ def microphones(spec: RoomSpec, headings: Sequence[float]) -> Real:
     return np.asarray(ends.reshape(-1, len(spec.size)).T)
 
 
-def _shoebox(spec: RoomSpec) -> Any:
+@lru_cache(maxsize=2)  # talkers, and what sounds beside them; an image takes 16 bytes, a large room has a million
+def _room_with_images(spec: RoomSpec) -> Any:
+    """A room with the images of its sources, which do not depend on where the microphones are."""
     import pyroomacoustics as pra  # noqa: PLC0415
 
     absorption, order = _walls(spec)
     room = pra.ShoeBox(list(spec.size), fs=spec.rate, materials=pra.Material(absorption), max_order=order)
     room.set_sound_speed(spec.speed_of_sound)
+    room.add_microphone(list(spec.array_centre))
+    for source in spec.sources:
+        room.add_source(list(source))
+    room.image_source_model()
+    for source in room.sources:  # what is of use to directive sources alone
+        source.orders = source.orders_xyz = source.walls = source.generators = None
     return room
+
+
+def _hear_at(room: Any, places: Real) -> None:
+    """Put microphones, (dim, n_microphones), in a room whose images are known: all are seen from everywhere."""
+    import pyroomacoustics as pra  # noqa: PLC0415
+
+    room.mic_array = pra.MicrophoneArray(places, room.fs)
+    n_microphones = places.shape[1]
+    room.visibility = [np.ones((n_microphones, source.images.shape[1]), dtype=bool) for source in room.sources]
+    for source in room.sources:
+        source.directions = np.broadcast_to(np.float32(0), (n_microphones, *source.images.shape))
 
 
 def _walls(spec: RoomSpec) -> tuple[float, int]:

@@ -31,9 +31,9 @@ def told(steps, start=0.0):
 def flight(tmp_path_factory):
     """Two payloads, one of which starts again, an autopilot, texts in chunks, and lost frames."""
     first, second = Encoder(1, 191), Encoder(2, 191)
-    ours = [first.encode(value) for value in told(150)]
-    others = [second.encode(value) for value in [*told(70, start=100.0), Heartbeat(Health.BOOT, 0), *told(80)]]
-    vehicle = list(vehicle_frames(steps=100))
+    ours = [first.encode(value) for value in told(60)]
+    others = [second.encode(value) for value in [*told(25, start=100.0), Heartbeat(Health.BOOT, 0), *told(35)]]
+    vehicle = list(vehicle_frames(steps=40))
     mixed = [frame for trio in zip(ours, others, vehicle * 6, strict=False) for frame in trio]
     kept = [frame for place, frame in enumerate(mixed) if place % 97]
     path = tmp_path_factory.mktemp("flights") / "mixed.tlog"
