@@ -127,6 +127,17 @@ class SourcesTracked(Event):
 
 
 @dataclass(frozen=True, slots=True)
+class SourcesReconsidered(Event):
+    """How sure the sources of the latest estimate are by all that was heard since; in its order, and as many.
+
+    An estimate without those that are dropped follows, where any are.
+    """
+
+    estimate: Estimate
+    dropped: tuple[int, ...] = ()  # indices of sources that are most probably nobody
+
+
+@dataclass(frozen=True, slots=True)
 class AlignmentCandidate:
     """A heading that isolates one source."""
 

@@ -376,6 +376,16 @@ class TurningExplorer(Explorer, Protocol):
         """
 
 
+class ReconsideringExplorer(Explorer, Protocol):
+    """An explorer that can be asked later, once more was heard, how sure it is of what it found."""
+
+    def reconsider(self, observations: Sequence[Observation], k: int) -> Estimate | None:
+        """Explain all observations by ``k`` sources, each with the probability that it is somebody, if that can be.
+
+        Where it is not unlikely that there are more talkers, the likeliest explanation with more sources is its rival.
+        """
+
+
 @dataclass(frozen=True, slots=True)
 class Scene:
     """What a separator may know."""

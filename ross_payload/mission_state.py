@@ -79,7 +79,7 @@ def reduce(mission: MissionState, event: events.Event) -> MissionState:
                 target=None,
                 target_found=False,
             )
-        case events.SourcesTracked():
+        case events.SourcesTracked() | events.SourcesReconsidered():
             mission = replace(mission, estimate=event.estimate)
         case events.AlignmentPlanned():
             first = event.candidates[0] if event.candidates else None

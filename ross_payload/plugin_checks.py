@@ -21,6 +21,7 @@ from ross_payload.interfaces import (
     LiveSeparator,
     Observation,
     Real,
+    ReconsideringExplorer,
     Scene,
     Separator,
     TurningExplorer,
@@ -198,6 +199,18 @@ class CheckedExplorer:
         """Estimate K and all azimuths from every orientation heard so far."""
         believed = _called(self._who, "estimate", lambda: self._explorer.estimate(observations))
         return _faultless(self._who, "estimate", believed, _fault_of_estimate(believed))
+
+    @property
+    def reconsiders(self) -> bool:
+        """Whether the plug-in has a method ``reconsider``."""
+        return callable(getattr(self._explorer, "reconsider", None))
+
+    def reconsider(self, observations: Sequence[Observation], k: int) -> Estimate | None:
+        """Explain all observations by ``k`` sources, if that can be."""
+        plugin: ReconsideringExplorer = self._explorer  # type: ignore[assignment]  # one that reconsiders
+        believed = _called(self._who, "reconsider", lambda: plugin.reconsider(observations, k))
+        fault = "" if believed is None else _fault_of_estimate(believed)
+        return _faultless(self._who, "reconsider", believed, fault)
 
 
 def _expect_methods(who: str, plugin: Any, methods: dict[str, tuple[str, ...]]) -> None:

@@ -48,7 +48,7 @@ class Fit:
     rival: float  # worth over price of the last source that was turned down
     likely: float  # probability that there are as many talkers as sources, or more
     more: float  # the largest such probability of the mixtures with more sources
-    second: Fit | None = None  # the likeliest of those, where that is not unlikely
+    second: Fit | None = None  # the likeliest of those
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +135,15 @@ class Joint:
         """Estimate the azimuths of ``k`` sources; fewer when the histograms do not hold so many."""
         return self._estimate(observations, k)
 
+    def reconsider(self, observations: Sequence[Observation], k: int) -> Estimate | None:
+        """Explain all observations by ``k`` sources, if that can be; see `interfaces.ReconsideringExplorer`."""
+        evidence, second = self.evidence(observations), None
+        for fit in self._fits(evidence):
+            if len(fit.step.worth) == k:
+                return self._with_second(evidence, fit, second)
+            second = _likelier(second, fit)
+        return None
+
     def _estimate(self, observations: Sequence[Observation], known: int | None) -> Estimate:
         if not observations:
             return Estimate(())
@@ -142,8 +151,13 @@ class Joint:
         fit = self._counted(evidence) if known is None else self._told(evidence, known)
         if fit is None:
             return Estimate(())
-        second = None if fit.second is None else self._explained(evidence, fit.second)
-        return replace(self._explained(evidence, fit), rival=second)
+        return self._with_second(evidence, fit, fit.second)
+
+    def _with_second(self, evidence: Evidence, fit: Fit, second: Fit | None) -> Estimate:
+        """What a fit says, and what the second-best one says where the stop rule would doubt that there are no more."""
+        doubted = second is not None and fit.more > self.enough.doubt
+        rival = self._explained(evidence, second) if second is not None and doubted else None
+        return replace(self._explained(evidence, fit), rival=rival)
 
     def _explained(self, evidence: Evidence, fit: Fit) -> Estimate:
         """What a fit says of sources and room."""
@@ -153,15 +167,12 @@ class Joint:
         return Estimate(sources, self._certain(evidence.rich, fit, sources), directness)
 
     def _counted(self, evidence: Evidence) -> Fit | None:
-        """The largest mixture for which it is likely that there are as many talkers.
-
-        Where the stop rule would doubt that there are no more, the likeliest mixture of more sources is its second.
-        """
+        """The largest mixture for which it is likely that there are as many talkers, with the likeliest larger one."""
         second: Fit | None = None
         for fit in self._fits(evidence):
             if fit.likely >= talker_evidence.LIKELY:
-                return replace(fit, second=second if fit.more > self.enough.doubt else None)
-            second = fit if second is None or fit.likely > second.likely else second
+                return replace(fit, second=second)
+            second = _likelier(second, fit)
         return None
 
     def _fits(self, evidence: Evidence) -> Iterator[Fit]:
@@ -200,6 +211,10 @@ class Joint:
         turned = len(data.headings) if data.periods is None else covered(data.headings)
         heard = turned >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
         return bool(clear and sure and sharp and heard and sources)
+
+
+def _likelier(one: Fit | None, other: Fit) -> Fit:
+    return other if one is None or other.likely > one.likely else one
 
 
 def height_of(observations: Sequence[Observation]) -> float | None:

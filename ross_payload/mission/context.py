@@ -35,6 +35,7 @@ from ross_payload.interfaces import (
     Observation,
     Output,
     Real,
+    ReconsideringExplorer,
     Samples,
     Separator,
     TurningExplorer,
@@ -108,6 +109,7 @@ class Tools:
     rotors: Rotors | None = None  # of the vehicle
     in_noise: JointInNoise | None = None  # observes for the explorer where the vehicle makes noise
     turning: TurningExplorer | None = None  # the explorer, where it is to hear while the array turns
+    reconsidering: ReconsideringExplorer | None = None  # the explorer, where it can be asked again later
 
 
 class Ended(Exception):
@@ -156,6 +158,9 @@ class Context:
     explored: list[Listening] = field(default_factory=list)  # of the latest exploration
     observations: list[Observation] = field(default_factory=list)  # what they tell the explorer
     beliefs: list[Estimate] = field(default_factory=list)  # one after each of them
+    heard_since: list[Observation] = field(default_factory=list)  # what the listening since then tells the explorer
+    reconsidered: tuple[float, float] | None = None  # when it was asked about that first and last [s], None: never
+    believed: tuple[Estimate, int] | None = None  # what the latest run believed at last, and whom it listened to
     pending: list[Event] = field(default_factory=list)
     yields: bool = False  # another task may take the place of this one: it has found what it looked for
     later: list[Order] = field(default_factory=list)  # to be obeyed when the task is over

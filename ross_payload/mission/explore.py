@@ -38,6 +38,7 @@ def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
     while True:
         context.drop_frame()
         context.explored, context.observations, context.beliefs = [], [], []
+        context.heard_since, context.reconsidered = [], None
         try:
             explorer = context.tools.turning
             found = yield from (_orientations(context) if explorer is None else explore_turning(context, explorer))

@@ -20,6 +20,7 @@ from ross_payload.events import (
     OrientationHeard,
     Outcome,
     SourcesEstimated,
+    SourcesReconsidered,
     SourcesTracked,
     State,
 )
@@ -271,7 +272,7 @@ class LiveSession:
             if isinstance(event, SourcesEstimated) and event.final:
                 earth, explored = self._context.pointing.earth, not event.informed
                 self._memory = replace(self._memory, estimate=event.estimate, earth=earth, explored=explored)
-            elif isinstance(event, SourcesTracked):
+            elif isinstance(event, SourcesTracked | SourcesReconsidered):
                 self._memory = replace(self._memory, estimate=event.estimate)
 
     def _progress(self, task: Task, event: OrientationHeard) -> Answered:

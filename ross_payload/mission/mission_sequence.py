@@ -10,6 +10,7 @@ from ross_payload.mission.context import Context, Ended, FrameChanged, Settings,
 from ross_payload.mission.exploit import DROPPED, Search, run, search, search_among
 from ross_payload.mission.explore import lead_in
 from ross_payload.mission.orientation_scan import matched
+from ross_payload.mission.reconsideration import reconsider
 from ross_payload.mission.slip_detection import survey
 
 
@@ -88,12 +89,16 @@ def _attempt(
         among, source = yield from _sought(context, among)
         estimate = among.estimate
     if source is None:
+        estimate, _ = reconsider(context, estimate, None)
         return None, f"none of the {estimate.k} voices is the target's", False
     while True:
         why = yield from run(context, estimate, source, doubts=doubts)
         at_once = context.evidence is not None  # fell below the criterion as soon as it was heard longer
+        believed, source = context.believed or (estimate, source)
         other = None
         if why == DROPPED and at_once and among is not None:
+            if believed.k != among.estimate.k:
+                _say_estimate(context, among.estimate)
             among, other = yield from _sought(context, among)
             estimate = among.estimate
         if other is None:

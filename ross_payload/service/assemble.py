@@ -118,7 +118,13 @@ def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
         rotors=rotors_of(config),
         in_noise=in_noise_of(config),
         turning=explorer if config.explore.continuous else None,
+        reconsidering=explorer if explorer.reconsiders and _at_rest_among_talkers(config) else None,
     )
+
+
+def _at_rest_among_talkers(config: Config) -> bool:
+    """Whether it explores step by step, without a vehicle's noise: of the rest nobody knows how sure it is later."""
+    return not (config.explore.continuous or config.ego_noise.learn)
 
 
 def rotors_of(config: Config) -> Rotors | None:

@@ -125,6 +125,14 @@ def tracked(known: list[values.Source], event: events.SourcesTracked, stamp: Sta
     ]
 
 
+def reconsidered(known: list[values.Source], event: events.SourcesReconsidered, stamp: Stamp) -> list[values.Source]:
+    """Return the sources of the latest estimate, each as sure as it is by now; the rest of what is known stays."""
+    return [
+        replace(source, time_usec=stamp.time_usec, confidence=now.confidence)
+        for source, now in zip(known, event.estimate.sources, strict=False)
+    ]
+
+
 def moved(before: Sequence[values.Source], now: Sequence[values.Source]) -> bool:
     """Tell whether a source is elsewhere than before, or begins to be tracked."""
     apart = len(before) != len(now) or any(

@@ -72,6 +72,9 @@ class Reporter:
                 self._estimate(event, stamp)
             case events.SourcesTracked():
                 self._track(event, stamp)
+            case events.SourcesReconsidered():
+                self.sources = event_messages.reconsidered(self.sources, event, stamp)
+                self._board.announce(Rank.SOURCE, self.sources)
             case events.AlignmentPlanned():
                 self._alignments = event_messages.alignments(event, self.mission.plans, stamp)
                 self._board.announce(Rank.ALIGNMENT, self._alignments)

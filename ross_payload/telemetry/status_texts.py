@@ -37,6 +37,8 @@ def line(event: events.Event) -> Line | None:
         case events.SourcesEstimated(final=True):
             found = f"{_count(event.estimate.k, 'source')} found after {_count(event.rotations, 'turn')}"
             said = Severity.INFO, found
+        case events.SourcesReconsidered(dropped=(_, *_)):
+            said = Severity.NOTICE, f"{_count(len(event.dropped), 'source')} dropped: most probably nobody"
         case events.AlignmentPlanned():
             said = Severity.INFO, f"{_count(len(event.candidates), 'heading')} to try"
         case events.Checked(accepted=int(group)):

@@ -154,7 +154,10 @@ class Rig:
         return [event for event in self.events if isinstance(event, kind)]
 
 
-def rig(likes=1, settings=SETTINGS, explorer=None, voiceprint=None, separator=None, *, planner=plan, **told):
+def rig(
+    likes=1, settings=SETTINGS, explorer=None, voiceprint=None, separator=None, *, planner=plan, again=None, **told
+):
     stft, voiceprint = Stft(RATE, 512, 128), voiceprint or Likes(likes)
-    tools = Tools(explorer or ThreeTalkers(), stft, separator or OneGroupEach(), stft, voiceprint, planner)
+    explorer = explorer or ThreeTalkers()
+    tools = Tools(explorer, stft, separator or OneGroupEach(), stft, voiceprint, planner, reconsidering=again)
     return Rig(mission(settings, tools, **told))

@@ -93,6 +93,11 @@ class Believes(ThreeTalkers):
         return self.believed
 
 
+class Reconsiders(ThreeTalkers):
+    def reconsider(self, observations, k):
+        return [source()]
+
+
 def source(azimuth=0.0, **changes):
     return replace(SourceEstimate(azimuth, 0.1, 0.9, resolved=True), **changes)
 
@@ -106,6 +111,7 @@ BAD_EXPLORERS = {
     "confidence": (Believes(Estimate((source(confidence=7.0),))), "confidence from 0 to 1"),
     "crowd": (Believes(Estimate(tuple(source() for _ in range(100)))), "expected at most 16 sources, got 100"),
     "list": (Believes([source()]), "estimate: expected Estimate, got list"),
+    "again": (Reconsiders(), "reconsider: expected Estimate, got list"),
 }
 
 
@@ -113,7 +119,8 @@ def rig_with(explorer=None, batch=None):
     """A mission among fakes with one plug-in of others."""
     mine = CheckedSeparator("separator 'theirs'", separator(batch)) if batch else None
     theirs = checked_explorer("theirs", lambda: explorer) if explorer else None
-    return rig(explorer=theirs, separator=mine, likes=1)
+    again = theirs if theirs is not None and theirs.reconsiders else None
+    return rig(explorer=theirs, separator=mine, likes=1, again=again)
 
 
 # ------------------------------------------------------------------------------------------- in mid-mission

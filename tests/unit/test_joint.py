@@ -146,6 +146,21 @@ def test_when_k_is_known_so_many_are_placed() -> None:
     assert joint.place([], 2) == Estimate(())
 
 
+def test_asked_again_about_the_same_it_says_the_same_and_about_more_it_is_surer_of_who_is_there() -> None:
+    there, joint = list(np.deg2rad([170, 70, -50])), explorer.make(SPACING, SPEED)
+    heard = listen(there, 9, noise=2.0)
+    before = joint.estimate(heard[:5])
+    assert replace(before, certain=False) == replace(joint.reconsider(heard[:5], before.k) or before, certain=False)
+    doubted = joint.reconsider(heard[:5], 3)
+    after = joint.reconsider(heard, 3)
+    assert before.k == 2
+    assert doubted is not None
+    assert after is not None
+    assert min(source.confidence for source in after.sources) > min(source.confidence for source in doubted.sources)
+    assert errors_deg(after, there).max() < 5
+    assert joint.reconsider(heard, 12) is None
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_noise_alone_is_nobody(seed: int) -> None:
     estimate = believe(listen([], 7, seed, noise=1.0))

@@ -3,10 +3,20 @@
 import numpy as np
 import pytest
 
-from ross_payload.events import GroupScore, Separated
-from ross_sim.sitl.report import EventLog, Truth, right_from
+from ross_payload.events import (
+    Estimate,
+    GroupScore,
+    Outcome,
+    Separated,
+    SourceEstimate,
+    SourcesEstimated,
+    SourcesReconsidered,
+)
+from ross_payload.interfaces import Result
+from ross_sim.sitl.report import EventLog, Truth, report, right_from
 
 RATE = 1000
+RATES = {"rate_hz": RATE}
 NAMES = ("anna", "ben")
 
 
@@ -48,3 +58,19 @@ def test_a_target_who_is_not_in_the_room_is_never_heard(images):
 def test_silence_is_nobody(images):
     story = EventLog([period(0 * images, 1000, 0)])
     assert right_from(story, truth(0 * images), RATE) is None
+
+
+def test_sources_are_as_sure_as_by_all_that_was_heard(images):
+    def told(*sure):
+        return Estimate(tuple(SourceEstimate(0.0, 0.01, confidence, True) for confidence in sure))
+
+    def confidences(*events):
+        values = report(
+            EventLog(list(events)), truth(images), Result(Outcome.NO_TARGET, ""), {"payload": {"audio": RATES}}
+        )
+        return [source["confidence"] for source in values["sources"]]
+
+    found, again = SourcesEstimated(1.0, told(0.8, 0.6), 4, final=True), SourcesReconsidered(2.0, told(0.9, 0.1), (1,))
+    assert confidences(found) == [0.8, 0.6]
+    assert confidences(found, again) == [0.9, 0.1]
+    assert confidences(found, again, SourcesEstimated(2.0, told(0.9), 4, final=True)) == [0.9]

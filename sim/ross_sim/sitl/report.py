@@ -26,6 +26,7 @@ from ross_payload.events import (
     Slipped,
     SourceEstimate,
     SourcesEstimated,
+    SourcesReconsidered,
 )
 from ross_payload.interfaces import Real, Result, Samples
 from ross_sim.talkers.path import Path
@@ -117,7 +118,7 @@ def _quality(group: GroupScore, voice: Real, talkers: list[int], truth: Truth, s
 def report(story: EventLog, truth: Truth, result: Result, configuration: dict[str, Any]) -> dict[str, Any]:
     """Everything worth keeping, as plain values: no paths, no timings, the same on every rerun."""
     estimated: SourcesEstimated | None = story.last(SourcesEstimated)
-    sources, time = (estimated.estimate.sources, estimated.time) if estimated else ((), 0.0)
+    sources, time = (_as_sure_as_now(story, estimated), estimated.time) if estimated else ((), 0.0)
     return {
         "outcome": result.outcome.name.lower(),
         "reason": result.reason,
@@ -161,6 +162,13 @@ def right_from(story: EventLog, truth: Truth, rate: int) -> float | None:
         if alike.any() and truth.names[int(alike.argmax())] == truth.target:
             return _round(event.start / rate, 3)
     return None
+
+
+def _as_sure_as_now(story: EventLog, estimated: SourcesEstimated) -> tuple[SourceEstimate, ...]:
+    """The sources of the last estimate, with confidences by all that was heard."""
+    again: SourcesReconsidered | None = story.last(SourcesReconsidered)
+    told = again is not None and story.events.index(again) > story.events.index(estimated)
+    return again.estimate.sources if again is not None and told else estimated.estimate.sources
 
 
 def _sources(sources: Sequence[SourceEstimate], truth: Truth, time: float) -> list[dict[str, Any]]:

@@ -17,6 +17,7 @@ from ross_payload.events import (
     Outcome,
     SourceEstimate,
     SourcesEstimated,
+    SourcesReconsidered,
     State,
     StateChanged,
 )
@@ -48,6 +49,11 @@ class Ear:
         (NoiseMeasured(0.0, None, 2.0), (Severity.WARNING, "no quiet lead-in: the noise level is unknown")),
         (NoiseMeasured(0.0, -60.0, 2.0), None),
         (SourcesEstimated(0.0, Estimate((SOURCE,)), 12, final=True), (Severity.INFO, "1 source found after 12 turns")),
+        (SourcesReconsidered(0.0, Estimate((SOURCE,))), None),
+        (
+            SourcesReconsidered(0.0, Estimate((SOURCE, SOURCE)), (1,)),
+            (Severity.NOTICE, "1 source dropped: most probably nobody"),
+        ),
         (SourcesEstimated(0.0, Estimate((SOURCE,)), 3, final=False), None),
         (AlignmentPlanned(0.0, (CANDIDATE,) * 2, NOTHING, NOTHING), (Severity.INFO, "2 headings to try")),
         (Checked(0.0, CANDIDATE, TARGET, 0, "", ""), (Severity.NOTICE, "target recognised: source 1, score 4.0")),

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from ross_payload.events import Estimate, SourceEstimate, SourcesEstimated, SourcesTracked
+from ross_payload.events import Estimate, SourceEstimate, SourcesEstimated, SourcesReconsidered, SourcesTracked
 from ross_payload.sessions.event_json import line
 from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.codec import Decoder, Encoder
@@ -49,6 +49,23 @@ def test_a_source_at_rest_is_told_no_more_often_than_before(ground):
         ground.say(moved(2.0 + 0.1 * step, 0.5 + 0.001 * (step % 2)))
         ground.wait(0.1)
     assert len([source for source in ground.all(v.Source) if source.source == 0]) <= 4
+
+
+def reconsidered(*sure):
+    sources = tuple(replace(source, confidence=each) for source, each in zip(FOUND.sources, sure, strict=True))
+    return SourcesReconsidered(2.0, replace(FOUND, sources=sources))
+
+
+def test_sources_that_are_reconsidered_have_another_confidence_and_nothing_else(ground):
+    ground.say(SourcesEstimated(1.0, FOUND, 4, final=True))
+    before = ground.all(v.Source)[-2:]
+    ground.now = 3.0
+    ground.say(reconsidered(0.95, 0.5))
+    now = ground.all(v.Source)[-2:]
+    assert [source.confidence for source in now] == [0.95, 0.5]
+    assert [replace(a, confidence=0.0, time_usec=0) for a in now] == [
+        replace(b, confidence=0.0, time_usec=0) for b in before
+    ]
 
 
 def test_tracked_sources_are_a_line_of_the_events():

@@ -1,0 +1,142 @@
+"""Sources are confirmed or dropped by what is heard after the exploration; the rig is that of mission_bench."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+
+import mission_bench as base
+from ross_payload.angles import wrap
+from ross_payload.events import (
+    Checked,
+    Estimate,
+    Outcome,
+    Separated,
+    SourceEstimate,
+    SourcesEstimated,
+    SourcesReconsidered,
+    TurnStarted,
+)
+from ross_payload.interfaces import Score
+from ross_payload.mission.context import Listening
+from ross_payload.mission.reconsideration import DROPPED, MOST, doubtful, reassessed, takes
+
+AZIMUTHS = base.ThreeTalkers.azimuths
+
+
+@dataclass
+class Again(base.ThreeTalkers):
+    """An explorer that has these confidences [%] in the sources at its azimuths when it is asked again."""
+
+    sure: tuple[int, ...] = (97, 98, 99)
+    asked: list = field(default_factory=list)
+
+    def reconsider(self, observations, k):
+        self.asked.append((len(observations), k))
+        pairs = [(a, s) for a, s in zip(self.azimuths, self.sure, strict=True) if s >= 0]
+        sources = (SourceEstimate(wrap(np.deg2rad(a + 3)), 0.01, s / 100, True) for a, s in pairs)
+        return Estimate(tuple(sources))
+
+
+class LouderIsLikelier:
+    """Of the groups of `mission_bench.OneGroupEach` the last one sounds most like the target, whatever its number."""
+
+    def score(self, voice, rate):
+        return Score(base.SURE * float(np.abs(voice).max()), accepted=True)
+
+
+def flown(again, **others):
+    one = base.rig(again=again, **others)
+    return one, one.run()
+
+
+def azimuths(estimate):
+    return np.rad2deg([source.azimuth for source in estimate.sources]).round().tolist()
+
+
+def test_what_is_heard_at_the_alignments_renews_every_confidence_and_moves_nothing():
+    one, _ = flown(Again())
+    plain, _ = flown(None)
+    last = one.said(SourcesReconsidered)[-1]
+    assert [source.confidence for source in last.estimate.sources] == [0.97, 0.98, 0.99]
+    assert azimuths(last.estimate) == list(AZIMUTHS)
+    assert not last.dropped
+    assert len(one.said(SourcesEstimated)) == len(plain.said(SourcesEstimated))
+    assert [turn.joint for turn in one.said(TurnStarted)] == [turn.joint for turn in plain.said(TurnStarted)]
+
+
+def test_the_explorer_is_asked_after_ever_longer_times_and_no_heading_outweighs_the_exploration():
+    again = Again()
+    one, _ = flown(again, settings=replace(base.SETTINGS, run=5.25, runs=10))
+    assert set(again.asked) == {(3 + MOST, 3)}  # of T_check and 70 T_unit at one heading four count
+    times = np.diff([event.time for event in one.said(SourcesReconsidered)])
+    assert (times / 5.25).round().astype(int).tolist() == [2, 2, 4]
+
+
+def test_a_source_that_is_most_probably_nobody_is_dropped_and_the_others_stay():
+    one, result = flown(Again(sure=(97, 98, 10)), likes=1)
+    assert result.outcome is Outcome.TARGET_FOUND
+    assert one.said(SourcesReconsidered)[0].dropped == (2,)
+    last = one.said(SourcesEstimated)[-1]
+    assert (azimuths(last.estimate), last.final) == (list(AZIMUTHS[:2]), True)
+    assert len(one.said(Separated)[-1].groups) == 2
+
+
+def test_a_source_that_no_explanation_of_as_many_holds_any_more_is_dropped():
+    one, _ = flown(Again(sure=(97, 98, -1)), likes=1)
+    assert azimuths(one.said(SourcesEstimated)[-1].estimate) == list(AZIMUTHS[:2])
+
+
+def test_who_sounds_like_the_target_is_never_dropped_and_goes_by_the_new_name():
+    one, result = flown(Again(sure=(10, 98, 10)), voiceprint=LouderIsLikelier())
+    assert one.said(Checked)[-1].accepted == 2
+    assert result.reason == "source 1 is the target"
+    assert azimuths(one.said(SourcesEstimated)[-1].estimate) == list(AZIMUTHS[1:])
+    assert one.said(Separated)[-1].target == 1
+
+
+def test_the_array_turns_again_where_the_target_stands_clearly_better_apart_from_who_is_left():
+    one, _ = flown(Again(sure=(97, 98, 10)), likes=1)
+    turns = [turn for turn in one.said(TurnStarted) if turn.time > one.said(SourcesReconsidered)[0].time]
+    assert [turn.reason for turn in turns] in ([], ["alignment for source 1"])
+    assert one.said(Separated)[-1].heading == (turns[-1].heading if turns else one.said(Checked)[-1].candidate.heading)
+
+
+def test_without_the_target_the_last_estimate_is_that_of_everything_heard():
+    one, result = flown(Again(sure=(97, 98, 10)), likes=7)
+    assert result.outcome is Outcome.NO_TARGET
+    assert result.reason == "none of the 2 voices is the target's"
+    assert one.said(SourcesEstimated)[-1].estimate.k == 2
+
+
+def test_told_azimuths_are_not_reconsidered():
+    again = Again()
+    told = again.estimate([None] * 3)
+    one, _ = flown(again, informed=told)
+    assert not again.asked
+    assert not one.said(SourcesReconsidered)
+
+
+@pytest.mark.parametrize("sure", [(0.0, 0.1, 0.2), (0.9, DROPPED, 0.5)])
+def test_nobody_is_dropped_where_all_are_doubtful_or_none_is(sure):
+    sources = tuple(SourceEstimate(a, 0.01, c, True) for a, c in zip((0.0, 2.0, -2.0), sure, strict=True))
+    assert doubtful(Estimate(sources), None) == ()
+
+
+def test_an_explanation_that_cannot_be_had_changes_nothing():
+    assert reassessed(Estimate((SourceEstimate(0.0, 0.01, 0.9, True),)), None) is None
+
+
+def test_a_period_in_which_the_array_turned_is_taken_where_it_rested():
+    headings = np.concatenate([np.full(300, 0.5), np.linspace(0.5, 0.9, 50), np.full(650, 0.9)])
+    samples = np.arange(2 * 10000, dtype=np.float32).reshape(2, 10000)
+    heard = Listening(0.77, samples, 0.3, headings)
+    found = [(take.heading, int(take.samples[0, 0]), take.samples.shape[1]) for take in takes(heard, 3000)]
+    assert [(round(heading, 2), length) for heading, _, length in found] == [
+        (0.5, 3000),
+        (0.89, 3000),
+        (0.89, 3000),
+    ]
+    assert found[0][1] == 0
+    assert found[1][1] >= 3400
+    assert [len(list(takes(Listening(0.5, samples[:, :n]), 3000))) for n in (1400, 1600, 3000, 9100)] == [0, 1, 1, 3]
