@@ -128,7 +128,7 @@ def main(arguments: Sequence[str]) -> None:
     if unknown := sorted(set(settings) - set(TOLD)):
         parser.error(f"--settings: expected {', '.join(TOLD)}, got {unknown[0]}")
     voices = [voice.speech for voice in voices_of(given.speech, RATE)]
-    columns = ("room", "K", "somebody has moved", "95 %", "share of the time", "farthest [deg]")
+    columns = ("room", "K", "false moves", "95 %", "share of the time", "farthest [deg]")
     _line(columns)
     _line(["---"] * len(columns))
     seeds = range(given.seed, given.seed + given.draws)
