@@ -189,10 +189,10 @@ class ParamClient:
     def _changed(self, before: _Parameter | None, value: float) -> _Parameter:
         if before is None:
             return _Parameter(value)
+        if before.state in (SENDING, NO_ANSWER) and params.same_on_the_wire(value, before.wanted):
+            return _Parameter(value, SET, at=self._now)  # however late
         if before.state != SENDING:
             return replace(before, value=value) if before.value == value else _Parameter(value)
-        if params.same_on_the_wire(value, before.wanted):
-            return _Parameter(value, SET, at=self._now)
         return replace(before, value=value, kept=True)
 
     def _send_value(self, name: str) -> None:

@@ -215,6 +215,16 @@ def test_a_name_that_is_none_is_left_out_with_a_note(script, name):
     assert any("invalid value or name" in note for note in script.settings.notes())
 
 
+@pytest.mark.parametrize(("told", "state"), [(2.0, "set"), (1.5, "known")])
+def test_an_answer_that_comes_after_it_was_given_up_counts(script, told, state):
+    script.tell({"ALPHA": 1.0})
+    script.settings.set("ALPHA", 2.0)
+    script.wait(10)
+    assert row(script.settings, "ALPHA")["state"] == "no_answer"
+    script.say(value_message("ALPHA", told, NO_INDEX, 1))
+    assert (script.settings.values["ALPHA"], row(script.settings, "ALPHA")["state"]) == (told, state)
+
+
 def test_a_value_without_an_index_changes_what_is_known(script):
     script.tell({"ALPHA": 1.0})
     script.say(value_message("ALPHA", 2.0, NO_INDEX, 1))
