@@ -105,26 +105,6 @@ async def test_an_opened_flight_tells_what_is_in_it_and_shows_its_first_payload(
         assert len(shown["sections"]) == 12
 
 
-async def test_a_playing_flight_goes_on_with_the_wall_clock_times_its_speed(folder):
-    async with page(None, FlightLibrary(folder)) as served, browser(served.url) as one:
-        await opened(one)
-        await one.say(type="flight", slot="a", speed=8)
-        await one.say(type="flight", slot="a", play=True)
-        first = await one.next("flight", lambda message: message["playing"])
-        start = time.monotonic()
-        last = await one.next("flight", lambda message: message["at"] > first["at"] + 8)
-        lasted = time.monotonic() - start
-        assert last["speed"] == 8
-        assert 0.4 * 8 * lasted < last["at"] - first["at"] < 1.3 * 8 * lasted + 3
-        times = [each["now"] for each in one.got if each["type"] == "payload"]
-        assert times == sorted(times)
-        await one.say(type="flight", slot="a", play=False)
-        paused = await one.next("flight", lambda message: not message["playing"])
-        await one.next("fleet")
-        await one.next("fleet")
-        assert not [each for each in one.got if each["type"] == "payload" and each["now"] > paused["at"] + 0.01]
-
-
 async def test_a_flight_stops_at_its_end_and_plays_from_the_beginning_again(folder):
     async with page(None, FlightLibrary(folder)) as served, browser(served.url) as one:
         told = await opened(one)
