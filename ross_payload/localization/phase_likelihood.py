@@ -32,7 +32,7 @@ N_BANDS = len(BANDS) + 1
 GROUP = 8  # bins whose densities are multiplied before the logarithm
 LEAST = np.float32(1e-4)  # density: no bin speaks against anything by more than nine nats
 ANYWHERE = 0.5  # share of what is from nobody that has a delay at least: an echo
-PLANE = 0.97  # directness of a plane with echoes, for which errors and thresholds were chosen
+PLANE = 0.97  # amplitude of the delays in a plane with echoes, for which errors and thresholds were chosen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +44,7 @@ class Scene:
     elevations: Real  # their cosines, (k,)
     shares: Real  # of the bins, (k,)
     wet: bool  # in reverberation
-    directness: float  # reflections draw delays to 0 by this factor
+    amplitude: float  # of all delays in this room: reflections draw them to 0 by this factor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,9 +73,9 @@ class Likelihood:
         return np.asarray(self.count * np.log(np.multiply.reduce(grouped, axis=-3)).sum(axis=-2))
 
 
-def excess(directness: float) -> float:
+def excess(amplitude: float) -> float:
     """By how much more reflections draw delays to 0 than in a plane."""
-    return max(PLANE - directness, 0.0)
+    return max(PLANE - amplitude, 0.0)
 
 
 def likelihood(heard: FrameStatistics, scene: Scene, hearing: Hearing) -> Likelihood:
@@ -87,7 +87,7 @@ def likelihood(heard: FrameStatistics, scene: Scene, hearing: Hearing) -> Likeli
     density, case = [], []
     for elevation, table in zip(scene.elevations.tolist(), tables, strict=True):
         if elevation not in cells:
-            delays = scene.directness * elevation * np.cos(AZIMUTHS - heard.headings[:, None])
+            delays = scene.amplitude * elevation * np.cos(AZIMUTHS - heard.headings[:, None])
             unique, index = np.unique(_nearest(delays), axis=1, return_inverse=True)
             cells[elevation] = unique, index.reshape(-1)
         unique, index = cells[elevation]
@@ -104,7 +104,7 @@ def _nearest(delays: Real) -> NDArray[np.intp]:
 def _tables(heard: FrameStatistics, turned: Real, scene: Scene, hearing: Hearing) -> tuple[list[Real], Real]:
     """Density of every phase for every delay of every source, (n, n_delays) each, and for nobody, (n,)."""
     off = np.cos(heard.phases.astype(np.float32)[:, None] - turned[:, None] * DELAYS.astype(np.float32)) - 1
-    error = hearing.error[scene.wet] + hearing.echoic * excess(scene.directness)
+    error = hearing.error[scene.wet] + hearing.echoic * excess(scene.amplitude)
     variance = hearing.noise**2 + error**2 * turned
     alone, beside = _von_mises(off, 1 / variance), _von_mises(off, 1 / (hearing.wider**2 * variance))
     row = np.searchsorted(BELOW, heard.frequencies)
@@ -115,7 +115,7 @@ def _tables(heard: FrameStatistics, turned: Real, scene: Scene, hearing: Hearing
     low = np.flatnonzero(row < len(BELOW))
     if len(scene.azimuths) < 2 or not len(low):
         return [plain] * len(scene.azimuths), nobody.astype(np.float32)
-    delays = scene.elevations * np.cos(scene.azimuths - heard.headings.mean()) * scene.directness
+    delays = scene.elevations * np.cos(scene.azimuths - heard.headings.mean()) * scene.amplitude
     tables = []
     for source in range(len(delays)):
         table = plain.copy()

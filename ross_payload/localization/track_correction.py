@@ -101,7 +101,7 @@ def _cases(density: Real, others: Real, part: Real, talking: Real, found: Likeli
 def correct(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> tuple[Tracks, list[Hypothesis]]:
     """Return what is believed after some frames, and its hypotheses, whose weights sum to 1, before they are merged."""
     shares = tracks.shares[:-1].mean(axis=1) + SOMETIMES
-    scene = Scene(tracks.unit, tracks.azimuths, tracks.elevations, shares, tracks.wet, tracks.directness)
+    scene = Scene(tracks.unit, tracks.azimuths, tracks.elevations, shares, tracks.wet, tracks.amplitude)
     found = likelihood(heard, scene, hearing)
     state, shares = _begin(tracks, found, hearing)
     keep = float(np.exp(-heard.seconds / hearing.homes))

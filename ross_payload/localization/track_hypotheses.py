@@ -51,7 +51,7 @@ class Tracks:
     ages: Real  # since each was heard [s], (k,)
     unit: float  # d / v_p [s]
     wet: bool  # in reverberation
-    directness: float  # reflections draw delays to 0 by this factor
+    amplitude: float  # of all delays in this room: reflections draw them to 0 by this factor
 
     @cached_property
     def mixed(self) -> Real:

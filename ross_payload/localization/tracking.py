@@ -48,7 +48,7 @@ from ross_payload.localization.track_correction import correct, widened
 from ross_payload.localization.track_hypotheses import Hypothesis, Members, Tracks
 
 PLACE = np.radians(1.5)  # of where somebody rests, beside that of the exploration [rad]
-UNTOLD = 0.985  # factor by which reflections draw delays to 0, where nobody has explored
+UNTOLD = 0.985  # amplitude of delays in a room that nobody has explored
 DRAWN = 0.75  # part of what is not direct by which reflections draw delays to 0
 ASTRAY = 0.3  # and part of that by which one delay differs from the next
 MOST = 8  # hypotheses
@@ -60,9 +60,9 @@ TINY = 1e-12
 def begin(estimate: Estimate, spacing: float, speed_of_sound: float) -> Tracks:
     """Begin with what an exploration has found: its azimuths and sigmas, and everybody at rest."""
     azimuths = np.array([source.azimuth for source in estimate.sources])
-    directness = UNTOLD if estimate.directness is None else 1 - DRAWN * (1 - estimate.directness)
+    amplitude = UNTOLD if estimate.directness is None else 1 - DRAWN * (1 - estimate.directness)
     k = len(azimuths)
-    place = float(np.hypot(PLACE, ASTRAY * (1 - directness)))
+    place = float(np.hypot(PLACE, ASTRAY * (1 - amplitude)))
     told = np.array([around(source.azimuth, float(np.hypot(source.sigma, place))) for source in estimate.sources])
     told = told.reshape(k, N_AZIMUTHS)
     return Tracks(
@@ -76,7 +76,7 @@ def begin(estimate: Estimate, spacing: float, speed_of_sound: float) -> Tracks:
         ages=np.zeros(k),
         unit=spacing / speed_of_sound,
         wet=estimate.directness is None or estimate.directness < OPEN,
-        directness=directness,
+        amplitude=amplitude,
     )
 
 

@@ -105,7 +105,7 @@ class SourceTracker:
     @property
     def _echoed(self) -> float:
         """Change of a delay that may come from echoes [d / v_p]."""
-        return HEARD[self.tracks.wet] + excess(self.tracks.directness)
+        return HEARD[self.tracks.wet] + excess(self.tracks.amplitude)
 
     @property
     def behind(self) -> float:
@@ -188,7 +188,7 @@ class SourceTracker:
     def corrected(self, time: float) -> None:
         """Decide at a mission time [s] who has moved: for sure, for a while, and beside somebody who has not."""
         told = np.array([source.azimuth for source in self.anchor.sources])
-        echoes = excess(self.tracks.directness)  # [d / v_p], at broadside also [rad]
+        echoes = excess(self.tracks.amplitude)  # [d / v_p], at broadside also [rad]
         each, anybody = self.tracks.gone(told, MOVED, self._echoed)
         each = np.maximum(each, self._clear(told, FAR_OFF + echoes))
         witness = self._witness(told, each)

@@ -23,7 +23,7 @@ def bins(frequencies, phases, heading=0.0, weights=None):
 
 def scene(*degrees):
     k = len(degrees)
-    return Scene(UNIT, np.radians(degrees), np.ones(k), np.full(k, 1 / k), wet=False, directness=1.0)
+    return Scene(UNIT, np.radians(degrees), np.ones(k), np.full(k, 1 / k), wet=False, amplitude=1.0)
 
 
 @pytest.mark.parametrize("frequency", [400.0, 1500.0, 5000.0])

@@ -121,7 +121,7 @@ def test_what_reflections_may_do_to_a_delay_is_no_move():
     """23 degrees away at broadside: beyond what echoes do in the open, not where they draw delays to 0 by a fifth."""
     open_air = tracker_of(90, -150, now=(113, -150))
     room = tracker_of(90, -150, now=(113, -150))
-    room.tracks = replace(room.tracks, wet=True, directness=0.6)
+    room.tracks = replace(room.tracks, wet=True, amplitude=0.6)
     for tracker in (open_air, room):
         for step in range(2 * LASTING):
             tracker.corrected(10.0 + step * UPDATE)

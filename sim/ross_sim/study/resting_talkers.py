@@ -15,17 +15,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.signal import oaconvolve
 
 from ross_payload.alignment.predicted_gain import best_headings
 from ross_payload.angles import difference, wrap
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.stft import Stft
+from ross_payload.errors import RossError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Real, Samples
 from ross_payload.localization import tracking
 from ross_payload.localization.phase_statistics import FrameStatistics, statistics
 from ross_payload.mission.source_tracking import ECHOES, UPDATE, SourceTracker
+from ross_sim.study.exploration import render
 from ross_sim.study.intervals import wilson
 from ross_sim.study.mixtures import SNR_DB, spread
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
@@ -33,8 +34,9 @@ from ross_sim.talkers.synthetic_voices import voices_of
 
 RATE = 16000  # [Hz]
 STFT = Stft(RATE, 1024, 256)
-SECONDS, BEFORE, LEAD_IN = 16, 1, 2  # heard, said before that rings on, and noise alone [s]
+SECONDS, LEAD_IN = 16.0, 2  # heard, and noise alone before that [s]
 TOLD = {"S1": (1.0, 0.3), "S2": (0.953, 0.4), "A0.3": (0.85, 0.8), "A0.45": (0.8, 1.0), "B0.45": (0.68, 2.0)}
+KS = ("1", "2", "3", "4", "5")
 SIGMA = np.radians(1.0)  # that is told with the azimuths [rad]
 
 
@@ -58,20 +60,15 @@ class Outcome:
 
 
 def scene_of(setting: str, k: int, seed: int, voices: Sequence[Samples], seconds: float = SECONDS) -> Scene:
-    """Render random talkers of equal power at microphone 1, noise 15 dB below, and pick the trustworthy bins."""
-    room, rng, n = SETTINGS[setting], np.random.default_rng([seed, k]), round(seconds * RATE)
+    """Let random talkers speak in a room, and pick the trustworthy bins of what is heard."""
+    rng = np.random.default_rng([seed, k])
     azimuths = spread(k, rng)
-    places = room.places(azimuths, rng)
+    chosen = [voices[index] for index in rng.permutation(len(voices))[:k]]
     heading = float(best_headings(azimuths, directness=TOLD[setting][0])[0])
-    responses = room.responses(places, [heading], RATE)[0]
-    mixture, before = np.zeros((2, n)), BEFORE * RATE
-    for source, voice in enumerate(rng.permutation(len(voices))[:k]):
-        speech = np.resize(np.roll(voices[voice], -int(rng.integers(len(voices[voice])))), n + before)
-        image = oaconvolve(speech[None], responses[:, source], axes=-1)[:, before : before + n]
-        mixture += image / np.sqrt(np.mean(image[0] ** 2))
-    level = np.sqrt(np.mean(mixture[0] ** 2)) * 10 ** (-SNR_DB / 20)
+    mixture = render(chosen, azimuths, SETTINGS[setting], np.array([heading]), rng, seconds=seconds, rate=RATE)[0]
+    spectrogram = STFT.analyse(mixture.astype(np.float32))
+    level = np.sqrt(np.mean(mixture**2) / (1 + 10 ** (SNR_DB / 10)))
     lead_in = (level * rng.standard_normal((2, LEAD_IN * RATE))).astype(np.float32)
-    spectrogram = STFT.analyse((mixture + level * rng.standard_normal(mixture.shape)).astype(np.float32))
     noise = quiet_psd(STFT.analyse(lead_in), spectrogram)
     step, echoes = round(UPDATE / STFT.period), round(ECHOES / STFT.period)
     heard = []
@@ -124,15 +121,23 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("--draws", type=int, default=8)
     parser.add_argument("--seed", type=int, default=0, help="of the first draw; the next have the next seeds")
     given = parser.parse_args(arguments)
-    settings = given.settings.split(",")
-    if unknown := sorted(set(settings) - set(TOLD)):
-        parser.error(f"--settings: expected {', '.join(TOLD)}, got {unknown[0]}")
-    voices = [voice.speech for voice in voices_of(given.speech, RATE)]
+    settings, ks = given.settings.split(","), given.k.split(",")
+    for name, found, allowed in (("settings", settings, TOLD), ("k", ks, KS)):
+        if unknown := [each for each in found if each not in allowed]:
+            parser.error(f"--{name}: expected some of {', '.join(allowed)}, got '{unknown[0]}'")
+    if given.draws < 1:
+        parser.error(f"--draws: expected 1 or more, got {given.draws}")
+    try:
+        voices = [voice.speech for voice in voices_of(given.speech, RATE)]
+    except RossError as error:
+        parser.error(str(error))
+    if len(voices) < max(map(int, ks)):
+        parser.error(f"--speech: expected {max(map(int, ks))} talkers or more, got {len(voices)}")
     columns = ("room", "K", "false moves", "95 %", "share of the time", "farthest [deg]")
     _line(columns)
     _line(["---"] * len(columns))
     seeds = range(given.seed, given.seed + given.draws)
-    for setting, k, found in outcomes(settings, [int(k) for k in given.k.split(",")], seeds, voices):
+    for setting, k, found in outcomes(settings, [int(k) for k in ks], seeds, voices):
         wrong = sum(outcome.moved_at_s is not None for outcome in found)
         low, high = wilson(wrong, len(found))
         share = np.mean([outcome.share for outcome in found])
