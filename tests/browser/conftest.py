@@ -5,6 +5,8 @@
 ``profile``     its profile (`browsing.Profile`), one for all tests, which forgets a test when it ends
 ``window``      the pages of a test (`browsing.Watched`): the test fails when one of them asks another machine for
                 something, or complains; a complaint that a test causes goes into ``window.expected``
+``keep_page``   opens one that stays for all tests of a file, which ask for ``window``, too: to open a page costs more
+                than most tests do in it
 ``open_page``   opens a page of the window: ``open_page(url, width=..., height=..., scheme="dark")``
 
 No test beside these may use asyncio in its own thread.
@@ -32,6 +34,20 @@ def browser():
 @pytest.fixture(scope="package")
 def profile(browser):
     return Profile(browser)
+
+
+@pytest.fixture(scope="module")
+def keep_page(profile):
+    with profile.watched() as watched:
+
+        def kept(url):
+            page = watched.new_page()
+            page.set_viewport_size({"width": 1280, "height": 800})
+            page.emulate_media(color_scheme="light")
+            watched.open(page, url)
+            return page
+
+        yield kept
 
 
 @pytest.fixture

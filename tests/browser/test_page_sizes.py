@@ -56,6 +56,20 @@ def crew(browser, tmp_path_factory):
         yield ground
 
 
+@pytest.fixture
+def kept(pages, window):
+    """Their page, as large as it mostly is."""
+    pages.set_viewport_size({"width": 1280, "height": 800})
+    pages.evaluate("location.hash = '#/payload/1-191'")
+    pages.locator("table.sources").wait_for()
+    return pages
+
+
+@pytest.fixture(scope="module")
+def pages(crew, keep_page):
+    return keep_page(crew.url)
+
+
 def test_a_refusal_is_in_sight_at_every_width_and_wherever_the_page_is_scrolled(crew, open_page):
     page = watch(open_page, crew.url, width=SIZES[0][0], height=SIZES[0][1])
     page.get_by_role("button", name="Take control").click()
@@ -86,8 +100,9 @@ def test_what_became_of_a_stop_does_not_cover_a_refusal(crew, open_page):
         assert page.evaluate(IN_SIGHT, ".stop-fate") == "in sight", f"{width} x {height}"
 
 
-def test_no_table_hides_columns_on_the_smallest_phone(crew, open_page):
-    page = watch(open_page, crew.url, width=320, height=640)
+def test_no_table_hides_columns_on_the_smallest_phone(kept):
+    page = kept
+    page.set_viewport_size({"width": 320, "height": 640})
     page.locator(".parameters summary").click()
     page.locator(".parameters table").wait_for()
     for view in VIEWS:
@@ -96,24 +111,24 @@ def test_no_table_hides_columns_on_the_smallest_phone(crew, open_page):
         assert page.evaluate(HIDDEN_COLUMNS) == [], view
 
 
-def test_letters_grow_with_the_screen(crew, open_page):
-    page = watch(open_page, crew.url)
+def test_letters_grow_with_the_screen(kept):
+    page = kept
     small = page.evaluate(SMALLEST)
     page.set_viewport_size({"width": 3840, "height": 2160})
     eventually(page, lambda: page.evaluate(SMALLEST) >= 1.7 * small)
     assert small >= 11.5
 
 
-def test_a_target_says_whether_it_is_the_enrolled_voice(crew, open_page):
-    page = open_page(crew.url)
+def test_a_target_says_whether_it_is_the_enrolled_voice(kept):
+    page = kept
     assert page.evaluate(MISSION, {"target": 1, "target_found": True}).endswith("recognised as the enrolled voice")
     chosen = page.evaluate(MISSION, {"target": 1, "target_found": False})
     assert chosen.endswith("Source 1 selected; not recognised as the enrolled voice")
     assert page.evaluate(MISSION, {"target": None, "target_found": False}).endswith("no target yet")
 
 
-def test_how_long_the_payload_runs_is_not_how_long_its_computer_does(crew, open_page):
-    page = watch(open_page, crew.url)
+def test_how_long_the_payload_runs_is_not_how_long_its_computer_does(kept):
+    page = kept
     assert "running for" in page.locator(".payload-title").inner_text()
     assert "Computer up for" in page.locator(".health").inner_text()
     assert "Runs for" not in page.locator(".health").inner_text()
@@ -125,13 +140,13 @@ LINK_NAMES = """async (links) => {
 }"""
 
 
-def test_a_link_is_named_by_its_medium_and_where_it_leads(crew, open_page):
+def test_a_link_is_named_by_its_medium_and_where_it_leads(kept):
     links = [
         {"url": "udpin:127.0.0.1:51234", "autopilot": False},
         {"url": "serial:/dev/ttyAMA0:921600", "autopilot": True},
         {"url": "udpout:10.0.0.2:14550", "autopilot": False},
         {"url": "tcpin:0.0.0.0:5760", "autopilot": False},
     ]
-    names = watch(open_page, crew.url).evaluate(LINK_NAMES, links)
+    names = kept.evaluate(LINK_NAMES, links)
     assert names[:2] == ["UDP link to the ground, 1", "Serial link to the autopilot"]
     assert names[2:] == ["UDP link to the ground, 2", "TCP link to the ground"]

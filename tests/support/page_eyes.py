@@ -23,8 +23,8 @@ PAUSES = """() => {
     before = now;
   }, step);
 }"""
-AXE = """async () => {
-  const { violations } = await axe.run({ resultTypes: ["violations"] });
+AXE = """async (rules) => {
+  const { violations } = await axe.run({ resultTypes: ["violations"], ...(rules && { runOnly: rules }) });
   return violations.map((each) => [each.id, each.nodes.map((node) => node.html)]);
 }"""
 
@@ -47,12 +47,12 @@ def longest_pause(page):
     return page.evaluate("() => globalThis.rossPause")
 
 
-def violations(page):
-    """What keeps people from using the page, as axe-core finds it: rules, and what breaks them."""
+def violations(page, rules=None):
+    """What keeps people from using the page, as axe-core finds it: rules (None: of all), and what breaks them."""
     axe = pytest.importorskip("axe_playwright_python.base")
     if not page.evaluate("'axe' in globalThis"):
         page.evaluate(axe.AXE_SCRIPT)
-    return page.evaluate(AXE)
+    return page.evaluate(AXE, rules)
 
 
 def sees(page, words, selector="body"):
