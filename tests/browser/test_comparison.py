@@ -23,8 +23,10 @@ def ground(browser, tmp_path_factory):
         yield ground
 
 
-def compared(open_page, ground, **size):
-    page = open_page(f"{ground.url}#/flights", **size)
+@pytest.fixture(scope="module")
+def both(ground, keep_page):
+    """A page that compares two flights."""
+    page = keep_page(f"{ground.url}#/flights")
     page.get_by_role("button", name="Open long.tlog").click()
     page.get_by_role("slider", name="Time of long.tlog").fill("9")
     page.get_by_role("button", name="Compare with short.tlog").click()
@@ -55,8 +57,8 @@ def test_where_the_slider_was_moved_is_shown_until_a_busy_ground_process_answers
     eventually(page, lambda: len(moments(page)) == 2 and all("13:29" in moment for moment in moments(page)))
 
 
-def test_two_flights_have_one_slider_and_one_play(ground, open_page):
-    page = compared(open_page, ground)
+def test_two_flights_have_one_slider_and_one_play(both, window):
+    page = both
     assert page.locator(".playback .slider input").count() == 1
     assert page.locator("button.play").count() == 1
     eventually(page, lambda: moments(page) == [moments(page)[0]] * 2 and "13:29" in moments(page)[0])  # 9 s, as opened
@@ -70,8 +72,8 @@ def test_two_flights_have_one_slider_and_one_play(ground, open_page):
     eventually(page, lambda: moments(page) == [moments(page)[0]] * 2)
 
 
-def test_the_table_tells_how_they_differ(ground, open_page):
-    page = compared(open_page, ground)
+def test_the_table_tells_how_they_differ(both, window):
+    page = both
     page.get_by_role("slider", name="Time of both flights").fill("19")
     eventually(page, lambda: "ended" in page.locator(".differences thead").inner_text())  # the short one
     eventually(page, lambda: value(page, "Elapsed")[2] not in (UNKNOWN, "0.0 s"))
@@ -79,13 +81,14 @@ def test_the_table_tells_how_they_differ(ground, open_page):
     assert apart == pytest.approx(other - one, abs=1.0)  # both are rounded to a second
     assert value(page, "Target azimuth")[2].endswith("°")
     page.set_viewport_size({"width": 320, "height": 640})
+    eventually(page, lambda: page.evaluate("innerWidth") == 320)
     assert page.evaluate("document.documentElement.scrollWidth") <= 320
     table = page.locator(".comparison .scroll")
     assert table.evaluate("each => each.scrollWidth <= each.clientWidth + 1")
 
 
-def test_a_flight_that_is_closed_leaves_the_other_its_own_time(ground, open_page):
-    page = compared(open_page, ground)
+def test_a_flight_that_is_closed_leaves_the_other_its_own_time(both, window):
+    page = both
     page.get_by_role("button", name="Close short.tlog").click()
     page.get_by_role("slider", name="Time of long.tlog").wait_for()
     assert not page.locator(".comparison").count()
