@@ -117,7 +117,7 @@ def test_the_settings_are_listed_as_documented(port):
 
 def test_the_package_grbl_streamer_streams_a_job(path, port):
     port.close()
-    job = "\n".join([*SQUARE, *(f"G1 X{n % 7} F9000" for n in range(40)), "G0 X-15"])
+    job = "\n".join([*SQUARE, *(f"G1 X{n % 7} F9000" for n in range(10)), "G0 X-15"])
     program = [sys.executable, Path(__file__).with_name("streamer_process.py"), path, "-15"]
     streamed = subprocess.run(program, input=job, capture_output=True, text=True, timeout=120, check=False)
     assert streamed.returncode == 0, streamed.stderr

@@ -36,8 +36,10 @@ unit_s = 1.0
 min_rotations = 2
 max_rotations = 2
 [payload.exploit]
+separator = "gaussian"
+track = false
 check_s = 1.0
-run_s = 3.0
+run_s = 2.0
 max_restarts = 0
 [noise]
 snr_db = 25

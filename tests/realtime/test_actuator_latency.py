@@ -123,7 +123,7 @@ def measured(case, folder, moves, seconds, *, moving=True, **options):
 
 @pytest.mark.parametrize("case", [*QUICK[:-1], pytest.param("stepper", marks=pytest.mark.alone)])
 def test_commands_count_soon_and_nobody_waits_busily(case, tmp_path):
-    found = measured(case, tmp_path, moves=3, seconds=1.0, moving=False, **PATIENT.get(case, {}))
+    found = measured(case, tmp_path, moves=3, seconds=0.5, moving=False, **PATIENT.get(case, {}))
     assert found["accepted_ms"] < 150, found
     assert found["seen_ms"] < found["seen_allowed_ms"] + 300, found
     assert found["rest_percent"] < 25, found

@@ -123,11 +123,14 @@ def test_a_killed_payload_leaves_a_still_gimbal(tmp_path):
         one.until(lambda: polled().settled)
         one.actuator.command(3.0)
         one.until(lambda: polled().angle > 0.3)
-        time.sleep(2.0)  # nobody polls: as if killed
-        stands = process.ask("status")["angle_deg"]
-        time.sleep(1.0)
-        assert math.degrees(0.2) < stands < math.degrees(1.5)
-        assert process.ask("status")["angle_deg"] == pytest.approx(stands, abs=0.05)
+
+        def stands():  # nobody polls: as if killed
+            before = process.ask("status")["angle_deg"]
+            time.sleep(0.5)
+            return process.ask("status")["angle_deg"] == pytest.approx(before, abs=0.05)
+
+        wait_for(stands)
+        assert math.degrees(0.2) < process.ask("status")["angle_deg"] < math.degrees(1.5)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

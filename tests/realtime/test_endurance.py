@@ -31,9 +31,9 @@ source = "tcp:{host}:{pcm}"
 kind = "tb6600"
 options = {{ port = "{wire}", ahead_ms = 100 }}
 [explore]
-unit_s = 1.0
+unit_s = 0.5
 min_rotations = 2
-max_rotations = 3
+max_rotations = 2
 [exploit]
 check_s = 1.0
 run_s = 2.0
@@ -188,15 +188,15 @@ def armed(ground):
         ground.order(REARM)
 
 
-def day(ground, rng, ports):
-    """Some of what a day brings, in any order; return how the tasks ended."""
+def day(ground, rng, ports, longest=4.0):
+    """Some of what a day brings, in any order; return how the tasks ended. ``longest`` [s] nothing is asked."""
     heading = rng.uniform(-170, 170)
     ends = [ground.order(RECORD, 1), ground.order(EXPLORE)]
     if rng.random() < HEARD_OUT:
         ends.append(ground.order(LISTEN, 1, 0))
     ground.order(LISTEN, 1, 0, wait=0)
     peers_come_and_go(ports)
-    time.sleep(rng.uniform(0.5, 4.0))
+    time.sleep(rng.uniform(0.5, longest))
     ends.append(ground.order(CANCEL))
     time.sleep(0.3)  # until the task is over
     ends += [ground.order(TURN, heading), ground.order(RECORD, 0)]
@@ -209,11 +209,11 @@ def day(ground, rng, ports):
 
 def test_a_short_life_leaves_nothing_behind_and_counts_what_it_did_not_hear(bench):
     relay, ground, watch, ports = bench
-    time.sleep(2.0)
+    wait_for(lambda: len(watch.rows) >= 1)
     lost = ground.latest["ROSS_AUDIO"].lost
     before = watch.columns()
     relay.unplug(1.0)
-    ends = day(ground, np.random.default_rng(0), ports)
+    ends = day(ground, np.random.default_rng(0), ports, longest=1.0)
     assert ends[0] == ends[-1] == 0
 
     def as_before():

@@ -44,7 +44,7 @@ def many_descriptors():
     resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
-@pytest.mark.parametrize("descriptors", [(256, 256), (1024, 1024), (256, 4096)])
+@pytest.mark.parametrize("descriptors", [pytest.param((256, 256), marks=pytest.mark.soak), (1024, 1024), (256, 4096)])
 def test_half_open_requests_keep_no_new_browser_out_and_fill_no_log(descriptors, many_descriptors):
     """Each has sent half a header; in 1024 descriptors they used to find room for themselves alone."""
     with ground(link(), descriptors=descriptors) as (process, url), ExitStack() as held:

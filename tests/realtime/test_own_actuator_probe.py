@@ -8,12 +8,8 @@ import re
 import subprocess
 import sys
 
-import pytest
-
 from own_plugin import run
 from short_mission import SHORT
-
-pytestmark = pytest.mark.alone
 
 
 def test_the_probe_looks_at_one_in_another_process(folder):

@@ -54,11 +54,19 @@ CASES = [
 ]
 
 
+@pytest.fixture(scope="module")
+def noise(tmp_path_factory):
+    """What the payload hears."""
+    path = tmp_path_factory.mktemp("noise") / "noise.wav"
+    samples = np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16)
+    soundfile.write(path, samples, RATE)
+    return path
+
+
 @pytest.fixture
-def rig(tmp_path, process, ground_station, free_port):
+def rig(noise, tmp_path, process, ground_station, free_port):
     """Make a rig whose payload has some priority and looks so far ahead."""
-    noise = np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16)
-    soundfile.write(tmp_path / "noise.wav", noise, RATE)
+    (tmp_path / "noise.wav").hardlink_to(noise)
 
     def make(priority, ahead_ms):
         def start():

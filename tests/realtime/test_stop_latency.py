@@ -72,11 +72,19 @@ def test_the_beginning_of_a_deceleration_is_found_in_the_steps_of_a_whole_move()
     assert deceleration_began(steps) == pytest.approx((steps[0] + steps[-1]) / 2, abs=1e-9)  # the move is symmetric
 
 
+@pytest.fixture(scope="module")
+def noise(tmp_path_factory):
+    """What the payload hears."""
+    path = tmp_path_factory.mktemp("noise") / "noise.wav"
+    samples = np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16)
+    soundfile.write(path, samples, RATE)
+    return path
+
+
 @pytest.fixture
-def rig(tmp_path, process, ground_station, free_port):
+def rig(noise, tmp_path, process, ground_station, free_port):
     """Make a rig whose payload is started in some way."""
-    noise = np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16)
-    soundfile.write(tmp_path / "noise.wav", noise, RATE)
+    (tmp_path / "noise.wav").hardlink_to(noise)
 
     def make(before=("-m", "ross_payload.cli"), ahead_ms=40, more=""):
         def start():
