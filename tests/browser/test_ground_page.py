@@ -1,12 +1,10 @@
-"""`ross ground` and its page: several browsers, tokens, payloads that change, logs that are brought."""
+"""`ross ground` and its page: tokens, payloads that change, a log that ends."""
 
 from contextlib import contextmanager
 
 import pytest
-from playwright.sync_api import expect
 
 from browsing import eventually
-from emulated_log import log
 from fleet_bench import FleetThread
 from page_eyes import sees
 from served_ground import served
@@ -52,22 +50,6 @@ def test_a_source_that_is_clicked_is_listened_to_and_a_stop_ends_it(fly, open_pa
         sees(page, "stopped: re-arm first", ".orders")
 
 
-def test_who_has_control_is_seen_by_the_other_and_anybody_stops(fly, open_page):
-    with fly() as (ground, _):
-        address = f"{ground.url}#/payload/1-191"
-        one, two = shown(open_page(address)), shown(open_page(address))
-        one.get_by_role("button", name="Take control").click()
-        sees(one, "You have control", ".control")
-        sees(two, "has control", ".control")
-        assert "You" not in two.locator(".control").text_content()
-        expect(two.get_by_role("button", name="Explore")).to_be_disabled()
-        two.get_by_role("button", name="Take control").click()
-        sees(two, "You have control", ".control")
-        eventually(one, lambda: one.get_by_role("button", name="Explore").is_disabled())
-        one.get_by_role("button", name="Stop 1-191").click()
-        sees(two, "Stopped", ".payload-title")
-
-
 def test_a_wrong_token_opens_nothing_and_the_right_one_the_page(fly, open_page, tmp_path, window):
     window.expected += ["401", "403"]
     file = tmp_path / "token"
@@ -93,21 +75,6 @@ def test_a_payload_that_starts_with_other_parameters_is_asked_again(fly, open_pa
         page.locator("#p-OTHER_TWO").wait_for(timeout=60_000)
         eventually(page, lambda: page.locator(".parameters tbody tr").count() == 2, 60.0)
         assert not_reloaded(page)
-
-
-def test_a_log_that_is_brought_is_played_and_what_is_none_is_refused(fly, open_page, tmp_path, window):
-    window.expected.append("422")
-    with fly() as (ground, _):
-        page = open_page(f"{ground.url}#/flights")
-        page.locator("#file").set_input_files(log(tmp_path / "one.tlog"))
-        slider = page.get_by_label("Time of one.tlog")
-        slider.wait_for(timeout=60_000)
-        slider.fill("18.5")
-        sees(page, "Separates", ".recorded")
-        (tmp_path / "bad.tlog").write_bytes(b"this is no log at all" * 50)
-        page.locator("#file").set_input_files(tmp_path / "bad.tlog")
-        page.locator(".picker [role=alert]").wait_for()
-        assert "bad.tlog" in page.locator(".picker [role=alert]").text_content()
 
 
 def test_a_log_that_has_ended_is_told_though_all_else_is_well(fly, open_page, tmp_path):

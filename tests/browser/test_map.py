@@ -17,6 +17,13 @@ def ground(browser, tmp_path_factory):
         yield ground
 
 
+@pytest.fixture(scope="module")
+def kept(ground, keep_page):
+    page = keep_page(f"{ground.url}#/map")
+    page.locator(".map image").first.wait_for()
+    return page
+
+
 def on_screen(page, selector):
     """Where the middle of a payload is drawn [px]."""
     words = page.locator(selector).first.get_attribute("transform")
@@ -39,10 +46,9 @@ def crew_without_map(browser):
         yield ground
 
 
-def test_tiles_lie_under_the_map_where_they_belong(ground, open_page):
-    page = open_page(f"{ground.url}#/map")
+def test_tiles_lie_under_the_map_where_they_belong(kept, window):
+    page = kept
     page.locator(".map .stand.assumed").first.wait_for()
-    page.locator(".map image").first.wait_for()
     page.get_by_text("Map: © Survey").wait_for()
     column, row = tile_at(16)
     north, west = corner_of(16, column, row)
@@ -60,9 +66,8 @@ def test_tiles_lie_under_the_map_where_they_belong(ground, open_page):
     assert loaded == "image/png"
 
 
-def test_the_map_can_be_left_by_far_without_a_request_for_what_is_not_there(ground, open_page):
-    page = open_page(f"{ground.url}#/map")
-    page.locator(".map image").first.wait_for()
+def test_the_map_can_be_left_by_far_without_a_request_for_what_is_not_there(kept, window):
+    page = kept
     page.locator(".map").focus()
     for _ in range(20):
         page.keyboard.press("-")
