@@ -137,11 +137,13 @@ class Ground:
             ardupilotmega.MAVLink_command_long_message(system, 191, number, confirmation, *map(float, numbers))
         )
 
-    def order(self, number, *values, system=1, seconds=60.0):
-        """Command; return the first answer that is not that of an earlier command."""
-        before = len(self.of("COMMAND_ACK"))
+    def order(self, number, *values, system=1, seconds=60.0, last=False):
+        """Command; return the first answer that is not that of an earlier command, or the ``last`` one."""
+        before, going = len(self.of("COMMAND_ACK")), ardupilotmega.MAV_RESULT_IN_PROGRESS
         self.command(number, *values, system=system)
-        return self.wait("COMMAND_ACK", lambda ack: ack.command == number, seconds, before).result
+        return self.wait(
+            "COMMAND_ACK", lambda ack: ack.command == number and not (last and ack.result == going), seconds, before
+        ).result
 
     def obeyed(self, number, *values, seconds=60.0):
         """Command, and again as clients do, until it is known what finally becomes of it."""

@@ -18,7 +18,6 @@ import pytest
 
 from waiting import wait_for
 
-pytestmark = pytest.mark.alone
 PAYLOAD = Path(__file__).with_name("live_payload.py")
 SUPPORT = Path(__file__).parents[1] / "support"
 PULSE_PLUGIN = "libasound_module_pcm_pulse.so"
@@ -142,16 +141,18 @@ def short(tmp_path):
     return path
 
 
-@pytest.mark.soak
 def test_over_tcp_a_short_mission_is_that_of_lock_step(short, tmp_path):
     agree(*fly(short, tmp_path))
 
 
+@pytest.mark.alone
+@pytest.mark.soak
 def test_through_a_sound_card_a_short_mission_is_that_of_lock_step(sound_card, short, tmp_path):
     pipe, environment = sound_card
     agree(*fly(short, tmp_path, pipe, environment=environment))
 
 
+@pytest.mark.alone
 @pytest.mark.soak
 def test_through_a_sound_card_the_demo_is_that_of_lock_step(sound_card, tmp_path):
     path = tmp_path / "demo.toml"

@@ -154,10 +154,10 @@ def test_parameters_are_read_and_written(ground):
 
 
 def test_commands_are_obeyed_and_refused_with_the_reason(ground):
-    assert ground.order(STOP, system=SYSTEM) == ACCEPTED
+    assert ground.order(STOP, system=SYSTEM, last=True) == ACCEPTED
     assert ground.order(EXPLORE, system=SYSTEM) == common.MAV_RESULT_TEMPORARILY_REJECTED
     wait_for(lambda: "RoSS: explore refused: stopped: re-arm first" in ground.texts())
-    assert ground.order(REARM, system=SYSTEM) == ACCEPTED
+    assert ground.order(REARM, system=SYSTEM, last=True) == ACCEPTED
     assert {(ack.target_system, ack.target_component) for ack in ground.of("COMMAND_ACK")} == {(255, 190)}
 
 
@@ -167,6 +167,6 @@ def test_an_order_inside_a_tunnel_is_not_obeyed(ground):
     tunnel = ardupilotmega.MAVLink_tunnel_message(SYSTEM, 191, 54000, len(frame), list(frame.ljust(128, b"\0")))
     before = len(ground.of("COMMAND_ACK"))
     ground.link.mav.send(tunnel)
-    assert ground.order(REARM, system=SYSTEM) == ACCEPTED
+    assert ground.order(REARM, system=SYSTEM, last=True) == ACCEPTED
     assert {ack.command for ack in ground.of("COMMAND_ACK")[before:]} == {REARM}
     assert inside(ground, "ROSS_STATUS")[-1].state != 8
