@@ -54,7 +54,7 @@ def payload(open_page, url):
 
 @pytest.mark.timeout(280)
 def test_the_whole_mission_is_watched_and_played_again(window, open_page, tmp_path):
-    short = brief("demo", tmp_path, explore=SOON, **CHEAP | {"run_s": 14.0})  # as long as somebody may need to click
+    short = brief("demo", tmp_path, explore=SOON, **CHEAP | {"run_s": 20.0})  # as long as somebody may need to click
     with mission(window, "--scenario", short, "--out", tmp_path) as (process, url):
         page = payload(open_page, url)
         follow(page, ".payload-title .state")
