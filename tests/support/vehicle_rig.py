@@ -19,7 +19,7 @@ KINDS = ("ardupilot", "hold", "offboard")
 class Bench:
     """A guarded driver, its far end, and what both have said."""
 
-    def __init__(self, kind: str = "ardupilot", *, latency: float = 0.0, wait: float = 3.0, **options: object) -> None:
+    def __init__(self, kind: str = "ardupilot", *, latency: float = 0.0, wait: float = 1.5, **options: object) -> None:
         body = YawDynamics(AIRFRAME)
         self.modes = Copter(body) if kind == "ardupilot" else Px4(body)
         self.far_end = VehicleFarEnd(self.modes, offboard=kind == "offboard", latency=latency)

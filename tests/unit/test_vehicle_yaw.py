@@ -25,6 +25,7 @@ pytestmark = pytest.mark.lockstep
 
 US, VEHICLE = ComponentId(1, 191), ComponentId(1, 1)
 LATENCY = 0.02  # of the link, each way [s]
+PHASES = np.arange(5) * 0.026  # between what the pilot does and the messages that tell of it [s]
 
 
 def on_the_wire(message):
@@ -211,7 +212,7 @@ def in_a_turn(kind, phase, *, ignores_stick=False):
     bench = Bench(kind, latency=LATENCY)
     bench.modes.ignores_stick = ignores_stick
     bench.actuator.command(math.radians(190))
-    bench.clock.sleep(2.0 + phase)
+    bench.clock.sleep(1.0 + phase)
     assert bench.state.rate > 0.3
     return bench
 
@@ -219,7 +220,7 @@ def in_a_turn(kind, phase, *, ignores_stick=False):
 def ended_after(bench, begin):
     """How long the payload went on turning, by the last order that came to the autopilot and by its state [s]."""
     told = bench.fault(within=0.2)
-    bench.clock.sleep(1.0)
+    bench.clock.sleep(0.5)
     orders = [when - begin for when, _ in bench.far_end.orders if when > begin]
     return max([told, *orders])
 
@@ -227,9 +228,9 @@ def ended_after(bench, begin):
 @pytest.mark.parametrize("ignores", [False, True], ids=["the autopilot heeds it", "the autopilot ignores it"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_yaw_stick_ends_a_turn_within_0_2_s(kind, ignores):
-    """At ten phases between the stick and the messages that tell of it; 0.2 s are required, 0.1 s were aimed at."""
+    """Whatever the phase between the stick and the messages that tell of it; 0.1 s were aimed at."""
     took = []
-    for phase in np.arange(10) * 0.013:
+    for phase in PHASES:
         bench = in_a_turn(kind, float(phase), ignores_stick=ignores)
         begin = bench.clock.now()
         bench.far_end.push(-60.0)  # against the turn, less than takes a PX4 out of its mode
@@ -245,7 +246,7 @@ def test_the_yaw_stick_ends_a_turn_within_0_2_s(kind, ignores):
 @pytest.mark.parametrize("kind", KINDS)
 def test_another_flight_mode_ends_a_turn_within_0_2_s_and_nothing_is_sent_into_it(kind):
     took = []
-    for phase in np.arange(10) * 0.013:
+    for phase in PHASES:
         bench = in_a_turn(kind, float(phase))
         begin = bench.clock.now()
         bench.far_end.afflict(Fault.MODE)
