@@ -1,4 +1,4 @@
-"""How many random examples a test draws: a fifth in `make test`, always the same; all, and others, in `make soak`."""
+"""How many random examples a test draws: a tenth in `make test`, always the same; all, and others, in `make soak`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from hypothesis import settings
 
 TEST, SOAK = "test", "soak"  # profiles; pytest's --hypothesis-profile chooses another than the first
 
-settings.register_profile(TEST, deadline=None, derandomize=True, max_examples=20)
+settings.register_profile(TEST, deadline=None, derandomize=True, max_examples=10)
 settings.register_profile(SOAK, deadline=None, max_examples=100)  # a busy machine makes no example wrong
 
 

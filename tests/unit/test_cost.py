@@ -74,7 +74,7 @@ def test_a_ratio_is_of_the_same_mixture():
 
 
 def test_every_growing_number_has_a_row_of_its_own(voices):
-    lines = growth("K", [replace(TINY, n_sources=k) for k in (2, 3)], voices, 1, 0)
+    lines = growth("K", [replace(TINY, n_sources=k, seconds=0.5) for k in (2, 3)], voices, 1, 0)
     assert [line.split(" | ")[0] for line in lines[2:]] == ["| 2", "| 3"]
     assert len({line.count("|") for line in lines}) == 1
     assert label("duration [s]", Case(seconds=30.0)) == "30"

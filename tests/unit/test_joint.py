@@ -32,10 +32,14 @@ SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / "../shar
 
 
 def scene(
-    azimuths: Real, heading: float, rng: np.random.Generator, noise: float = 0.1, amplitudes: Real | float = 1.0
+    azimuths: Real,
+    heading: float,
+    rng: np.random.Generator,
+    noise: float = 0.1,
+    amplitudes: Real | float = 1.0,
+    n_frames: int = 240,
 ) -> Complex:
-    """Spectrogram (2, n_freqs, 360): bursts of 10 frames, each bin of each burst is ruled by one source."""
-    n_frames = 360
+    """Spectrogram (2, n_freqs, n_frames): bursts of 10 frames, each bin of each burst is ruled by one source."""
     frequencies = STFT.frequencies
     shape = (len(frequencies), n_frames)
     heard: Complex = noise * rng.standard_normal((2, *shape, 2)).view(np.complex128)[..., 0]
@@ -49,13 +53,18 @@ def scene(
 
 
 def listen(
-    azimuths: list[float], n_headings: int, seed: int = 0, noise: float = 0.1, start: float = 0.0
+    azimuths: list[float],
+    n_headings: int,
+    seed: int = 0,
+    noise: float = 0.1,
+    start: float = 0.0,
+    n_frames: int = 240,
 ) -> list[Observation]:
     rng, joint = np.random.default_rng(seed), explorer.make(SPACING, SPEED)
     headings = start + STEP * np.arange(n_headings)
     psd = np.full(len(STFT.frequencies), 2 * noise**2)
     return [
-        joint.observe(scene(np.array(azimuths), heading, rng, noise), STFT.frequencies, heading, psd)
+        joint.observe(scene(np.array(azimuths), heading, rng, noise, 1.0, n_frames), STFT.frequencies, heading, psd)
         for heading in headings
     ]
 
@@ -79,10 +88,10 @@ LAYOUTS = [
 ]
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_talker_on_the_axis_hardly_votes_for_its_other_end(seed: int) -> None:
     azimuth = float(4 * STEP)
-    on_axis = listen([azimuth], 5, seed)[4]
+    (on_axis,) = listen([azimuth], 1, seed, start=azimuth)
     votes, itd = on_axis.features.blocks.sum(axis=0), on_axis.grid * SPEED / SPACING
     assert itd[votes.argmax()] > 0.9
     assert votes[itd < -0.8].sum() < 0.001 * votes.sum()
@@ -94,11 +103,7 @@ def test_every_talker_is_counted_and_placed(azimuths: list[float]) -> None:
     assert estimate.k == len(azimuths)
     assert errors_deg(estimate, azimuths).max() < 3
     assert all(source.resolved and source.confidence > 0.5 for source in estimate.sources)
-
-
-@pytest.mark.parametrize("azimuths", LAYOUTS, ids=len)
-def test_a_clear_scene_has_no_second_explanation(azimuths: list[float]) -> None:
-    assert believe(listen(azimuths, 9)).rival is None
+    assert estimate.rival is None  # a clear scene has no second explanation
 
 
 @pytest.mark.parametrize(("azimuths", "noise"), [([0, 30, 60, 90], 1.0), ([170, 70, -50], 2.0)])
@@ -106,7 +111,7 @@ def test_where_k_is_in_doubt_the_second_explanation_has_who_is_missed_and_the_be
     azimuths: list[float], noise: float
 ) -> None:
     there = list(np.deg2rad(azimuths))
-    heard = listen(there, 5, noise=noise)
+    heard = listen(there, 5, noise=noise, n_frames=360)
     estimate = believe(heard)
     assert estimate.rival is not None
     assert (estimate.k, estimate.rival.k, estimate.rival.rival) == (len(there) - 1, len(there), None)
@@ -148,7 +153,7 @@ def test_when_k_is_known_so_many_are_placed() -> None:
 
 def test_asked_again_about_the_same_it_says_the_same_and_about_more_it_is_surer_of_who_is_there() -> None:
     there, joint = list(np.deg2rad([170, 70, -50])), explorer.make(SPACING, SPEED)
-    heard = listen(there, 9, noise=2.0)
+    heard = listen(there, 9, noise=2.0, n_frames=360)
     before = joint.estimate(heard[:5])
     assert replace(before, certain=False) == replace(joint.reconsider(heard[:5], before.k) or before, certain=False)
     doubted = joint.reconsider(heard[:5], 3)
@@ -161,7 +166,7 @@ def test_asked_again_about_the_same_it_says_the_same_and_about_more_it_is_surer_
     assert joint.reconsider(heard, 12) is None
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_noise_alone_is_nobody(seed: int) -> None:
     estimate = believe(listen([], 7, seed, noise=1.0))
     assert estimate.k == 0
@@ -241,7 +246,7 @@ def test_the_stop_rule_waits_for_seven_orientations_and_then_trusts_a_clear_scen
 
 def test_the_error_is_about_one_sigma() -> None:
     scaled = []
-    for seed in range(8):
+    for seed in range(4):
         estimate = believe(listen(LAYOUTS[2], 5, seed))
         for source in estimate.sources:
             nearest = np.abs(difference(np.array(LAYOUTS[2]), source.azimuth)).min()
@@ -269,7 +274,8 @@ def delayed(voice: Real, tau: float) -> Real:
 def test_three_real_talkers_are_found_within_2_degrees() -> None:
     from ross_sim.talkers.speech import load_folder
 
-    voices = [voice.speech for voice in load_folder(SPEECH, RATE)[:3]]
+    names = sorted(path.name for path in SPEECH.iterdir() if path.is_dir())[:3]
+    voices = [voice.speech for voice in load_folder(SPEECH, RATE, names)]
     azimuths, rng, unit = np.deg2rad([10.0, 75.0, -130.0]), np.random.default_rng(0), 3 * RATE
     joint: Joint = explorer.make(SPACING, SPEED)
     observations = []

@@ -57,9 +57,9 @@ def test_after_a_task_control_is_released_and_nothing_is_streamed(released):
 @pytest.mark.parametrize("before", ["boot", "task"])
 def test_a_pilot_reaches_50_degrees_again_and_again_and_the_state_follows(before, request):
     rig = request.getfixturevalue("rig" if before == "boot" else "released")
-    for n in range(6):
+    for n in range(4):
         rig.point(-50.0 if n % 2 else 50.0)
-        for _ in range(300):
+        for _ in range(200):
             rig.clock.sleep(0.01)
             assert rig.state.healthy, rig.state
             assert rig.state.angle == pytest.approx(rig.far_end.angle(), abs=math.radians(4))
@@ -121,7 +121,7 @@ def test_a_release_in_a_move_comes_into_force_at_its_end(rig):
 
 def test_control_is_held_at_rest_for_as_long_as_a_task_lasts(rig):
     rig.actuator.take_control()
-    rig.clock.sleep(60.0)
+    rig.clock.sleep(15.0)
     assert rig.primary == PAYLOAD
     assert SET_POINT in rig.sent(0.2)
 
@@ -287,7 +287,7 @@ def test_an_autopilot_that_falls_silent_is_named(rig):
     assert rig.state.fault.startswith("no data from the autopilot")
 
 
-@pytest.mark.parametrize("later", [0.0, 1.19, 1.2, 1.21, 1.22, 1.24, 1.4])
+@pytest.mark.parametrize("later", [0.0, 1.19, 1.2, 1.22, 1.4])
 def test_home_about_when_the_autopilot_is_thawed_goes_on_from_where_the_gimbal_stands(rig, later):
     """The set-points of the time when it was frozen never arrived."""
     rig.actuator.command(1.5)

@@ -25,7 +25,7 @@ RATE = 16_000
 def people():
     if not SPEECH.is_dir():
         pytest.skip(f"no recordings in {SPEECH}; set ROSS_SPEECH")
-    return {voice.name: voice for voice in load_folder(SPEECH, RATE) if voice.name in OUTSIDE}
+    return {voice.name: voice for voice in load_folder(SPEECH, RATE, OUTSIDE)}
 
 
 @pytest.fixture(scope="module")

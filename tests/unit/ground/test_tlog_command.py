@@ -253,7 +253,7 @@ def test_a_payload_that_only_mirrors_tell_of_has_states_and_k(told):
 def fleet_log(tmp_path):
     """Two payloads and a vehicle."""
     encoders = [Encoder(system, 191) for system in (1, 2)]
-    frames = [encoder.encode(value) for step in range(30) for encoder in encoders for value in full_tick(step, step)]
+    frames = [encoder.encode(value) for step in range(10) for encoder in encoders for value in full_tick(step, step)]
     path = tmp_path / "fleet.tlog"
     mixed = [*frames, *vehicle_frames(system=3)]
     path.write_bytes(b"".join(record(UNIX + 10_000 * place, frame) for place, frame in enumerate(mixed)))
@@ -297,17 +297,18 @@ def test_a_log_of_somebody_else_is_told_but_not_drawn(tlog, tmp_path):
     assert not (tmp_path / "a.png").exists()
 
 
-@pytest.mark.parametrize(("name", "magic"), [("a.png", b"\x89PNG"), ("a.svg", b"<?xml")])
-def test_the_picture_is_drawn_whole_and_the_same_again(tlog, fleet_log, tmp_path, name, magic):
+@pytest.mark.parametrize(("name", "magic", "times"), [("a.png", b"\x89PNG", 1), ("a.svg", b"<?xml", 2)])
+def test_the_picture_is_drawn_whole_and_the_same_again(tlog, fleet_log, tmp_path, name, magic, times):
+    """What could differ, names and the date, is in the vector graphics."""
     pytest.importorskip("matplotlib", reason="needs the extra 'sim'")
     path = tmp_path / name
     path.write_text("an earlier one")
     drawn = []
-    for _ in range(2):
+    for _ in range(times):
         assert tlog(fleet_log, "--picture", path)[0] == 0
         drawn.append(path.read_bytes())
     assert drawn[0].startswith(magic)
-    assert drawn[0] == drawn[1]
+    assert len(set(drawn)) == 1
     assert not [each for each in tmp_path.iterdir() if each.name.startswith(".")]
 
 
