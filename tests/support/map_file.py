@@ -5,12 +5,14 @@ import sqlite3
 import struct
 import zlib
 from contextlib import closing
+from functools import cache
 
 PLACE = (47.0, 8.0)  # latitude, longitude [deg] in the middle
 LEVELS = (14, 15, 16)
 AROUND = 3  # tiles to each side of the middle one
 
 
+@cache
 def png(red, green, blue, side=256):
     """Return a picture of one colour."""
     rows = (b"\x00" + bytes((red, green, blue)) * side) * side

@@ -1,5 +1,7 @@
 """Four rotors around an array, and talk from afar: what two microphones hear, heading by heading."""
 
+from functools import cache
+
 import numpy as np
 
 from ross_payload.dsp.rotors import Rotors
@@ -24,12 +26,15 @@ def heard(sounds, places, heading):
     return np.array(rows)
 
 
+@cache
 def rotor_noise(seconds, heading, seed=1):
     """Four rotors, unit power at microphone 1, (2, n)."""
     rng = np.random.default_rng(seed)
     sounds = [rotor(RATE, 5400.0, 2, rng, seconds).sound for _ in PLACES]
     noise = heard(sounds, PLACES, heading)
-    return noise / np.sqrt((noise[0] ** 2).mean())
+    noise /= np.sqrt((noise[0] ** 2).mean())
+    noise.flags.writeable = False  # several tests share it
+    return noise
 
 
 def talk(seconds, azimuth, heading, seed=2):

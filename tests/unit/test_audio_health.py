@@ -51,7 +51,7 @@ def verdict(samples, monitor=None):
 @pytest.mark.parametrize("azimuths", [(), (0.3,), (np.pi / 2,), (0.3, 1.6, -2.0)])
 def test_ordinary_sound_and_ordinary_silence_are_no_trouble(azimuths):
     monitor = HealthMonitor(Config())
-    for block in blocks(scene(10.0, azimuths)):
+    for block in blocks(scene(6.0, azimuths)):
         monitor.listen(block)
         assert not monitor.health().trouble
 

@@ -45,7 +45,7 @@ def test_a_scenario_raises_no_alarm_and_with_one_polarity_wrong_that_one(name):
     world = World(scenario, voices, Swinging(), SimClock(), 1)
     well, wrong = HealthMonitor(config), HealthMonitor(config)
     with world.source as source:
-        for _ in range(round(7 * config.audio.rate_hz / config.hop)):
+        for _ in range(round(5 * config.audio.rate_hz / config.hop)):
             block = source.read(config.hop)
             well.listen(block)
             wrong.listen(replace(block, samples=block.samples * FLIPPED))

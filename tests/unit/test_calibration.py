@@ -14,7 +14,7 @@ def found(headings, azimuth=0.7, **like):
     return calibrate(spectra(headings, **like), SPEED, azimuth=azimuth)
 
 
-@pytest.mark.parametrize("spacing", [0.03, 0.0453, 0.064, 0.1])
+@pytest.mark.parametrize("spacing", [0.0453, 0.1])
 def test_the_spacing_is_found_within_half_a_millimetre_also_beyond_the_aliasing_limit(spacing):
     calibration = found(around(), spacing=spacing, noise=0.2)
     assert calibration.spacing == pytest.approx(spacing, abs=0.5e-3)
@@ -22,7 +22,7 @@ def test_the_spacing_is_found_within_half_a_millimetre_also_beyond_the_aliasing_
     assert calibration.direct > 0.9
 
 
-@pytest.mark.parametrize("offset_deg", [-30.0, 0.0, 12.0, 100.0])
+@pytest.mark.parametrize("offset_deg", [-30.0, 100.0])
 def test_the_heading_offset_is_found_against_a_known_azimuth(offset_deg):
     wrong = around() - math.radians(offset_deg)  # as headings are configured
     heard = [heading_spectrum(s, RATE, float(h)) for s, h in zip(heard_at(around()), wrong, strict=True)]
@@ -46,8 +46,7 @@ def test_microphones_that_are_swapped_are_told_from_an_offset():
     assert math.degrees(calibration.offset) == pytest.approx(0.0, abs=0.5)
 
 
-@pytest.mark.parametrize("gain_db", [-3.0, 0.0, 1.5])
-@pytest.mark.parametrize("inverted", [False, True])
+@pytest.mark.parametrize(("gain_db", "inverted"), [(-3.0, False), (1.5, True)])
 def test_gain_and_polarity_are_found_together(gain_db, inverted):
     calibration = found(around(), gain_db=gain_db, inverted=inverted)
     assert calibration.gain_db == pytest.approx(gain_db, abs=0.2)

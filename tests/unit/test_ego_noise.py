@@ -29,6 +29,12 @@ def told(samples, rotors=ROTORS):
     return learnt(spectrogram(samples), STFT.frequencies, STFT.period, 0.0, rotors)
 
 
+@pytest.fixture(scope="module")
+def seen():
+    """What is observed of one talker among the rotors."""
+    return observations([1.6])
+
+
 def test_white_noise_teaches_nothing():
     assert told(np.random.default_rng(1).standard_normal((2, 2 * RATE))) is None
 
@@ -51,8 +57,7 @@ def test_rotors_are_learnt_with_or_without_their_places():
 
 def test_noise_that_is_louder_now_and_then_has_outliers():
     rng = np.random.default_rng(3)
-    noise = rotor_noise(2, 0.0)
-    noise *= np.repeat(1 + 3 * (rng.random(100) < 0.1), 320)[None]
+    noise = rotor_noise(2, 0.0) * np.repeat(1 + 3 * (rng.random(100) < 0.1), 320)[None]
     assert np.median(told(noise).outliers[BAND]) > 1.2 * np.median(told(rotor_noise(2, 0.0)).outliers[BAND])
 
 
@@ -130,8 +135,8 @@ def test_silence_after_the_lead_in_is_nobody():
     assert nothing.weight == 0
 
 
-def test_a_source_where_a_rotor_is_must_have_more_to_say_than_one_elsewhere():
-    joint, seen = Joint(SPACING, SPEED_OF_SOUND), observations([1.6])
+def test_a_source_where_a_rotor_is_must_have_more_to_say_than_one_elsewhere(seen):
+    joint = Joint(SPACING, SPEED_OF_SOUND)
     assert all(0 <= each.features.among.kept <= 1 for each in seen)
     step = next(step for step in model_order.steps(joint.evidence(seen).rich, joint.price) if len(step.worth) == 1)
     at = joint.evidence(seen)
@@ -143,8 +148,8 @@ def test_a_source_where_a_rotor_is_must_have_more_to_say_than_one_elsewhere():
     assert near < far
 
 
-def test_evidence_among_noise_has_weights_of_its_own():
-    joint, seen = Joint(SPACING, SPEED_OF_SOUND), observations([1.6])
+def test_evidence_among_noise_has_weights_of_its_own(seen):
+    joint = Joint(SPACING, SPEED_OF_SOUND)
     at = joint.evidence(seen)
     (step, *_) = model_order.steps(at.rich, joint.price)
     shown = talker_evidence.features(at, step, 0.0, [0])
@@ -164,8 +169,8 @@ def test_rotors_are_named_in_the_frame_of_the_azimuths_and_not_at_all_in_wind():
     assert within.observe(heard, STFT.frequencies, 0.7, 0.0, windy, period=STFT.period).features.among.rotors == ()
 
 
-def test_far_below_a_vehicle_the_weights_are_those_of_white_noise():
-    joint, seen = Joint(SPACING, SPEED_OF_SOUND), observations([1.6])
+def test_far_below_a_vehicle_the_weights_are_those_of_white_noise(seen):
+    joint = Joint(SPACING, SPEED_OF_SOUND)
     aloft = joint.evidence([dataclasses.replace(each, height=10.0) for each in seen])
     assert aloft.among is not None
     assert not aloft.in_noise

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from collections import Counter
+from functools import partial
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
@@ -100,23 +101,28 @@ def test_that_ends_well():
 """
 
 
+def run_in(folder, files, *arguments):
+    """Run these files in forked workers; return the process that has ended and what it reports of every test."""
+    (folder / "pytest.ini").write_text(SETTINGS)
+    for name, text in files.items():
+        (folder / f"test_{name}.py").write_text(text)
+    environment = os.environ | {"PYTHONPATH": str(TESTS / "support"), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    command = [sys.executable, "-c", RUN, "--junitxml=report.xml", *arguments]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=60)
+    cases = list(ElementTree.parse(folder / "report.xml").iter("testcase"))  # noqa: S314 - written by pytest
+    return done, cases
+
+
 @pytest.fixture
 def run(tmp_path):
-    """Run these files in forked workers; return the process that has ended and what it reports of every test."""
+    return partial(run_in, tmp_path)
 
-    def run(files, *arguments):
-        (tmp_path / "pytest.ini").write_text(SETTINGS)
-        for name, text in files.items():
-            (tmp_path / f"test_{name}.py").write_text(text)
-        environment = os.environ | {"PYTHONPATH": str(TESTS / "support"), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-        command = [sys.executable, "-c", RUN, "--junitxml=report.xml", *arguments]
-        done = subprocess.run(
-            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, timeout=60
-        )
-        cases = list(ElementTree.parse(tmp_path / "report.xml").iter("testcase"))  # noqa: S314 - written by pytest
-        return done, cases
 
-    return run
+@pytest.fixture(scope="module")
+def stages(tmp_path_factory):
+    """A run of all stages."""
+    files = {lane: GOOD.format(lane=lane) for lane in ("rest", "two", "one")}
+    return run_in(tmp_path_factory.mktemp("stages"), files)
 
 
 def outcomes_of(cases):
@@ -126,8 +132,8 @@ def outcomes_of(cases):
     )
 
 
-def test_every_test_of_every_stage_runs_once_in_its_turn(run):
-    done, cases = run({lane: GOOD.format(lane=lane) for lane in ("rest", "two", "one")})
+def test_every_test_of_every_stage_runs_once_in_its_turn(stages):
+    done, cases = stages
     assert (done.returncode, done.stderr) == (0, "")
     assert outcomes_of(cases) == {(f"test_number[{number}]",): 3 for number in range(6)}
     assert re.findall(r"\w+(?=: \d at a time)", done.stdout)[:2] == ["one", "two"]
@@ -137,8 +143,8 @@ def test_every_test_of_every_stage_runs_once_in_its_turn(run):
         assert len({place for _, place in places}) >= 3  # one of every worker
 
 
-def test_beside_a_quiet_stage_runs_nothing_else(run):
-    _, cases = run({lane: GOOD.format(lane=lane) for lane in ("rest", "two", "one")})
+def test_beside_a_quiet_stage_runs_nothing_else(stages):
+    _, cases = stages
     began = {lane: [] for lane in ("one", "two", "rest")}
     for case in cases:
         lane = case.get("classname").rpartition("test_")[2]

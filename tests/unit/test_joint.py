@@ -37,6 +37,7 @@ def scene(
     rng: np.random.Generator,
     noise: float = 0.1,
     amplitudes: Real | float = 1.0,
+    *,
     n_frames: int = 240,
 ) -> Complex:
     """Spectrogram (2, n_freqs, n_frames): bursts of 10 frames, each bin of each burst is ruled by one source."""
@@ -58,13 +59,14 @@ def listen(
     seed: int = 0,
     noise: float = 0.1,
     start: float = 0.0,
+    *,
     n_frames: int = 240,
 ) -> list[Observation]:
     rng, joint = np.random.default_rng(seed), explorer.make(SPACING, SPEED)
     headings = start + STEP * np.arange(n_headings)
     psd = np.full(len(STFT.frequencies), 2 * noise**2)
     return [
-        joint.observe(scene(np.array(azimuths), heading, rng, noise, 1.0, n_frames), STFT.frequencies, heading, psd)
+        joint.observe(scene(np.array(azimuths), heading, rng, noise, n_frames=n_frames), STFT.frequencies, heading, psd)
         for heading in headings
     ]
 

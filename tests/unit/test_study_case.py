@@ -21,9 +21,9 @@ pytestmark = pytest.mark.lockstep
 
 TINY = {
     "settings": ("S1",), "k": (2,), "layouts": 0, "separators": ("gaussian", "tvmwf"), "rotations": (2, 4, "stop"),
-    "unit_s": (1.0,), "run_s": 2.0, "rate_hz": 16000,
+    "unit_s": (0.5,), "run_s": 2.0, "rate_hz": 16000,
 }  # fmt: skip
-EXPLORED = Task("S1", 2, 0, start=0, explorer="joint", unit=1.0)
+EXPLORED = Task("S1", 2, 0, start=0, explorer="joint", unit=0.5)
 
 
 @pytest.fixture(scope="module")

@@ -112,7 +112,7 @@ def test_a_quiet_source_that_walks_is_found_beside_a_loud_one():
     assert np.sqrt(np.mean(np.square(late))) < 9.0
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_source_that_passes_another_one_keeps_its_name(seed):
     path = walk(60.0, 10.0)
     time, tracks = list(follow([path, at(100.0), at(-140.0)], 9.0, seed=seed))[-1]
@@ -137,11 +137,11 @@ def test_after_a_long_silence_a_source_that_has_gone_on_is_found_again():
 
 def test_who_is_silent_becomes_uncertain_and_old():
     sigmas, ages = [], []
-    for _, tracks in follow([at(100.0), at(-60.0)], 20.0, silent=(1,)):
+    for _, tracks in follow([at(100.0), at(-60.0)], 12.0, silent=(1,)):
         sigmas.append(tracks.sigmas[1])
         ages.append(tracks.ages[1])
     assert np.mean(sigmas[-20:]) > 3 * sigmas[0]
-    assert ages[-1] > 15.0
+    assert ages[-1] > 9.0
     assert tracks.ages[0] < 1.0
     assert math.degrees(tracks.sigmas[0]) < 5.0
 

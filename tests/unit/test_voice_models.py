@@ -33,6 +33,11 @@ def network():
     return EmbeddingModel(speaker_network(), "small.onnx", Calibration((20.0, 40.0), (0.3, 0.5)))
 
 
+@pytest.fixture(scope="module")
+def ann(network):
+    return enrol(vowel(), RATE, network)
+
+
 def test_a_network_is_kept_used_by_itself_and_removed(folder, file):
     assert folder.in_use().fingerprint == built_in_model().fingerprint
     added = folder.add(file)
@@ -140,9 +145,9 @@ def test_disturbed_copies_are_the_same_every_time_and_as_long():
         assert np.corrcoef(one, voice)[0, 1] < 0.99
 
 
-def test_prints_are_kept_and_are_of_one_model_alone(network, tmp_path):
+def test_prints_are_kept_and_are_of_one_model_alone(ann, network, tmp_path):
     store = VoiceStore(tmp_path / "voices")
-    print_ = enrol(vowel(), RATE, network).agreed("asked")
+    print_ = ann.agreed("asked")
     path = store.save("ann", print_)
     assert path.stat().st_mode & 0o077 == 0
     again = store.load("ann", network)
@@ -157,9 +162,9 @@ def test_prints_are_kept_and_are_of_one_model_alone(network, tmp_path):
 
 
 @pytest.mark.parametrize("wrong", [[0.1] * (SIZE - 1), [0.0] * SIZE, [float("nan")] * SIZE, "x"])
-def test_a_damaged_print_is_refused(network, tmp_path, wrong):
+def test_a_damaged_print_is_refused(ann, network, tmp_path, wrong):
     store = VoiceStore(tmp_path / "voices")
-    path = store.save("ann", enrol(vowel(), RATE, network))
+    path = store.save("ann", ann)
     path.write_text(json.dumps(json.loads(path.read_text()) | {"embedding": wrong}))
     with pytest.raises(ConfigError, match="damaged voice print"):
         store.load("ann", network)
@@ -169,9 +174,9 @@ def test_a_published_network_tells_readers_apart(shared_model, speech):
     model = EmbeddingModel(shared_model.read_bytes(), shared_model.name, ANY)
     names = ("ls3005", "ls3331", "ls2414")
     clips = {(name, part): read_mono(speech / name / f"{part}.flac") for name in names for part in ("enrol", "speech")}
-    prints = {name: enrol(voice[: 5 * rate], rate, model) for name in names for voice, rate in [clips[name, "enrol"]]}
+    prints = {name: enrol(voice[: 4 * rate], rate, model) for name in names for voice, rate in [clips[name, "enrol"]]}
     for name in names:
         voice, rate = clips[name, "speech"]
-        embedding = model.embed(at_rate(voice[: 6 * rate], rate))
-        scores = {other: one.compared(embedding, 6.0) for other, one in prints.items()}
+        embedding = model.embed(at_rate(voice[: 4 * rate], rate))
+        scores = {other: one.compared(embedding, 4.0) for other, one in prints.items()}
         assert [other for other, score in scores.items() if score.accepted] == [name]

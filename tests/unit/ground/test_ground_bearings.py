@@ -74,7 +74,7 @@ def test_the_covariance_is_that_of_a_monte_carlo():
     first, second = BearingLine(0, 0, -0.6, math.radians(1.0), 1.5), BearingLine(60, 0, 0.5, math.radians(1.5), 1.5)
     rng = np.random.default_rng(7)
     points = []
-    for _ in range(20_000):
+    for _ in range(8_000):
         lines = [
             BearingLine(
                 *rng.normal((line.east, line.north), line.position_sigma), rng.normal(line.azimuth, line.sigma), 0, 0

@@ -30,7 +30,7 @@ def written(tmp_path_factory):
     flights = tmp_path_factory.mktemp("written")
     (flights / "session").mkdir()
     (flights / "empty").mkdir()
-    write_hour(flights / "two.tlog", seconds=30, payloads=2)
+    write_hour(flights / "two.tlog", seconds=10, payloads=2)
     write_hour(flights / "session" / "telemetry.tlog", seconds=5, payloads=1)
     beat = Encoder(1, 1).encode(common.MAVLink_heartbeat_message(2, 3, 81, 0, 4, 3))
     (flights / "other.tlog").write_bytes(record(UNIX, beat))
@@ -72,7 +72,7 @@ def test_a_flight_that_is_still_written_is_listed_and_not_read_again_and_again(f
     assert rows["two.tlog"]["start"] == pytest.approx(UNIX / 1e6)
     make_old(folder / "two.tlog")
     rows = {each["name"]: each for each in flights.known()}
-    assert rows["two.tlog"]["duration"] == pytest.approx(29.9, abs=0.2)
+    assert rows["two.tlog"]["duration"] == pytest.approx(9.9, abs=0.2)
 
 
 def test_a_simulated_flight_has_no_date_while_it_is_written_either(tmp_path):
@@ -93,13 +93,13 @@ async def test_an_opened_flight_tells_what_is_in_it_and_shows_its_first_payload(
         told = await opened(one)
         assert told["name"] == "two.tlog"
         assert told["payloads"] == ["1-191", "2-191"]
-        assert told["duration"] == pytest.approx(29.9, abs=0.2)
+        assert told["duration"] == pytest.approx(9.9, abs=0.2)
         assert (told["at"], told["playing"], told["speed"]) == (0, False, 1)
         assert told["marks"][0]["words"]
-        await one.say(type="flight", slot="a", seek=20)
-        shown = await one.next("payload", lambda message: message["now"] == 20)
+        await one.say(type="flight", slot="a", seek=8)
+        shown = await one.next("payload", lambda message: message["now"] == 8)
         assert (shown["slot"], shown["id"]) == ("a", "1-191")
-        assert shown["sections"]["mission"]["time"] == pytest.approx(20, abs=0.2)
+        assert shown["sections"]["mission"]["time"] == pytest.approx(8, abs=0.2)
         await one.say(type="flight", slot="a", watch="2-191")
         shown = await one.next("payload", lambda message: message["id"] == "2-191")
         assert len(shown["sections"]) == 12
@@ -113,7 +113,7 @@ async def test_a_flight_stops_at_its_end_and_plays_from_the_beginning_again(fold
         ended = await one.next("flight", lambda message: message["at"] == told["duration"] and not message["playing"])
         assert ended["at"] == told["duration"]
         await one.say(type="flight", slot="a", play=True)
-        await one.next("flight", lambda message: message["playing"] and message["at"] < 10)
+        await one.next("flight", lambda message: message["playing"] and message["at"] < 5)
 
 
 async def test_before_its_first_word_nothing_is_known_of_a_payload(folder):
@@ -140,8 +140,8 @@ async def test_two_flights_play_apart(folder):
         await opened(one, "two.tlog", "a")
         await opened(one, "session", "b")
         await opened(other, "session", "a")
-        await one.say(type="flight", slot="a", seek=20)
-        await one.next("flight", lambda message: message["at"] == 20)
+        await one.say(type="flight", slot="a", seek=8)
+        await one.next("flight", lambda message: message["at"] == 8)
         await one.say(type="flight", slot="b", seek=3)
         told = await one.next("flight", lambda message: message["at"] == 3)
         assert (told["slot"], told["name"]) == ("b", "session")

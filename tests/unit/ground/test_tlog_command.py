@@ -298,7 +298,7 @@ def test_a_log_of_somebody_else_is_told_but_not_drawn(tlog, tmp_path):
 
 
 @pytest.mark.parametrize(("name", "magic", "times"), [("a.png", b"\x89PNG", 1), ("a.svg", b"<?xml", 2)])
-def test_the_picture_is_drawn_whole_and_the_same_again(tlog, fleet_log, tmp_path, name, magic, times):
+def test_the_picture_is_drawn_whole_and_the_same_again(tlog, fleet_log, tmp_path, *, name, magic, times):
     """What could differ, names and the date, is in the vector graphics."""
     pytest.importorskip("matplotlib", reason="needs the extra 'sim'")
     path = tmp_path / name
