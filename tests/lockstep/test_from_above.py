@@ -8,14 +8,16 @@ import pytest
 
 from recording_bench import only
 from ross_payload.config import Config
-from short_mission import CHEAP, LATER, brief
+from short_mission import CHEAP, LATER, SOON, brief
 
 pytestmark = pytest.mark.lockstep
 
 
 def test_talkers_below_are_found_and_the_target_is_separated(fly, tmp_path: Path) -> None:
     """The talkers are 22 to 58 deg below: at one's cosine a horizontal one would be up to 58 deg away."""
-    report = fly("--scenario", brief("from-above", tmp_path, explore=LATER, run_s=2.0, **CHEAP), "--seed", 1)
+    report = fly(
+        "--scenario", brief("from-above", tmp_path, explore=LATER, check_s=1.0, run_s=1.0, **CHEAP), "--seed", 1
+    )
     assert (report["outcome"], report["k"]) == ("target_found", 3)
     assert all(abs(source["azimuth_error_deg"]) < 5 for source in report["sources"])
     assert all(abs(source["elevation_deg"] - source["elevation_true_deg"]) < 10 for source in report["sources"])
@@ -26,7 +28,7 @@ def test_talkers_below_are_found_and_the_target_is_separated(fly, tmp_path: Path
 
 def test_twenty_metres_below_rotors_the_height_of_the_autopilot_finds_everybody(fly, tmp_path: Path) -> None:
     """The talkers are 70 to 79 deg below: nobody looks for delays so short who does not know the height."""
-    asked = brief("from-above-20", tmp_path, explore=LATER | {"unit_s": 2.0}, run_s=2.0, **CHEAP)
+    asked = brief("from-above-20", tmp_path, explore=SOON | {"unit_s": 2.0}, check_s=1.0, run_s=1.0, **CHEAP)
     report = fly("--scenario", asked, "--seed", 1, "--record", tmp_path / "tapes")
     assert (report["outcome"], report["k"]) == ("target_found", 3)
     assert all(abs(source["azimuth_error_deg"]) < 8 for source in report["sources"])

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from reports import gain
-from short_mission import CHEAP, LATER, SOON, brief
+from short_mission import CHEAP, SOON, brief
 
 pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
@@ -15,7 +15,9 @@ def worst(report):
 
 
 def test_in_the_field_everybody_is_found_and_the_target_is_separated(run, tmp_path):
-    code, out, err = run("sitl", "--scenario", brief("setting-4", tmp_path, explore=SOON, run_s=2.0, **CHEAP), "--json")
+    code, out, err = run(
+        "sitl", "--scenario", brief("setting-4", tmp_path, explore=SOON, check_s=1.0, run_s=1.0, **CHEAP), "--json"
+    )
     assert code == 0, err
     report = json.loads(out)
     assert report["k"] == 3
@@ -24,9 +26,8 @@ def test_in_the_field_everybody_is_found_and_the_target_is_separated(run, tmp_pa
 
 
 def test_in_the_conference_room_everybody_is_found_even_when_the_voice_is_not_recognised(run, tmp_path):
-    code, out, err = run(
-        "sitl", "--scenario", brief("setting-5", tmp_path, explore=LATER, run_s=2.0, **CHEAP), "--json"
-    )
+    soon = brief("setting-5", tmp_path, explore=SOON, check_s=1.0, run_s=1.0, **CHEAP)
+    code, out, err = run("sitl", "--scenario", soon, "--json")
     assert code in (0, 3), err
     report = json.loads(out)
     assert report["k"] == 3

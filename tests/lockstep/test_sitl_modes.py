@@ -11,7 +11,7 @@ pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
 
 def quick(name, folder):
-    return brief(name, folder, explore={"lead_in_s": 1.0, "unit_s": 1.5}, run_s=2.0, **CHEAP)
+    return brief(name, folder, explore={"lead_in_s": 1.0, "unit_s": 1.5}, check_s=1.0, run_s=1.0, **CHEAP)
 
 
 @pytest.fixture
@@ -70,6 +70,7 @@ def same_files(one, two):
         assert (one / name).read_bytes() == (two / name).read_bytes(), name
 
 
+@pytest.mark.soak  # of another mission: test_sitl
 def test_a_rerun_gives_the_same_bytes(mission, pipelined, tmp_path):
     mission("again", "-s", quick("pipelined", tmp_path), "--seed", 1)
     same_files(pipelined[2], tmp_path / "again")

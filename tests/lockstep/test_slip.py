@@ -12,8 +12,8 @@ pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
 SOONER = {  # what happens in the scenario `slip`, in less time
     "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.5\nmin_rotations = 2\nmax_rotations = 2",
-    "runs = 2": "runs = 2\ncheck_s = 2.0\nrun_s = 4.0\nseparator = 'gaussian'",
-    "at_s = 34": "at_s = 10",
+    "runs = 2": "runs = 1\ncheck_s = 1.0\nrun_s = 4.0\nseparator = 'gaussian'",
+    "at_s = 34": "at_s = 8",
 }
 QUIET = """
 title = "Nothing slips"
@@ -26,7 +26,7 @@ max_rotations = 2
 separator = "gaussian"
 check_s = 1.0
 run_s = 2.0
-runs = 2
+runs = 1
 [noise]
 snr_db = 25
 """
@@ -57,7 +57,7 @@ def test_a_mission_without_a_slip_looks_for_none(run, tmp_path):
     scenario.write_text(QUIET + THREE)
     code, report = flown(run, tmp_path / "out", "--scenario", scenario, "-a", "ideal")
     assert (code, report["slips_deg"]) == (0, [])
-    assert report["mission_s"] < 18  # explored once
+    assert report["mission_s"] < 16  # explored once
 
 
 def test_a_trouble_that_makes_no_sense_for_an_actuator_is_one_clear_line(run, tmp_path):

@@ -38,24 +38,18 @@ def test_the_command_adds_lists_enrols_and_removes(run, file, tmp_path):
     assert (code, err) == (2, "ross: no voice model 'small' was added\n")
 
 
-def test_a_mission_recognises_by_the_network_that_was_added(run, file, tmp_path):
+def test_a_mission_recognises_by_the_network_and_is_replayed_from_its_recorded_answers(run, file, tmp_path):
     scores = {}
     assert run("voice-model", "add", str(file))[0] == 0
-    for model in ("auto", "built-in"):
+    for model, folder in (("auto", "tape"), ("built-in", "other")):
         scenario = tmp_path / f"{model}.toml"
         scenario.write_text(SHORT + f'[payload.voice_print]\nmodel = "{model}"\n')
-        code, _, err = run("sitl", "--scenario", str(scenario), "--out", str(tmp_path / model))
+        told = ("--scenario", scenario, "--informed", "--out", tmp_path / model, "--record", tmp_path / folder)
+        code, _, err = run("sitl", *told)
         assert code in (0, 3), err
         scores[model] = json.loads((tmp_path / model / "report.json").read_text())["groups"]
     assert scores["auto"] != scores["built-in"]
 
-
-def test_what_a_network_took_part_in_is_replayed_from_its_recorded_answers(run, file, tmp_path):
-    assert run("voice-model", "add", str(file))[0] == 0
-    scenario = tmp_path / "scenario.toml"
-    scenario.write_text(SHORT)
-    code, _, err = run("sitl", "--scenario", str(scenario), "--record", str(tmp_path / "tape"))
-    assert code in (0, 3), err
     assert run("voice-model", "remove", "small")[0] == 0
     (session,) = (tmp_path / "tape").iterdir()
     code, out, err = run("replay", str(session), "--json")
