@@ -28,9 +28,10 @@ check_s = 1.0
 SHORT = """
 [payload.explore]
 unit_s = 1.0
-max_rotations = 4
+min_rotations = 2
+max_rotations = 2
 [payload.exploit]
-run_s = 2.0
+run_s = 1.0
 check_s = 1.0
 """
 NORTH = {10.0, 125.0, -110.0}  # where the talkers are: 30 deg clockwise of the file's
@@ -88,6 +89,7 @@ def test_a_drone_that_nobody_follows_hears_talkers_who_are_not_there(fly):
     assert report["k"] != report["k_true"] or max(errors) > 2.0
 
 
+@pytest.mark.soak  # of another mission: test_sitl
 def test_a_rerun_in_the_air_gives_the_same_bytes(fly, yawing, tmp_path):
     fly(SCENARIO + SOONER, 1, out="again")
     for name in ("events.jsonl", "report.json", "mixture.wav"):

@@ -97,9 +97,8 @@ def test_the_truth_is_written_hop_by_hop(flown):
     assert np.allclose(rows[:, 3], expected, atol=1e-3)
 
 
-def test_a_rerun_gives_the_same_bytes(tmp_path):
-    asked = scenario(sets_out=2.0, separator="auto", check_s=1.0, run_s=4.0, runs=1)  # walks while it listens
-    one, other = (fly(asked, tmp_path / name)[2] for name in ("one", "other"))
+def test_a_rerun_gives_the_same_bytes(flown, tmp_path):
+    one, other = flown[2], fly(scenario(), tmp_path / "other")[2]
     names = sorted(path.name for path in one.iterdir() if path.name != "timing.json")
     assert [name for name in names if (one / name).read_bytes() != (other / name).read_bytes()] == []
     assert "azimuths.csv" in names
