@@ -20,13 +20,20 @@ from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.page_observer import SCRIPTED, PageObserver
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import talkers_of
-from short_mission import SHORT
+from short_mission import PAIR
 from stream_ear import Gazer, StreamEar, place_of
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
 TURN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_STOP
 RESULTS = ("report.json", "events.jsonl", "mission.tlog", "mixture.wav", "target.wav")
+
+
+@pytest.fixture
+def short(tmp_path):
+    path = tmp_path / "short.toml"
+    path.write_text(PAIR)
+    return path
 
 
 def command(number, *values):
@@ -43,7 +50,7 @@ def flown(scenario, out, onlooker=None):
 def watched(tmp_path_factory):
     """A mission that somebody looks on who asks for a turn: what is left, the folder of the results, the onlooker."""
     folder = tmp_path_factory.mktemp("watched")
-    (folder / "short.toml").write_text(SHORT)
+    (folder / "short.toml").write_text(PAIR)
     with Gazer(command(TURN, 20.0)) as gazer:
         finished = flown(folder / "short.toml", folder / "out", PageObserver("", gazer.link))
     return finished, folder / "out", gazer
@@ -53,7 +60,7 @@ def watched(tmp_path_factory):
 def alone(tmp_path_factory):
     """The results of the same mission that nobody looks on."""
     folder = tmp_path_factory.mktemp("alone")
-    (folder / "short.toml").write_text(SHORT)
+    (folder / "short.toml").write_text(PAIR)
     flown(folder / "short.toml", folder / "out")
     return folder / "out"
 

@@ -48,6 +48,7 @@ run_s = 1.0
 max_restarts = 0
 """
 SHORT += THREE
+PAIR = SHORT.rsplit("[[talkers]]", 1)[0]  # the same with two of the three
 WHOLE = SHORT.replace('separator = "gaussian"\ntrack = false\n', "")  # as a mission is unless somebody asks for less
 
 NOISE = """
