@@ -14,7 +14,7 @@ import soundfile
 
 from command_line import called_once
 from mission_fixtures import without_picture
-from short_mission import CHEAP, SHORT, SOON, WHOLE, brief, changed
+from short_mission import CHEAP, PAIR, SOON, WHOLE, brief, changed
 
 pytestmark = pytest.mark.lockstep
 
@@ -134,11 +134,13 @@ def test_recorded_talkers_are_told_apart(speech, tmp_path):
 
 
 def test_a_target_that_is_not_there_is_not_found(mission, tmp_path):
-    asked = brief("no-target", tmp_path, explore=SOON, max_restarts=0, check_s=1.0, run_s=1.0, **CHEAP)
-    asked.write_text(asked.read_text().replace("target = 3", "target = 7"))  # higher than all, for less is heard
+    explore = SOON | {"unit_s": 1.0}
+    asked = brief("no-target", tmp_path, explore=explore, max_restarts=0, check_s=1.0, run_s=1.0, **CHEAP)
+    text = asked.read_text().replace("target = 3", "target = 7")  # higher than all, for less is heard
+    asked.write_text(text.replace("[[talkers]]\nazimuth_deg = -80\n", ""))
     code, _, report = mission("--scenario", asked, "--actuator", "ideal")
     assert code == 3
-    assert report["k"] == report["k_true"]
+    assert report["k"] == report["k_true"] == 2
     assert not report["groups"]
 
 
@@ -240,7 +242,7 @@ def other(tmp_path_factory):
     out.mkdir()
     for name in ("group-photo.wav", "group-7.wav", "notes.txt"):
         (out / name).write_text("mine")
-    (folder / "short.toml").write_text(SHORT.replace("a short mission", "cost $\\\\frac$ [red]"))
+    (folder / "short.toml").write_text(PAIR.replace("a short mission", "cost $\\\\frac$ [red]"))
     code, _, said = called_once("sitl", "--json", "--out", out, "-s", folder / "short.toml", "--seed", 2)
     assert code in (0, 3), said
     assert "Traceback" not in said
@@ -259,10 +261,11 @@ def test_other_files_in_the_folder_are_left_alone_and_a_title_is_only_a_title(ot
     assert not (other / "group-7.wav").exists()  # taken for an earlier mission's
 
 
-SOONER = {  # what happens in the scenario `restart`, in less time
+SOONER = {  # what happens in the scenario `restart`, in less time and to fewer
     "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.0\nmin_rotations = 2\nmax_rotations = 2",
     "runs = 2": "runs = 2\ncheck_s = 1.0\nrun_s = 2.0\nseparator = 'gaussian'\ntrack = false",
-    "[[42, 62]]": "[[9, 12]]",
+    "[[42, 62]]": "[[8, 11]]",
+    "[[talkers]]\nazimuth_deg = 155\n": "",  # who stays
     "end_s = 45": "end_s = 10",
     "start_s = 46": "start_s = 11",
 }
