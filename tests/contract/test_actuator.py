@@ -82,22 +82,22 @@ def test_it_is_not_settled_between_the_command_and_the_goal(rig: Rig) -> None:
         assert not rig.state.settled
 
 
-@pytest.mark.parametrize("second", [2.5, -1.0, 0.5])
+@pytest.mark.parametrize("second", [2.5, -1.0, pytest.param(0.5, marks=pytest.mark.soak)])
 def test_a_goal_replaced_in_flight_is_reached_without_a_jump_in_speed(rig: Rig, second: float) -> None:
     rig.actuator.command(2.0)
     rig.clock.sleep(0.8)
     assert rig.state.rate > 1.0
     rig.actuator.command(second)
-    before = rig.state.rate
-    for _ in range(700):
+    end, before = rig.clock.now() + 7.0, rig.state.rate
+    while not rig.state.settled:
         rig.clock.sleep(QUANTUM)
         assert abs(rig.state.rate - before) <= ACCELERATION * QUANTUM * 1.001 + rig.ripple
+        assert rig.clock.now() < end, rig.state
         before = rig.state.rate
-    assert rig.state.settled
     assert rig.far_end.angle() == pytest.approx(second, abs=rig.tolerance)
 
 
-@pytest.mark.parametrize("after", [0.2, 0.5, 0.8, 1.1])
+@pytest.mark.parametrize("after", [0.2, *(pytest.param(each, marks=pytest.mark.soak) for each in (0.5, 0.8)), 1.1])
 def test_stop_halts_within_the_braking_distance_and_100_ms_of_travel(rig: Rig, after: float) -> None:
     rig.actuator.command(rig.upper)
     rig.clock.sleep(after - QUANTUM)
@@ -106,7 +106,7 @@ def test_stop_halts_within_the_braking_distance_and_100_ms_of_travel(rig: Rig, a
     here = rig.far_end.angle()
     speed = (here - before) / QUANTUM if rig.ripple else rig.state.rate  # what is measured comes late
     rig.actuator.stop()
-    rig.clock.sleep(4.0)
+    rig.clock.sleep(2.0)
     assert rig.state.rate == 0.0
     allowed = speed**2 / (2 * ACCELERATION) + (0.1 + rig.late) * (speed + ACCELERATION * 0.05) + SWING
     assert 0.0 <= rig.far_end.angle() - here <= allowed
