@@ -17,6 +17,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from ports import free_port
+from short_mission import CHEAP, SOON, brief
 
 ROOT = Path(__file__).parents[2]
 
@@ -64,16 +65,8 @@ def test_the_wheel_holds_three_packages_and_their_data(wheel):
 
 def test_the_installed_command_flies_a_mission_outside_the_checkout(installed, tmp_path):
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    command = [
-        installed / "bin" / "ross",
-        "sitl",
-        "--scenario",
-        "one-talker",
-        "--informed",
-        "--json",
-        "--out",
-        "results",
-    ]
+    asked = brief("one-talker", tmp_path, explore=SOON, check_s=1.0, run_s=2.0, **CHEAP)
+    command = [installed / "bin" / "ross", "sitl", "--scenario", asked, "--informed", "--json", "--out", "results"]
     done = subprocess.run(
         command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, timeout=250
     )
