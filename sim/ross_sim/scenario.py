@@ -164,8 +164,8 @@ class Scenario(Table):
         ConfigError
             When one of them lies outside the room or on top of the array.
         """
-        nodes = range(walk.n_nodes) if node is None else [node]
-        return self._spec([self._position_at(walk.node(number)) for number in nodes])
+        nodes = np.arange(walk.n_nodes) if node is None else [node]
+        return self._spec([self._position_at(place) for place in walk.node(nodes).tolist()])
 
     def walks(self) -> tuple[Walk, ...]:
         """Where every talker walks, or stays."""
@@ -243,8 +243,8 @@ class Scenario(Table):
         above = height if source.height_m is None else [source.height_m]
         return (x + source.away * math.cos(azimuth), y + source.away * math.sin(azimuth), *above)
 
-    def _position_at(self, place: Real) -> tuple[float, ...]:
-        azimuth, distance, height = (float(value) for value in place)
+    def _position_at(self, place: Sequence[float]) -> tuple[float, ...]:
+        azimuth, distance, height = place
         x, y, *up = self.centre()
         at = (x + distance * math.cos(azimuth), y + distance * math.sin(azimuth), *([height] if up else []))
         return tuple(round(value, 6) for value in at)  # on the way back as on the way there

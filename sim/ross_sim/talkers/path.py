@@ -79,10 +79,11 @@ class Path:
         """Place on the grid at times [s], (...)."""
         return np.asarray(np.interp(np.asarray(time, dtype=float), self.times, self.nodes))
 
-    def node(self, number: int) -> Real:
-        """Azimuth [rad], distance [m] and height [m] of one position of the grid, (3,)."""
-        last = max(int(np.searchsorted(self.nodes, number)), 1)  # the way point at, or next after, the node
-        begin, end = self.nodes[last - 1], self.nodes[min(last, len(self.nodes) - 1)]
-        share = 0.0 if end == begin else (number - begin) / (end - begin)
-        ends = self.place(self.times[[last - 1, min(last, len(self.times) - 1)]])
-        return np.asarray(ends[0] + share * (ends[1] - ends[0]))
+    def node(self, number: ArrayLike) -> Real:
+        """Azimuth [rad], distance [m] and height [m] of positions of the grid, (..., 3)."""
+        numbers, last = np.asarray(number, dtype=float), len(self.nodes) - 1
+        after = np.maximum(np.searchsorted(self.nodes, numbers), 1)  # the way point at, or next after, the node
+        begin, end = self.nodes[after - 1], self.nodes[np.minimum(after, last)]
+        share = np.where(end == begin, 0.0, (numbers - begin) / np.where(end == begin, 1.0, end - begin))
+        first, second = self.place(self.times[after - 1]), self.place(self.times[np.minimum(after, last)])
+        return np.asarray(first + share[..., None] * (second - first))
