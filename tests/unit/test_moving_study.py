@@ -1,10 +1,13 @@
 """The study of talkers who move: what is known at the start, who walks where, and what its table says."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from ross_payload.events import Outcome
+from ross_sim.study import moving_talkers
 from ross_sim.study.moving_talkers import APART, WALKS, Case, Row, staged, table
 
 
@@ -62,3 +65,10 @@ def test_the_table_has_a_line_for_every_room_and_speed_with_the_rms_over_mission
 def test_the_tracker_alone_has_no_loss_in_the_table():
     alone = Row(Case("S1", 5.0, 0), "somebody", False, 3.0, 0.0, 1.0, 4, 0, math.nan, math.nan, 1.0)
     assert [cell.strip() for cell in table([alone])[2].split("|")[-3:-1]] == ["-", "-"]
+
+
+def test_a_mission_that_ctrl_c_stopped_is_no_row(monkeypatch, capsys):
+    stopped = SimpleNamespace(result=SimpleNamespace(outcome=Outcome.STOPPED))
+    monkeypatch.setattr(moving_talkers, "perform", lambda *_, **__: stopped)
+    assert moving_talkers.main(["--draws", "1", "--settings", "S1", "--speeds", "5", "--tracker-alone"]) == 130
+    assert capsys.readouterr() == ("", "interrupted after 0 missions\n")

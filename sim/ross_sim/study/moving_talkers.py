@@ -27,7 +27,7 @@ import numpy as np
 
 from ross_payload.angles import difference, wrap
 from ross_payload.config import validated
-from ross_payload.events import Event, OrientationHeard
+from ross_payload.events import Event, OrientationHeard, Outcome
 from ross_payload.interfaces import Input, Real
 from ross_payload.localization.talker_motion import RATES, around
 from ross_payload.localization.track_hypotheses import Hypothesis
@@ -171,7 +171,7 @@ def row(case: Case, voices: Sequence[TalkerVoice], kept: Path | None = None, *, 
     model = ModelFolder.default().in_use(payload.voice_print.model)
     company = TalkerSelection(chosen, chosen[0].name, enrol(chosen[0].enrolment, chosen[0].rate, model))
     counter, name = Counter(case.sets_out), chosen[walker].name
-    heard = perform(scenario, company, counter, None, None)
+    heard = _whole(perform(scenario, company, counter, None, None))
     tracks = [each for each in heard.report["tracks"] if 0 <= each["time_s"] - case.sets_out <= WALKS]
     mine = np.array([[t["azimuth_error_deg"], t["sigma_deg"]] for t in tracks if t["name"] == name]).reshape(-1, 2)
     rest = np.array([t["azimuth_error_deg"] for t in tracks if t["name"] not in (name, None)])
@@ -202,12 +202,19 @@ def _known(case: Case, scenario: Scenario, company: TalkerSelection, kept: Path 
     def truth(time: float) -> Real:
         return np.array([wrap(float(azimuth)) for azimuth in scenario.azimuths_at(np.array([time]))[:, 0]])
 
-    mission = perform(scenario, company, MissionView(), None, None, tracker=told(truth, case.sets_out))
+    mission = _whole(perform(scenario, company, MissionView(), None, None, tracker=told(truth, case.sets_out)))
     found = quality(mission, case)
     if file is not None:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(found))
     return found
+
+
+def _whole(mission: Finished) -> Finished:
+    """A mission that was stopped, as Ctrl-C stops every mission, is no row of a study."""
+    if mission.result.outcome is Outcome.STOPPED:
+        raise KeyboardInterrupt
+    return mission
 
 
 def quality(mission: Finished, case: Case) -> float:
@@ -248,7 +255,7 @@ def _rms(values: Real) -> float:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Print one line per mission, and the table."""
+    """Print one line per mission, and the table; 130 when it was interrupted."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, help="folder of recordings; default: synthetic voices")
     parser.add_argument("--start", choices=SETS_OUT, default="true", help="azimuths are told, or explored first")
@@ -262,14 +269,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--json", type=Path, help="also write the rows there")
     asked = parser.parse_args(arguments)
     voices = voices_of(asked.speech, RATE)
-    rows = []
-    for setting in asked.settings.split(","):
-        for speed in map(float, asked.speeds.split(",")):
-            for seed in range(asked.seed, asked.seed + asked.draws):
-                case = Case(setting, speed, seed, asked.talkers, asked.start)
-                rows.append(row(case, voices, asked.known, alone=asked.tracker_alone))
-                sys.stdout.write(f"{rows[-1]}\n")
-                sys.stdout.flush()
+    rows: list[Row] = []
+    try:
+        for setting in asked.settings.split(","):
+            for speed in map(float, asked.speeds.split(",")):
+                for seed in range(asked.seed, asked.seed + asked.draws):
+                    case = Case(setting, speed, seed, asked.talkers, asked.start)
+                    rows.append(row(case, voices, asked.known, alone=asked.tracker_alone))
+                    sys.stdout.write(f"{rows[-1]}\n")
+                    sys.stdout.flush()
+    except KeyboardInterrupt:
+        sys.stderr.write(f"interrupted after {len(rows)} missions\n")
+        return int(Outcome.STOPPED)
     sys.stdout.write("\n".join(table(rows)) + "\n")
     if asked.json:
         asked.json.write_text(json.dumps([asdict(each) for each in rows], indent=1) + "\n")
