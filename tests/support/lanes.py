@@ -61,7 +61,7 @@ REPORTS = "ROSS_TEST_REPORTS"  # a folder for reports in junit's form
 
 
 STAGES = (
-    Stage(("lockstep", "process"), workers=6),
+    Stage(("lockstep", "process"), workers=6, spare=True),
     Stage(("realtime",), workers=6, niceness=-10, spare=True),
     Stage(("alone",), workers=1, niceness=-10, quiet=True),
     Stage(("browser",), workers=3, niceness=-10, spare=True),
