@@ -12,7 +12,7 @@ errors, were chosen on simulated rooms with recorded voices (decision 112).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,8 @@ SHARED = np.array([[0.18, 0.15, 0.14], [0.16, 0.12, 0.09], [0.14, 0.085, 0.065],
 BANDS = np.array([700.0, 1400.0, 2800.0])  # between the bands in which every source has shares of its own [Hz]
 N_BANDS = len(BANDS) + 1
 GROUP = 8  # bins whose densities are multiplied before the logarithm
+ROUNDS = 8  # of expectation maximisation
+TINY = 1e-12
 LEAST = np.float32(1e-4)  # density: no bin speaks against anything by more than nine nats
 ANYWHERE = 0.5  # share of what is from nobody that has a delay at least: an echo
 PLANE = 0.97  # amplitude of the delays in a plane with echoes, for which errors and thresholds were chosen
@@ -72,6 +74,27 @@ class Likelihood:
         grouped = np.maximum(densities, LEAST).reshape(*more, GROUP, n // GROUP, cases)
         return np.asarray(self.count * np.log(np.multiply.reduce(grouped, axis=-3)).sum(axis=-2))
 
+    def shares(self, before: Real, marginal: Real, drawn: float) -> Real:
+        """Share of every source and of nobody in the bins of every band, (n_hypotheses, k + 1, n_bands).
+
+        Parameters
+        ----------
+        before
+            Shares that are expected, (k + 1, n_bands).
+        marginal
+            Density of every bin's phase, (n_hypotheses, k + 1, n).
+        drawn
+            Counts by which shares are drawn to those of before.
+        """
+        counts = self.count * (self.band[:, None] == np.arange(N_BANDS)).astype(np.float32)
+        prior = (drawn * before).astype(np.float32)
+        shares = np.repeat(before.astype(np.float32)[None], len(marginal), axis=0)
+        for _ in range(ROUNDS):
+            joint = shares[..., self.band] * marginal
+            shares = (joint / (joint.sum(axis=1, keepdims=True) + TINY)) @ counts + prior
+            shares = shares / shares.sum(axis=1, keepdims=True)
+        return shares
+
 
 def excess(amplitude: float) -> float:
     """By how much more reflections draw delays to 0 than in a plane."""
@@ -80,9 +103,7 @@ def excess(amplitude: float) -> float:
 
 def likelihood(heard: FrameStatistics, scene: Scene, hearing: Hearing) -> Likelihood:
     """How likely the phases are for all azimuths of all sources."""
-    heard = heard.evenly(hearing.used, GROUP)
-    turned = (2 * np.pi * scene.unit * heard.frequencies).astype(np.float32)
-    tables, nobody = _tables(heard, turned, scene, hearing)
+    heard, tables, found = _looked_at(heard, scene, hearing)
     cells: dict[float, tuple[NDArray[np.intp], NDArray[np.intp]]] = {}
     density, case = [], []
     for elevation, table in zip(scene.elevations.tolist(), tables, strict=True):
@@ -93,12 +114,40 @@ def likelihood(heard: FrameStatistics, scene: Scene, hearing: Hearing) -> Likeli
         unique, index = cells[elevation]
         density.append(np.take_along_axis(table, unique[heard.bundle], axis=1))
         case.append(index)
-    band = np.searchsorted(BANDS, heard.frequencies)
-    return Likelihood(tuple(density), tuple(case), nobody, band, float(heard.weights[0]))
+    return replace(found, density=tuple(density), case=tuple(case))
+
+
+def at_rest(heard: FrameStatistics, scene: Scene, amplitudes: Real, hearing: Hearing) -> tuple[Likelihood, Real]:
+    """How likely the phases are if every source is where the scene has it, for several amplitudes of all delays.
+
+    Errors, and how sources share bins, are those for the amplitude of the scene.
+
+    Returns
+    -------
+    tuple
+        A likelihood that knows no azimuths, and the density of every bin's phase, (n_amplitudes, k + 1, n).
+    """
+    heard, tables, found = _looked_at(heard, scene, hearing)
+    delays = scene.elevations[:, None] * np.cos(scene.azimuths[:, None] - heard.headings[heard.bundle])
+    cells, bins = _nearest(amplitudes[:, None, None] * delays), np.arange(len(heard.phases))
+    own = [table[bins, cells[:, source]] for source, table in enumerate(tables)]
+    nobody = np.broadcast_to(found.nobody, (len(amplitudes), len(bins)))
+    return found, np.stack([*own, nobody], axis=1)
 
 
 def _nearest(delays: Real) -> NDArray[np.intp]:
     return np.asarray(np.round((delays + 1) / (DELAYS[1] - DELAYS[0])), dtype=np.intp)
+
+
+def _looked_at(
+    heard: FrameStatistics, scene: Scene, hearing: Hearing
+) -> tuple[FrameStatistics, list[Real], Likelihood]:
+    """The bins that are looked at, density of their phases for every delay of every source, and all but azimuths."""
+    heard = heard.evenly(hearing.used, GROUP)
+    turned = (2 * np.pi * scene.unit * heard.frequencies).astype(np.float32)
+    tables, nobody = _tables(heard, turned, scene, hearing)
+    band = np.searchsorted(BANDS, heard.frequencies)
+    return heard, tables, Likelihood((), (), nobody, band, float(heard.weights[0]))
 
 
 def _tables(heard: FrameStatistics, turned: Real, scene: Scene, hearing: Hearing) -> tuple[list[Real], Real]:

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.fft import irfft, rfft
 
 from ross_payload.interfaces import Real
-from ross_payload.localization.phase_likelihood import N_BANDS, Likelihood, Scene, likelihood
+from ross_payload.localization.phase_likelihood import TINY, Likelihood, Scene, likelihood
 from ross_payload.localization.phase_statistics import FrameStatistics, Hearing
 from ross_payload.localization.talker_motion import N_AZIMUTHS
 from ross_payload.localization.track_hypotheses import Hypothesis, Tracks
@@ -27,8 +27,6 @@ SOMETIMES = 0.01  # nobody talks or is silent for sure
 SOFT = 4  # a source that is heard has its share of the bins, or one so many times smaller
 LOUD = 50.0  # a place is at most so much likelier than the likeliest one before [nat]
 BLUR = np.radians(1.0)  # of where somebody rests, beside what was heard [rad]
-ROUNDS = 8  # of expectation maximisation
-TINY = 1e-12
 
 
 @dataclass(slots=True, eq=False)
@@ -140,7 +138,7 @@ def _begin(tracks: Tracks, found: Likelihood, hearing: Hearing) -> tuple[_Correc
     for row, each in enumerate(hypotheses):
         for source, belief in each.left.items():
             marginal[row, source] = found.marginal(source, belief.sum(axis=0))
-    shares = _shares(tracks.shares, marginal, found, hearing.share)
+    shares = found.shares(tracks.shares, marginal, hearing.share)
     state = _Correction(
         left=[dict(each.left) for each in hypotheses],
         weights=np.array([each.weight for each in hypotheses]),
@@ -151,15 +149,3 @@ def _begin(tracks: Tracks, found: Likelihood, hearing: Hearing) -> tuple[_Correc
     )
     state.log = found.log(state.mixture[..., None])[:, 0]
     return state, shares
-
-
-def _shares(before: Real, marginal: Real, found: Likelihood, drawn: float) -> Real:
-    """Share of every source and of nobody in the bins of every band, (n_hypotheses, k + 1, n_bands)."""
-    counts = found.count * (found.band[:, None] == np.arange(N_BANDS)).astype(np.float32)
-    prior = (drawn * before).astype(np.float32)
-    shares = np.repeat(before.astype(np.float32)[None], len(marginal), axis=0)
-    for _ in range(ROUNDS):
-        joint = shares[..., found.band] * marginal
-        shares = (joint / (joint.sum(axis=1, keepdims=True) + TINY)) @ counts + prior
-        shares = shares / shares.sum(axis=1, keepdims=True)
-    return shares

@@ -10,6 +10,7 @@ import numpy as np
 
 from ross_payload.angles import difference, wrap
 from ross_payload.interfaces import Real
+from ross_payload.localization.room_amplitude import RoomAmplitude
 from ross_payload.localization.talker_motion import AZIMUTHS, N_AZIMUTHS, RATES, REST
 
 PEAK = np.radians(30.0)  # to either side of the peak that is averaged [rad]
@@ -52,6 +53,7 @@ class Tracks:
     unit: float  # d / v_p [s]
     wet: bool  # in reverberation
     amplitude: float  # of all delays in this room: reflections draw them to 0 by this factor
+    room: RoomAmplitude | None = None  # what is heard of it, as long as it is not known
 
     @cached_property
     def mixed(self) -> Real:

@@ -31,8 +31,9 @@ from ross_payload.alignment.predicted_gain import OPEN
 from ross_payload.angles import difference
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Real
-from ross_payload.localization.phase_likelihood import N_BANDS
+from ross_payload.localization.phase_likelihood import N_BANDS, Scene
 from ross_payload.localization.phase_statistics import HEARING, FrameStatistics, Hearing
+from ross_payload.localization.room_amplitude import UNTOLD, RoomAmplitude
 from ross_payload.localization.talker_motion import (
     AZIMUTHS,
     MOTION,
@@ -48,7 +49,6 @@ from ross_payload.localization.track_correction import correct, widened
 from ross_payload.localization.track_hypotheses import Hypothesis, Members, Tracks
 
 PLACE = np.radians(1.5)  # of where somebody rests, beside that of the exploration [rad]
-UNTOLD = 0.985  # amplitude of delays in a room that nobody has explored
 DRAWN = 0.75  # part of what is not direct by which reflections draw delays to 0
 ASTRAY = 0.3  # and part of that by which one delay differs from the next
 MOST = 8  # hypotheses
@@ -77,6 +77,7 @@ def begin(estimate: Estimate, spacing: float, speed_of_sound: float) -> Tracks:
         unit=spacing / speed_of_sound,
         wet=estimate.directness is None or estimate.directness < OPEN,
         amplitude=amplitude,
+        room=RoomAmplitude() if estimate.directness is None and k > 1 else None,  # one who walks would pass for a room
     )
 
 
@@ -87,8 +88,18 @@ def step(tracks: Tracks, heard: FrameStatistics, motion: Motion = MOTION, hearin
     ahead = predict(tracks, heard.seconds, motion)
     if not len(heard.weights):
         return ahead
-    after, parts = correct(ahead, heard, hearing)
+    after, parts = correct(_learnt(ahead, heard, hearing), heard, hearing)
     return replace(after, hypotheses=_merged(parts))
+
+
+def _learnt(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> Tracks:
+    """Return the tracks with the amplitude of delays in a room that nobody has explored, as far as it is heard."""
+    if tracks.room is None:
+        return tracks
+    shares = tracks.shares[:-1].mean(axis=1)
+    scene = Scene(tracks.unit, tracks.homes, tracks.elevations, shares, tracks.wet, tracks.amplitude)
+    room = tracks.room.after(heard, scene, tracks.shares, hearing)
+    return replace(tracks, amplitude=room.amplitude, room=None if room.known else room)
 
 
 def predict(tracks: Tracks, seconds: float, motion: Motion = MOTION) -> Tracks:

@@ -1,9 +1,11 @@
 """Talkers who rest while the array listens: how often the tracker wrongly says that somebody has moved.
 
-``python -m ross_sim.study.resting_talkers --speech DIR [--settings S1,S2,A0.45] [--k 3,4] [--draws 8] [--seed S]``
+``python -m ross_sim.study.resting_talkers --speech DIR [--settings S1,S2,A0.45] [--k 3,4] [--draws 8] [--seed S]
+[--unexplored]``
 
 K talkers speak for 16 s around an array that rests at the best heading for one of them. The tracker begins with their
-azimuths, wrong by as much as an exploration of that room is, and with the directness that one tells of it (`TOLD`).
+azimuths, wrong by as much as an exploration of that room is, and with the directness that one tells of it (`TOLD`);
+``--unexplored``: with azimuths alone, as somebody tells them.
 """
 
 from __future__ import annotations
@@ -79,8 +81,11 @@ def scene_of(setting: str, k: int, seed: int, voices: Sequence[Samples], seconds
     return Scene(setting, azimuths, heading, tuple(heard))
 
 
-def tracked(scene: Scene, seed: int, directness: float | None = None) -> Outcome:
-    """Let the tracker hear a scene; ``directness``: told instead of what an exploration tells of such a room."""
+def tracked(scene: Scene, seed: int, *, directness: float | None = None, explored: bool = True) -> Outcome:
+    """Let the tracker hear a scene; ``directness``: told instead of what an exploration tells of such a room.
+
+    If it was not ``explored`` nothing is told of the room.
+    """
     told, error_deg = TOLD[scene.setting]
     errors = np.random.default_rng([seed, len(scene.azimuths), 1]).normal(
         0.0, np.radians(error_deg), scene.azimuths.size
@@ -89,7 +94,8 @@ def tracked(scene: Scene, seed: int, directness: float | None = None) -> Outcome
         SourceEstimate(wrap(float(azimuth)), SIGMA, confidence=1.0, resolved=True)
         for azimuth in scene.azimuths + errors
     )
-    anchor = Estimate(sources, certain=True, directness=told if directness is None else directness)
+    known = (told if directness is None else directness) if explored else None
+    anchor = Estimate(sources, certain=True, directness=known)
     tracker = SourceTracker(anchor, 0, STFT, SPACING, SPEED_OF_SOUND, None, None)
     time, first, said, worst = 0.0, None, 0, 0.0
     for heard in scene.heard:
@@ -104,12 +110,13 @@ def tracked(scene: Scene, seed: int, directness: float | None = None) -> Outcome
 
 
 def outcomes(
-    settings: Sequence[str], ks: Sequence[int], seeds: Sequence[int], voices: Sequence[Samples]
+    settings: Sequence[str], ks: Sequence[int], seeds: Sequence[int], voices: Sequence[Samples], *, explored: bool
 ) -> Iterator[tuple[str, int, list[Outcome]]]:
     """Every room and K, scene by scene."""
     for setting in settings:
         for k in ks:
-            yield setting, k, [tracked(scene_of(setting, k, seed, voices), seed) for seed in seeds]
+            scenes = ((seed, scene_of(setting, k, seed, voices)) for seed in seeds)
+            yield setting, k, [tracked(scene, seed, explored=explored) for seed, scene in scenes]
 
 
 def main(arguments: Sequence[str]) -> None:
@@ -120,6 +127,7 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("--k", default="3,4", help="numbers of talkers, separated by commas")
     parser.add_argument("--draws", type=int, default=8)
     parser.add_argument("--seed", type=int, default=0, help="of the first draw; the next have the next seeds")
+    parser.add_argument("--unexplored", action="store_true", help="azimuths are told, and nothing of the room")
     given = parser.parse_args(arguments)
     settings, ks = given.settings.split(","), given.k.split(",")
     for name, found, allowed in (("settings", settings, TOLD), ("k", ks, KS)):
@@ -137,7 +145,8 @@ def main(arguments: Sequence[str]) -> None:
     _line(columns)
     _line(["---"] * len(columns))
     seeds = range(given.seed, given.seed + given.draws)
-    for setting, k, found in outcomes(settings, [int(k) for k in ks], seeds, voices):
+    counts = [int(k) for k in ks]
+    for setting, k, found in outcomes(settings, counts, seeds, voices, explored=not given.unexplored):
         wrong = sum(outcome.moved_at_s is not None for outcome in found)
         low, high = wilson(wrong, len(found))
         share = np.mean([outcome.share for outcome in found])
