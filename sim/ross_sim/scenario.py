@@ -38,6 +38,7 @@ class Room(Table):
     size_m: Place = (10.0, 10.0)  # two numbers: a plane, as in the paper
     t60_s: Annotated[float, Field(ge=0, le=5)] = 0.0  # nominal; 0: no walls
     array_m: Place | None = None  # absent: the middle, 1.2 m high
+    turns_heard: bool = True  # false: while the array turns, what is heard at its last heading goes on
 
 
 class WayPoint(Table):

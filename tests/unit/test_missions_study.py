@@ -56,6 +56,14 @@ def test_the_target_is_among_the_talkers_or_somebody_else():
         assert drawn.wanted["absent"] not in drawn.talkers
 
 
+def test_turns_are_heard_unless_somebody_asks_for_less():
+    heard, unheard = (
+        staged(study(**asked), MissionTask("demo", 3, 1), voices(9)) for asked in ({}, {"turns_heard": 0})
+    )
+    assert heard.scenario.room.turns_heard
+    assert unheard.scenario.room == heard.scenario.room.model_copy(update={"turns_heard": False})
+
+
 def test_places_can_stay_as_written():
     drawn = staged(study(places="written"), MissionTask("demo", 3, 1), voices(9))
     assert drawn.azimuths_deg == (40.0, 155.0, -80.0)

@@ -145,3 +145,13 @@ def test_motor_sings_at_the_rate_of_full_steps():
     spectrum = np.abs(np.fft.rfft(heard[-RATE:]))
     assert spectrum.argmax() == 100
     assert np.sqrt(np.mean(heard[-RATE:] ** 2)) == pytest.approx(0.1, rel=0.05)
+
+
+def test_where_turns_are_not_heard_the_last_heading_sounds_on(tmp_path):
+    there = stems(tmp_path, room(), noise(1), noise(2))
+    path = np.concatenate([np.full(10, 0.02), 0.02 + np.linspace(0, 0.5, 30), np.full(20, 0.52)])
+    heard = hear(Microphones(there, SPACING, 0.02, turns_heard=False), path)
+    first, after = direct(room(), 0.02, (noise(1), noise(2)), heard.shape[-1]), 45 * QUANTUM
+    assert np.allclose(heard[..., : 40 * QUANTUM], first[..., : 40 * QUANTUM], atol=1e-5 * np.abs(first).max())
+    last = direct(room(), 0.52, (noise(1), noise(2)), heard.shape[-1])
+    assert np.allclose(heard[..., after:], last[..., after:], atol=1e-5 * np.abs(last).max())

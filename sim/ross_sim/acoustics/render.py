@@ -103,11 +103,13 @@ class Microphones:
 
     While turning, the wet signals of neighbours on the grid are mixed linearly, sample by sample, by the true
     heading. After three quanta at rest the response of the exact heading is faded in within one quantum; when the
-    array moves away it is faded out likewise.
+    array moves away it is faded out likewise. Where turns are not heard, what is heard at the last heading at rest
+    goes on instead: nearly all responses of a mission are those of turns, which in a room take most of its time.
     """
 
-    def __init__(self, stems: Heard, spacing: float, heading: float) -> None:
+    def __init__(self, stems: Heard, spacing: float, heading: float, *, turns_heard: bool = True) -> None:
         self._stems = stems
+        self._held = None if turns_heard else heading
         self._step = 2 * math.pi / max(72, math.ceil(math.pi * spacing / DISPLACEMENT))
         self._exact: float | None = heading
         self._quanta_still = QUANTA_STILL
@@ -117,7 +119,11 @@ class Microphones:
         before, self._exact = self._exact, self._settle(begin, end)
         if before is not None and before == self._exact:
             return self._stems.at(before, first, last)
-        turning = self._turning(first, last, begin, end)
+        if self._held is not None:
+            turning = self._stems.at(self._held, first, last)
+            self._held = self._held if self._exact is None else self._exact
+        else:
+            turning = self._turning(first, last, begin, end)
         fade = np.linspace(0, 1, last - first, dtype=np.float32)
         if before is not None:
             turning = turning + (1 - fade) * (self._stems.at(before, first, last) - turning)

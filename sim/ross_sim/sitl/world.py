@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import Real, Samples
-from ross_sim.acoustics.render import Microphones, MotorNoise
+from ross_sim.acoustics.render import Heard, Microphones, MotorNoise
 from ross_sim.autopilot.yaw import Yaw
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.far_end import FarEnd, Fault
@@ -111,6 +111,7 @@ class World:
         self._talkers = talkers_heard(scenario, voices, cache)
         self._beside = noise_heard(scenario, reference, room, cache)
         self._spacing = scenario.spacing
+        self._turns_heard = scenario.room.turns_heard
         self._hardware = hardware_of(scenario)
         self._microphones: Microphones | None = None
         self._around: list[Microphones] = []  # what they hear of noise sources in the room
@@ -131,10 +132,9 @@ class World:
         """Begin to sound."""
         heading = self._heading()
         self._headings.append(heading)
-        self._microphones = Microphones(self._talkers, self._spacing, heading)
-        self._around = [Microphones(heard, self._spacing, heading) for heard in self._beside.room]
-        aboard = self._angle + self._offset
-        self._aboard = [Microphones(heard, self._spacing, aboard) for heard in self._beside.vehicle]
+        self._microphones = self._hearing(self._talkers, heading)
+        self._around = [self._hearing(heard, heading) for heard in self._beside.room]
+        self._aboard = [self._hearing(heard, self._angle + self._offset) for heard in self._beside.vehicle]
 
     def close(self) -> None:
         """Fall silent; the plant lives on."""
@@ -196,6 +196,9 @@ class World:
     def headings(self) -> Real:
         """The true heading at the ends of every quantum since the opening [rad], frame of the room, (n_quanta + 1,)."""
         return np.asarray(self._headings)
+
+    def _hearing(self, heard: Heard, heading: float) -> Microphones:
+        return Microphones(heard, self._spacing, heading, turns_heard=self._turns_heard)
 
     def _heading(self) -> float:
         return self._angle + self._offset + self._turned

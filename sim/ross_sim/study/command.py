@@ -186,6 +186,7 @@ def separators(
 @click.option("--draws", type=click.IntRange(1, 10000), help="How often to fly; every draw has other talkers.")
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of the first draw; the next have the next seeds.")
 @click.option("--set", "settings", multiple=True, help="Change a key of the payload: explore.pipelined=true.")
+@click.option("--turns-heard/--turns-unheard", default=None, help="Unheard, the last heading sounds on: faster.")
 def missions(
     *,
     out: Path,

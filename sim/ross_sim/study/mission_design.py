@@ -34,6 +34,7 @@ class MissionStudy(Table):
     draws: Annotated[int, Field(ge=1, le=10000)] = 20
     settings: tuple[str, ...] = ()  # changes of the payload, each "table.key=value"
     seed: Annotated[int, Field(ge=0)] = 1000  # of the first draw; the next have the next seeds
+    turns_heard: bool = True  # false: as `turns_heard` of a scenario's room
 
     @field_validator("scenarios", "k", "targets")
     @classmethod
@@ -148,7 +149,8 @@ def staged(study: MissionStudy, task: MissionTask, voices: Sequence[TalkerVoice]
     wanted = {PRESENT: target} | ({ABSENT: others[int(rng.integers(len(others)))]} if others else {})
     payload = scenario.payload.model_copy(update={"seed": seed})
     talkers = tuple(talker.model_copy(update={"name": None}) for talker in scenario.talkers)
-    final = scenario.model_copy(update={"payload": payload, "talkers": talkers})
+    room = scenario.room if study.turns_heard else scenario.room.model_copy(update={"turns_heard": False})
+    final = scenario.model_copy(update={"payload": payload, "talkers": talkers, "room": room})
     return Staging(final, tuple(chosen), tuple(np.rad2deg(final.azimuths()).round(1).tolist()), wanted)
 
 
