@@ -11,9 +11,9 @@ A folder of ``tests`` says the lane of what lies in it; a marker of that name, o
 What lies among the pure and imports what leaves the process (`REACHES_OUT`) is ``process``.
 The lanes run in stages (`STAGES`), in processes that are forked from one that has collected them (`forked_workers`).
 What claims something about time lies in folders of its own (``alone`` in those of ``realtime``), and runs at a higher
-priority, where the system allows it, so that what else the computer does cannot make it late. While others wait,
-``pure`` tests use the processors, but only as long as nobody else wants them (SCHED_IDLE). A test that is ``alone`` has
-no other test beside it.
+priority, where the system allows it, so that what else the computer does cannot make it late. While it waits, or a
+browser does, ``pure`` tests use the processors, but only as long as nobody else wants them (SCHED_IDLE). A test that is
+``alone`` has no other test beside it.
 
 ``python tests/support/lanes.py [ARGUMENTS OF PYTEST]`` runs all of them so.
 """
@@ -61,7 +61,7 @@ REPORTS = "ROSS_TEST_REPORTS"  # a folder for reports in junit's form
 
 
 STAGES = (
-    Stage(("lockstep", "process"), workers=6, spare=True),
+    Stage(("lockstep", "process"), workers=6),
     Stage(("realtime",), workers=6, niceness=-10, spare=True),
     Stage(("alone",), workers=1, niceness=-10, quiet=True),
     Stage(("browser",), workers=3, niceness=-10, spare=True),
