@@ -3,11 +3,9 @@
 The move is then lost, and says so. A busy loop takes a whole core with the priority of everything ordinary.
 """
 
-import numpy as np
 import pytest
-import soundfile
 
-from pulse_rig import HOME, REARM, SEPARATING, Rig, busy_loops
+from pulse_rig import HOME, REARM, SEPARATING, Rig, busy_loops, noise_file
 
 pytestmark = pytest.mark.alone
 ACCEPTED = 0  # MAV_RESULT
@@ -57,10 +55,7 @@ CASES = [
 @pytest.fixture(scope="module")
 def noise(tmp_path_factory):
     """What the payload hears."""
-    path = tmp_path_factory.mktemp("noise") / "noise.wav"
-    samples = np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16)
-    soundfile.write(path, samples, RATE)
-    return path
+    return noise_file(tmp_path_factory.mktemp("noise"), SECONDS, RATE)
 
 
 @pytest.fixture

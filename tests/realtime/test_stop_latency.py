@@ -13,9 +13,8 @@ from contextlib import ExitStack, contextmanager, nullcontext, suppress
 
 import numpy as np
 import pytest
-import soundfile
 
-from pulse_rig import CANCEL, SEPARATING, STOP, Rig, busy_loops, deceleration_began, rises
+from pulse_rig import CANCEL, SEPARATING, STOP, Rig, busy_loops, deceleration_began, noise_file, rises
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.actuators.tb6600.pulse_segments import RecordingPulses
 from ross_payload.clock import SystemClock
@@ -75,10 +74,7 @@ def test_the_beginning_of_a_deceleration_is_found_in_the_steps_of_a_whole_move()
 @pytest.fixture(scope="module")
 def noise(tmp_path_factory):
     """What the payload hears."""
-    path = tmp_path_factory.mktemp("noise") / "noise.wav"
-    samples = np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16)
-    soundfile.write(path, samples, RATE)
-    return path
+    return noise_file(tmp_path_factory.mktemp("noise"), SECONDS, RATE)
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ import time
 from contextlib import ExitStack, contextmanager
 
 import numpy as np
+import soundfile
 
 from ross_payload.actuators.tb6600.pulse_segments import PulseCodec, PulseLine, RecordingPulses
 from ross_payload.clock import SystemClock, hurry
@@ -47,6 +48,13 @@ def separate():
 threading.Thread(target=separate, daemon=True).start()
 cli.main()
 """
+
+
+def noise_file(folder, seconds, rate):
+    """Write what a payload hears that has nobody to hear; the path."""
+    path = folder / "noise.wav"
+    soundfile.write(path, np.random.default_rng(0).integers(-300, 300, (seconds * rate, 2), np.int16), rate)
+    return path
 
 
 class Bench:
