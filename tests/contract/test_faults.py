@@ -38,8 +38,9 @@ def at_rest(rig: Rig, chance: np.random.Generator) -> None:
 
 
 def far_away(rig: Rig, chance: np.random.Generator) -> float:
-    """A goal at least 60 deg away [rad]."""
-    return rig.state.angle + math.radians(chance.uniform(60, 120) * chance.choice([-1, 1]))
+    """A goal at least 60 deg away, within the limits also where somebody else has turned it far [rad]."""
+    here, way = rig.state.angle, math.radians(chance.uniform(60, 120) * chance.choice([-1, 1]))
+    return here + way if abs(here + way) < rig.upper else here - way
 
 
 def truly_settled(rig: Rig, goal: float) -> bool:
