@@ -132,9 +132,9 @@ class World:
         """Begin to sound."""
         heading = self._heading()
         self._headings.append(heading)
-        self._microphones = self._hearing(self._talkers, heading)
-        self._around = [self._hearing(heard, heading) for heard in self._beside.room]
-        self._aboard = [self._hearing(heard, self._angle + self._offset) for heard in self._beside.vehicle]
+        self._microphones = self._microphones_of(self._talkers, heading)
+        self._around = [self._microphones_of(heard, heading) for heard in self._beside.room]
+        self._aboard = [self._microphones_of(heard, self._angle + self._offset) for heard in self._beside.vehicle]
 
     def close(self) -> None:
         """Fall silent; the plant lives on."""
@@ -197,7 +197,7 @@ class World:
         """The true heading at the ends of every quantum since the opening [rad], frame of the room, (n_quanta + 1,)."""
         return np.asarray(self._headings)
 
-    def _hearing(self, heard: Heard, heading: float) -> Microphones:
+    def _microphones_of(self, heard: Heard, heading: float) -> Microphones:
         return Microphones(heard, self._spacing, heading, turns_heard=self._turns_heard)
 
     def _heading(self) -> float:
