@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import settings
 
 TEST, SOAK = "test", "soak"  # profiles; pytest's --hypothesis-profile chooses another than the first
@@ -13,3 +14,8 @@ settings.register_profile(SOAK, deadline=None, max_examples=100)  # a busy machi
 def examples(full: int) -> int:
     """The examples of a test that looks at ``full`` of them in `make soak`, at least 2."""
     return max(2, full * settings.default.max_examples // 100)
+
+
+def in_soak(*values: object) -> list[object]:
+    """More values of a parameter, which only `make soak` looks at."""
+    return [pytest.param(value, marks=pytest.mark.soak) for value in values]

@@ -2,7 +2,7 @@
 
 import json
 
-from short_mission import THREE
+from short_mission import TWO
 
 SHORT = """
 title = "a short mission"
@@ -18,7 +18,7 @@ check_s = 1.0
 run_s = 2.0
 max_restarts = 0
 """
-SHORT += THREE.rsplit("[[talkers]]", 1)[0]  # two of the three
+SHORT += TWO
 
 
 def replayed(session, out, run, *settings):

@@ -33,6 +33,8 @@ azimuth_deg = 155
 azimuth_deg = -80
 """
 
+TWO = THREE.rsplit("[[talkers]]", 1)[0]
+
 SHORT = """
 title = "a short mission"
 [payload.explore]
@@ -47,8 +49,8 @@ check_s = 1.0
 run_s = 1.0
 max_restarts = 0
 """
+PAIR = SHORT + TWO
 SHORT += THREE
-PAIR = SHORT.rsplit("[[talkers]]", 1)[0]  # the same with two of the three
 WHOLE = SHORT.replace('separator = "gaussian"\ntrack = false\n', "")  # as a mission is unless somebody asks for less
 
 NOISE = """

@@ -6,6 +6,7 @@ import random
 import pytest
 
 from can_servo_bench import OWN, SERVO, Rig
+from examples import in_soak
 from ross_payload.errors import ActuatorFault
 from ross_protocols.dronecan.messages import ArrayCommand, Command, Health, LogMessage, Mode, NodeStatus, Status
 from ross_sim.clock import QUANTUM
@@ -137,7 +138,7 @@ BREAKS = {
 
 
 @pytest.mark.parametrize("words", BREAKS)
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", [*range(5), *in_soak(*range(5, 20))])
 def test_whatever_breaks_in_a_move_is_named_in_time_and_never_settled(words, seed):
     chance = random.Random(seed)  # noqa: S311
     rig = Rig()

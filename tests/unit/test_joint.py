@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
 
+from examples import in_soak
 from ross_payload.angles import difference
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
@@ -90,7 +91,7 @@ LAYOUTS = [
 ]
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, 1, *in_soak(2, 3, 4, 5)])
 def test_a_talker_on_the_axis_hardly_votes_for_its_other_end(seed: int) -> None:
     azimuth = float(4 * STEP)
     (on_axis,) = listen([azimuth], 1, seed, start=azimuth)
@@ -168,7 +169,7 @@ def test_asked_again_about_the_same_it_says_the_same_and_about_more_it_is_surer_
     assert joint.reconsider(heard, 12) is None
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, 1, *in_soak(2)])
 def test_noise_alone_is_nobody(seed: int) -> None:
     estimate = believe(listen([], 7, seed, noise=1.0))
     assert estimate.k == 0

@@ -287,7 +287,7 @@ def test_an_autopilot_that_falls_silent_is_named(rig):
     assert rig.state.fault.startswith("no data from the autopilot")
 
 
-@pytest.mark.parametrize("later", [0.0, 1.19, 1.2, 1.22, 1.4])
+@pytest.mark.parametrize("later", [0.0, 1.19, 1.2, 1.21, 1.22, 1.24, 1.4])
 def test_home_about_when_the_autopilot_is_thawed_goes_on_from_where_the_gimbal_stands(rig, later):
     """The set-points of the time when it was frozen never arrived."""
     rig.actuator.command(1.5)

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from examples import in_soak
 from ross_payload.dsp.covariance import direct
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.steering import steering_vectors
@@ -58,7 +59,7 @@ def test_each_group_follows_its_direction_in_whatever_order() -> None:
     np.testing.assert_allclose(back.signals, forth.signals[[2, 0, 1]], atol=1e-2 * np.abs(mixture).max())
 
 
-@pytest.mark.parametrize("seconds", [0.01, 0.2, 1.0])
+@pytest.mark.parametrize("seconds", [0.01, 0.2, 1.0, *in_soak(3.0)])
 @pytest.mark.parametrize("tau", [[0.2], [-0.8, 0.7], [-0.9, -0.2, 0.3, 0.9]])
 def test_short_recordings_stay_finite_and_no_louder_than_the_mixture(tau: list[float], seconds: float) -> None:
     _, mixture = _mixture(tau, seconds)

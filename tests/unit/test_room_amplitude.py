@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
+from heard_phases import SPACING, SPEED, STEP, phases
 from ross_payload.angles import difference
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.localization import tracking
-from ross_payload.localization.phase_statistics import HEARING, FrameStatistics
 from ross_payload.localization.room_amplitude import HEARD, UNTOLD
 from ross_payload.mission.source_tracking import SourceTracker
 
-SPACING, SPEED, HEADING, STEP = 0.05, 343.0, 0.6, 0.25
+HEADING = 0.6  # [rad]
 RESTING = (80.0, 320.0, 205.0)  # [deg]
 
 
@@ -22,22 +22,12 @@ def told(*degrees, directness=None):
     return Estimate(tuple(sources), certain=True, directness=directness)
 
 
-def phases(azimuths, amplitude, rng, n=60):
-    """Bins that each hear one of the sources at azimuths [deg] in a room that draws delays to 0 by a factor."""
-    frequencies = rng.uniform(300, 6000, n)
-    delay = amplitude * SPACING / SPEED * np.cos(np.radians(rng.choice(azimuths, n)) - HEADING)
-    error = np.sqrt(HEARING.noise**2 + HEARING.error[1] ** 2 * 2 * np.pi * frequencies * SPACING / SPEED)
-    phase = 2 * np.pi * frequencies * delay + error * rng.standard_normal(n)
-    wrapped = np.angle(np.exp(1j * phase))
-    return FrameStatistics(STEP, np.array([HEADING]), np.zeros(n, np.intp), frequencies, wrapped, np.full(n, 0.3))
-
-
 def heard(anchor, amplitude, seconds, path=lambda time: RESTING, seed=0):
     """Let a tracker hear talkers at a path [deg] for so many seconds."""
     rng = np.random.default_rng(seed)
     tracker = SourceTracker(anchor, 0, Stft(16000, 1024, 256), SPACING, SPEED, None, None)
     for time in np.arange(STEP, seconds + STEP / 2, STEP):
-        tracker.tracks = tracking.step(tracker.tracks, phases(path(time), amplitude, rng))
+        tracker.tracks = tracking.step(tracker.tracks, phases(path(time), HEADING, rng, amplitude=amplitude, wet=True))
         tracker.corrected(time)
     return tracker
 
@@ -58,7 +48,7 @@ def test_once_it_is_known_it_stays():
     tracker = heard(told(*RESTING), 0.87, HEARD[1])
     assert tracker.tracks.room is None
     rng, before = np.random.default_rng(5), tracker.tracks
-    after = tracking.step(before, phases(RESTING, 0.7, rng))
+    after = tracking.step(before, phases(RESTING, HEADING, rng, amplitude=0.7, wet=True))
     assert after.amplitude == before.amplitude
 
 

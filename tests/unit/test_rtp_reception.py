@@ -7,7 +7,7 @@ from aiortc.rtp import RtpPacket
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from examples import examples
+from examples import examples, in_soak
 from lossy_network import Network, compared, heard, voiced
 from ross_payload.audio.sinks.rtp_sender import RtpSender
 from ross_payload.interfaces import VoiceBlock
@@ -29,7 +29,7 @@ def test_samples_come_out_as_they_went_in():
     assert np.median(out.total_delays) == pytest.approx(late, abs=0.002)  # as the sender's reports tell it
 
 
-@pytest.mark.parametrize("rate", [16000, 44100, 48000])
+@pytest.mark.parametrize("rate", [16000, 44100, 48000, *in_soak(24000)])
 def test_opus_keeps_the_voice_at_every_rate(rate):
     voice = voiced(5.0, rate)
     out = heard(voice, rate, "opus", delay_s=0.05)

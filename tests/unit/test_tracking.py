@@ -6,31 +6,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from examples import in_soak
+from heard_phases import SPACING, SPEED, STEP, phases
 from ross_payload.alignment.predicted_gain import predicted_gain
 from ross_payload.alignment.realignment import Beliefs, told, worth
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.localization import tracking
-from ross_payload.localization.phase_statistics import HEARING, FrameStatistics, silence, statistics
+from ross_payload.localization.phase_statistics import FrameStatistics, silence, statistics
 from ross_payload.localization.talker_motion import AZIMUTHS
 
-SPACING, SPEED = 0.05, 343.0
-STEP = 0.25
 NEVER = 99.0
 
 
 def found(*degrees):
     sources = (SourceEstimate(math.radians(a), math.radians(0.5), 1.0, resolved=True) for a in degrees)
     return Estimate(tuple(sources), certain=True, directness=1.0)
-
-
-def phases(azimuths, heading, rng, n=60):
-    """Bins that each hear one of the sources at azimuths [deg], with the error of a phase that the model expects."""
-    frequencies = rng.uniform(300, 6000, n)
-    delay = SPACING / SPEED * np.cos(np.radians(rng.choice(azimuths, n)) - heading)
-    error = np.sqrt(HEARING.noise**2 + HEARING.error[0] ** 2 * 2 * np.pi * frequencies * SPACING / SPEED)
-    phase = 2 * np.pi * frequencies * delay + error * rng.standard_normal(n)
-    wrapped = np.angle(np.exp(1j * phase))
-    return FrameStatistics(STEP, np.array([heading]), np.zeros(n, np.intp), frequencies, wrapped, np.full(n, 0.3))
 
 
 def follow(paths, seconds, heading=lambda time: 0.6, seed=0, silent=()):
@@ -112,7 +102,7 @@ def test_a_quiet_source_that_walks_is_found_beside_a_loud_one():
     assert np.sqrt(np.mean(np.square(late))) < 9.0
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, 1, *in_soak(2)])
 def test_a_source_that_passes_another_one_keeps_its_name(seed):
     path = walk(60.0, 10.0)
     time, tracks = list(follow([path, at(100.0), at(-140.0)], 9.0, seed=seed))[-1]

@@ -25,7 +25,7 @@ pytestmark = pytest.mark.lockstep
 
 US, VEHICLE = ComponentId(1, 191), ComponentId(1, 1)
 LATENCY = 0.02  # of the link, each way [s]
-PHASES = np.arange(5) * 0.026  # between what the pilot does and the messages that tell of it [s]
+PHASES = np.arange(10) * 0.013  # between what the pilot does and the messages that tell of it [s]
 
 
 def on_the_wire(message):
@@ -228,7 +228,7 @@ def ended_after(bench, begin):
 @pytest.mark.parametrize("ignores", [False, True], ids=["the autopilot heeds it", "the autopilot ignores it"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_yaw_stick_ends_a_turn_within_0_2_s(kind, ignores):
-    """Whatever the phase between the stick and the messages that tell of it; 0.1 s were aimed at."""
+    """At ten phases between the stick and the messages that tell of it; 0.2 s are required, 0.1 s were aimed at."""
     took = []
     for phase in PHASES:
         bench = in_a_turn(kind, float(phase), ignores_stick=ignores)
