@@ -9,12 +9,13 @@ group: permuting groups permutes the outputs.
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
 import numpy as np
+from scipy.linalg.blas import sgemm
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
@@ -24,6 +25,7 @@ PLACES = 3  # numbers that say where in the spectrum a patch is
 LIMIT = 8.0  # bound of what comes out
 AT_ONCE = 3000  # patches of all groups worked on together: what they need stays in the cache
 STEPS = (1, 2, 4, 8, 1, 2)  # between the taps of every block [patches]
+EDGE = max(STEPS)  # rows of zeros between columns, which the taps along frequency reach
 
 
 Past = tuple[tuple[Real, ...], ...]  # of every block, what its newest columns give to later ones
@@ -68,11 +70,16 @@ class Network:
         """
         n_freqs, n_frames = shown.shape[2:]
         patches = _patched(_filled(shown), places(_filled(frequencies[:, None])[:, 0]))
-        hidden = np.maximum(_product(self.enter, patches) + self.enter_bias[..., None], 0)
+        hidden, height = self._entered(patches), patches.shape[2] + EDGE
+        inner = np.zeros_like(hidden)
         for block in self.blocks:
-            _add_taps(hidden, block.along_time, _inner(block, hidden), block.step, axis=3)
-            hidden += block.bias_after[..., None]
-        return self._leave(hidden, patches)[:, :n_freqs, :n_frames]
+            for strip in _strips(patches):
+                _fill_inner(block, hidden, inner, strip, height)
+            for strip in _strips(patches):
+                _add_taps(hidden, block.along_time, inner, block.step * height, strip)
+                hidden[:, strip] += block.bias_after[:, 0]
+            _columns(hidden[:, EDGE:], height)[:, :, -EDGE:] = 0
+        return self._left(hidden, patches)[:, :n_freqs, :n_frames]
 
     def advance(self, shown: Real, frequencies: Real, past: Past) -> tuple[Real, Past]:
         """Log PSD corrections of the two newest frames, (n_groups, n_freqs, 2), and what the next call needs.
@@ -88,27 +95,44 @@ class Network:
         """
         n_freqs = shown.shape[2]
         patches = _patched(_filled(shown), places(_filled(frequencies[:, None])[:, 0]))
-        hidden = np.maximum(_product(self.enter, patches) + self.enter_bias[..., None], 0)
-        kept = []
+        hidden, height = self._entered(patches), patches.shape[2] + EDGE
+        inner, column, kept = np.zeros_like(hidden), slice(EDGE, EDGE + height), []
         for index, block in enumerate(self.blocks):
-            inner = _inner(block, hidden)
-            before, here, _ = np.split(_product(block.along_time, inner), 3, axis=1)
+            _fill_inner(block, hidden, inner, column, height)
+            before, here, _ = _taps(block.along_time)
             queue = past[index] if past else ()
-            hidden = hidden + here + block.bias_after[..., None]
+            kept.append((*queue[1 - COLUMNS * block.step :], inner[:, column] @ before.T))
+            hidden[:, column] += inner[:, column] @ here.T + block.bias_after[:, 0]
             if len(queue) == COLUMNS * block.step:
-                hidden += queue[0]
-            kept.append((*queue[1 - COLUMNS * block.step :], before))
-        return self._leave(hidden, patches)[:, :n_freqs], tuple(kept)
+                hidden[:, column] += queue[0]
+            hidden[:, -EDGE:] = 0
+        return self._left(hidden, patches)[:, :n_freqs], tuple(kept)
 
-    def _leave(self, hidden: Real, patches: Real) -> Real:
+    def _entered(self, patches: Real) -> Real:
+        """Vectors of the patches, column by column, `EDGE` zeros before and after each, (n_groups, n, C)."""
+        n_groups, n_columns, n_rows, _ = patches.shape
+        hidden = np.zeros((n_groups, EDGE + n_columns * (n_rows + EDGE), len(self.enter)), np.float32)
+        inside = _columns(hidden[:, EDGE:], n_rows + EDGE)[:, :, :n_rows]
+        for columns in _some_columns(patches):
+            here = patches[:, columns] @ self.enter.T
+            here += self.enter_bias[:, 0]
+            np.maximum(here, 0, out=inside[:, columns])
+        return hidden
+
+    def _left(self, hidden: Real, patches: Real) -> Real:
         """The output of every bin, whole patches, (n_groups, n_freqs, n_frames)."""
-        last = _product(self.gather, hidden) + _product(self.recall, patches) + self.gather_bias[..., None]
-        np.maximum(last, 0, out=last)
-        out = _product(self.leave, last) + _product(self.skip, patches) + self.leave_bias[..., None]
-        out = LIMIT * np.tanh(out / LIMIT)
-        n_groups, _, rows, columns = out.shape
-        bins = out.reshape(n_groups, ROWS, COLUMNS, rows, columns).transpose(0, 3, 1, 4, 2)
-        return np.asarray(bins.reshape(n_groups, rows * ROWS, columns * COLUMNS))
+        n_groups, n_columns, n_rows, _ = patches.shape
+        inside = _columns(hidden[:, EDGE:], n_rows + EDGE)[:, :, :n_rows]
+        out = np.empty((n_groups, n_rows, ROWS, n_columns, COLUMNS), np.float32)
+        for columns in _some_columns(patches):
+            seen = patches[:, columns]
+            last = inside[:, columns] @ self.gather.T
+            last += seen @ self.recall.T
+            last += self.gather_bias[:, 0]
+            np.maximum(last, 0, out=last)
+            made = last @ self.leave.T + seen @ self.skip.T + self.leave_bias[:, 0]
+            out[:, :, :, columns] = made.reshape(*made.shape[:3], ROWS, COLUMNS).transpose(0, 2, 3, 1, 4)
+        return np.asarray(LIMIT * np.tanh(out.reshape(n_groups, n_rows * ROWS, n_columns * COLUMNS) / LIMIT))
 
 
 def places(frequencies: Real) -> Real:
@@ -125,64 +149,70 @@ def _filled(values: Real) -> Real:
 
 
 def _patched(shown: Real, where: Real) -> Real:
+    """What is known of every patch, (n_groups, n_columns, n_rows, n)."""
     n_groups, n_features, n_freqs, n_frames = shown.shape
     rows, columns = n_freqs // ROWS, n_frames // COLUMNS
-    split = shown.reshape(n_groups, n_features, rows, ROWS, columns, COLUMNS).transpose(0, 1, 3, 5, 2, 4)
-    flat = split.reshape(n_groups, -1, rows, columns)
-    same = np.broadcast_to(where[None, :, :, None], (n_groups, len(where), rows, columns))
-    return np.concatenate([flat, same], axis=1).astype(np.float32)
+    patches = np.empty((n_groups, columns, rows, n_features * ROWS * COLUMNS + PLACES), np.float32)
+    patches[..., -PLACES:] = where.T
+    split = shown.reshape(n_groups, n_features, rows, ROWS, columns, COLUMNS).transpose(0, 4, 2, 1, 3, 5)
+    patches[..., :-PLACES].reshape(split.shape)[...] = split
+    return patches
 
 
-def _product(weights: Real, values: Real) -> Real:
-    """Mix the channels, the second axis of (n_groups, n_channels, n_rows, n_columns)."""
-    n_groups, n_channels, rows, columns = values.shape
-    return (weights @ values.reshape(n_groups, n_channels, -1)).reshape(n_groups, -1, rows, columns)
+def _some_columns(patches: Real) -> Iterator[slice]:
+    """Columns that are worked on together: what they need stays in the cache."""
+    n_groups, n_columns, n_rows, _ = patches.shape
+    width = max(AT_ONCE // (n_groups * n_rows), 1)
+    for low in range(0, n_columns, width):
+        yield slice(low, min(low + width, n_columns))
 
 
-def _inner(block: Block, hidden: Real) -> Real:
-    """What a block makes of every column alone."""
-    weights, n_channels = block.along_frequency, hidden.shape[1]
-    inner = np.empty_like(hidden)
-    inner[...] = _product(block.frame, hidden.mean(axis=2, keepdims=True)) + block.bias[..., None]
-    if len(hidden) > 1:  # the mean of the others is that of all less the own: the product with all serves every group
-        others = block.others / np.float32(len(hidden) - 1)
+def _strips(patches: Real) -> Iterator[slice]:
+    """Where such columns are among the vectors, with the zeros after each."""
+    height = patches.shape[2] + EDGE
+    for columns in _some_columns(patches):
+        yield slice(EDGE + columns.start * height, EDGE + columns.stop * height)
+
+
+def _columns(vectors: Real, height: int) -> Real:
+    """A strip by column and row, (n_groups, n_columns, height, C)."""
+    return vectors.reshape(len(vectors), -1, height, vectors.shape[2])
+
+
+def _fill_inner(block: Block, hidden: Real, inner: Real, strip: slice, height: int) -> None:
+    """Write what a block makes of some columns, each alone."""
+    weights, (n_groups, _, n_channels) = block.along_frequency, hidden.shape
+    columns = _columns(hidden[:, strip], height)
+    mean = columns.sum(axis=2) / np.float32(height - EDGE)
+    frame = (mean @ block.frame.T + block.bias[:, 0])[:, :, None]
+    made = _columns(inner[:, strip], height)
+    if n_groups > 1:  # the mean of the others is that of all less the own: the product with all serves every group
+        others = block.others / np.float32(n_groups - 1)
         weights = weights.copy()
         weights[n_channels : 2 * n_channels] -= others
-        inner += _product(others, hidden.sum(axis=0, keepdims=True))
-    _add_taps(inner, weights, hidden, block.step, axis=2)
-    return np.maximum(inner, 0, out=inner)
-
-
-def _add_taps(onto: Real, weights: Real, values: Real, step: int, axis: int) -> None:
-    """Add three taps: what lies ``step`` before, here, and ``step`` after along an axis; zeros outside.
-
-    One matrix product for some rows at a time, so that what it needs stays in the cache.
-    """
-    n_groups, n_channels, n_rows, n_columns = values.shape
-    side_by_side = np.hstack(np.split(weights, 3))  # (C, 3 C)
-    height = max(AT_ONCE // (n_groups * n_columns), 1)
-    for low in range(0, n_rows, height):
-        rows = slice(low, min(low + height, n_rows))
-        seen = np.empty((n_groups, 3, n_channels, rows.stop - low, n_columns), values.dtype)
-        seen[:, 1] = values[:, :, rows]
-        for place, shift in ((0, -step), (2, step)):
-            _shifted(seen[:, place], values, rows, shift, axis)
-        made = side_by_side @ seen.reshape(n_groups, 3 * n_channels, -1)
-        onto[:, :, rows] += made.reshape(n_groups, n_channels, -1, n_columns)
-
-
-def _shifted(out: Real, values: Real, rows: slice, shift: int, axis: int) -> None:
-    """Write some rows of the values that lie ``shift`` further along an axis, zeros beyond the edges."""
-    size = values.shape[axis]
-    low, high = (rows.start, rows.stop) if axis == 2 else (0, size)
-    first, last = min(max(low + shift, 0), size), min(max(high + shift, 0), size)
-    inside = slice(first - shift - low, last - shift - low)
-    if axis == 2:
-        out[:, :, : inside.start] = out[:, :, inside.stop :] = 0
-        out[:, :, inside] = values[:, :, first:last]
+        np.add(columns.sum(axis=0) @ others.T, frame, out=made)
     else:
-        out[..., : inside.start] = out[..., inside.stop :] = 0
-        out[..., inside] = values[:, :, rows, first:last]
+        made[...] = frame
+    _add_taps(inner, weights, hidden, block.step, strip)
+    np.maximum(made, 0, out=made)
+
+
+def _taps(weights: Real) -> tuple[Real, Real, Real]:
+    """The weights of what lies before, here, and after, (C, C) each."""
+    n_channels = weights.shape[1]
+    return weights[:n_channels], weights[n_channels:-n_channels], weights[-n_channels:]
+
+
+def _add_taps(onto: Real, weights: Real, values: Real, shift: int, strip: slice) -> None:
+    """Add three taps to a strip: what lies ``shift`` before, here, and ``shift`` after; zeros outside.
+
+    BLAS adds the products where they belong, so that nothing is copied.
+    """
+    for to, seen in zip(onto, values, strict=True):
+        for tap, by in zip(_taps(weights), (-shift, 0, shift), strict=True):
+            low, high = max(strip.start, -by), min(strip.stop, len(seen) - by)
+            if low < high:
+                sgemm(1.0, tap, seen[low + by : high + by].T, beta=1.0, c=to[low:high].T, overwrite_c=1)
 
 
 @cache
