@@ -197,8 +197,7 @@ class Joint:
         rows = rows_of(observations)
         blocks = [COUNT * block for block in rows.blocks]
         rich, strict = np.stack([block.sum(axis=0) for block in blocks]), COUNT * rows.strict
-        if rows.periods is not None:  # many rows
-            grid, rich, strict = (values.astype(np.float32) for values in (grid, rich, strict))
+        grid, rich, strict = (values.astype(np.float32) for values in (grid, rich, strict))
         shared: dict[str, Any] = bounds | {"periods": rows.periods}
         whole, clear = (itd_mixture.Data(grid, rows.headings, counts, **shared) for counts in (rich, strict))
         return Evidence(whole, clear, blocks, talker_evidence.together(rows.among))
