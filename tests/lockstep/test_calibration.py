@@ -23,7 +23,9 @@ from ross_sim.talkers.speech import TalkerVoice
 
 RATE, SPEED = 16000, 343.0
 TRUE = {"spacing_m": 0.064, "offset_deg": 12.0, "gain_db": (0.0, 1.5), "invert": (False, True)}
-PLAN = TurnPlan(headings=8, seconds=0.8)
+PLAN = TurnPlan(headings=6, seconds=0.7)
+QUICKLY = {"max_speed_deg_s": 360.0, "max_acceleration_deg_s2": 1000.0}
+NIMBLE = {"guard": QUICKLY, "actuator": {"kind": "tb6600", "options": QUICKLY}}  # most of the time goes into turns
 AZIMUTH = math.radians(40)
 
 
@@ -58,9 +60,9 @@ class Watch:
 
 def test_a_calibration_finds_the_true_array_and_what_it_writes_agrees_with_it(tmp_path, monkeypatch, capsys):
     watch = Watch()
-    heard, _ = turned_in(scenario(), phone(), PLAN, (watch,), tape=tmp_path / "tapes")
+    heard, _ = turned_in(scenario(**NIMBLE), phone(), PLAN, (watch,), tape=tmp_path / "tapes")
     found = calibrate(heard, SPEED, azimuth=AZIMUTH)
-    assert found.headings == 8
+    assert found.headings == 6
     assert found.spacing == pytest.approx(0.064, abs=5e-4)
     assert math.degrees(found.offset) == pytest.approx(12.0, abs=0.5)
     assert found.gain_db == pytest.approx(1.5, abs=0.2)
@@ -75,7 +77,7 @@ def test_a_calibration_finds_the_true_array_and_what_it_writes_agrees_with_it(tm
     for key, value in wanted.items():
         table, name = key.split(".")
         mended[table][name] = value
-    again = calibrate(turned_in(scenario(**mended), phone(), PLAN)[0], SPEED, azimuth=AZIMUTH)
+    again = calibrate(turned_in(scenario(**NIMBLE, **mended), phone(), PLAN)[0], SPEED, azimuth=AZIMUTH)
     assert changes(scenario(**mended).payload, again) == {}
 
     (session,) = (tmp_path / "tapes").iterdir()
@@ -91,7 +93,7 @@ def test_a_calibration_finds_the_true_array_and_what_it_writes_agrees_with_it(tm
 def test_it_turns_within_narrow_limits_and_says_when_they_are_too_narrow():
     watch = Watch()
     limits = {"lower_deg": -30.0, "upper_deg": 100.0, "max_speed_deg_s": 225.0, "max_acceleration_deg_s2": 112.5}
-    heard, _ = turned_in(scenario(guard=limits), phone(), PLAN, (watch,))
+    heard, _ = turned_in(scenario(guard=limits), phone(), TurnPlan(headings=8, seconds=0.6), (watch,))
     assert math.degrees(max(watch.joints) - min(watch.joints)) == pytest.approx(130, abs=25)
     assert math.degrees(min(watch.joints)) >= -30.2
     assert math.degrees(max(watch.joints)) <= 100.2
@@ -99,7 +101,7 @@ def test_it_turns_within_narrow_limits_and_says_when_they_are_too_narrow():
 
 
 def test_swapped_cables_are_found():
-    heard, _ = turned_in(scenario({"swapped": True}), phone(), TurnPlan(headings=6, seconds=0.8))
+    heard, _ = turned_in(scenario({"swapped": True}, **NIMBLE), phone(), PLAN)
     found = calibrate(heard, SPEED, azimuth=AZIMUTH)
     assert found.swapped
     assert changes(scenario().payload, found)["audio.channels"] == [1, 0]
@@ -136,7 +138,7 @@ def test_ctrl_c_brakes_it_and_ends_it():
 
 
 def test_a_study_writes_what_became_of_every_array(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(calibration_study, "PLAN", TurnPlan(headings=6, seconds=0.6))
+    monkeypatch.setattr(calibration_study, "PLAN", TurnPlan(angle=math.pi, headings=6, seconds=0.6))
     arguments = ("study", "calibration", "--settings", "S1", "--sounds", "noise", "--draws", "2", "--seed", "3")
     code, out, _ = called(monkeypatch, capsys, *arguments, "--out", tmp_path / "rows.csv")
     assert code == 0

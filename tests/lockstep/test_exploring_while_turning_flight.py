@@ -39,6 +39,8 @@ turn_deg = 180.0
 check_s = 1.0
 run_s = 1.0
 max_restarts = 0
+separator = "gaussian"
+track = false
 [noise]
 snr_db = 20
 motor_db = -20

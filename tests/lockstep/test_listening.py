@@ -7,14 +7,14 @@ import pytest
 import soundfile
 
 from ross_payload.sessions.session_store import SessionStore
-from short_mission import SHORT
+from short_mission import PAIR
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
 LISTENING = '[payload.listening]\nseparator = "gaussian"\n'
-LISTENED = SHORT.replace("run_s = 1.0", "run_s = 2.0") + LISTENING
+LISTENED = PAIR.replace("run_s = 1.0", "run_s = 2.0") + LISTENING
 RECORDED = (
-    SHORT.rsplit("[[talkers]]", 1)[0]  # two of the three
+    PAIR
     + LISTENING
     + """
 [payload.recording]
@@ -87,7 +87,7 @@ def test_a_recording_keeps_the_voices_that_it_is_asked_for_beside_the_mixture(fl
 def test_streams_of_a_scenario_are_served_too(fly, tmp_path):
     path = tmp_path / "streams.toml"
     streams = [("mixture", "a.wav"), ("source 0", "b.wav"), ("azimuth 40", "c.wav")]
-    path.write_text(SHORT + "[payload.listening]\nseparator = 'gaussian'\notherwise = 'silence'\n" + "".join(
+    path.write_text(PAIR + "[payload.listening]\nseparator = 'gaussian'\notherwise = 'silence'\n" + "".join(
         f"[[payload.listening.streams]]\nsink = 'file'\nwhat = '{what}'\noptions = {{ path = '{tmp_path / name}' }}\n"
         for what, name in streams
     ))  # fmt: skip

@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from short_mission import SHORT
+from short_mission import PAIR
 from voice_folders import voice_folder
 
 pytestmark = pytest.mark.lockstep
@@ -18,9 +18,10 @@ def speech(tmp_path_factory):
 
 @pytest.fixture
 def asked(tmp_path, speech):
-    (tmp_path / "short.toml").write_text(SHORT)
+    (tmp_path / "short.toml").write_text(PAIR)
     asked = ["study", "missions", "--scenarios", str(tmp_path / "short.toml"), "--draws", "2", "--seed", "3"]
-    return [*asked, "--speech", str(speech), "--workers", "1", "--k", "2", "--set", "explore.max_rotations=1"]
+    asked += ["--speech", str(speech), "--workers", "1", "--k", "2", "--set", "explore.max_rotations=1"]
+    return [*asked, "--set", "explore.lead_in_s=0.5", "--set", "exploit.separator=duet"]
 
 
 def rows(folder):

@@ -25,6 +25,8 @@ from stream_ear import Gazer, StreamEar, place_of
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
+TOLD = PAIR + "[payload.informed]\nazimuths_deg = [40, 155]\n"
+
 TURN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_STOP
 RESULTS = ("report.json", "events.jsonl", "mission.tlog", "mixture.wav", "target.wav")
 
@@ -32,7 +34,7 @@ RESULTS = ("report.json", "events.jsonl", "mission.tlog", "mixture.wav", "target
 @pytest.fixture
 def short(tmp_path):
     path = tmp_path / "short.toml"
-    path.write_text(PAIR)
+    path.write_text(TOLD)
     return path
 
 
@@ -50,7 +52,7 @@ def flown(scenario, out, onlooker=None):
 def watched(tmp_path_factory):
     """A mission that somebody looks on who asks for a turn: what is left, the folder of the results, the onlooker."""
     folder = tmp_path_factory.mktemp("watched")
-    (folder / "short.toml").write_text(PAIR)
+    (folder / "short.toml").write_text(TOLD)
     with Gazer(command(TURN, 20.0)) as gazer:
         finished = flown(folder / "short.toml", folder / "out", PageObserver("", gazer.link))
     return finished, folder / "out", gazer
@@ -60,7 +62,7 @@ def watched(tmp_path_factory):
 def alone(tmp_path_factory):
     """The results of the same mission that nobody looks on."""
     folder = tmp_path_factory.mktemp("alone")
-    (folder / "short.toml").write_text(PAIR)
+    (folder / "short.toml").write_text(TOLD)
     flown(folder / "short.toml", folder / "out")
     return folder / "out"
 

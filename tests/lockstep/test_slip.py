@@ -12,7 +12,7 @@ pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
 SOONER = {  # what happens in the scenario `slip`, in less time
     "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.5\nmin_rotations = 2\nmax_rotations = 2",
-    "runs = 2": "runs = 1\ncheck_s = 1.0\nrun_s = 4.0\nseparator = 'gaussian'",
+    "runs = 2": "runs = 1\ncheck_s = 1.0\nrun_s = 3.0\nseparator = 'gaussian'",
     "at_s = 34": "at_s = 8",
 }
 QUIET = """

@@ -13,7 +13,8 @@ SCENARIO = (SCENARIOS / "vehicle-yaw.toml").read_text(encoding="utf-8")
 SHORT = """
 [payload.explore]
 unit_s = 1.0
-max_rotations = 4
+min_rotations = 2
+max_rotations = 2
 [payload.exploit]
 separator = "duet"
 track = false

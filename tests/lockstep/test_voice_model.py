@@ -90,7 +90,7 @@ max_rotations = 2
 separator = "gaussian"
 track = false
 check_s = 1.0
-run_s = 2.0
+run_s = 1.0
 max_restarts = 0
 [[talkers]]
 azimuth_deg = 40
