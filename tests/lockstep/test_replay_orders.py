@@ -88,13 +88,13 @@ def scenario(tmp_path):
 
 def test_a_session_recorded_between_two_tasks_is_replayed_with_what_it_knew(scenario, tmp_path, run):
     orders = {
-        5: Explore(number=1), 1500: Set(name="RUN_S", value=1.5, number=2), 1510: Seek(number=3),
-        2600: Stop(number=4), 2650: Shutdown(number=5),
+        5: Explore(number=1), 700: Set(name="RUN_S", value=1.0, number=2), 705: Seek(number=3),
+        1400: Stop(number=4), 1410: Shutdown(number=5),
     }  # fmt: skip
-    session = live(scenario, tmp_path / "all", orders, start=1400)
+    session = live(scenario, tmp_path / "all", orders, start=650)
     memory = Recorded.open(session).memory(Memory)
     assert memory.estimate is not None
-    assert memory.samples == 1400 * 160
+    assert memory.samples == 650 * 160
     code, values = replayed(session, tmp_path / "out", run)
     assert code == 0
     assert values["identical"]
@@ -103,7 +103,7 @@ def test_a_session_recorded_between_two_tasks_is_replayed_with_what_it_knew(scen
 
 
 def test_a_session_that_starts_with_a_task_is_replayed_from_its_first_hop(scenario, tmp_path, run):
-    session = live(scenario, tmp_path / "all", {900: Shutdown(number=1)}, start=0, autostart="explore")
+    session = live(scenario, tmp_path / "all", {650: Shutdown(number=1)}, start=0, autostart="explore")
     code, values = replayed(session, tmp_path / "out", run)
     assert (code, values["identical"]) == (0, True)
     assert len(values["sources"]) > 0

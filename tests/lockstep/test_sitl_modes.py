@@ -11,7 +11,9 @@ pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
 
 def quick(name, folder):
-    return brief(name, folder, explore={"lead_in_s": 1.0, "unit_s": 1.0}, check_s=1.0, run_s=1.0, **CHEAP)
+    return brief(
+        name, folder, explore={"lead_in_s": 1.0, "unit_s": 1.0, "max_rotations": 6}, check_s=1.0, run_s=1.0, **CHEAP
+    )
 
 
 @pytest.fixture

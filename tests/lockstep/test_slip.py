@@ -6,7 +6,7 @@ import pytest
 
 from ross_sim.devices.far_end import Fault
 from ross_sim.scenario import load
-from short_mission import THREE, changed
+from short_mission import THREE, TWO, changed
 
 pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
@@ -54,7 +54,7 @@ def test_the_mission_notices_a_slip_and_the_directions_are_right_again(run, tmp_
 
 def test_a_mission_without_a_slip_looks_for_none(run, tmp_path):
     scenario = tmp_path / "well.toml"
-    scenario.write_text(QUIET + THREE)
+    scenario.write_text(QUIET + TWO)
     code, report = flown(run, tmp_path / "out", "--scenario", scenario, "-a", "ideal")
     assert (code, report["slips_deg"]) == (0, [])
     assert report["mission_s"] < 16  # explored once
