@@ -137,8 +137,15 @@ def test_ctrl_c_brakes_it_and_ends_it():
     assert not any(isinstance(event, StateChanged) and event.state is State.DONE for event in watch.events)
 
 
+def nimble(draw, asked=calibration_study.scenario_of):
+    """The room of a draw, where the array turns faster."""
+    values = asked(draw).model_dump(exclude_unset=True)
+    return validated(Scenario, values | {"payload": values["payload"] | NIMBLE}, "")
+
+
 def test_a_study_writes_what_became_of_every_array(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(calibration_study, "PLAN", TurnPlan(angle=math.pi, headings=6, seconds=0.6))
+    monkeypatch.setattr(calibration_study, "scenario_of", nimble)
     arguments = ("study", "calibration", "--settings", "S1", "--sounds", "noise", "--draws", "2", "--seed", "3")
     code, out, _ = called(monkeypatch, capsys, *arguments, "--out", tmp_path / "rows.csv")
     assert code == 0

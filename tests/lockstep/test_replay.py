@@ -193,7 +193,7 @@ def test_a_file_stands_for_a_configuration_of_another_version(taped, tmp_path, r
     assert "unknown key 'telepathy'" in error
     assert "--config FILE" in error
     (tmp_path / "own.toml").write_text(
-        "[explore]\nlead_in_s = 1.0\nunit_s = 1.0\nmax_rotations = 2\nmin_rotations = 1\n"
+        "[explore]\nlead_in_s = 1.0\nunit_s = 1.0\nmax_rotations = 1\nmin_rotations = 1\n"
     )
     code, said, _ = run("replay", copied, "--config", tmp_path / "own.toml", "--json")
     assert code in (0, 3)
@@ -226,7 +226,8 @@ def test_a_folder_that_is_no_session_gets_one_line(tmp_path, run):
 def test_the_guide_works_as_printed(run, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("ross_sim.scenario._folder", lambda: tmp_path)  # where its scenario takes less time
-    brief("one-talker", tmp_path, explore=SOON, check_s=1.0, run_s=5.5, **CHEAP)
+    soon = SOON | {"unit_s": 1.0, "min_rotations": 1, "max_rotations": 1}
+    brief("one-talker", tmp_path, explore=soon, check_s=1.0, run_s=5.5, **CHEAP)
     page = (Path(__file__).parents[2] / "docs" / "how-to" / "record-and-replay.md").read_text(encoding="utf-8")
     lines = [line for block in re.findall(r"```sh\n(.*?)```", page, re.DOTALL) for line in block.splitlines()]
     assert len(lines) == 6

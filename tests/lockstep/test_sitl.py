@@ -62,7 +62,7 @@ def demo(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("demo")
     asked = ("--seed", 1)
     if request.param == "sooner":
-        asked = ("--scenario", brief("demo", folder, explore=SOON, check_s=1.0, run_s=2.0), *asked)
+        asked = ("--scenario", brief("demo", folder, explore=SOON, check_s=1.0, run_s=1.0), *asked)
     return Flown(asked, *sitl(folder / "out", *asked), folder / "out")
 
 

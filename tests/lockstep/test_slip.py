@@ -6,7 +6,7 @@ import pytest
 
 from ross_sim.devices.far_end import Fault
 from ross_sim.scenario import load
-from short_mission import THREE, TWO, changed
+from short_mission import TWO, changed
 
 pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 

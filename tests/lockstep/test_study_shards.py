@@ -6,6 +6,7 @@ import shutil
 
 import pytest
 
+from mission_fixtures import without_figures
 from voice_folders import voice_folder
 
 STUDY = """
@@ -19,6 +20,13 @@ unit_s = [0.5]
 run_s = 1.0
 rate_hz = 16000
 """
+
+
+@pytest.fixture(scope="module", autouse=True)
+def undrawn():
+    """No figure of these studies is drawn."""
+    with without_figures():
+        yield
 
 
 @pytest.fixture(scope="module")

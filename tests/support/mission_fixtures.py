@@ -31,6 +31,14 @@ def without_picture():
         yield
 
 
+@contextmanager
+def without_figures():
+    """Draw no figures of a study in this process, where nobody looks at them: they take longer than a small study."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("ross_sim.study.study_run.draw", lambda *_: [])
+        yield
+
+
 @pytest.fixture(scope="module")
 def undrawn():
     """No mission of this module is drawn."""

@@ -9,13 +9,13 @@ title = "a short mission"
 [payload.explore]
 lead_in_s = 1.0
 unit_s = 1.0
-min_rotations = 2
-max_rotations = 2
+min_rotations = 1
+max_rotations = 1
 [payload.exploit]
 separator = "gaussian"
 track = false
 check_s = 1.0
-run_s = 2.0
+run_s = 1.5
 max_restarts = 0
 """
 SHORT += TWO
