@@ -73,6 +73,12 @@ def test_the_demo_finds_everyone_and_the_target(demo):
     assert all(abs(source["azimuth_error_deg"]) < 5 for source in report["sources"])
 
 
+def test_the_demo_looks_for_no_slip_where_nothing_slips(demo):
+    assert demo.report["slips_deg"] == []
+    said = [json.loads(line) for line in (demo.out / "events.jsonl").read_text().splitlines()]
+    assert [event["index"] for event in said if event["event"] == "OrientationHeard"].count(0) == 1  # explored once
+
+
 def test_the_demo_gains_more_than_12_db(demo):
     target = next(group for group in demo.report["groups"] if group["target"])
     assert target["talkers"] == [demo.report["target"]]
