@@ -51,7 +51,6 @@ max_restarts = 0
 """
 PAIR = SHORT + TWO
 SHORT += THREE
-WHOLE = SHORT.replace('separator = "gaussian"\ntrack = false\n', "")  # as a mission is unless somebody asks for less
 
 NOISE = """
 [audio]
