@@ -44,7 +44,7 @@ def rig(kind: str) -> Iterator[Rig]:
 @pytest.mark.on_device
 def test_it_reaches_every_goal_and_settles_there(rig: Rig) -> None:
     able = rig.actuator.capabilities
-    for goal in np.radians([0.0, 0.5, 15.0, -90.0, -200.0, 190.0, 200.0]).tolist():
+    for goal in np.radians([0.0, 0.5, 15.0, -200.0, 190.0, 200.0]).tolist():
         if not able.lower <= goal <= able.upper:
             continue  # beyond the travel of this device
         within = 5.0 + max(abs(goal - rig.state.angle) - math.radians(200), 0.0) / rig.speed
@@ -260,12 +260,12 @@ def test_it_can_be_opened_again_and_still_knows_where_it_is(rig: Rig) -> None:
 
 
 def test_a_move_that_takes_too_long_is_a_fault(kind: str) -> None:
-    rig = rig_of(kind, max_move_s=6).open()  # enough to home
-    rig.actuator.command(1.5, rate=0.1)
-    rig.clock.sleep(9.0)
-    assert "after 6 s" in rig.state.fault
+    rig = rig_of(kind, max_move_s=4).open()  # enough to home
+    rig.actuator.command(1.0, rate=0.1)
+    rig.clock.sleep(5.0)
+    assert "after 4 s" in rig.state.fault
     assert not rig.state.settled
-    assert rig.far_end.angle() < 1.4
+    assert rig.far_end.angle() < 0.9
 
 
 def test_limits_that_exclude_the_travel_cannot_be_opened() -> None:

@@ -40,7 +40,7 @@ ROLES: dict[str, dict[str, Any]] = {  # options of each
     "gimbal": {"command": "gimbal"},
     "model": {"feedback": "model"},
     "offboard": {"px4_mode": "offboard"},
-    "switch": {"zero": "switch", "home_offset_deg": -15.0, "home_speed_deg_s": 40.0},
+    "switch": {"zero": "switch", "home_offset_deg": -9.0, "home_speed_deg_s": 25.0},  # opened quickest
 }
 SPEED, ACCELERATION = math.radians(225), math.radians(112.5)
 LOWER, UPPER = math.radians(-200), math.radians(200)
