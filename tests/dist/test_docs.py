@@ -56,13 +56,15 @@ def test_every_row_of_the_tables_of_promises_names_its_test():
 
 THEMED = ("index", "explanation/decisions", "explanation/where-to-turn")
 BUILDS = """
+import gc
 import sys
 from sphinx.builders.html import StandaloneHTMLBuilder
 from sphinx.cmd.build import main
 
 docs, pages, doctrees, *themed = sys.argv[1:]
-command = ["-W", "--keep-going", "-q", "-b", "html", "-d", doctrees]
+command = ["-W", "--keep-going", "-q", "-b", "html", "-d", doctrees, "-D", "smartquotes=0"]  # as quotes are typed
 StandaloneHTMLBuilder.search = False  # Sphinx's own, and a quarter of the time
+gc.disable()  # what pages are made of is needed to the end
 plain = main([*command, "-D", "html_theme=basic", docs, pages])
 sys.exit(plain or main([*command, docs, pages, *themed]))
 """

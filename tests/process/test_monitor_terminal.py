@@ -9,6 +9,7 @@ from contextlib import contextmanager
 
 import pytest
 
+from examples import in_soak
 from fleet_bench import FleetBench
 from monitor_bench import MONITOR, TIMEOUT_S, speaking, terminal
 from ports import free_port
@@ -80,7 +81,7 @@ def test_a_signal_ends_it_in_good_order(port, number):
         assert b"Traceback" not in screen.data
 
 
-@pytest.mark.parametrize("key", [b"\x03", b"q", b"\x04"])
+@pytest.mark.parametrize("key", [b"\x03", *in_soak(b"q", b"\x04")])  # q ends a mission's monitor above
 def test_keys_end_it(port, key):
     with terminal(f"udpin:127.0.0.1:{port}") as screen:
         before = screen.settings()
@@ -109,15 +110,11 @@ def test_two_payloads_are_told_apart(port):
         screen.shows("RoSS 1-191")
 
 
-def test_without_colour_nothing_is_coloured(port):
-    with speaking(port), terminal(f"udpin:127.0.0.1:{port}", NO_COLOR="1") as screen:
+def test_without_colour_nothing_is_coloured_and_without_utf_8_all_is_ascii(port):
+    environment = {"NO_COLOR": "1", "PYTHONIOENCODING": "ascii"}
+    with speaking(port), terminal(f"udpin:127.0.0.1:{port}", **environment) as screen:
         screen.shows("RoSS 1-191", "microphones")
         assert not COLOURS.search(screen.data)
-
-
-def test_a_terminal_without_utf_8_gets_ascii(port):
-    with speaking(port), terminal(f"udpin:127.0.0.1:{port}", PYTHONIOENCODING="ascii") as screen:
-        screen.shows("RoSS 1-191", "microphones")
         assert screen.data.isascii()
 
 

@@ -43,7 +43,8 @@ def flown(tmp_path_factory):
     folder = tmp_path_factory.mktemp("flown")
     scenario = SHORT.replace(THREE, "[[talkers]]\nazimuth_deg = 40\n").replace("run_s = 1.0", "run_s = 600.0")
     (folder / "short.toml").write_text(scenario)  # one talker, to whom it listens until it is stopped
-    options = ["sitl", "--serve", "--page", "--scenario", "short.toml", "--speed", "4", "--seed", "1"]
+    # in no hurry: what it simulates while a client is made is for nobody
+    options = ["sitl", "--serve", "--page", "--scenario", "short.toml", "--speed", "1", "--seed", "1"]
     environment = {**os.environ, "HOME": str(folder), "PYTHONUNBUFFERED": "1"}
     environment.pop("STATE_DIRECTORY", None)
     with program([*ROSS, *options], folder, env=environment, end=signal.SIGINT) as (_, log):

@@ -28,9 +28,16 @@ def noisy(folder, seconds=2):
     return folder
 
 
+@pytest.fixture(scope="module")
+def sounds(tmp_path_factory):
+    return noisy(tmp_path_factory.mktemp("sounds"), seconds=60)
+
+
 @pytest.fixture
-def folder(tmp_path):
-    return noisy(tmp_path, seconds=60)
+def folder(sounds, tmp_path):
+    for sound in sounds.iterdir():
+        (tmp_path / sound.name).symlink_to(sound)
+    return tmp_path
 
 
 def written(folder, more="", source="file:noise.wav", links=""):

@@ -2,13 +2,16 @@
 
 import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from processes import ROSS
+from command_syntax import complaint
+from ports import free_port
+from processes import ROSS, program
 from short_mission import CHEAP, SOON, brief
 
 ROOT = Path(__file__).parents[2]
@@ -29,7 +32,15 @@ while True:
         break
     time.sleep(0.05)
 """
-REFUSING = "import sys\nprint(*sys.argv[1:])\nsys.exit(7)\n"
+REFUSING = """
+import sys, time
+from pathlib import Path
+
+while not (Path("told").exists() and Path("told").read_text()):
+    time.sleep(0.05)
+print(*sys.argv[1:])
+sys.exit(7)
+"""
 
 
 @pytest.fixture
@@ -47,20 +58,49 @@ def fly(folder, environment, *arguments):
     )
 
 
-def test_the_example_finds_everybody_and_the_target(tmp_path, environment):
-    asked = brief("one-talker", tmp_path, explore=SOON, check_s=1.0, run_s=2.0, **CHEAP)
+SAYS = re.compile(r"talkers at \S+\nlargest error [0-2]\.\d\d deg\ntarget recognised\n")
+
+
+@pytest.fixture
+def asked(tmp_path):
+    return brief("one-talker", tmp_path, explore=SOON, check_s=1.0, run_s=2.0, **CHEAP)
+
+
+def test_the_example_finds_everybody_and_the_target(tmp_path, asked):
+    """The program of the example beside a payload, both without the shell between them."""
+    port = free_port()
+    options = ["--serve", "--scenario", asked, "--speed", "4", "--telemetry", f"udpout:127.0.0.1:{port}"]
+    with program([*ROSS, "sitl", *options], tmp_path, end=signal.SIGINT):
+        example = [sys.executable, "-c", (CI / "flight.py").read_text(), f"udpin:127.0.0.1:{port}", asked, "3"]
+        flown = subprocess.run(example, capture_output=True, text=True, timeout=250, check=False)
+    assert flown.returncode == 0, flown.stdout + flown.stderr
+    assert SAYS.search(flown.stdout)
+
+
+@pytest.mark.soak
+def test_the_script_flies_the_example(tmp_path, environment, asked):
     flown = fly(tmp_path, environment, asked, CI / "flight.py", "3")
     assert flown.returncode == 0, flown.stdout + flown.stderr
-    assert re.search(r"talkers at \S+\nlargest error [0-2]\.\d\d deg\ntarget recognised\n", flown.stdout)
+    assert SAYS.search(flown.stdout)
     assert (tmp_path / "flight" / "payload.log").exists()
 
 
-def test_the_exit_code_is_the_program_s(tmp_path, environment):
-    program = tmp_path / "program.py"
-    program.write_text(REFUSING)
-    flown = fly(tmp_path, environment, "one-talker", program, "one", "two")
+@pytest.fixture
+def noted(tmp_path, environment):
+    """What the payload that the script starts is told, in the place of flying."""
+    (tmp_path / "ross").write_text('#!/bin/sh\necho "$@" > told\necho says this\nexit 2\n')
+    return lambda: (tmp_path / "told").read_text().split()
+
+
+def test_the_exit_code_is_the_program_s_and_the_payload_is_told_what_it_understands(tmp_path, environment, noted):
+    (tmp_path / "program.py").write_text(REFUSING)
+    flown = fly(tmp_path, environment | {"SEED": "5"}, "one-talker", tmp_path / "program.py", "one", "two")
     assert flown.returncode == 7
     assert re.fullmatch(r"udpin:127\.0\.0\.1:\d+ one-talker one two\n", flown.stdout)
+    assert complaint(noted()) == ""
+    port = flown.stdout.split()[0].rpartition(":")[2]
+    assert noted()[:4] == ["sitl", "--serve", "--scenario", "one-talker"]
+    assert {"4", "5", f"udpout:127.0.0.1:{port}", "flight"} <= set(noted())
 
 
 @pytest.mark.parametrize(
@@ -78,13 +118,12 @@ def test_a_mistake_is_one_line(tmp_path, environment, arguments, changed, words)
     assert flown.stderr.count("\n") == 1
 
 
-def test_a_scenario_that_is_not_there_is_told_in_the_payload_s_words(tmp_path, environment):
+def test_what_a_payload_says_that_ends_by_itself_is_told(tmp_path, environment, noted):
     program = tmp_path / "program.py"
     program.write_text(WAITING)
     flown = fly(tmp_path, environment, "nowhere", program)
     assert flown.returncode == 1
-    assert "the payload ended by itself, with exit code 2" in flown.stderr
-    assert "nowhere" in flown.stderr
+    assert flown.stderr.splitlines() == ["the payload ended by itself, with exit code 2; its log says:", "says this"]
 
 
 def test_the_action_hands_every_input_on():

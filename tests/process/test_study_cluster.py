@@ -94,7 +94,7 @@ def dask(program, *options):
 def cluster(tmp_path, *preloads, nanny="--nanny"):
     """A scheduler and a worker for every preload, None: as installed; yields the engine."""
     where = tmp_path / "scheduler.json"
-    local = ("--scheduler-file", where, "--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0")
+    local = ("--scheduler-file", where, "--host", "127.0.0.1", "--no-dashboard")
     with ExitStack() as stack:
         log = tmp_path / "scheduler.log"
         stack.enter_context(background([*dask("scheduler", "--port", "0"), *local], log))
