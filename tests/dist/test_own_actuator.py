@@ -4,7 +4,7 @@ import re
 
 from own_actuator import ROOT
 from own_plugin import run
-from short_mission import SHORT
+from short_mission import ALONE
 
 
 def test_it_is_in_the_list(folder):
@@ -13,7 +13,7 @@ def test_it_is_in_the_list(folder):
 
 
 def test_a_mission_turns_it(folder):
-    (folder / "short.toml").write_text(SHORT)
+    (folder / "short.toml").write_text(ALONE)
     flown = run(folder, "ross_payload.cli", "sitl", "--scenario", "short.toml", "--actuator", "my_turntable")
     assert flown.returncode in {0, 3}, flown.stderr
     assert "fault" not in flown.stdout.lower()

@@ -9,7 +9,7 @@ import soundfile
 
 from manual import command
 from own_plugin import install, made, run_line
-from short_mission import SHORT
+from short_mission import ALONE
 
 PAGE = "docs/how-to/add-your-own-separator.md"
 RATE, SPACING, SPEED = 16000, 0.05, 343.0
@@ -48,7 +48,7 @@ def advanced(voice, seconds):
 
 
 def test_a_mission_is_flown_with_it(folder):
-    (folder / "short.toml").write_text(SHORT)
+    (folder / "short.toml").write_text(ALONE)
     flown = run_line(folder, command(PAGE, "ross sitl") + " --scenario short.toml --json")
     assert flown.returncode in {0, 3}, flown.stderr
     told = json.loads(flown.stdout)

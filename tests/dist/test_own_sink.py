@@ -4,7 +4,7 @@ import pytest
 
 from manual import command
 from own_plugin import install, made, run_line
-from short_mission import SHORT
+from short_mission import ALONE
 
 PAGE = "docs/how-to/add-your-own-sink.md"
 
@@ -26,7 +26,7 @@ def test_its_configuration_is_good(folder):
 
 def test_it_takes_a_voice(folder):
     streams = (folder / "loud.toml").read_text().replace("[[listening", "[[payload.listening")
-    (folder / "loud-scenario.toml").write_text(SHORT + streams)
+    (folder / "loud-scenario.toml").write_text(ALONE + streams)
     flown = run_line(folder, "ross sitl --scenario loud-scenario.toml")
     assert flown.returncode in {0, 3}, flown.stderr
     lines = (folder / "loudness.txt").read_text().splitlines()

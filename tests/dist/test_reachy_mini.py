@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from manual import command
-from own_plugin import install, run, run_line
+from own_plugin import install, module, run, run_line
 from processes import program
 from rigs import rig_of
 from ross_payload.actuators.wires import open_wire
@@ -103,8 +103,7 @@ def folder(tmp_path_factory):
 def emulated(folder, tmp_path, monkeypatch, port="0"):
     """The emulated daemon in another process; yields its address."""
     monkeypatch.setenv("PYTHONPATH", str(folder / "site"))
-    command = [sys.executable, "-m", "ross_reachy_mini.emulated_daemon", port]
-    with program(command, tmp_path, "daemon.log", code=None) as (_, log):
+    with program(module("ross_reachy_mini.emulated_daemon", port), tmp_path, "daemon.log", code=None) as (_, log):
         address = wait_for(lambda: re.search(r"listens on (\S+)\n", log.read_text()))[1]
         monkeypatch.setenv("DAEMON", address)
         yield address

@@ -17,7 +17,7 @@ import pytest
 from manual import blocks
 from processes import ROSS, program
 from ross_sim.scenario import load
-from short_mission import SHORT, THREE
+from short_mission import ALONE
 from waiting import wait_for
 
 PAGE = "docs/how-to/use-the-rest-interface.md"
@@ -41,7 +41,7 @@ def script(containing):
 def flown(tmp_path_factory):
     """A simulated payload with a page, and the address of that."""
     folder = tmp_path_factory.mktemp("flown")
-    scenario = SHORT.replace(THREE, "[[talkers]]\nazimuth_deg = 40\n").replace("run_s = 1.0", "run_s = 600.0")
+    scenario = ALONE.replace("run_s = 1.0", "run_s = 600.0")
     (folder / "short.toml").write_text(scenario)  # one talker, to whom it listens until it is stopped
     # in no hurry: what it simulates while a client is made is for nobody
     options = ["sitl", "--serve", "--page", "--scenario", "short.toml", "--speed", "1", "--seed", "1"]

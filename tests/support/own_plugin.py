@@ -44,11 +44,20 @@ def _content(folder):
     return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
 
 
-def run(folder, *command, cwd=None, timeout=250):
+RUN_MODULE = "import ross_payload, runpy, sys; runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
+
+
+def module(name, *arguments):
+    """The command that runs a Python module of others in a fork of what has imported ours (`forked_programs`)."""
+    return [sys.executable, "-c", RUN_MODULE, name, *map(str, arguments)]
+
+
+def run(folder, name, *arguments, cwd=None, timeout=250):
     """Run a Python module beside what is installed in a folder."""
     environment = os.environ | {"PYTHONPATH": str(folder / "site"), "OMP_NUM_THREADS": "1"}
+    ours = name.startswith("ross_payload.")
     return subprocess.run(
-        [sys.executable, "-m", *map(str, command)],
+        [sys.executable, "-m", name, *map(str, arguments)] if ours else module(name, *arguments),
         cwd=cwd or folder, env=environment, capture_output=True, text=True, timeout=timeout, check=False,
     )  # fmt: skip
 

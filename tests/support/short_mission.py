@@ -1,5 +1,5 @@
-"""The shortest scenario that is a mission, its three talkers, a live payload that hears a file of noise, and
-built-in scenarios that end sooner.
+"""The shortest scenario that is a mission, of three talkers, two or one, a live payload that hears a file of noise,
+and built-in scenarios that end sooner.
 """
 
 import tomllib
@@ -50,6 +50,7 @@ run_s = 1.0
 max_restarts = 0
 """
 PAIR = SHORT + TWO
+ALONE = SHORT + "[[talkers]]\nazimuth_deg = 40\n"
 SHORT += THREE
 
 NOISE = """

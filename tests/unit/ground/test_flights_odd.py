@@ -84,5 +84,5 @@ def test_sources_and_scores_beyond_all_measure_are_drawn(place):
         said.append(Status(0, 0.0, index, True, score=sigma, criterion=confidence, heading=sigma, mount_yaw=confidence))
     (place / "nasty.tlog").write_bytes(b"".join(record(UNIX, encoder.encode(each)) for each in said))
     flight = open_flight(place / "nasty.tlog")
-    picture.draw(FlightContent(flight, flight.payloads), place / "nasty.svg")
+    picture.draw(FlightContent(flight, flight.payloads), place / "nasty.png")
     export(flight, flight.payloads, place / "nasty.mcap")

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from examples import examples
 from flight_logs import UNIX, full_tick, record, vehicle_frames, write_hour
-from ross_payload.ground.flights.playback import SPACING, Playback
+from ross_payload.ground.flights import playback as playing
+from ross_payload.ground.flights.playback import Playback
 from ross_payload.ground.flights.reading import open_flight
 from ross_payload.ground.model.fleet import Fleet
 from ross_protocols.mavlink.codec import Encoder, chunks
@@ -17,25 +18,34 @@ from ross_protocols.mavlink.values import Health, Heartbeat, Severity
 
 pytestmark = pytest.mark.lockstep
 
+SPACING = 120  # frames between two moments that are remembered, in place of more in a longer flight
 LONG_TEXT = "RoSS: " + "a text that needs more than one chunk, " * 3
 
 
 def told(steps, start=0.0):
     for step in range(steps):
         yield from full_tick(start + step / 10, step)
-        if step % 40 == 0:
+        if step % 10 == 0:
             yield from chunks(Severity.INFO, LONG_TEXT, 1 + step)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def closer():
+    """Moments are remembered as often in this flight as in one of four times its length."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(playing, "SPACING", SPACING)
+        yield
 
 
 @pytest.fixture(scope="module")
 def flight(tmp_path_factory):
     """Two payloads, one of which starts again, an autopilot, texts in chunks, and lost frames."""
     first, second = Encoder(1, 191), Encoder(2, 191)
-    ours = [first.encode(value) for value in told(60)]
-    others = [second.encode(value) for value in [*told(25, start=100.0), Heartbeat(Health.BOOT, 0), *told(35)]]
-    vehicle = list(vehicle_frames(steps=40))
+    ours = [first.encode(value) for value in told(15)]
+    others = [second.encode(value) for value in [*told(6, start=100.0), Heartbeat(Health.BOOT, 0), *told(9)]]
+    vehicle = list(vehicle_frames(steps=10))
     mixed = [frame for trio in zip(ours, others, vehicle * 6, strict=False) for frame in trio]
-    kept = [frame for place, frame in enumerate(mixed) if place % 97]
+    kept = [frame for place, frame in enumerate(mixed) if place % 23]
     path = tmp_path_factory.mktemp("flights") / "mixed.tlog"
     path.write_bytes(b"".join(record(UNIX + 3_000 * place, frame) for place, frame in enumerate(kept)))
     return open_flight(path)
@@ -99,8 +109,8 @@ def test_it_plays_at_its_speed_and_stops_at_the_end(flight):
     playback.advance(1.0)
     assert playback.at == 0.0
     playback.playing, playback.speed = True, 4.0
-    playback.advance(0.5)
-    assert playback.at == pytest.approx(2.0)
+    playback.advance(0.25)
+    assert playback.at == pytest.approx(1.0)
     assert playback.playing
     playback.advance(1e6)
     assert playback.at == flight.duration

@@ -282,7 +282,7 @@ def test_what_another_component_says_is_no_parameter_of_this_one(script):
     assert script.settings.values == {}
 
 
-@pytest.mark.parametrize("times", [3, pytest.param(95, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("times", [2, *in_soak(98)])
 def test_hostile_parameter_names_do_not_fill_the_memory(times):
     """Each has a name of its own, and no two agree on how many there are."""
     encoder, decoder, settings = Encoder(1, 191), Decoder(), ParamClient(lambda message, who: None, WHO, *US)
@@ -297,11 +297,11 @@ def test_hostile_parameter_names_do_not_fill_the_memory(times):
                 settings.tick(number / 1000)
                 settings.rows()
 
-    flood(0, 5000)
+    flood(0, 2000)
     tracemalloc.start()
-    flood(5000, 6000)
+    flood(2000, 3000)
     before, _ = tracemalloc.get_traced_memory()
-    flood(6000, 5000 + times * 1000)
+    flood(3000, 2000 + times * 1000)
     after, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert after - before < 20_000 * times

@@ -121,7 +121,7 @@ async def test_random_ids_cannot_fill_the_memory(ports: tuple[int, int]) -> None
     async with Station(urls(ports), key=bytes(32)) as signed, Station([]) as silent:
         assert silent.links() == []
         link = signed._links[0]
-        for number in range(20_000):
+        for number in range(2000):
             who = 1 + number % 255, 1 + number // 255 % 255
             frame = Encoder(*who, bytes(32)).encode(AUDIO, timestamp_of(time.time()))
             link._arrived(("192.0.2.1", number), frame, signed.now())

@@ -270,6 +270,9 @@ commonName=supplied
 """
 
 
+EC_KEY = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1")  # made sooner than one of RSA
+
+
 def certificate(folder, name="good", years=(2020, 2090)):
     """Make a certificate and its key."""
 
@@ -279,7 +282,7 @@ def certificate(folder, name="good", years=(2020, 2090)):
     (folder / "ca.cnf").write_text(CA)
     (folder / "index.txt").write_text("")
     key, request, made = f"{name}.key", f"{name}.csr", f"{name}.pem"
-    openssl("req", "-new", "-newkey", "rsa:2048", "-nodes", "-keyout", key, "-out", request, "-subj", f"/CN={name}")
+    openssl("req", "-new", *EC_KEY, "-nodes", "-keyout", key, "-out", request, "-subj", f"/CN={name}")
     dates = [f"{year}0101000000Z" for year in years]
     openssl(
         "ca", "-batch", "-notext", "-config", "ca.cnf", "-selfsign", "-keyfile", key, "-in", request, "-out", made,

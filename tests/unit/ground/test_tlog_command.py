@@ -31,7 +31,7 @@ from ross_protocols.mavlink.values import (
     Status,
 )
 from ross_sim.sitl.command import command as sitl
-from short_mission import SHORT
+from short_mission import PAIR
 
 pytestmark = pytest.mark.lockstep
 
@@ -43,7 +43,7 @@ STOP = 54004
 def mission(tmp_path_factory):
     """The results of a short simulated mission, and its report."""
     folder = tmp_path_factory.mktemp("mission")
-    (folder / "short.toml").write_text(SHORT)
+    (folder / "short.toml").write_text(PAIR)
     arguments = ["--scenario", str(folder / "short.toml"), "--out", str(folder / "out"), "--seed", "1", "--json"]
     with without_picture():
         flown = CliRunner().invoke(sitl, arguments, standalone_mode=False)
@@ -252,7 +252,7 @@ def test_a_payload_that_only_mirrors_tell_of_has_states_and_k(told):
 def fleet_log(tmp_path):
     """Two payloads and a vehicle."""
     encoders = [Encoder(system, 191) for system in (1, 2)]
-    frames = [encoder.encode(value) for step in range(10) for encoder in encoders for value in full_tick(step, step)]
+    frames = [encoder.encode(value) for step in range(4) for encoder in encoders for value in full_tick(step, step)]
     path = tmp_path / "fleet.tlog"
     mixed = [*frames, *vehicle_frames(system=3)]
     path.write_bytes(b"".join(record(UNIX + 10_000 * place, frame) for place, frame in enumerate(mixed)))
@@ -296,15 +296,18 @@ def test_a_log_of_somebody_else_is_told_but_not_drawn(tlog, tmp_path):
     assert not (tmp_path / "a.png").exists()
 
 
-@pytest.mark.parametrize(("name", "magic", "times"), [("a.png", b"\x89PNG", 1), ("a.svg", b"<?xml", 2)])
-def test_the_picture_is_drawn_whole_and_the_same_again(tlog, fleet_log, tmp_path, *, name, magic, times):
-    """What could differ, names and the date, is in the vector graphics."""
+@pytest.mark.parametrize(
+    ("name", "magic", "times", "options"),
+    [("a.png", b"\x89PNG", 1, []), ("a.svg", b"<?xml", 2, ["--payload", "1-191"])],
+)
+def test_the_picture_is_drawn_whole_and_the_same_again(tlog, fleet_log, tmp_path, *, name, magic, times, options):
+    """What could differ, names and the date, is in the vector graphics, of one payload as of two."""
     pytest.importorskip("matplotlib", reason="needs the extra 'sim'")
     path = tmp_path / name
     path.write_text("an earlier one")
     drawn = []
     for _ in range(times):
-        assert tlog(fleet_log, "--picture", path)[0] == 0
+        assert tlog(fleet_log, "--picture", path, *options)[0] == 0
         drawn.append(path.read_bytes())
     assert drawn[0].startswith(magic)
     assert len(set(drawn)) == 1
