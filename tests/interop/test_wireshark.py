@@ -76,18 +76,17 @@ def test_numbers_are_those_that_were_sent(fields, encoder):
     assert numbers == pytest.approx([math.pi / 2, -0.25, 125.0, 3.5, 0b110, 3, 5e6], rel=1e-5)
 
 
-@pytest.mark.parametrize("inside", [False, True], ids=["frame", "tunnel"])
-def test_a_stream_of_live_listening_is_shown_with_its_address(tshark, encoder, inside):
+def test_a_stream_of_live_listening_is_shown_with_its_address_also_inside_a_tunnel(tshark, encoder):
     stream = StreamReport(
         1, 3, 4, "rtp", Selection.SOURCE, True, 48000, on=True, source=2, codec=Codec.OPUS, address="192.168.1.20",
         port=5004, level=-23.0, separated=True,
     )  # fmt: skip
-    shown = tshark([encoder.encode(Wrapper(7, 191).wrap(stream) if inside else stream)], "-V")
+    shown = tshark([encoder.encode(stream), encoder.encode(Wrapper(7, 191).wrap(stream))], "-V")
     for words in (
         "address (char): 192.168.1.20", "port (uint16_t): 5004", "ROSS_CODEC_OPUS", "ROSS_SELECTION_SOURCE",
         "number (uint8_t): 3", "level (int8_t) [dB]: -23", "sink (char): rtp",
     ):  # fmt: skip
-        assert words in shown, shown
+        assert shown.count(words) == 2, shown
 
 
 def test_units_and_names_of_entries_are_shown(tshark, encoder):
@@ -120,11 +119,11 @@ def test_another_tunnel_is_only_shown(fields, encoder):
     assert fields([encoder.encode(other)], "msgid", "TUNNEL_payload_1") == [["385", "9"]]
 
 
-@pytest.mark.parametrize("length", [0, 1, 11, 128, 200])
-def test_a_broken_tunnel_does_not_break_the_dissector(tshark, encoder, length):
-    broken = common.MAVLink_tunnel_message(0, 0, 54000, length, [0xFD] * 128)
-    shown = tshark([encoder.encode(broken), encoder.encode(ALIGNMENT)], "-V")
-    assert "heading (float) [rad]: 1.570" in shown
+def test_broken_tunnels_do_not_break_the_dissector(tshark, encoder):
+    lengths = [0, 1, 11, 128, 200]
+    broken = [common.MAVLink_tunnel_message(0, 0, 54000, length, [0xFD] * 128) for length in lengths]
+    shown = tshark([encoder.encode(each) for message in broken for each in (message, ALIGNMENT)], "-V")
+    assert shown.count("heading (float) [rad]: 1.570") == len(lengths)
 
 
 def test_what_a_payload_also_says_and_hears_is_read(tshark, encoder):

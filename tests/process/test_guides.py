@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from mission_fixtures import without_picture
 from ports import free_port
 from ross_sim.scenario import load
 from short_mission import CHEAP, SOON, brief
@@ -25,10 +26,11 @@ def test_the_scenario_of_the_guide_is_valid(tmp_path):
     assert len(load(path).talkers) == 3
 
 
-def test_the_guide_reads_the_log_of_a_mission(tmp_path):
+def test_the_guide_reads_the_log_of_a_mission(tmp_path, run):
     asked = brief("one-talker", tmp_path, check_s=1.0, run_s=2.0, **CHEAP)
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--scenario", asked, "--informed"]
-    subprocess.run([*command, "--out", "out/demo"], cwd=tmp_path, check=True, capture_output=True, timeout=250)
+    with without_picture():
+        code, _, error = run("sitl", "--scenario", asked, "--informed", "--out", tmp_path / "out" / "demo")
+    assert code == 0, error
     program = block("read-telemetry.md", "python")
     environment = os.environ | {"MAVLINK20": "1"}
     read = [sys.executable, "-c", program]

@@ -14,8 +14,8 @@ from pymavlink.dialects.v20 import common as pymavlink_common
 from examples import examples
 from flight_logs import UNIX, frames, full_tick, log_of, vehicle_frames
 from ross_payload.ground.errors import GroundError
+from ross_payload.ground.flights import log_file
 from ross_payload.ground.flights.frame_stats import tallies
-from ross_payload.ground.flights.log_file import PIECE
 from ross_payload.ground.flights.reading import open_flight
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.component_id import ComponentId
@@ -109,10 +109,12 @@ def test_a_frame_with_a_wrong_checksum_costs_no_other(opened):
     assert flight.notes == ("1 frames have a wrong checksum (damaged, or of another dialect): ROSS_SOURCE x 1",)
 
 
-def test_damage_on_the_edge_of_what_is_read_at_once_costs_as_little(opened):
-    log = log_of(frames() * (PIECE // 6000))
-    assert len(log) > PIECE + 1000
-    edge = PIECE - 590
+def test_damage_on_the_edge_of_what_is_read_at_once_costs_as_little(opened, monkeypatch):
+    piece = 1 << 18  # in place of one of 4 MB
+    monkeypatch.setattr(log_file, "PIECE", piece)
+    log = log_of(frames() * (piece // 6000))
+    assert len(log) > piece + 1000
+    edge = piece - 590
     whole = opened(log)
     broken = opened(log[:edge] + b"\x00" * 700 + log[edge:])
     assert len(whole.index) - 1 <= len(broken.index) <= len(whole.index)
