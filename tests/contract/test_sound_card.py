@@ -114,7 +114,7 @@ def test_a_gap_does_not_spoil_the_measured_rate(listen, make_card, moments):
         card.blocked = (begin, begin + 1.5, False)
         read(source, 5)
         assert source.status().rate / RATE - 1 == pytest.approx(100e-6, abs=20e-6)
-        read(source, 30)
+        read(source, 40)  # until the rate since the gap is told
         assert source.status().rate / RATE - 1 == pytest.approx(100e-6, abs=20e-6)
 
 

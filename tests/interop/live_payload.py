@@ -1,12 +1,16 @@
 """A small payload for the tests of live worlds, in a process of its own: real driver, runner and mission, real time.
 
-``python live_payload.py SCENARIO FOLDER [PIPE]`` starts `ross world` beside it, flies one mission, flies it again in
-lock-step, and prints both reports as JSON. The sound comes over TCP, or by the sound card ``pulse`` that PIPE feeds.
+``python live_payload.py SCENARIO FOLDER QUIET WORLD`` flies one mission in a `ross world` that lives already, ends it,
+flies the mission again in lock-step, and prints both reports as JSON. WORLD is what the world has told of itself, with
+its ``pid``; FOLDER is the world's, which is silent for QUIET seconds at first. The sound comes over TCP, or where the
+world has told no address, by the sound card ``pulse``.
 What was heard is compared with what the world made stretch by stretch: those between what the payload calls missing.
 """
 
 import json
-import subprocess
+import os
+import select
+import signal
 import sys
 from contextlib import ExitStack
 from dataclasses import replace
@@ -121,23 +125,22 @@ def judge(scenario, world, memory, result, quiet):
     return values | {"began_s": began, "stretches": places, "zeros": zeros}
 
 
-def flown(path, out, pipe):
-    """Start the world, fly, end the world; the report and what the world says of itself."""
+def end(pid):
+    """End a process of somebody else, and wait until it has ended."""
+    process = os.pidfd_open(pid)
+    signal.pidfd_send_signal(process, signal.SIGTERM)
+    assert select.select([process], [], [], 60.0)[0]
+    os.close(process)
+
+
+def flown(path, out, quiet, world):
+    """Fly, end the world; the report and what the world says of itself."""
     scenario = load(path)
-    quiet = 0.0 if pipe is None else 0.5  # [s]: about as long as a sound card takes until it is heard
-    sound = ["--pcm", "tcp:127.0.0.1:0"] if pipe is None else ["--pipe", pipe, "--format", "f32le"]
-    command = [sys.executable, "-m", "ross_payload.cli", "world", path, "--json", "--quiet", str(quiet), "--out", out]
-    with subprocess.Popen([*command, *sound], stdout=subprocess.PIPE, text=True) as world:
-        try:
-            told = json.loads(world.stdout.readline())
-            config = wired(scenario.payload, told["pcm"] or "device:pulse", told["wire"])
-            memory, result, health = fly(scenario, config)
-        finally:
-            world.terminate()
-            world.communicate(timeout=60)
+    config = wired(scenario.payload, world["pcm"] or "device:pulse", world["wire"])
+    memory, result, health = fly(scenario, config)
+    end(world["pid"])
     truth = json.loads((out / "truth.json").read_text())
     told = {
-        "world": world.returncode,
         "lost": health.lost,
         "late_s": truth["late_s"],
         "complaints": truth["complaints"],
@@ -146,8 +149,8 @@ def flown(path, out, pipe):
     return judge(scenario, out, memory, result, quiet) | told
 
 
-def main(path, folder, pipe=None):
-    live = flown(path, Path(folder), pipe)
+def main(path, folder, quiet, world):
+    live = flown(path, Path(folder), float(quiet), json.loads(world))
     scene = later(load(path), -live["began_s"])  # as seen from where the payload began to listen
     lock_step = perform(scene, talkers_of(scene, None, None), MissionView(), None, None).report
     print(json.dumps({"live": live, "lock_step": lock_step}))  # noqa: T201
