@@ -19,7 +19,7 @@ from ross_payload.config import Config, validated
 from ross_payload.config.parameter_store import Parameters
 from ross_sim.scenario import Scenario
 from ross_sim.study.study_design import Study
-from ross_sim.talkers.synthetic_voices import synthetic_voices
+from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 SHELL = [(block.page, command) for block in blocks("sh") for command in block.commands]
 INLINE = re.compile(r"`(?:[^`\n]*/)?(ross [^`\n]+)`")
@@ -161,13 +161,13 @@ def sandbox(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     monkeypatch.chdir(tmp_path)
     rng, rate = np.random.default_rng(0), 16000
-    alone = rng.laplace(scale=0.05, size=5 * rate) * np.repeat(rng.uniform(0.1, 1, 50), rate // 10)
-    other = rng.laplace(scale=0.05, size=5 * rate)
+    alone = rng.laplace(scale=0.05, size=3 * rate) * np.repeat(rng.uniform(0.1, 1, 30), rate // 10)
+    other = rng.laplace(scale=0.05, size=3 * rate)
     soundfile.write("mixture.wav", np.stack([alone + other, alone + np.roll(other, 2)], axis=1), rate)
     for name in ("target.wav", "alone.wav"):
         soundfile.write(name, np.stack([alone, alone], axis=1), rate)
     for name in ("anna.wav", "anna-reads.wav"):
-        soundfile.write(name, synthetic_voices(rate)[0].enrolment, rate)
+        soundfile.write(name, synthetic_voice(0, rate).enrolment[: 10 * rate], rate)
     scenario = next(one for one in blocks("toml") if one.page.endswith("write-a-scenario.md"))
     (tmp_path / "table.toml").write_text(scenario.text)
     return tmp_path

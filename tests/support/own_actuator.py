@@ -22,5 +22,5 @@ def folder(tmp_path_factory):
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(text)
     (folder / "my_turntable" / "__init__.py").touch()
-    install(folder)
+    install(folder, pip=True)  # as the page has it
     return folder

@@ -21,8 +21,23 @@ def made(page, folder):
     return {path.name for path in folder.iterdir()}
 
 
-def install(folder):
+BUILD = """
+import importlib, tempfile, tomllib, zipfile
+from pathlib import Path
+import ross_payload  # imported already where this is forked
+
+system = tomllib.loads(Path("pyproject.toml").read_text())["build-system"]
+with tempfile.TemporaryDirectory() as wheels:
+    name = importlib.import_module(system["build-backend"]).build_wheel(wheels)
+    with zipfile.ZipFile(Path(wheels) / name) as wheel:
+        wheel.extractall("site")
+"""
+
+
+def install(folder, *, pip=False):
     """Install the package in a folder into the folder ``site`` beside it; once for all tests of a run.
+
+    By pip, which starts five interpreters, or by what pip does in the end: by the package's own build system.
 
     A run's worker (`forked_workers`) has a folder of its own beside those of the others.
     """
@@ -30,7 +45,9 @@ def install(folder):
     kept = (own.parent if own.name.startswith("worker") else own) / f"site-{_content(folder)}"
     if not kept.exists():
         options = ["--quiet", "--no-deps", "--no-index", "--no-build-isolation", "--target", folder / "site"]
-        subprocess.run([sys.executable, "-m", "pip", "install", *options, folder], check=True, capture_output=True)
+        by_pip = [sys.executable, "-m", "pip", "install", *options, folder]
+        command = by_pip if pip else [sys.executable, "-c", BUILD]
+        subprocess.run(command, cwd=folder, check=True, capture_output=True)
         with suppress(OSError), TemporaryDirectory(dir=kept.parent) as half:
             shutil.copytree(folder / "site", Path(half) / "site")
             (Path(half) / "site").rename(kept)  # whole, or not at all; another worker may have been sooner
