@@ -148,11 +148,12 @@ def test_the_message_points_to_general():
 
 
 @pytest.mark.parametrize("odds", [{}, {"loss": 0.1}], ids=["good", "bad"])
-def test_pymavlinks_own_client_reads_the_files(sky, tmp_path, odds):
+def test_pymavlinks_own_client_reads_the_files(sky, tmp_path, monkeypatch, odds):
     payload, late = Payload(sky(**odds), files()), []
+    monkeypatch.setattr(mavftp, "time", SimpleNamespace(time=payload.clock.now, sleep=payload.wait))
 
-    def send(network, system, component, content):
-        payload.ground.send(ross.MAVLink_file_transfer_protocol_message(network, system, component, list(content)))
+    def send(network, system, component, data):
+        payload.ground.send(ross.MAVLink_file_transfer_protocol_message(network, system, component, list(data)))
 
     def recv_match(**_):
         late.extend(message for message in payload.wait(0.05) if message.get_type() == "FILE_TRANSFER_PROTOCOL")
@@ -165,7 +166,7 @@ def test_pymavlinks_own_client_reads_the_files(sky, tmp_path, odds):
         source_component=190,
     )
     client = mavftp.MAVFTP(master, 1, 191)
-    for name, content in files().items():
+    for name, data in files().items():
         assert client.cmd_get([name, str(tmp_path / name)]).error_code == 0
         client.process_ftp_reply("OpenFileRO", timeout=20)
-        assert (tmp_path / name).read_bytes() == content
+        assert (tmp_path / name).read_bytes() == data
