@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from ross_payload.errors import ConfigError
+from ross_payload.separation.local_gaussian_model import separator as gaussian
 from ross_payload.voiceprint.built_in import BuiltInModel, encode_model
 from ross_payload.voiceprint.features import RATE
-from ross_sim.study import train_voiceprint, voice_pieces
+from ross_sim.study import reader_mixtures, train_voiceprint, voice_pieces
 from ross_sim.study.calibration_voices import N_FOLDS, Heard, folds_of
 from ross_sim.study.reader_mixtures import groups_of, heard
 from ross_sim.study.train_voiceprint import trained
@@ -30,11 +31,13 @@ def _small(monkeypatch):
         monkeypatch.setattr(train_voiceprint, name, size)
     monkeypatch.setattr(voice_pieces, "N_ROUNDS", 1)
     monkeypatch.setattr(voice_pieces, "PIECES", (3.0, 2.0))
+    monkeypatch.setattr(reader_mixtures, "SHORTEST", 1.0)
+    monkeypatch.setattr(reader_mixtures, "separator", gaussian)
 
 
 @pytest.mark.usefixtures("_small")
 def test_a_run_that_was_interrupted_goes_on_and_ends_with_the_same_numbers(voices, tmp_path, monkeypatch):
-    voices = {name: voice[: 2 * RATE] for name, voice in voices.items()}
+    voices = {name: voice[: 3 * RATE // 2] for name, voice in voices.items()}
     made, real = [], voice_pieces.heard
 
     def counted(clips, rng):
