@@ -44,7 +44,7 @@ def _passive() -> Refined:
 
 
 def test_a_network_that_corrects_nothing_leaves_the_gaussian_model() -> None:
-    _, mixture = _mixture([-0.8, 0.7])
+    _, mixture = _mixture([-0.8, 0.7], 1.0)
     scene = _scene([-0.8, 0.7], noise=NOISE * 1024)
     expected, found = local_gaussian_model.separator.batch(mixture, scene), _passive().batch(mixture, scene)
     error = np.abs(found.signals - expected.signals) ** 2
@@ -53,13 +53,13 @@ def test_a_network_that_corrects_nothing_leaves_the_gaussian_model() -> None:
 
 
 def test_each_group_follows_its_direction_in_whatever_order() -> None:
-    _, mixture = _mixture([-0.8, 0.1, 0.9])
+    _, mixture = _mixture([-0.8, 0.1, 0.9], 1.0)
     forth = separator.batch(mixture, _scene([-0.8, 0.1, 0.9]))
     back = separator.batch(mixture, _scene([0.9, -0.8, 0.1]))
     np.testing.assert_allclose(back.signals, forth.signals[[2, 0, 1]], atol=1e-2 * np.abs(mixture).max())
 
 
-@pytest.mark.parametrize("seconds", [0.01, 0.2, 1.0, *in_soak(3.0)])
+@pytest.mark.parametrize("seconds", [0.01, 0.2, *in_soak(1.0, 3.0)])
 @pytest.mark.parametrize("tau", [[0.2], [-0.8, 0.7], [-0.9, -0.2, 0.3, 0.9]])
 def test_short_recordings_stay_finite_and_no_louder_than_the_mixture(tau: list[float], seconds: float) -> None:
     _, mixture = _mixture(tau, seconds)
@@ -89,7 +89,7 @@ def test_identical_microphones_stay_finite() -> None:
 
 
 def test_the_level_of_the_recording_does_not_matter() -> None:
-    _, mixture = _mixture([-0.8, 0.7], 1.0)
+    _, mixture = _mixture([-0.8, 0.7], 0.5)
     loud = separator.batch(1000 * mixture, _scene([-0.8, 0.7], noise=1e6 * NOISE * 1024))
     quiet = separator.batch(mixture, _scene([-0.8, 0.7], noise=NOISE * 1024))
     np.testing.assert_allclose(loud.signals / 1000, quiet.signals, atol=1e-3 * np.abs(mixture).max())
@@ -145,7 +145,7 @@ def test_features_of_a_bin_that_one_group_explains() -> None:
 
 def test_talkers_are_separated_better_than_by_the_gaussian_model() -> None:
     """Three synthetic voices that nobody trained on, in the open, 15 dB above the noise."""
-    tau, n = [-0.6, 0.1, 0.8], 4 * RATE
+    tau, n = [-0.6, 0.1, 0.8], 5 * RATE // 2
     voices = np.stack([synthetic_voice(index, RATE).speech[:n] for index in range(3)]).astype(float)
     voices /= voices.std(axis=1, keepdims=True)
     images = STFT.analyse(voices)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from ross_sim.study.voice_augmentation import RATE
 from rotor_scenes import SPACING, SPEED_OF_SOUND, rotor_noise, talk
 
 STFT = Stft(RATE, 2048, 512)
+SECONDS = 2
 MARGIN = 5  # of the features: how much more likely a group is than the others, of whom the noise is one
 
 
@@ -100,10 +102,11 @@ def test_a_clip_in_noise_depends_on_its_number_and_its_piece_shows_what_the_payl
     assert where[0, 0] * 4000 == pytest.approx(LOWEST_VOICE, abs=3 * made.rate / 2048)
 
 
+@cache
 def scene_of(heading=0.4, azimuth=1.9, louder=1.0):
     """One talker among rotors whose amplitude is ``louder`` times that of the talker."""
-    image = talk(3, azimuth, heading)
-    spectrogram = STFT.analyse((image + louder * rotor_noise(3, heading)).astype(np.float32))
+    image = talk(SECONDS, azimuth, heading)
+    spectrogram = STFT.analyse((image + louder * rotor_noise(SECONDS, heading)).astype(np.float32))
     tau = SPACING / SPEED_OF_SOUND * np.cos([azimuth - heading])
     field = noise_field(spectrogram, STFT.frequencies, STFT.period)
     return spectrogram, Scene(STFT.frequencies, SPACING, SPEED_OF_SOUND, 1, tau, hop=STFT.hop, noise_field=field)
@@ -115,9 +118,15 @@ def silent():
     return network_of(arrays | {name: 0 * arrays[name] for name in ("out", "out_b", "skip")})
 
 
+@cache
+def uncorrected():
+    """What such a network makes of that scene."""
+    return Refined(in_noise=silent()).batch(*scene_of()).signals
+
+
 def test_a_network_that_corrects_nothing_leaves_nearly_the_local_gaussian_model():
     spectrogram, scene = scene_of()
-    found = Refined(in_noise=silent()).batch(spectrogram, scene).signals
+    found = uncorrected()
     alone = local_gaussian_model.from_directions(
         local_gaussian_model._separated, spectrogram, scene, "gaussian", larger=LARGER
     ).signals
@@ -130,7 +139,7 @@ def test_what_the_network_says_of_the_noise_counts():
     skip = 0 * arrays["skip"]
     skip[:, 8 * N_FEATURES : 8 * N_IN_NOISE] = 1.0  # the noise by e^8, the talker not at all
     louder = network_of(arrays | {"out": 0 * arrays["out"], "out_b": 0 * arrays["out_b"], "skip": skip})
-    usual, less = (Refined(in_noise=each).batch(spectrogram, scene).signals for each in (silent(), louder))
+    usual, less = uncorrected(), Refined(in_noise=louder).batch(spectrogram, scene).signals
     low = (STFT.frequencies > 100) & (STFT.frequencies < 5000)
     assert (np.abs(less[:, low]) ** 2).sum() < 0.1 * (np.abs(usual[:, low]) ** 2).sum()
 
@@ -141,7 +150,7 @@ def test_the_weights_of_the_package_are_those_of_noise():
 
 
 def test_the_weights_of_the_package_leave_less_noise_than_none_and_than_those_for_white_noise():
-    image, (spectrogram, scene) = talk(3, 1.9, 0.4)[0], scene_of(louder=3.0)
+    image, (spectrogram, scene) = talk(SECONDS, 1.9, 0.4)[0], scene_of(louder=3.0)
     networks = {"none": silent(), "white": network_of(widened(shipped_arrays())), "shipped": None}
     found = {
         name: si_sdr(STFT.synthesise(Refined(in_noise=each).batch(spectrogram, scene).signals, image.size)[0], image)
