@@ -102,7 +102,7 @@ def test_a_quiet_source_that_walks_is_found_beside_a_loud_one():
     assert np.sqrt(np.mean(np.square(late))) < 9.0
 
 
-@pytest.mark.parametrize("seed", [0, 1, *in_soak(2)])
+@pytest.mark.parametrize("seed", [0, *in_soak(1, 2)])
 def test_a_source_that_passes_another_one_keeps_its_name(seed):
     path = walk(60.0, 10.0)
     time, tracks = list(follow([path, at(100.0), at(-140.0)], 9.0, seed=seed))[-1]
@@ -194,12 +194,13 @@ def test_what_was_taken_for_sure_is_corrected_when_it_turns_out_wrong():
     assert off(tracks, 1, 90.0) < 3.0
 
 
-def test_those_at_rest_do_not_drift_while_somebody_walks_past_for_half_a_minute():
+@pytest.mark.parametrize("seconds", [15.0, *in_soak(30.0)])
+def test_those_at_rest_do_not_drift_while_somebody_walks_past(seconds):
     def to_and_fro(time):
         return 100.0 - 40.0 * math.cos(2 * math.pi * time / 30.0)
 
     errors = []
-    for _, tracks in follow([at(-20.0), to_and_fro, at(170.0)], 30.0, seed=3):
+    for _, tracks in follow([at(-20.0), to_and_fro, at(170.0)], seconds, seed=3):
         errors.append((off(tracks, 0, -20.0), off(tracks, 2, 170.0)))
     assert np.sqrt(np.mean(np.square(errors), axis=0)).max() < 1.5
     assert np.max(errors) < 5.0
