@@ -257,7 +257,15 @@ def test_a_simulated_mission_ends_with_one_line_and_exit_code_1(installed, monke
     installed("class A:\n    name = 'a'\n    def batch(self, spectrogram, scene): return None\nplugin = A()")
     (tmp_path / "short.toml").write_text(SHORT)
     code, out, err = called(
-        monkeypatch, capsys, "sitl", "--scenario", tmp_path / "short.toml", "--separator", "theirs", "--json"
+        monkeypatch,
+        capsys,
+        "sitl",
+        "--scenario",
+        tmp_path / "short.toml",
+        "--separator",
+        "theirs",
+        "--informed",
+        "--json",
     )
     assert (code, err) == (1, "")
     assert json.loads(out)["reason"] == "separator 'theirs': batch: expected Groups, got NoneType"

@@ -119,19 +119,23 @@ def version(name, known=importlib.metadata.version):
 
 importlib.metadata.version = version
 from ross_payload.cli import main
-main()
+for command in ("sitl", "world"):
+    sys.argv = ["ross", command]
+    try:
+        main()
+    except SystemExit as ended:
+        print(ended.code)
 """
 
 
-@pytest.mark.parametrize("command", ["sitl", "world"])
-def test_a_command_without_its_extra_says_what_to_install(tmp_path, command):
-    ended = subprocess.run(
-        [sys.executable, "-c", LACKING, command], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert ended.returncode == 2
-    assert "needs the package pyroomacoustics: " in ended.stderr
-    assert "pip install " in ended.stderr
-    assert len(ended.stderr.splitlines()) == 1
+def test_a_command_without_its_extra_says_what_to_install(tmp_path):
+    ended = subprocess.run([sys.executable, "-c", LACKING], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert ended.stdout.split() == ["2", "2"]
+    lines = ended.stderr.splitlines()
+    assert len(lines) == 2
+    for line in lines:
+        assert "needs the package pyroomacoustics: " in line
+        assert "pip install " in line
     assert not any(tmp_path.iterdir())
 
 
