@@ -9,6 +9,7 @@ pytestmark = pytest.mark.lockstep
 
 def test_it_compares_every_group_with_the_truth(capsys, monkeypatch):
     monkeypatch.setattr(quality_study, "DURATIONS", (2.0,))
+    monkeypatch.setattr(quality_study, "TALKERS", (2, 3))
     assert quality_study.main(["--draws", "1", "--seed", "2"]) == 0
     head, *rows = capsys.readouterr().out.splitlines()
     assert head.endswith("[dB]")

@@ -13,7 +13,7 @@ from ross_sim.study.scoring import NOISE_BLIND, Belief, separations, tools_of
 from ross_sim.study.study_design import chosen
 
 
-def _voices(n: int = 24000) -> list[np.ndarray]:
+def _voices(n: int = 12000) -> list[np.ndarray]:
     """Three bursts of noise that take turns, the first of them longest."""
     rng = np.random.default_rng(0)
     return [rng.standard_normal(n) * np.repeat(rng.gamma(0.3, size=n // 600), 600) for _ in range(3)]
