@@ -5,6 +5,7 @@ import pytest
 import soundfile
 
 from ross_payload.errors import ConfigError
+from ross_sim.study import noise_scenes
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings, scene
@@ -17,9 +18,10 @@ def level(samples):
     return 10 * np.log10(np.mean(np.square(samples, dtype=float)))
 
 
-def test_talkers_and_noise_have_the_ratio_that_is_asked_for():
+def test_talkers_and_noise_have_the_ratio_that_is_asked_for(monkeypatch):
+    monkeypatch.setattr(noise_scenes, "HEADINGS", HEADINGS[:3])
     made = scene(2, -10.0, "synthetic", VOICES, key=[1, 2])
-    assert made.heard.shape == (len(HEADINGS), 2, 3 * RATE)
+    assert made.heard.shape == (3, 2, 3 * RATE)
     assert level(made.lead_in) - level(made.heard[:, 0]) == pytest.approx(-10 * np.log10(1 + 0.1), abs=1.0)
     assert level(made.heard) == pytest.approx(20 * np.log10(0.05), abs=0.1)  # one level for the converter
 

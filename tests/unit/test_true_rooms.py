@@ -1,6 +1,7 @@
 """The rooms that people live in: who sits and stands where, and what sounds beside them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ def test_people_sit_and_stand_two_to_four_metres_away_and_one_is_soft(name):
 @pytest.mark.parametrize("name", ROOMS)
 def test_a_room_decays_as_long_as_the_manual_says(name):
     spec = load(name).spec()
+    spec = replace(spec, sources=spec.sources[:1])
     response = respond(spec, [0.1])[0, 0, 0]
     energy = np.cumsum(response[::-1].astype(float) ** 2)[::-1]
     level = 10 * np.log10(energy / energy[0])
