@@ -1,5 +1,8 @@
 """What comes out of the receiver, whatever the network did: in simulated time, through the real sender and codecs."""
 
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 import pytest
 import scipy.signal
@@ -29,7 +32,7 @@ def test_samples_come_out_as_they_went_in():
     assert np.median(out.total_delays) == pytest.approx(late, abs=0.002)  # as the sender's reports tell it
 
 
-@pytest.mark.parametrize("rate", [16000, 44100, 48000, *in_soak(24000)])
+@pytest.mark.parametrize("rate", [44100, 48000, *in_soak(16000, 24000)])
 def test_opus_keeps_the_voice_at_every_rate(rate):
     voice = voiced(5.0, rate)
     out = heard(voice, rate, "opus", delay_s=0.05)
@@ -60,15 +63,17 @@ def test_every_packet_is_counted(codec, answers):
     assert (reception.asked > 0, out.again > 0) == (True, answers)
 
 
+@cache
+def separated_quality(codec, network):
+    """Of a voice that was separated with 12 dB, as it is heard [dB]."""
+    separated = BRIEF + 10 ** (-12 / 20) * np.std(BRIEF) * np.random.default_rng(1).standard_normal(len(BRIEF))
+    return compared(BRIEF, heard(separated, RATE, codec, network, delay_s=0.2).samples, RATE)[1]
+
+
 @pytest.mark.parametrize(("codec", "answers", "worst"), [("opus", True, 0.5), ("opus", False, 2.0), ("L16", True, 1.0)])
 def test_five_percent_lost_and_fifty_milliseconds_of_jitter_cost_little(codec, answers, worst):
     """A voice that was separated with 12 dB loses less than `worst` dB."""
-    separated = BRIEF + 10 ** (-12 / 20) * np.std(BRIEF) * np.random.default_rng(1).standard_normal(len(BRIEF))
-    network = Network(loss=0.05, jitter=0.05, answers=answers)
-    clean, lossy = (
-        compared(BRIEF, heard(separated, RATE, codec, each, delay_s=0.2).samples, RATE)[1]
-        for each in (Network(), network)
-    )
+    clean, lossy = separated_quality(codec, Network()), separated_quality(codec, replace(BAD, answers=answers))
     assert clean > 10
     assert clean - lossy < worst
 
@@ -95,7 +100,9 @@ def test_the_delay_adapts_to_the_network(jitter, least, most):
     assert reception.late < 0.02 * reception.received
 
 
-@pytest.mark.parametrize(("codec", "drift"), [("L16", -1e-3), ("opus", 1e-3)])
+@pytest.mark.parametrize(
+    ("codec", "drift"), [("L16", -1e-3), ("L16", 1e-3), pytest.param("opus", 1e-3, marks=pytest.mark.soak)]
+)
 def test_clocks_that_differ_are_followed(codec, drift):
     """The clock of who plays is faster by 0.1 %: in 24 s, 24 ms are put in, and nothing is made up."""
     voice = np.tile(VOICE, 2)
