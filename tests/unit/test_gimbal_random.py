@@ -14,14 +14,14 @@ from ross_payload.orders import Cancel, Explore, Rearm, Stop, TurnTo
 pytestmark = pytest.mark.lockstep
 
 LOWER, UPPER = -70.0, 110.0  # [deg]
-BUSY, LENGTH, QUIET = 3.0, 30.0, 12.0  # [s] before, during and after the noise
+BUSY, LENGTH, QUIET = 2.0, 20.0, 11.0  # [s] before, during and after the noise
 SLACK = 0.01  # [deg]
 
 
 def script(bench, dice):
     """Random steps of three stations and an operator."""
     stations = (bench.ground, bench.other, bench.autopilot)
-    for _ in range(60):
+    for _ in range(40):
         time, station = dice.uniform(BUSY, BUSY + LENGTH), dice.choice(stations)
         yaw = dice.choice([NAN, math.inf, dice.uniform(-200, 200)])
         rate = dice.choice([NAN, NAN, 0.0, dice.uniform(-400, 400)])

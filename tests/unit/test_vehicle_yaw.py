@@ -209,7 +209,7 @@ def test_while_no_task_holds_it_a_pilot_turns_it_and_nothing_is_said_or_sent():
 
 def in_a_turn(kind, phase, *, ignores_stick=False):
     """A bench whose vehicle turns, ``phase`` [s] later than it is fast, over a link that takes its time."""
-    bench = Bench(kind, latency=LATENCY)
+    bench = Bench(kind, latency=LATENCY, wait=1.2 if kind == "offboard" else 0.6)
     bench.modes.ignores_stick = ignores_stick
     bench.actuator.command(math.radians(190))
     bench.clock.sleep(1.0 + phase)
