@@ -95,14 +95,15 @@ class Framer:
 
     def size(self) -> int | None:
         """Skip to a marker; return the size of its frame when all of it is here."""
-        if self.buffer and self.buffer[0] not in _OVERHEAD:
-            starts = (place for marker in (_V1, _V2) if (place := self.buffer.find(marker)) >= 0)
-            self.skip(min(starts, default=len(self.buffer)))
-        if len(self.buffer) < 3:
+        buffer = self.buffer
+        if buffer and buffer[0] not in _OVERHEAD:
+            starts = (place for marker in (_V1, _V2) if (place := buffer.find(marker)) >= 0)
+            self.skip(min(starts, default=len(buffer)))
+        if len(buffer) < 3:
             return None
-        marker, length, flags = self.buffer[:3]
-        size = length + _OVERHEAD[marker] + (_SIGNATURE if marker == _V2 and flags & _SIGNED else 0)
-        return size if len(self.buffer) >= size else None
+        marker = buffer[0]
+        size = buffer[1] + _OVERHEAD[marker] + (_SIGNATURE if marker == _V2 and buffer[2] & _SIGNED else 0)
+        return size if len(buffer) >= size else None
 
     def skip(self, count: int) -> None:
         """Drop bytes that belong to no frame."""
@@ -140,6 +141,9 @@ class Decoder:
 
     def feed(self, data: bytes, most: int | None = None) -> list[Packet]:
         """Return the packets that ``data`` completes; look at no more than ``most`` that may be one."""
+        if not data and not self._framer.buffer and most != 0:  # as at most looks at a silent wire
+            self.behind = False
+            return []
         self._framer.buffer += data
         return list(self._packets(most))
 
