@@ -133,8 +133,15 @@ def test_a_gimbal_that_hangs_upside_down_turns_the_other_way():
     assert rig.true_deg == pytest.approx(40, abs=0.25)
 
 
-@pytest.mark.parametrize("gear", [5.0, -5.0])
-@pytest.mark.parametrize("command", ["position", "unitless"])
+@pytest.mark.parametrize(
+    ("gear", "command"),
+    [
+        (5.0, "position"),
+        (-5.0, "unitless"),
+        pytest.param(-5.0, "position", marks=pytest.mark.soak),
+        pytest.param(5.0, "unitless", marks=pytest.mark.soak),
+    ],
+)
 def test_a_gear_makes_the_servo_turn_many_times(gear, command):
     rig = Rig(gear_ratio=gear, command=command, max_speed_deg_s=60)  # 300 deg/s of the servo
     for goal in (200, -200, 33):

@@ -223,8 +223,20 @@ def test_options_that_do_not_fit_pins_are_refused() -> None:
 # ------------------------------------------------------------------------------------------ the whole way
 
 
-@pytest.mark.parametrize("phase", [0.0, 0.003, 0.0199])
-@pytest.mark.parametrize("options", [{}, {"invert_direction": True, "enable_means_off": False, "gear_ratio": 3.0}])
+OTHERWISE = {"invert_direction": True, "enable_means_off": False, "gear_ratio": 3.0}
+
+
+@pytest.mark.parametrize(
+    ("phase", "options"),
+    [
+        (0.0, {}),
+        (0.003, OTHERWISE),
+        (0.0199, {}),
+        pytest.param(0.0, OTHERWISE, marks=pytest.mark.soak),
+        pytest.param(0.003, {}, marks=pytest.mark.soak),
+        pytest.param(0.0199, OTHERWISE, marks=pytest.mark.soak),
+    ],
+)
 def test_a_move_on_pins_ends_at_its_goal_with_the_module_s_timing_kept(phase: float, options: dict[str, Any]) -> None:
     bench = Bench(phase, **options).go(90.0).go(-45.0)
     assert bench.true_deg == pytest.approx(-45.0, abs=1e-9)

@@ -89,7 +89,7 @@ def test_one_talker_alone_tells_nothing():
 def test_other_people_seldom_stand_where_a_shift_would_put_them():
     chance = np.random.default_rng(0)
     for talkers, seldom in ((2, 0.02), (3, 0.003)):
-        drawn = chance.uniform(-180, 180, (4000, 2, talkers))
+        drawn = chance.uniform(-180, 180, (2000, 2, talkers))
         taken = sum(common_shift(estimate(*before), estimate(*after)) is not None for before, after in drawn)
         assert taken / len(drawn) < seldom
 
