@@ -110,7 +110,7 @@ def test_votes_are_shared_between_the_rotors_and_anywhere():
 
 
 def test_a_talker_among_rotors_is_found_and_the_rotors_are_nobody():
-    azimuths, headings = np.array([0.6, -2.4]), np.deg2rad(15.0 * np.arange(9))
+    azimuths, headings = np.array([0.6, -2.4]), np.deg2rad(15.0 * np.arange(7))
     explorer, within = Joint(SPACING, SPEED_OF_SOUND), JointInNoise(SPACING, SPEED_OF_SOUND)
     known = within.learn(spectrogram(rotor_noise(2, 0.0, 9)), STFT.frequencies, STFT.period, 0.0, ROTORS)
     seen = []
@@ -128,7 +128,7 @@ def test_silence_after_the_lead_in_is_nobody():
     known = within.learn(spectrogram(rotor_noise(2, 0.0)), STFT.frequencies, STFT.period, 0.0, ROTORS)
     seen = [
         within.observe(spectrogram(rotor_noise(2, h, 40 + r)), STFT.frequencies, h, h, known, period=STFT.period)
-        for r, h in enumerate(np.deg2rad(15.0 * np.arange(5)))
+        for r, h in enumerate(np.deg2rad(15.0 * np.arange(3)))
     ]
     assert Joint(SPACING, SPEED_OF_SOUND).estimate(seen).k == 0
     nothing = within.observe(np.zeros((2, 257, 0), complex), STFT.frequencies, 0.0, 0.0, known, period=STFT.period)

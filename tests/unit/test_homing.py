@@ -148,7 +148,7 @@ def test_a_stop_or_a_release_ends_the_search_and_leaves_it_without_a_zero(end: s
 
 
 def test_a_stop_in_the_moment_in_which_it_is_told_to_home_lets_nothing_move() -> None:
-    bench = Bench(20)
+    bench = Bench(8)
     here = bench.true_deg
     bench.guard.home()
     bench.guard.stop()
