@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from examples import in_soak
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.localization import tracking
 from ross_payload.localization.phase_likelihood import GROUP, Scene, likelihood
@@ -77,7 +78,7 @@ def rested(told, drawn, azimuths=(40.0, -115.0), heading=0.1):
     return tracks
 
 
-@pytest.mark.parametrize("directness", [0.9, 0.8, 0.7])
+@pytest.mark.parametrize("directness", [0.7, *in_soak(0.8, 0.9)])
 def test_nobody_leaves_when_reflections_draw_delays_to_zero_as_the_exploration_has_told(directness):
     """Of what is not direct three quarters draw the delays (measured in simulated rooms, decision 115)."""
     drawn = 1 - 0.75 * (1 - directness)
