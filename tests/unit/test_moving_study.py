@@ -70,5 +70,6 @@ def test_the_tracker_alone_has_no_loss_in_the_table():
 def test_a_mission_that_ctrl_c_stopped_is_no_row(monkeypatch, capsys):
     stopped = SimpleNamespace(result=SimpleNamespace(outcome=Outcome.STOPPED))
     monkeypatch.setattr(moving_talkers, "perform", lambda *_, **__: stopped)
+    monkeypatch.setattr(moving_talkers, "enrol", lambda *_, **__: None)
     assert moving_talkers.main(["--draws", "1", "--settings", "S1", "--speeds", "5", "--tracker-alone"]) == 130
     assert capsys.readouterr() == ("", "interrupted after 0 missions\n")
