@@ -145,7 +145,7 @@ NARROW = {"lower": np.deg2rad(-100), "upper": np.deg2rad(100)}
 def test_near_a_limit_the_axis_is_turned_half_round_and_no_period_is_cut(degrees):
     """The vehicle drifts on, so a joint that stands near its limit cannot follow to the end."""
     away = Yaw(amplitude=np.deg2rad(170), speed=np.deg2rad(10))
-    settings = replace(base.SETTINGS, run=15.0, **NARROW)
+    settings = replace(base.SETTINGS, run=10.0, **NARROW)
     one = vehicle(yaw=away, settings=settings)
     one.plan = Trapezoid(-np.deg2rad(degrees), -np.deg2rad(degrees), 3.9, 1.96)
     one.run()

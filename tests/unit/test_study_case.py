@@ -43,7 +43,8 @@ def explored(source):
 
 def test_a_task_gives_the_same_rows_every_time(source):
     task, asked = replace(EXPLORED, unit=0.5), {"rotations": (2,), "unit_s": (0.5,), "run_s": 1.0}
-    once, again, other = (perform(task, study(**asked, seed=seed), source) for seed in (0, 0, 1))
+    once, again = (perform(task, study(**asked), source) for _ in range(2))
+    other = perform(task, study(**asked, seed=1, separators=()), source)
     assert again.separations == once.separations
     assert again.explorations == once.explorations
     assert other.explorations != once.explorations
