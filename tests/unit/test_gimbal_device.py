@@ -3,6 +3,7 @@
 import math
 from contextlib import ExitStack
 
+import numpy as np
 import pytest
 
 from gimbal_bench import AUTOPILOT, NAN, GimbalBench, Station, deg, set_attitude
@@ -201,18 +202,18 @@ def test_after_a_stop_the_stream_moves_nothing_until_it_changes(bench):
     assert one.angle(12.9) == pytest.approx(-20, abs=0.05)
 
 
-@pytest.mark.parametrize("who", ["ground", "other", "stranger", "neighbour"])
-def test_nobody_else_may_point_it(bench, who):
+def test_nobody_else_may_point_it(bench):
+    """Neither a ground station, on either link, nor an autopilot of another vehicle, nor a component of this one."""
     one = bench()
     Vehicle(one)
-    senders = {
-        "ground": one.ground,
-        "other": Station(one, AUTOPILOT, 255, 190),
-        "stranger": Station(one, AUTOPILOT, 2, 1),
-        "neighbour": Station(one, AUTOPILOT, 1, 195),
-    }
-    one.live(6.0, senders[who].say(4.0, set_attitude(deg(50))), senders[who].say(4.5, set_attitude(deg(60))))
-    assert one.angle(5.9) == 0.0
+    others = (one.ground, *(Station(one, AUTOPILOT, *who) for who in ((255, 190), (2, 1), (1, 195))))
+    steps = [
+        sender.say(4.0 + place + late, set_attitude(deg(angle)))
+        for place, sender in enumerate(others)
+        for late, angle in ((0.0, 50 + 20 * place), (0.5, 60 + 20 * place))
+    ]
+    one.live(9.0, *steps)
+    assert {one.angle(time) for time in np.arange(4.0, 8.9, 0.1)} == {0.0}
 
 
 def test_it_is_no_manager(bench):
