@@ -6,6 +6,7 @@ from dataclasses import asdict
 
 import pytest
 
+from examples import in_soak
 from hand_bench import Base, HandBench
 from ross_payload.events import Answer, Finished, State
 from ross_payload.orders import Cancel, Explore, Point, Rearm, Stop
@@ -174,7 +175,7 @@ def test_a_rate_that_is_none_turns_nothing(bench):
     assert State.FAULT not in [state for state, _ in one.states()]
 
 
-@pytest.mark.parametrize("kind", ["tb6600", "dronecan_servo"])
+@pytest.mark.parametrize("kind", ["tb6600", *in_soak("dronecan_servo")])
 def test_real_drivers_follow_a_stream_a_rate_and_a_turning_base(bench, kind):
     one = bench(Base(yaw=0.0, rate=deg(6)), actuator={"kind": kind})
     stream = [one.order(1.0 + 0.02 * step, Point(joint=deg(0.3 * step))) for step in range(100)]  # 15 deg/s

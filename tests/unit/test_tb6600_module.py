@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from examples import in_soak
 from ross_payload.actuators.registry import checked_options
 from ross_payload.actuators.tb6600.pulse_segments import EDGE, PulseLine, RanOut, Segment
 from ross_payload.config import Config
@@ -26,7 +27,7 @@ def heavy(torque_needed: float, acceleration_deg: float) -> Motor:
     return replace(Motor(), load_inertia=inertia, coulomb=0.0, viscous=1e-3)
 
 
-@pytest.mark.parametrize("acceleration_deg", [112.5, 6000.0])
+@pytest.mark.parametrize("acceleration_deg", [112.5, *in_soak(6000.0)])
 def test_half_the_torque_is_enough_and_one_and_a_half_is_not(acceleration_deg: float) -> None:
     options: dict[str, Any] = {"max_acceleration_deg_s2": acceleration_deg}
     fine = Bench(heavy(0.5, acceleration_deg), **options).go(90.0, 20.0)
