@@ -154,6 +154,12 @@ def test_medians_have_their_intervals_where_there_are_enough():
     assert told["heard from [s]"] == "5.5 (2.0-9.0)"  # ranks 2 and 9 of 10: 97.9 % of the binomial distribution
 
 
+def test_a_target_that_was_heard_and_lost_in_the_end_is_not_found():
+    told = cells(ROW, replace(ROW, outcome="no_target", heard_from_s=None, si_sdri_db=None))
+    assert told["target found"].startswith("1/2 (")
+    assert told["found, K right"].startswith("1/2 (")
+
+
 def test_nothing_is_claimed_of_what_was_not_flown():
     told = cells(replace(ROW, target_right=False))
     assert (told["absent: no target"], told["heard from [s]"], told["SI-SDRi [dB]"]) == ("-", "-", "-")

@@ -43,9 +43,14 @@ class MissionRow:
         return max(self.errors_deg, default=0.0) <= NEAR_DEG
 
     @property
+    def ended_right(self) -> bool:
+        """Whether the target alone is heard to the end, or nobody where he or she is absent."""
+        return self.target_right and (self.target_is == ABSENT or self.outcome == "target_found")
+
+    @property
     def succeeded(self) -> bool:
-        """Whether it ends right: the target alone is heard, or nobody where he or she is absent, and K is right."""
-        return self.target_right and self.k_estimated == self.k
+        """Whether it ends right, and K is right."""
+        return self.ended_right and self.k_estimated == self.k
 
     @property
     def reason(self) -> str:

@@ -48,7 +48,7 @@ def missions(rows: Sequence[MissionRow]) -> Table:
 
 def _cells(rows: Sequence[MissionRow]) -> tuple[str, ...]:
     present = [row for row in rows if row.target_is == PRESENT]
-    right = [row for row in present if row.target_right]
+    right = [row for row in present if row.ended_right]
     absent = [row for row in rows if row.target_is == ABSENT]
     errors = [error for row in rows for error in row.errors_deg if error < MISSED_DEG]
     costs = [row.cpu_s / row.mission_s for row in rows if row.mission_s]
