@@ -481,3 +481,7 @@ class VoicePrint(Protocol):
 
     def score(self, voice: Real, rate: int) -> Score:
         """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice."""
+
+    def score_clips(self, clips: Sequence[Real], rate: int) -> Score:
+        """Compare what was heard of one voice, clips (n_samples,) each, with the enrolled voice: as one recording."""
+        return self.score(np.concatenate(clips), rate)

@@ -6,10 +6,8 @@ to what is known, and nothing that was separated once is separated again.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-
-import numpy as np
 
 from ross_payload.interfaces import Groups, Real, VoicePrint
 
@@ -38,9 +36,9 @@ class Evidence:
         if not clips:
             return self.scores.get(source, 0.0)
         self.clips[source] = kept = [*self.clips.get(source, []), *clips]
-        joined = np.concatenate(kept)[-round(MOST * self.rate) :]
-        self.scores[source] = score = self.alone(joined)
-        return score
+        if self.target is not None:
+            self.scores[source] = self.target.score_clips(latest(kept, round(MOST * self.rate)), self.rate).value
+        return self.scores.setdefault(source, 0.0)
 
     def alone(self, voice: Real) -> float:
         """Score a voice (n_samples,) by itself, whoever it is; 0, undecided, when nobody is sought."""
@@ -53,9 +51,25 @@ class Evidence:
         return Evidence(self.rate, self.target, scores, clips)
 
 
+def latest(clips: Sequence[Real], most: int) -> list[Real]:
+    """Return the last samples of clips (n_samples,), at most so many.
+
+    >>> import numpy as np
+    >>> latest([np.arange(3), np.arange(4), np.arange(2)], 4)
+    [array([2, 3]), array([0, 1])]
+    """
+    kept: list[Real] = []
+    for clip in reversed(clips):
+        if most > 0:
+            kept.insert(0, clip[-most:])
+            most -= len(clip)
+    return kept
+
+
 def lone_voices(groups: Groups, voices: Real) -> dict[int, Real]:
     """Return the voices (n_samples,) of groups of one source, by source.
 
+    >>> import numpy as np
     >>> groups = Groups(np.zeros((2, 1, 0), complex), ((0, 2), (1,)), "made up")
     >>> list(lone_voices(groups, np.zeros((2, 5))))
     [1]

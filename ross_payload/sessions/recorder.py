@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import errno
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -264,7 +264,13 @@ class RecordingVoicePrint:
 
     def score(self, voice: Real, rate: int) -> Score:
         """Score, and tell the answer."""
-        score = self._voiceprint.score(voice, rate)
+        return self._told(self._voiceprint.score(voice, rate))
+
+    def score_clips(self, clips: Sequence[Real], rate: int) -> Score:
+        """Score what was heard of one voice, and tell the answer."""
+        return self._told(self._voiceprint.score_clips(clips, rate))
+
+    def _told(self, score: Score) -> Score:
         self._on_score(score)
         return score
 

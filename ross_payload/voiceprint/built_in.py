@@ -32,6 +32,7 @@ FILE = "built_in.npz"
 HALVED = ("means", "deviations", "directions")  # float16: rounding moves a score by less than 0.01 nat
 PITCH_QUANTILES = (20, 50, 80)  # [percent]
 USUAL_PITCH, PITCH_SPREAD = 5.0, 0.3  # of the logarithm of F0 / 1 Hz
+SEVERAL = 1.0  # [nat], see `Embedder`
 PITCH_FRAMES = 20.0  # after so many, half of the pitch is believed
 
 
@@ -63,6 +64,7 @@ class BuiltInModel:
         self.fingerprint = digest.hexdigest()[:16]
         (short, long), (low, high) = parameters.slopes.round(4).tolist(), parameters.thresholds.round(4).tolist()
         self.calibration = Calibration((short, long), (low, high), source)
+        self.several = SEVERAL
         self.size = parameters.directions.shape[1]
         self._background = Background(parameters.weights, parameters.means, parameters.deviations)
         self._factors = Factors(parameters.loadings * parameters.steps, float(parameters.independence))

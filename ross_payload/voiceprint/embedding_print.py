@@ -6,6 +6,8 @@ compared with was separated from others in a room.
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
@@ -15,6 +17,8 @@ from ross_payload.interfaces import Real, Score
 from ross_payload.voiceprint.disturbed_copies import disturbed
 from ross_payload.voiceprint.features import RATE, at_rate, checked
 
+MOST_KNOWN = 128  # embeddings of clips that a print keeps in memory, the latest
+SHORTEST = 1.5  # of which there is an embedding of its own [s]
 LEAST_SECONDS = 0.3  # with less a recording tells nothing [s]
 SHORT_S, LONG_S = 3.0, 10.0  # durations at which a model is calibrated [s]
 
@@ -50,6 +54,10 @@ class Embedder(Protocol):
         """How cosines are read."""
 
     @property
+    def several(self) -> float:
+        """By how much the ratio of several clips is too high [nat], since single ones have calibrated it."""
+
+    @property
     def size(self) -> int:
         """Numbers of an embedding."""
 
@@ -66,6 +74,7 @@ class EmbeddingPrint:
     model: Embedder = field(repr=False)
     criterion: float = 0.0  # log-likelihood ratio [nat] at which this print is undecided
     consent: str = ""  # how the talker agreed, in words; empty: the file does not say
+    known: dict[bytes, Real] = field(default_factory=dict, repr=False, compare=False)  # embeddings, by what was heard
 
     @property
     def fingerprint(self) -> str:
@@ -82,10 +91,29 @@ class EmbeddingPrint:
         AudioError
             When the recording is empty, not one channel, not finite, or sampled below 16 kHz.
         """
-        samples = at_rate(checked(voice, rate), rate)
-        seconds = len(samples) / RATE
-        embedding = self.model.embed(samples) if seconds >= LEAST_SECONDS and samples.any() else np.zeros(0)
-        return self.compared(embedding, seconds)
+        return self.score_clips([voice], rate)
+
+    def score_clips(self, clips: Sequence[Real], rate: int) -> Score:
+        """Compare clips (n_samples,) of one voice, for which the same holds, with the enrolled voice.
+
+        What is compared is the mean of their embeddings, by duration. Among several talkers every heading leaves other
+        remains of the others: an embedding of all of it at once is further from the voice.
+        """
+        samples = joined([at_rate(checked(clip, rate), rate) for clip in clips], round(SHORTEST * RATE))
+        said = [clip for clip in samples if clip.any() and len(clip) >= LEAST_SECONDS * RATE]
+        embedding = unit(np.sum([len(clip) * self._embedded(clip) for clip in said], axis=0)) if said else np.zeros(0)
+        found = self.compared(embedding, sum(map(len, samples)) / RATE)
+        value = found.value - self.model.several if len(said) > 1 and embedding.any() else found.value
+        return Score(value, accepted=value > 0.0)
+
+    def _embedded(self, clip: Real) -> Real:
+        """Return the embedding of a clip (n,): it is compared again whenever another one of its voice was heard."""
+        key = hashlib.blake2b(np.ascontiguousarray(clip).tobytes()).digest()
+        if key not in self.known:
+            if len(self.known) >= MOST_KNOWN:
+                del self.known[next(iter(self.known))]
+            self.known[key] = self.model.embed(clip)
+        return self.known[key]
 
     def compared(self, embedding: Real, seconds: float) -> Score:
         """Compare the embedding (size,) of so many seconds with the enrolled voice; 0 is undecided."""
@@ -101,6 +129,23 @@ class EmbeddingPrint:
     def values(self) -> dict[str, Any]:
         """Return what a file keeps, ready for JSON."""
         return {"embedding": np.round(self.embedding, 6).tolist(), "criterion": self.criterion}
+
+
+def joined(clips: Sequence[Real], least: int) -> list[Real]:
+    """Join clips (n,) with those that follow until every one has so many samples, but for the only one.
+
+    >>> joined([np.zeros(3), np.zeros(1), np.zeros(1), np.zeros(4), np.zeros(1)], 2)
+    [array([0., 0., 0.]), array([0., 0.]), array([0., 0., 0., 0., 0.])]
+    """
+    found: list[Real] = []
+    waiting: list[Real] = []
+    for clip in clips:
+        waiting.append(clip)
+        if sum(map(len, waiting)) >= least:
+            found.append(np.concatenate(waiting))
+            waiting = []
+    rest = [*found[-1:], *waiting]
+    return [*found[:-1], np.concatenate(rest)] if waiting else found
 
 
 def enrolled_print(

@@ -6,7 +6,7 @@ import pytest
 from replay_bench import SHORT, replayed
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
-from ross_payload.interfaces import Score, Services
+from ross_payload.interfaces import Score, Services, VoicePrint
 from ross_payload.mission.live_session import Kit, LiveSession
 from ross_payload.mission.tasks import Memory
 from ross_payload.mount import fixed_mount
@@ -25,7 +25,7 @@ from ross_sim.sitl.talker_selection import talkers_of
 from ross_sim.sitl.world import World
 
 
-class Answers:
+class Answers(VoicePrint):
     """Scores that anybody can compute."""
 
     def score(self, voice, rate):

@@ -7,7 +7,7 @@ import numpy as np
 from ross_payload.alignment.plan import plan
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate, SourceEstimate
-from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input, Observation, Score
+from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input, Observation, Score, VoicePrint
 from ross_payload.mission.context import Settings, Tools
 from ross_payload.mission.mission_sequence import mission
 from ross_payload.pointing import Pointing
@@ -87,7 +87,7 @@ def occasion(voice):
 
 
 @dataclass
-class Likes:
+class Likes(VoicePrint):
     """A voice print that accepts the group with one number; ``mood`` overrides its score on an occasion.
 
     Scores are multiples of `SURE` [nat], which leaves no doubt.

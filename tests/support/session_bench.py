@@ -13,7 +13,7 @@ from ross_payload.events import (
     SourceEstimate,
     StateChanged,
 )
-from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input, Observation, Score
+from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input, Observation, Score, VoicePrint
 from ross_payload.mission.context import Settings, Tools
 from ross_payload.mission.live_session import Kit, LiveSession
 from ross_payload.pointing import Pointing
@@ -49,7 +49,7 @@ class Numbered:
         return Groups(signals, tuple((k,) for k in range(scene.n_sources)), self.name)
 
 
-class Likes:
+class Likes(VoicePrint):
     """A voice print that accepts one group."""
 
     def __init__(self, number):

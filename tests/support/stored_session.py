@@ -59,14 +59,14 @@ def record(folder):
     """Record a session in which an operator gives every kind of order."""
     from ross_payload import orders
     from ross_payload.config import Config
-    from ross_payload.interfaces import Attitude, AudioBlock, Input, Score
+    from ross_payload.interfaces import Attitude, AudioBlock, Input, Score, VoicePrint
     from ross_payload.mission.live_session import Kit, Session
     from ross_payload.service.assemble import settings_of, tools_of
     from ross_payload.sessions.manifest import Beginning
     from ross_payload.sessions.recorder import Recorder
     from ross_payload.sessions.session_store import SessionStore
 
-    class Voice:
+    class Voice(VoicePrint):
         """Accepts the loudest half of what it is asked."""
 
         def score(self, voice, rate):

@@ -20,7 +20,7 @@ from ross_payload.dsp.density import itd_grid
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate
-from ross_payload.interfaces import Observation, Real, Score
+from ross_payload.interfaces import Observation, Real, Score, VoicePrint
 from ross_payload.localization import clusters, front_back_test
 from ross_payload.localization.markov import Markov
 from ross_payload.localization.markov_explorer import explorer, plain
@@ -242,7 +242,7 @@ def test_real_talkers_in_the_papers_rooms_are_counted_and_placed() -> None:
     assert np.all(np.array(shares) >= [0.79, 0.34, 0.34]), shares
 
 
-class Deaf:
+class Deaf(VoicePrint):
     """A voice print that knows nobody."""
 
     def score(self, voice: Real, rate: int) -> Score:

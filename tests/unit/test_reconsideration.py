@@ -17,7 +17,7 @@ from ross_payload.events import (
     SourcesReconsidered,
     TurnStarted,
 )
-from ross_payload.interfaces import Score
+from ross_payload.interfaces import Score, VoicePrint
 from ross_payload.mission.context import Listening
 from ross_payload.mission.reconsideration import DROPPED, MOST, doubtful, reassessed, takes
 
@@ -38,7 +38,7 @@ class Again(base.ThreeTalkers):
         return Estimate(tuple(sources))
 
 
-class LouderIsLikelier:
+class LouderIsLikelier(VoicePrint):
     """Of the groups of `mission_bench.OneGroupEach` the last one sounds most like the target, whatever its number."""
 
     def score(self, voice, rate):

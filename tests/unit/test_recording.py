@@ -17,7 +17,7 @@ from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.config import Config
 from ross_payload.events import Estimate, Event, SourceEstimate, State, StateChanged
 from ross_payload.health import RecordingState
-from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Score
+from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Score, VoicePrint
 from ross_payload.orders import Informed, ListenTo, Set, Stop
 from ross_payload.pointing import Pointing
 from ross_payload.sessions import input_log
@@ -99,7 +99,7 @@ def test_events_that_answer_what_was_not_recorded_are_left_out(tmp_path):
     assert [json.loads(line)["time"] for line in only(tmp_path).events()] == [1.0, 2.0]
 
 
-class Voice:
+class Voice(VoicePrint):
     def score(self, voice, rate):
         return Score(0.1 + 0.2, accepted=True)
 

@@ -1,6 +1,7 @@
 """Networks that a user adds to compare voices."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,12 +9,15 @@ import pytest
 from ross_payload.audio.audio_files import read_mono
 from ross_payload.errors import ConfigError
 from ross_payload.voiceprint import VoiceStore, built_in_model, enrol
+from ross_payload.voiceprint.built_in import SEVERAL
 from ross_payload.voiceprint.disturbed_copies import COPIES, disturbed
 from ross_payload.voiceprint.embedding_model import EmbeddingModel
-from ross_payload.voiceprint.embedding_print import Calibration
+from ross_payload.voiceprint.embedding_print import Calibration, unit
 from ross_payload.voiceprint.features import RATE, at_rate
 from ross_payload.voiceprint.model_folder import ANY, ModelFolder
 from speaker_network import SIZE, speaker_network, vowel
+
+WHOLE = SIZE + built_in_model().size  # of the network and the built-in model together
 
 
 @pytest.fixture
@@ -41,7 +45,7 @@ def ann(network):
 def test_a_network_is_kept_used_by_itself_and_removed(folder, file):
     assert folder.in_use().fingerprint == built_in_model().fingerprint
     added = folder.add(file)
-    assert (added.size, added.licence, added.calibration) == (SIZE, "CC0-1.0", ANY)
+    assert (added.size, added.licence, added.calibration) == (WHOLE, "CC0-1.0", ANY)
     assert folder.names() == ("small",)
     assert folder.in_use().fingerprint == folder.in_use("small").fingerprint == added.fingerprint
     assert folder.in_use("built-in").fingerprint == built_in_model().fingerprint
@@ -122,6 +126,41 @@ def test_a_voice_scores_higher_against_its_own_print(network):
     assert print_.score(vowel(seed=2).repeat(3), 3 * RATE).value == pytest.approx(own, abs=0.5)  # another rate
 
 
+def test_a_cosine_is_the_mean_of_those_of_the_network_and_of_the_built_in_model(network):
+    voices = [vowel(seed=1), vowel(formant=2500.0, seed=2)]
+    built_in = [built_in_model().embed(voice) for voice in voices]
+    alone = [network.embed(voice)[:SIZE] for voice in voices]
+    cosines = [float(one @ other) / np.sqrt(one @ one * (other @ other)) for one, other in (alone, built_in)]
+    assert float(network.embed(voices[0]) @ network.embed(voices[1])) == pytest.approx(np.mean(cosines))
+
+
+def test_clips_of_one_voice_count_by_how_long_they_are_and_each_is_looked_at_once(network, ann, monkeypatch):
+    clips = [vowel(seconds=seconds, formant=formant) for seconds, formant in ((2.0, 700.0), (4.0, 2500.0))]
+    mean = unit(2 * network.embed(clips[0]) + 4 * network.embed(clips[1]))
+    calls, embed = [], network.embed
+    monkeypatch.setattr(network, "embed", lambda samples: calls.append(len(samples)) or embed(samples))
+    fresh = replace(ann, known={})
+    both, again = fresh.score_clips(clips, RATE), fresh.score_clips(clips[::-1], RATE)
+    assert both.value == pytest.approx(ann.compared(mean, 6.0).value)
+    assert again.value == pytest.approx(both.value)
+    assert calls == [2 * RATE, 4 * RATE]
+
+
+def test_short_clips_are_joined_and_silent_ones_are_nothing(network, ann):
+    short = [vowel(seconds=0.75, seed=seed) for seed in range(2)]
+    assert ann.score_clips(short, RATE) == ann.score(np.concatenate(short), RATE)
+    padded = ann.score_clips([np.zeros(2 * RATE), vowel()], RATE)
+    assert padded.value == pytest.approx(ann.compared(network.embed(vowel()), 6.0).value)
+
+
+def test_of_a_model_that_single_clips_have_calibrated_several_must_say_more():
+    print_ = enrol(vowel(seed=1), RATE)
+    clips = [vowel(seconds=2.0, seed=seed) for seed in (2, 3)]
+    mean = unit(sum(built_in_model().embed(clip) for clip in clips))
+    assert print_.score_clips(clips, RATE).value == pytest.approx(print_.compared(mean, 4.0).value - SEVERAL)
+    assert print_.score_clips(clips[:1], RATE) == print_.score(clips[0], RATE)
+
+
 def test_silence_and_a_moment_say_nothing(network):
     print_ = enrol(vowel(), RATE, network)
     for voice in (np.zeros(RATE), vowel(seconds=0.2)):
@@ -161,7 +200,7 @@ def test_prints_are_kept_and_are_of_one_model_alone(ann, network, tmp_path):
         store.load("ann", other)
 
 
-@pytest.mark.parametrize("wrong", [[0.1] * (SIZE - 1), [0.0] * SIZE, [float("nan")] * SIZE, "x"])
+@pytest.mark.parametrize("wrong", [[0.1] * SIZE, [0.0] * WHOLE, [float("nan")] * WHOLE, "x"])
 def test_a_damaged_print_is_refused(ann, network, tmp_path, wrong):
     store = VoiceStore(tmp_path / "voices")
     path = store.save("ann", ann)

@@ -1,9 +1,13 @@
 """How the cosines of a network are read: ``python -m ross_sim.study.calibrate_voice_model FILE.onnx OUT.json``.
 
-As in `ross_sim.study.voiceprint_study`, three talkers stand around the array in each room and are separated by `auto`
-at their best headings; every separated voice is compared with the print of everybody in the folder. Logistic
-regression with both classes weighted alike gives slope and threshold at 3 and 10 s; a stranger is heard more often
-than the target, and has to be `MARGIN` below. `ross voice-model add FILE.onnx --calibration OUT.json` takes the result.
+Three and four talkers stand around the array in each room and are separated by `auto`. As a mission does, every voice
+is heard for 3 s at its best heading, and for 10 s at that and two more which isolate it by half as much or more; it is
+compared with the print of everybody in the folder. Logistic regression with both classes weighted alike, and all rooms
+and numbers of talkers, too, gives slope and threshold at 3 and 10 s; a stranger is heard more often than the target,
+and has to be `MARGIN` below. `ross voice-model add FILE.onnx --calibration OUT.json` takes the result.
+
+The network counts together with the built-in model (`ross_payload.voiceprint.embedding_model`): readers who trained
+that one would be told apart too well.
 """
 
 from __future__ import annotations
@@ -11,25 +15,31 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
+from ross_payload.alignment.plan import HEADINGS, isolation
 from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
+from ross_payload.mission.identify_target import APART
+from ross_payload.voiceprint import enrol
 from ross_payload.voiceprint.embedding_model import EmbeddingModel
-from ross_payload.voiceprint.embedding_print import Calibration
+from ross_payload.voiceprint.embedding_print import Calibration, unit
+from ross_payload.voiceprint.features import at_rate
 from ross_payload.voiceprint.model_folder import read_model
-from ross_sim.study.mixtures import RATE
-from ross_sim.study.room_settings import SETTINGS
-from ross_sim.study.voiceprint_study import DURATIONS, OUTSIDE, TALKERS, trials
-from ross_sim.talkers.speech import load_folder
+from ross_sim.study.mixtures import RATE, excerpt, layouts
+from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, Setting
+from ross_sim.study.voiceprint_study import OUTSIDE, best_heading, separated_at
+from ross_sim.talkers.speech import TalkerVoice, load_folder
 
 PENALTY = 1e-5  # of the squared slope: where a network makes no mistake, its slope would have no bound
 MARGIN = 1.0  # [nat]
+TALKERS = (3, 4)  # at a time
+HEADINGS_OF = {3.0: 1, 10.0: 3}  # at how many headings a voice is heard for so long [s]
 COSINES = Calibration((1.0, 1.0), (0.0, 0.0))  # scores are the cosines themselves
 
 
@@ -59,21 +69,83 @@ def calibration(model: EmbeddingModel, speech: Path, rooms: Sequence[str], draws
     ConfigError
         When the folder has too few talkers.
     """
-    enough = max(DURATIONS) * RATE
+    enough = max(HEADINGS_OF) * RATE
     voices = [voice for voice in load_folder(speech, RATE) if voice.name not in OUTSIDE and len(voice.speech) > enough]
-    if len(voices) < TALKERS:
-        least = f"at least {TALKERS} talkers with more than {max(DURATIONS):g} s of speech beside the enrolment"
+    if len(voices) < max(TALKERS):
+        least = f"at least {max(TALKERS)} talkers with more than {max(HEADINGS_OF):g} s of speech beside the enrolment"
         raise ConfigError(f"{speech}: expected {least}, got {len(voices)}")
-    found = [trial for room in rooms for trial in trials(voices, model, room, draws, seed) if trial.separated]
-    slopes, thresholds = [], []
-    for seconds in DURATIONS:
-        part = [trial for trial in found if trial.seconds == seconds]
-        own = np.array([trial.talker == trial.print_of for trial in part])
-        slope, threshold = logistic(np.array([trial.value for trial in part]), own)
-        slopes.append(round(slope, 1))
-        thresholds.append(round(threshold + MARGIN / slope, 3))
-    told = f"{len(voices)} talkers in {', '.join(rooms)}, {draws} mixtures each, seed {seed}"
-    return Calibration((slopes[0], slopes[1]), (thresholds[0], thresholds[1]), told)
+    crowd = Crowd(model, voices, {each.name: enrol(each.enrolment, each.rate, model).embedding for each in voices})
+    parts = [list(comparisons(crowd, room, talkers, draws, seed)) for room in rooms for talkers in TALKERS]
+    fits = [fitted([[each for each in part if each.seconds == seconds] for part in parts]) for seconds in HEADINGS_OF]
+    (short, long), (low, high) = zip(*fits, strict=True)
+    told = f"{len(voices)} talkers, 3 and 4 at a time in {', '.join(rooms)}, {draws} mixtures each, seed {seed}"
+    return Calibration((short, long), (low, high), told)
+
+
+@dataclass(frozen=True, slots=True)
+class Crowd:
+    """Who may be in a mixture, and what they are compared with."""
+
+    model: EmbeddingModel
+    voices: Sequence[TalkerVoice]
+    prints: Mapping[str, Real]  # (size,), of everybody
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A separated voice and a print."""
+
+    seconds: float
+    cosine: float
+    own: bool  # the print is of this talker
+
+
+def comparisons(crowd: Crowd, room: str, talkers: int, draws: int, seed: int) -> Iterator[Comparison]:
+    """Draw mixtures of so many talkers in a room, and compare every separated voice with every print."""
+    rng = np.random.default_rng([seed, talkers])
+    for _ in range(draws):
+        chosen = [crowd.voices[int(i)] for i in rng.choice(len(crowd.voices), talkers, replace=False)]
+        azimuths = layouts(talkers, 1, rng)[1]
+        said = [excerpt(voice.speech, round(max(HEADINGS_OF) * RATE), rng) for voice in chosen]
+        for target, voice in enumerate(chosen):
+            for seconds, clips in heard_of(target, said, azimuths, SETTINGS[room], rng):
+                embedding = unit(np.sum([crowd.model.embed(at_rate(clip, RATE)) for clip in clips], axis=0))
+                for name, print_ in crowd.prints.items():
+                    yield Comparison(seconds, float(print_ @ embedding), name == voice.name)
+
+
+def heard_of(
+    target: int, said: Sequence[Real], azimuths: Real, setting: Setting, rng: np.random.Generator
+) -> Iterator[tuple[float, list[Real]]]:
+    """Separate one of the talkers at ``azimuths`` [rad] who have said so much (n,); durations [s] and clips of each."""
+    headings = headings_for(azimuths, target, setting, rng)
+    for seconds, count in HEADINGS_OF.items():
+        size = round(seconds * RATE / count)
+        parts = [[clip[n * size : (n + 1) * size] for clip in said] for n in range(count)]
+        yield (
+            seconds,
+            [
+                separated_at(heading, part, azimuths, target, setting=setting, rng=rng)
+                for heading, part in zip(headings, parts, strict=False)
+            ],
+        )
+
+
+def headings_for(azimuths: Real, target: int, setting: Setting, rng: np.random.Generator) -> list[float]:
+    """Draw headings [rad] at which a mission would hear a talker: the best one, and others that isolate enough."""
+    curve = isolation(azimuths, HEADINGS, SPACING, SPEED_OF_SOUND)[target]
+    clear = HEADINGS[curve >= APART * curve.max()]
+    others = rng.choice(clear, max(HEADINGS_OF.values()) - 1).tolist()
+    return [best_heading(azimuths, target, setting), *others]
+
+
+def fitted(parts: Sequence[Sequence[Comparison]]) -> tuple[float, float]:
+    """Fit slope [nat] and threshold, with `MARGIN`, to parts that count alike, as targets and strangers do."""
+    weights = [[1 / sum(each.own == other.own for other in part) for each in part] for part in parts]
+    every = [each for part in parts for each in part]
+    cosines, own = np.array([each.cosine for each in every]), np.array([each.own for each in every])
+    slope, threshold = logistic(cosines, own, np.concatenate(weights) * len(every) / (2 * len(parts)))
+    return round(slope, 1), round(threshold + MARGIN / slope, 3)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -82,8 +154,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("file", type=Path, metavar="FILE.onnx")
     parser.add_argument("out", type=Path, metavar="OUT.json")
     parser.add_argument("--speech", type=Path, required=True, help="folder of talkers; the more, the better")
-    parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S2", "A0.45"])
-    parser.add_argument("--draws", type=int, default=20, help="mixtures in every room")
+    parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S2", "A0.45", "B0.45"])
+    parser.add_argument("--draws", type=int, default=20, help="mixtures in every room, of three and of four talkers")
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args(arguments)
     try:

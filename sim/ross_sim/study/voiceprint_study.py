@@ -186,8 +186,19 @@ def _row(part: Sequence[Trial]) -> str:
 def separated_voice(
     voices: Sequence[Real], azimuths: Real, target: int, setting: Setting, rng: np.random.Generator
 ) -> Real:
-    """Separate one of three talkers (n,) each at ``azimuths`` [rad] at its best heading in a room, (n,)."""
-    heading = float(best_headings(azimuths, directness=float(setting.t60 == 0))[target])
+    """Separate one of several talkers (n,) each at ``azimuths`` [rad] at its best heading in a room, (n,)."""
+    return separated_at(best_heading(azimuths, target, setting), voices, azimuths, target, setting=setting, rng=rng)
+
+
+def best_heading(azimuths: Real, target: int, setting: Setting) -> float:
+    """Return the heading [rad] at which one of the talkers at ``azimuths`` [rad] gains most in a room."""
+    return float(best_headings(azimuths, directness=float(setting.t60 == 0))[target])
+
+
+def separated_at(
+    heading: float, voices: Sequence[Real], azimuths: Real, target: int, *, setting: Setting, rng: np.random.Generator
+) -> Real:
+    """Do as `separated_voice` at any heading [rad]."""
     recording = record(voices, azimuths, target, heading, setting, rng=rng)
     stft = Stft(RATE, FRAME, HOP)
     groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=True))
