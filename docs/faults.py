@@ -16,7 +16,7 @@ from rigs import KINDS
 from ross_sim.devices.far_end import Fault
 
 EXACTLY = """\
-10,000 random sequences of goals, rates, halts, stops, homings and releases (`make soak`; seven per back end with
+10,000 random sequences of goals, rates, halts, stops, homings and releases (`make soak`; a few per back end with
 every test) exceed neither a limit nor a cap by more than this. "Speed" and "acceleration" are the far end's true ones,
 means over 100 ms; reported ones are compared between two reports. After a release nothing is planned, so nothing is
 compared until it stands still. The 220 % of steppers are the moment when their torque comes back and a rotor snaps to

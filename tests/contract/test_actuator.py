@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from device_rig import device_rig
-from rigs import ACCELERATION, KINDS, LOWER, SWING, UPPER, Rig, rig_of
+from rigs import ACCELERATION, LOWER, SWING, UPPER, Rig, kinds, rig_of
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault, ConfigError, LimitError
@@ -22,12 +22,20 @@ from ross_sim.clock import QUANTUM, SimClock
 pytestmark = pytest.mark.lockstep
 
 
+TOLD_OTHERWISE = ("mavlink_gimbal:manager", "dronecan_servo:gimbal", "vehicle_yaw:offboard")  # what a goal is said with
+ROLES = {  # that run with every test; the other tests take every back end in its first role, and all roles in soak
+    "test_it_reaches_every_goal_the_long_way_round_too_and_settles_there": TOLD_OTHERWISE,
+    "test_stop_halts_within_the_braking_distance_and_100_ms_of_travel": (*TOLD_OTHERWISE, "tb6600:switch"),
+    "test_it_is_never_settled_on_stale_feedback_and_the_guard_says_so": TOLD_OTHERWISE,
+}
+
+
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Take every kind; a real device where a test asks for no more than a device can show, with --actuator."""
     if "kind" in metafunc.fixturenames:
         real = metafunc.definition.get_closest_marker("on_device") and metafunc.config.getoption("--actuator")
         device = [pytest.param(f"device:{real}", marks=pytest.mark.hardware)] if real else []
-        metafunc.parametrize("kind", [*KINDS, *device])
+        metafunc.parametrize("kind", [*kinds(*ROLES.get(metafunc.definition.originalname, ())), *device])
 
 
 @pytest.fixture

@@ -11,9 +11,9 @@ from hypothesis import HealthCheck, Phase, example, given, settings
 from hypothesis import strategies as st
 
 from detections import DETECTIONS
-from examples import examples
+from examples import examples, in_soak
 from monitor import Monitor, tolerated
-from rigs import KINDS, Rig, rig_of
+from rigs import KINDS, Rig, kinds, rig_of
 from ross_payload.errors import ActuatorError
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
@@ -72,7 +72,7 @@ def obeys(kind: str, steps: list[Step]) -> None:
     rig.actuator.__exit__(None, None, None)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", kinds())
 def test_no_sequence_of_commands_breaks_a_limit_or_a_cap(kind: str) -> None:
     @FEW
     @given(steps=steps_of_any)
@@ -85,7 +85,7 @@ def test_no_sequence_of_commands_breaks_a_limit_or_a_cap(kind: str) -> None:
 
 
 @pytest.mark.parametrize("steps", [SPEEDING_UP, OUT_OF_STEP], ids=["speeding up", "out of step"])
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if "gimbal" in kind])
+@pytest.mark.parametrize("kind", ["mavlink_gimbal", "dronecan_servo:gimbal", *in_soak("mavlink_gimbal:manager")])
 def test_what_a_gimbal_once_did_wrong_breaks_no_limit_or_cap(kind: str, steps: list[Step]) -> None:
     obeys(kind, steps)
 
@@ -137,7 +137,7 @@ def survives(kind: str, steps: list[Any]) -> None:
     rig.actuator.__exit__(None, None, None)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if noticeable(kind)])
+@pytest.mark.parametrize("kind", kinds())
 def test_no_sequence_of_commands_and_faults_confuses_a_driver(kind: str) -> None:
     @FEW
     @given(steps=troubled_steps(kind))

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from examples import in_soak
 from ross_payload import plugins
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
@@ -63,6 +64,12 @@ LATE = {
 SEARCH = 20.0  # for a switch [s]
 HOMING = 2.5  # of what does not know where it is [s]
 SWING = math.radians(0.5)  # by which a rotor may swing about its windings while it moves
+
+
+def kinds(*named: str) -> list[object]:
+    """Return every back end, and of the roles that one has beside its first those that are named; others in soak."""
+    now = [kind for kind in KINDS if ":" not in kind or kind in named]
+    return [*now, *in_soak(*(kind for kind in KINDS if kind not in now))]
 
 
 class CuttableWire:
