@@ -19,3 +19,8 @@ def examples(full: int) -> int:
 def in_soak(*values: object) -> list[object]:
     """More values of a parameter, which only `make soak` looks at."""
     return [pytest.param(value, marks=pytest.mark.soak) for value in values]
+
+
+def rows_in_soak(*rows: tuple[object, ...]) -> list[object]:
+    """More rows of several parameters, which only `make soak` looks at."""
+    return [pytest.param(*row, marks=pytest.mark.soak) for row in rows]

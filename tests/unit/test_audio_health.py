@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import soundfile
 
+from examples import in_soak
 from ross_payload.audio.audio_health import HealthMonitor
 from ross_payload.audio.live_source import SourceStatus
 from ross_payload.config import Config, validated
@@ -48,7 +49,7 @@ def verdict(samples, monitor=None):
     return monitor.health()
 
 
-@pytest.mark.parametrize("azimuths", [(), (0.3,), (np.pi / 2,), (0.3, 1.6, -2.0)])
+@pytest.mark.parametrize("azimuths", [(), (0.3, 1.6, -2.0), *in_soak((0.3,), (np.pi / 2,))])
 def test_ordinary_sound_and_ordinary_silence_are_no_trouble(azimuths):
     monitor = HealthMonitor(Config())
     for block in blocks(scene(6.0, azimuths)):
@@ -110,7 +111,7 @@ def test_one_microphone_on_both_channels_is_told_at_any_gain():
     assert verdict(samples).trouble == AudioTrouble.IDENTICAL
 
 
-@pytest.mark.parametrize("row", [0, 1])
+@pytest.mark.parametrize("row", [0, *in_soak(1)])
 def test_a_wrong_polarity_is_told_and_stays_told_through_silence_until_it_is_right(row):
     samples, right = scene(), scene(6.0, seed=4)
     samples[row] *= -1

@@ -118,12 +118,14 @@ def test_a_list_that_names_nobody_is_refused(lists, tmp_path, ross):
 # ------------------------------------------------------------------------------------------------ the recordings
 
 
+@pytest.mark.soak
 @pytest.mark.skipif(not TALKERS.is_dir(), reason="needs the recordings in ../shared/talkers (or ROSS_TALKERS)")
 def test_all_recordings_are_found_by_their_hash_in_copies_with_another_gain():
     recordings = read_list().recordings
     assert {len(samples) for samples in found(TALKERS, recordings).values()} == {each.samples for each in recordings}
 
 
+@pytest.mark.soak
 def test_a_copy_in_a_flat_folder_and_an_amplified_one_of_the_reader_give_the_same_bytes(lists, audio, tmp_path):
     first, second, third = sorted((lists / "speech").rglob("*.flac"))
     speech = tmp_path / "speech"

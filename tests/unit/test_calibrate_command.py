@@ -59,6 +59,7 @@ def test_what_it_writes_makes_the_array_agree(files, monkeypatch, capsys):
     assert "the configuration agrees with what was heard" in out
 
 
+@pytest.mark.soak
 def test_a_known_azimuth_gives_the_offset(files, monkeypatch, capsys):
     wrong = f"{math.degrees(-0.7) - 10:.3f}"  # 10 deg counter-clockwise of where it sounds by the configuration
     code, out, _ = called(monkeypatch, capsys, *offline(files, "--json", "--azimuth", wrong))

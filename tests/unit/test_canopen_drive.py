@@ -7,6 +7,7 @@ import struct
 import pytest
 
 from drive_bench import NODE, OWN, Bench
+from examples import in_soak
 from ross_payload.errors import ActuatorFault
 from ross_protocols.canopen import cia402
 from ross_protocols.canopen.cia402 import State
@@ -178,7 +179,7 @@ def test_a_set_point_is_offered_once_and_taken_back_when_it_is_acknowledged():
     assert orders(bench)[0][1:] == (bench.options.counts(math.radians(-20)), 1)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", [0, *in_soak(1, 2, 3, 4)])
 def test_a_bus_that_loses_a_quarter_of_the_set_points_only_makes_moves_later(seed):
     chance = random.Random(seed)  # noqa: S311
     bench = Bench().open()
@@ -190,7 +191,7 @@ def test_a_bus_that_loses_a_quarter_of_the_set_points_only_makes_moves_later(see
     assert bench.state.healthy
 
 
-@pytest.mark.parametrize("every", [0.05, 0.12])
+@pytest.mark.parametrize("every", [0.12, *in_soak(0.05)])
 def test_a_computer_that_is_busy_takes_no_late_reports_for_jumps(every):
     bench = Bench(every=every)
     bench.actuator.__enter__()

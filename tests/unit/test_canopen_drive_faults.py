@@ -6,6 +6,7 @@ import struct
 import pytest
 
 from drive_bench import NODE, OPENING, OWN, Bench
+from examples import in_soak
 from ross_payload.actuators.canopen_drive.cia402_controller import Cia402Controller, DriveDiagnostics
 from ross_payload.actuators.canopen_drive.drive_client import DriveReport
 from ross_payload.errors import ActuatorFault
@@ -70,7 +71,7 @@ def test_closing_tells_the_drive_to_expect_nothing():
     assert {frame.id for frame in bench.far_end.port.receive()} == {0x700 + NODE}  # no emergency
 
 
-@pytest.mark.parametrize("outage", [0.1, 2.0])
+@pytest.mark.parametrize("outage", [2.0, *in_soak(0.1)])
 def test_a_bus_that_comes_back_finds_the_drive_stopped_and_leaves_it_so(outage):
     bench = Bench().open()
     bench.go(-150)

@@ -1,10 +1,12 @@
 """How a CANopen drive finds where it is, and which options make sense."""
 
+import itertools
 import math
 
 import pytest
 
 from drive_bench import OPENING, Bench
+from examples import rows_in_soak
 from ross_payload.actuators.canopen_drive.options import Options
 from ross_payload.errors import ConfigError, NotHomed
 from ross_protocols.canopen import cia402
@@ -14,8 +16,15 @@ from ross_sim.devices.far_end import Fault
 # -------------------------------------------------------------------------------------------------- homing
 
 
-@pytest.mark.parametrize("gear", [20.0, -20.0])
-@pytest.mark.parametrize("method", ["negative_limit", "positive_limit", "switch_positive", "switch_negative"])
+@pytest.mark.parametrize(
+    ("method", "gear"),
+    [
+        ("negative_limit", 20.0),
+        ("switch_positive", -20.0),
+        *rows_in_soak(("negative_limit", -20.0), ("switch_positive", 20.0)),
+        *rows_in_soak(*itertools.product(("positive_limit", "switch_negative"), (20.0, -20.0))),
+    ],
+)
 def test_homing_finds_the_switch_and_then_the_angle_is_true(method, gear):
     towards = (1 if "positive" in method else -1) * (1 if gear > 0 else -1)
     bench = Bench(homing=method, zero_deg=towards * 50.0, gear_ratio=gear, homing_deg_s=40.0, angle=5.0).open()

@@ -135,6 +135,7 @@ def test_silence_after_the_lead_in_is_nobody():
     assert nothing.weight == 0
 
 
+@pytest.mark.soak
 def test_a_source_where_a_rotor_is_must_have_more_to_say_than_one_elsewhere(seen):
     joint = Joint(SPACING, SPEED_OF_SOUND)
     assert all(0 <= each.features.among.kept <= 1 for each in seen)

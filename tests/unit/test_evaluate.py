@@ -8,6 +8,7 @@ import pytest
 import soundfile
 
 from command_line import called
+from examples import in_soak
 from ross_payload.audio.audio_files import write_wav
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.stft import Stft
@@ -116,7 +117,7 @@ def test_the_score_is_that_of_the_ground_truth(scene, takes, scored, truth):
     assert values["lag_s"] == 0
 
 
-@pytest.mark.parametrize("delay", [0.37 + 0.4 / RATE, -0.37])
+@pytest.mark.parametrize("delay", [-0.37, *in_soak(0.37 + 0.4 / RATE)])
 def test_another_start_and_level_of_the_second_take_change_nothing(scene, takes, scored, tmp_path, *, delay, truth):
     recording, heading = scene
     alone, n = recording.images[TARGET], recording.images.shape[-1]
@@ -146,6 +147,7 @@ def test_without_directions_those_that_stand_out_are_taken(scene, takes, scored,
     assert best(values)["si_sdri_db"] == pytest.approx(truth(), abs=1.5)
 
 
+@pytest.mark.soak
 def test_a_quiet_start_of_the_mixture_tells_the_noise(scene, takes, scored, tmp_path, truth):
     recording, heading = scene
     both = np.concatenate([recording.lead_in, recording.mixture], axis=1)
@@ -173,6 +175,7 @@ def test_one_direction_separates_nothing_and_says_so(takes, scored):
     assert any("only one direction" in note for note in values["notes"])
 
 
+@pytest.mark.soak
 def test_delays_and_azimuths_say_the_same(scene, takes, scored):
     recording, heading = scene
     by_delay = [word for tau in recording.tau for word in ("--tdoa-us", 1e6 * tau)]
@@ -286,6 +289,7 @@ def test_the_lag_is_found_between_samples():
     assert np.abs(moved - late[span])[inner].max() < 0.01 * target.std()
 
 
+@pytest.mark.soak
 def test_noise_in_the_second_take_limits_the_score_as_the_guide_says(scene, takes, scored, tmp_path):
     """A perfect output against a target with noise n dB below it scores n dB, and s and n add as powers."""
     recording, heading = scene

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import mission_bench as base
+from examples import in_soak
 from ross_payload.actuators.motion import Trapezoid
 from ross_payload.alignment.paper_rules import paper_plan
 from ross_payload.angles import wrap, wrap_axis
@@ -141,7 +142,7 @@ def test_the_sources_stay_where_they_are_in_the_earth_frame():
 NARROW = {"lower": np.deg2rad(-100), "upper": np.deg2rad(100)}
 
 
-@pytest.mark.parametrize("degrees", [80, 89, 97])
+@pytest.mark.parametrize("degrees", [89, *in_soak(80, 97)])
 def test_near_a_limit_the_axis_is_turned_half_round_and_no_period_is_cut(degrees):
     """The vehicle drifts on, so a joint that stands near its limit cannot follow to the end."""
     away = Yaw(amplitude=np.deg2rad(170), speed=np.deg2rad(10))
@@ -255,6 +256,7 @@ def test_a_yaw_that_passes_south_is_no_jump():
         assert goal is None or abs(goal) < 2.0
 
 
+@pytest.mark.soak
 def test_a_vehicle_that_spins_faster_than_the_joint_does_not_hold_the_mission_up():
     spinning = Yaw(amplitude=np.deg2rad(3600), speed=np.deg2rad(400))
     settings = replace(base.SETTINGS, min_rotations=1, max_rotations=1)

@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from examples import rows_in_soak
 from forked_workers import ForkedWorkers, Queue, Stage
 from lanes import TESTS
 
@@ -178,10 +179,12 @@ def test_every_failure_fails_the_run_and_has_a_name(run):
 @pytest.mark.parametrize(
     ("files", "arguments", "code", "said"),
     [
-        ({"good": "import nothing_of_that_name"}, [], 2, "No module named 'nothing_of_that_name'"),
-        ({"good": GOOD.format(lane="one")}, ["-k", "nothing_of_that_name"], 5, "6 deselected"),
         ({"good": "def test_of_no_lane():\n    pass"}, [], 4, "test_of_no_lane: no stage runs it"),
-        ({"bad": BAD}, ["-x", "-k", "that_fails or ends_well"], 1, "stopping after 1 failures"),
+        *rows_in_soak(
+            ({"good": "import nothing_of_that_name"}, [], 2, "No module named 'nothing_of_that_name'"),
+            ({"good": GOOD.format(lane="one")}, ["-k", "nothing_of_that_name"], 5, "6 deselected"),
+            ({"bad": BAD}, ["-x", "-k", "that_fails or ends_well"], 1, "stopping after 1 failures"),
+        ),
     ],
 )
 def test_a_run_ends_as_one_of_pytest_does(run, files, arguments, code, said):
@@ -190,6 +193,7 @@ def test_a_run_ends_as_one_of_pytest_does(run, files, arguments, code, said):
     assert said in done.stdout + done.stderr
 
 
+@pytest.mark.soak
 def test_a_run_that_is_interrupted_closes_what_is_open(run, tmp_path):
     done, _ = run({"stopped": STOPPED})
     assert done.returncode == 2

@@ -113,6 +113,7 @@ def test_the_pilot_points_it(bench):
     assert one.attitude(7.9).flags == FOLLOWING
 
 
+@pytest.mark.soak
 def test_the_pilot_locks_it_to_north(bench):
     one = bench(Base(yaw=deg(10), rate=deg(8)))
     vehicle = Vehicle(one)

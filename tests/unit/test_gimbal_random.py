@@ -6,6 +6,7 @@ from contextlib import ExitStack
 
 import pytest
 
+from examples import in_soak
 from gimbal_bench import CONFIGURE, FOLLOW, GIVE, LOCK, NAN, POINT, TAKE, GimbalBench, deg, pitchyaw, set_attitude
 from hand_bench import Base
 from ross_payload.events import Answer, Answered, State, StateChanged
@@ -67,7 +68,7 @@ def stops(bench):
             begin = None
 
 
-@pytest.mark.parametrize("mode", ["standalone", "device"])
+@pytest.mark.parametrize("mode", ["standalone", *in_soak("device")])
 @pytest.mark.parametrize("seed", [0, *[pytest.param(seed, marks=pytest.mark.soak) for seed in range(1, 50)]])
 def test_whatever_is_asked(mode, seed):
     dice = random.Random(seed)  # noqa: S311

@@ -98,6 +98,7 @@ def test_it_pans_to_its_limits_in_two_seconds_each(tested):
     assert [yaw_of(one, end) for _, end in ends] == pytest.approx([yaw for yaw, _ in ends], abs=MARGIN)
 
 
+@pytest.mark.soak
 def test_locked_it_points_from_north_while_the_vehicle_yaws(tested):
     one, tester = tested(Base(yaw=0.0))
     tester.then(2.0, yaw=0.0, flags=28)
@@ -123,6 +124,7 @@ def test_it_pans_at_a_rate_and_stops(tested):
     assert yaw_of(one, left) == pytest.approx(yaw_of(one, still) - 50, abs=MARGIN)
 
 
+@pytest.mark.soak
 def test_an_angle_with_a_rate_is_reached_at_this_rate(tested):
     one, tester = tested()
     begin = tester.then(2.0, yaw=0.0)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from examples import examples
+from examples import examples, rows_in_soak
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.actuators.tb6600.homing import Debouncer
@@ -64,8 +64,18 @@ def test_after_power_up_nothing_moves_and_nothing_holds_until_it_is_homed() -> N
     assert bench.go(20.0).true_deg == pytest.approx(20.0, abs=STEP)
 
 
-@pytest.mark.parametrize("start", [0, 3, 20, -3, -20])
-@pytest.mark.parametrize("way", ["clockwise", "counter-clockwise"])
+@pytest.mark.parametrize(
+    ("start", "way"),
+    [
+        (0, "clockwise"),
+        (3, "clockwise"),
+        (-3, "clockwise"),
+        (3, "counter-clockwise"),
+        (-3, "counter-clockwise"),
+        *rows_in_soak((20, "clockwise"), (-20, "clockwise"), (0, "counter-clockwise")),
+        *rows_in_soak((20, "counter-clockwise"), (-20, "counter-clockwise")),
+    ],
+)
 def test_it_finds_the_zero_from_either_side_of_the_switch(start: int, way: str) -> None:
     bench = Bench(start, home_direction=way).home()
     assert bench.guard.state().homed

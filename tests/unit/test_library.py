@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
+from examples import in_soak
 from ross_payload import plugins
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.errors import PluginError
@@ -41,7 +42,7 @@ def _error_db(estimate: np.ndarray, image: np.ndarray) -> float:
 
 
 @BOTH
-@pytest.mark.parametrize("order", [[0, 1], [1, 0]])
+@pytest.mark.parametrize("order", [[1, 0], *in_soak([0, 1])])
 def test_groups_are_told_apart_by_their_directions(separator: Separator, order: list[int]) -> None:
     images, _ = _mixture()
     groups = _separated(separator.name, tuple(order))

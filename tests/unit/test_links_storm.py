@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from clocks import FakeClock
+from examples import in_soak
 from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
@@ -65,7 +66,7 @@ def numbered(count: int) -> list[bytes]:
 
 
 @pytest.mark.parametrize("rate", [0.01, 0.2])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *in_soak(1, 2)])
 def test_what_arrives_whole_is_heard_in_order(rate: float, seed: int) -> None:
     """But for a few in a thousand: noise can look like a long frame of a message that nobody knows."""
     weather = dice_of(seed)
@@ -90,7 +91,7 @@ def test_what_arrives_whole_is_heard_in_order(rate: float, seed: int) -> None:
     assert len(got) >= 0.995 * len(whole)
 
 
-@pytest.mark.parametrize("rate", [0.01, 0.2])
+@pytest.mark.parametrize("rate", [0.2, *in_soak(0.01)])
 def test_lost_frames_are_counted(rate: float) -> None:
     weather = dice_of(3)
     links, wire, _ = hub()

@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from examples import rows_in_soak
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.errors import ConfigError, NotLive
 from ross_payload.interfaces import Complex, Scene
@@ -10,7 +11,7 @@ from ross_payload.plugin_checks import load_separator
 from tests.support.live_mixtures import FRAMES, FREQUENCIES, LONGEST, SCENE, TAU, listened, mixture, ratio_db
 
 
-@pytest.mark.parametrize(("lookahead", "worse_db"), [(0, 2.0), (2, 1.5), pytest.param(1, 1.5, marks=pytest.mark.soak)])
+@pytest.mark.parametrize(("lookahead", "worse_db"), [(2, 1.5), *rows_in_soak((0, 2.0), (1, 1.5))])
 def test_every_source_comes_out_in_its_group_nearly_as_clean_as_from_the_whole_recording(
     lookahead: int, worse_db: float
 ) -> None:
@@ -53,6 +54,7 @@ def test_another_heading_tells_how_poor_the_room_is_and_nothing_else() -> None:
         assert white == pytest.approx(2 * share, rel=0.35)
 
 
+@pytest.mark.soak
 def test_noise_that_nobody_knows_is_guessed() -> None:
     live, (images, heard) = load_separator("gaussian").live(), mixture()
     found = listened(live, heard, replace(SCENE, noise_psd=None), renew=16)

@@ -5,6 +5,7 @@ from contextlib import suppress
 
 import pytest
 
+from examples import in_soak
 from gimbal_rig import Bench
 from ross_payload.errors import ActuatorFault
 from ross_sim.devices.far_end import Fault
@@ -54,7 +55,7 @@ def test_after_a_task_control_is_released_and_nothing_is_streamed(released):
     assert released.far_end.angle() == pytest.approx(0.4, abs=math.radians(0.1))
 
 
-@pytest.mark.parametrize("before", ["boot", "task"])
+@pytest.mark.parametrize("before", ["task", *in_soak("boot")])
 def test_a_pilot_reaches_50_degrees_again_and_again_and_the_state_follows(before, request):
     rig = request.getfixturevalue("rig" if before == "boot" else "released")
     for n in range(4):
@@ -208,7 +209,7 @@ def test_an_autopilot_that_reboots_in_a_task_has_forgotten_us_and_is_not_asked_a
     assert rig.primary == PAYLOAD
 
 
-@pytest.mark.parametrize("up", [2.0, 10.0])
+@pytest.mark.parametrize("up", [2.0, *in_soak(10.0)])
 def test_an_autopilot_that_reboots_while_idle_is_no_fault_and_obeys_the_next_order(released, up):
     released.clock.sleep(up)
     released.far_end.autopilot.restart(released.clock.now())
@@ -287,7 +288,7 @@ def test_an_autopilot_that_falls_silent_is_named(rig):
     assert rig.state.fault.startswith("no data from the autopilot")
 
 
-@pytest.mark.parametrize("later", [0.0, 1.19, 1.2, 1.21, 1.22, 1.24, 1.4])
+@pytest.mark.parametrize("later", [0.0, 1.2, 1.21, *in_soak(1.19, 1.22, 1.24, 1.4)])
 def test_home_about_when_the_autopilot_is_thawed_goes_on_from_where_the_gimbal_stands(rig, later):
     """The set-points of the time when it was frozen never arrived."""
     rig.actuator.command(1.5)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import mission_bench as base
+from examples import in_soak
 from ross_payload.alignment.plan import isolation
 from ross_payload.dsp.steering import tdoa
 from ross_payload.events import (
@@ -282,7 +283,7 @@ def test_what_a_visit_says_of_its_heading_knows_the_elevation(elevation):
 # -------------------------------------------------------------------------------------------- both, always
 
 
-@pytest.mark.parametrize("order", [Stop(), Cancel()])
+@pytest.mark.parametrize("order", [Stop(), *in_soak(Cancel())])
 @pytest.mark.parametrize(
     "make",
     [pipelined, lambda: base.rig(informed=TOLD), lambda: base.rig(likes=2, informed=estimate(170, 70, certain=True))],

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from examples import in_soak
 from ross_payload.errors import ConfigError
 from ross_sim.acoustics.impulse_responses import Responses
 from ross_sim.acoustics.moving_talker import MixedTalkers, MovingTalker
@@ -51,7 +52,7 @@ def hear(talker, seconds, heading=0.3):
     return np.concatenate(parts, axis=-1)
 
 
-@pytest.mark.parametrize("t60", [0.0, 0.4])
+@pytest.mark.parametrize("t60", [0.0, *in_soak(0.4)])
 def test_a_talker_who_has_arrived_is_heard_through_the_response_of_that_place(t60):
     staged, speech = scenario(t60), noise()
     heard = hear(moving(staged, speech), 3.0)
@@ -63,7 +64,7 @@ def test_a_talker_who_has_arrived_is_heard_through_the_response_of_that_place(t6
         assert np.abs(heard[:, 0] - truth)[:, samples].max() < 1e-5 * np.abs(truth).max()
 
 
-@pytest.mark.parametrize("t60", [0.0, 0.4])
+@pytest.mark.parametrize("t60", [0.0, *in_soak(0.4)])
 def test_walking_does_not_click(t60):
     heard = hear(moving(scenario(t60, path=((1.0, 20.0), (2.0, 50.0))), tone()), 2.5)[:, 0, RATE // 2 :]
     bend = np.abs(np.diff(heard, n=2, axis=-1)).max(axis=0)

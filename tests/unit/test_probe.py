@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from rigs import KINDS, CuttableWire, options_of
+from rigs import CuttableWire, kinds, options_of
 from ross_payload import plugins
 from ross_payload.actuators.motion import Trapezoid
 from ross_payload.actuators.registry import checked_options
@@ -58,7 +58,7 @@ def about(findings: list[Finding], check: str) -> Finding:
     return next(finding for finding in findings if finding.check == check)
 
 
-@pytest.fixture(params=KINDS)
+@pytest.fixture(params=kinds())
 def kind(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from examples import in_soak
 from ross_payload import plugins
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.stft import Stft
@@ -42,7 +43,7 @@ def test_an_oracle_beats_the_beam_and_both_have_one_number(recording: Mixture) -
     assert oracle > beam > 0
 
 
-@pytest.mark.parametrize("name", sorted(NOISE_BLIND - {"fastmnmf2"}))
+@pytest.mark.parametrize("name", ["mvdr", *in_soak(*sorted(NOISE_BLIND - {"fastmnmf2", "mvdr"}))])
 def test_columns_with_one_number_do_not_depend_on_the_noise_psd(name: str, recording: Mixture) -> None:
     separator, stft = plugins.load("ross_payload.separators", name), Stft(RATE, FRAME, HOP)
     spectrogram = stft.analyse(recording.mixture)

@@ -41,6 +41,7 @@ def explored(source):
     return perform(EXPLORED, study(), source)
 
 
+@pytest.mark.soak
 def test_a_task_gives_the_same_rows_every_time(source):
     task, asked = replace(EXPLORED, unit=0.5), {"rotations": (2,), "unit_s": (0.5,), "run_s": 1.0}
     once, again = (perform(task, study(**asked), source) for _ in range(2))

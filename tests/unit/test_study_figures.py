@@ -78,6 +78,7 @@ def test_figures_have_ink_and_still_have_it_in_grey(drawn):
             assert (folder / name).read_bytes().startswith(b"%PDF")
 
 
+@pytest.mark.soak
 def test_a_study_that_does_not_explore_has_no_figure_of_azimuths_and_the_same_bytes_every_time(tmp_path):
     rows = [row for row in separations() if row.how == "aligned"]
     once, again = tmp_path / "once", tmp_path / "again"

@@ -72,7 +72,7 @@ def off(tracks, k, degrees):
     return abs(math.degrees(np.angle(np.exp(1j * (tracks.azimuths[k] - math.radians(degrees))))))
 
 
-@pytest.mark.parametrize("speed", [5.0, -10.0])
+@pytest.mark.parametrize("speed", [5.0, *in_soak(-10.0)])
 def test_a_source_that_walks_is_followed_and_the_others_stay(speed):
     path = walk(100.0, speed)
     time, tracks = list(follow([at(0.0), path, at(-140.0)], 6.0))[-1]
@@ -88,6 +88,7 @@ def test_a_source_is_followed_while_the_array_turns():
     assert off(tracks, 1, path(time)) < 4.0
 
 
+@pytest.mark.soak
 def test_a_quiet_source_that_walks_is_found_beside_a_loud_one():
     """A loud one that rests must not select, by chance, among the particles that have the quiet one walk."""
     late = []
@@ -136,6 +137,7 @@ def test_who_is_silent_becomes_uncertain_and_old():
     assert math.degrees(tracks.sigmas[0]) < 5.0
 
 
+@pytest.mark.soak
 def test_errors_are_as_large_as_sigma_says():
     """Root mean square of the errors over their sigmas; the prior must cover walkers of all kinds, so below 1 here."""
     quotients = []
@@ -179,6 +181,7 @@ def test_of_two_with_one_delay_either_may_have_set_out_until_the_array_turns():
     assert odds_of(tracks, 1, axis + 50.0) > 0.95
 
 
+@pytest.mark.soak
 def test_what_was_taken_for_sure_is_corrected_when_it_turns_out_wrong():
     """A hypothesis is never so unlikely that a second or two in which it alone fits cannot bring it back."""
     path, rng = walk(-10.0, -8.0), np.random.default_rng(0)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from examples import in_soak, rows_in_soak
 from ross_payload.errors import ActuatorFault, ConfigError
 from ross_protocols.mavlink import vehicle_control
 from ross_protocols.mavlink.codec import Decoder, Encoder
@@ -48,7 +49,7 @@ def test_it_goes_to_headings_counted_counter_clockwise_from_north(kind):
     assert bench.far_end.complaints() == []
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["ardupilot", *in_soak("hold", "offboard")])
 def test_in_gusts_it_arrives_and_stays(kind):
     bench = Bench(kind)
     bench.far_end.blow(Wind(math.radians(80), 0.5), np.random.default_rng(4))
@@ -225,8 +226,15 @@ def ended_after(bench, begin):
     return max([told, *orders])
 
 
-@pytest.mark.parametrize("ignores", [False, True], ids=["the autopilot heeds it", "the autopilot ignores it"])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("kind", "ignores"),
+    [
+        ("ardupilot", False),
+        ("hold", True),
+        ("offboard", True),
+        *rows_in_soak(("ardupilot", True), ("hold", False), ("offboard", False)),
+    ],
+)
 def test_the_yaw_stick_ends_a_turn_within_0_2_s(kind, ignores):
     """At ten phases between the stick and the messages that tell of it; 0.2 s are required, 0.1 s were aimed at."""
     took = []

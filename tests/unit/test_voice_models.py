@@ -209,6 +209,7 @@ def test_a_damaged_print_is_refused(ann, network, tmp_path, wrong):
         store.load("ann", network)
 
 
+@pytest.mark.soak
 def test_a_published_network_tells_readers_apart(shared_model, speech):
     model = EmbeddingModel(shared_model.read_bytes(), shared_model.name, ANY)
     names = ("ls3005", "ls3331")

@@ -35,6 +35,7 @@ def _small(monkeypatch):
     monkeypatch.setattr(reader_mixtures, "separator", gaussian)
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("_small")
 def test_a_run_that_was_interrupted_goes_on_and_ends_with_the_same_numbers(voices, tmp_path, monkeypatch):
     voices = {name: voice[: 3 * RATE // 2] for name, voice in voices.items()}

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from examples import in_soak
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.voiceprint import built_in_model, enrol
 from ross_payload.voiceprint.built_in import FILE, encode_model, read_model
@@ -60,7 +61,7 @@ def test_the_score_hardly_depends_on_the_sampling_rate(ann):
     assert ann.score(at_48k, 48000).value == pytest.approx(ann.score(at_16k, RATE).value, abs=0.3)
 
 
-@pytest.mark.parametrize("seconds", [1.5, 3.0, 10.0])
+@pytest.mark.parametrize("seconds", [1.5, *in_soak(3.0, 10.0)])
 def test_the_enrolled_voice_is_accepted_however_long_it_speaks(ann, seconds):
     assert ann.score(talk(ANN, 10, seed=3)[: round(seconds * RATE)], RATE).accepted
 

@@ -43,6 +43,7 @@ def scores(heard, prints):
     return {name: print_.compared(embedding, len(heard) / RATE).value for name, print_ in prints.items()}
 
 
+@pytest.mark.soak
 def test_ten_seconds_of_a_talker_nearly_always_score_highest_with_the_own_print(people, prints):
     """Of ten clips one may fail: ls3080 from 30 s is one that the model takes for nobody."""
     right, accepted = [], []

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import soundfile
 
+from examples import rows_in_soak
 from ross_payload.errors import ConfigError
 from ross_payload.voiceprint import built_in_model, enrol
 from ross_payload.voiceprint.features import RATE as VOICE_RATE
@@ -54,7 +55,7 @@ def test_an_interval_is_as_wide_as_mixtures_differ():
     assert low[0] == 0.0 < 1 / 9 < high[0] < 0.5
 
 
-@pytest.mark.parametrize(("room", "least"), [("S1", 0.8), ("S2", 0.5)])
+@pytest.mark.parametrize(("room", "least"), [("S1", 0.8), *rows_in_soak(("S2", 0.5))])
 def test_the_separated_voice_is_most_of_all_like_its_talker(room, least):
     rng = np.random.default_rng(0)
     t = np.arange(2 * RATE) / RATE

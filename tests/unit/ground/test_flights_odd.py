@@ -62,6 +62,7 @@ def test_no_message_is_too_odd(place, frames):
     export(flight, flight.payloads, place / "odd.mcap")
 
 
+@pytest.mark.soak
 @settings(max_examples=examples(6))
 @given(frames=st.lists(messages(), min_size=10, max_size=25))
 def test_no_message_is_too_odd_to_be_drawn(place, frames):

@@ -80,7 +80,7 @@ def test_what_somebody_else_sets_is_seen(rig):
     assert not other.sent
 
 
-@pytest.mark.parametrize("seed", [0, 1, *in_soak(2, 3)])
+@pytest.mark.parametrize("seed", [0, *in_soak(1, 2, 3)])
 def test_on_a_bad_link_the_list_and_its_meaning_are_whole_after_all(sky, seed):
     rig = rig_of(sky, loss=0.2, doubled=0.2, delayed=0.2, seed=seed)
     assert rig.station.wait(30, lambda: rig.settings.complete)
@@ -88,7 +88,7 @@ def test_on_a_bad_link_the_list_and_its_meaning_are_whole_after_all(sky, seed):
     assert rig.station.wait(60, lambda: all(row["description"] for row in rig.settings.rows()))
 
 
-@pytest.mark.parametrize("seed", [0, 1, *in_soak(2, 3)])
+@pytest.mark.parametrize("seed", [0, *in_soak(1, 2, 3)])
 def test_on_a_bad_link_what_is_shown_as_set_is_in_force(sky, seed):
     rig = rig_of(sky, loss=0.2, doubled=0.2, delayed=0.2, damaged=0.05, seed=seed)
     assert rig.station.wait(30, lambda: rig.settings.complete)

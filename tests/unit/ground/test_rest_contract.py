@@ -68,6 +68,7 @@ def cases(operation, *, good):
     return tried
 
 
+@pytest.mark.soak
 def test_answers_to_good_and_to_bad_requests_fit_the_description(description):
     schema, faults = description
     operations = [each.ok() for each in schema.get_all_operations()]

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from command_line import called
+from examples import rows_in_soak
 from flight_logs import UNIX, full_tick, record, vehicle_frames
 from mission_fixtures import without_picture
 from ross_payload.ground.flights.command import command
@@ -298,7 +299,7 @@ def test_a_log_of_somebody_else_is_told_but_not_drawn(tlog, tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "magic", "times", "options"),
-    [("a.png", b"\x89PNG", 1, []), ("a.svg", b"<?xml", 2, ["--payload", "1-191"])],
+    [("a.svg", b"<?xml", 2, ["--payload", "1-191"]), *rows_in_soak(("a.png", b"\x89PNG", 1, []))],
 )
 def test_the_picture_is_drawn_whole_and_the_same_again(tlog, fleet_log, tmp_path, *, name, magic, times, options):
     """What could differ, names and the date, is in the vector graphics, of one payload as of two."""
