@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from examples import in_soak
 from ross_payload.events import Slipped, SourcesEstimated, TurnStarted
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.flights.plot import figure_of as flight_figure
@@ -116,7 +117,7 @@ class Flown:
         return FlightContent(flight, flight.payloads)
 
 
-@pytest.fixture(scope="module", params=FRAMES)
+@pytest.fixture(scope="module", params=["from north", *in_soak("from the nose")])
 def flown(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("flown")
     (folder / "short.toml").write_text(SHORT + FRAMES[request.param])

@@ -82,6 +82,7 @@ def test_a_yawing_drone_hears_everyone_where_they_are_from_north(yawing):
     assert gain(report) > 16.2  # at rest 20.2; the motor of the joint is heard now
 
 
+@pytest.mark.soak
 def test_a_drone_that_nobody_follows_hears_talkers_who_are_not_there(fly):
     """What following is for: the azimuths swing with the vehicle when nobody says that it yaws."""
     report = fly(SCENARIO.replace('source = "autopilot"', 'source = "fixed"\nyaw_deg = 30') + SHORT + QUICK + ONCE, 1)
@@ -96,6 +97,7 @@ def test_a_rerun_in_the_air_gives_the_same_bytes(fly, yawing, tmp_path):
         assert (yawing / name).read_bytes() == (tmp_path / "again" / name).read_bytes(), name
 
 
+@pytest.mark.soak  # without a room: test_following; who notices: test_mount
 def test_an_autopilot_that_falls_silent_makes_the_mission_begin_again_in_the_other_frame(fly, tmp_path):
     text = (
         (SCENARIO + SHORT + QUICK)

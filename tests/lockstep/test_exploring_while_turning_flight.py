@@ -77,6 +77,7 @@ def test_beliefs_are_told_on_the_way(flown):
     assert np.diff(heard) == pytest.approx(1.05, abs=0.15)  # 1.5 s at 40 deg/s between two of them [rad]
 
 
+@pytest.mark.soak
 def test_a_replay_says_the_same(flown, tmp_path, run):
     code, values = replayed(flown[2], tmp_path / "again", run)
     assert code == 0

@@ -32,6 +32,18 @@ def without_times(table):
     return [{name: cell for name, cell in row.items() if name != "cpu_s"} for row in table]
 
 
+def test_a_study_writes_a_row_for_every_mission_and_a_table(run, asked, tmp_path):
+    code, said, err = run(*asked, "--draws", "1", "--out", tmp_path / "whole")
+    assert (code, err) == (0, "")
+    assert "target found" in said
+    found = rows(tmp_path / "whole")
+    assert [(row["draw"], row["target_is"]) for row in found] == [("0", "present"), ("0", "absent")]
+    for row in found:
+        assert (row["target"] in row["talkers"].split()) == (row["target_is"] == "present")
+        assert len(row["errors_deg"].split()) == int(row["k"]) == 1
+
+
+@pytest.mark.soak  # of a study of another kind: test_study
 def test_a_study_that_was_cut_short_goes_on_and_ends_with_the_same_rows(run, asked, tmp_path):
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     code, said, err = run(*asked, "--out", whole)

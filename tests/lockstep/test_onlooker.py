@@ -91,6 +91,7 @@ def test_a_stop_from_the_page_ends_the_mission(short, tmp_path):
     assert [ack.result for ack in gazer.messages("COMMAND_ACK")] == [common.MAV_RESULT_ACCEPTED]
 
 
+@pytest.mark.soak
 def test_what_somebody_hears_live_is_the_mixture_in_real_time_and_the_results_stay_the_same(alone, short, tmp_path):
     pytest.importorskip("aiortc", reason="the extra [stream]")
     begun = time.monotonic()

@@ -57,6 +57,7 @@ def test_a_replay_says_the_same_to_the_byte(taped, again):
         assert (folder / voice.name).read_bytes() == voice.read_bytes()
 
 
+@pytest.mark.soak  # one says what was recorded, to the byte: above
 def test_two_replays_write_the_same_bytes(taped, again, tmp_path, run):
     *_, one = again
     replayed(taped[1], tmp_path / "two", run)
@@ -144,6 +145,7 @@ def test_what_the_record_decides_has_no_effect_and_is_said(taped, tmp_path, run)
     assert values["identical"]
 
 
+@pytest.mark.soak
 def test_a_later_correction_of_the_polarity_is_heard(taped, tmp_path, run):
     _, session = taped
     _, values = replayed(session, tmp_path / "out", run, "audio.invert=[false, true]")
@@ -223,6 +225,7 @@ def test_a_folder_that_is_no_session_gets_one_line(tmp_path, run):
 # ---------------------------------------------------------------------------------------------- the guide
 
 
+@pytest.mark.soak
 def test_the_guide_works_as_printed(run, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("ross_sim.scenario._folder", lambda: tmp_path)  # where its scenario takes less time

@@ -86,6 +86,7 @@ def scenario(tmp_path):
     return load(str(tmp_path / "short.toml"))
 
 
+@pytest.mark.soak
 def test_a_session_recorded_between_two_tasks_is_replayed_with_what_it_knew(scenario, tmp_path, run):
     orders = {
         5: Explore(number=1), 700: Set(name="RUN_S", value=1.0, number=2), 705: Seek(number=3),

@@ -122,6 +122,7 @@ def same_files(one, two, but=()):
         assert (one / name).read_bytes() == (two / name).read_bytes(), name
 
 
+@pytest.mark.soak  # of two processes, with a recording: test_replay
 def test_a_rerun_in_another_process_whose_telemetry_nobody_hears_gives_the_same_bytes(demo, mission, tmp_path):
     mission(*demo.asked, "--telemetry", "udpout:127.0.0.1:9", drawn=True)
     same_files(demo.out, tmp_path / "out", but={"mission.tlog"})  # where both fly alike: test_onlooker
@@ -171,6 +172,7 @@ def test_a_silent_room_holds_nobody(silent):
     assert report["reason"] == "nobody is talking"
 
 
+@pytest.mark.soak  # of the room alone: test_noise_sources
 def test_another_seed_gives_other_noise(silent, mission, tmp_path):
     mission(
         "--scenario", brief("silence", tmp_path, explore=SOON | {"max_rotations": 1, "min_rotations": 1}), "--seed", 1
@@ -280,6 +282,7 @@ SOONER = {  # what happens in the scenario `restart`, in less time and to fewer
 }
 
 
+@pytest.mark.soak  # without a room: test_modes
 @pytest.mark.parametrize("shorter", [True, pytest.param(False, marks=pytest.mark.soak)], ids=["sooner", "as it is"])
 def test_a_mission_that_loses_its_target_starts_again_and_finds_it(mission, tmp_path, shorter):
     code, _, report = mission("--scenario", changed("restart", tmp_path, SOONER if shorter else {}), "--seed", 1)
@@ -289,6 +292,7 @@ def test_a_mission_that_loses_its_target_starts_again_and_finds_it(mission, tmp_
     assert next(group for group in report["groups"] if group["target"])["talkers"] == [report["target"]]
 
 
+@pytest.mark.soak
 def test_a_target_asked_for_by_name_is_in_the_room(mission, short, speech, tmp_path):
     names = ("ls3005", "ls3331", "vctk_p226")  # more than are there: each is enrolled
     (tmp_path / "speech").mkdir()
@@ -314,6 +318,7 @@ def test_a_sigterm_while_setting_up_leaves_nothing_behind(tmp_path):
     assert not list(out.iterdir())
 
 
+@pytest.mark.soak
 def test_clipped_recordings_still_run(run, caplog, tmp_path, short, speech):
     folder = tmp_path / "speech"
     folder.mkdir()

@@ -40,6 +40,7 @@ def pipelined(tmp_path_factory):
     return code, json.loads((out / "report.json").read_text()), out
 
 
+@pytest.mark.soak  # without a room: test_modes
 def test_a_pipelined_mission_hears_the_same_target_sooner(mission, pipelined, tmp_path):
     code, report, _ = pipelined
     plain_code, plain = mission("demo", "--scenario", quick("demo", tmp_path), "--actuator", "ideal", "--seed", 1)

@@ -77,7 +77,8 @@ def alive(group):
     return [line for line in lines if line[0] == str(group) and not line[1].startswith("Z")]
 
 
-@pytest.mark.parametrize("workers", [1, *in_soak(2)])  # of two, the rows that are kept: the test below
+@pytest.mark.soak  # of one that a full disk ends: below
+@pytest.mark.parametrize("workers", [1, 2])
 def test_a_study_that_was_killed_goes_on_and_ends_with_the_same_rows(run, asked, tmp_path, workers):
     alone, killed = tmp_path / "alone", tmp_path / "killed"
     with without_figures():
@@ -121,9 +122,10 @@ def rows_here(asked, task, **changes):
     return result.separations, result.explorations
 
 
-def test_ctrl_c_ends_at_once_with_everything_done_kept(asked, tmp_path):
+@pytest.mark.parametrize("workers", [1, *in_soak(2)])  # what a signal does to a pool: the tests below
+def test_ctrl_c_ends_at_once_with_everything_done_kept(asked, tmp_path, workers):
     out = tmp_path / "out"
-    running = start([*asked, "--layouts", "40"], out, 2)  # more than it can do before the signal
+    running = start([*asked, "--layouts", "40"], out, workers)  # more than it can do before the signal
     wait_for(running, out, 1)
     os.killpg(running.pid, signal.SIGINT)  # as a terminal does: to the workers also
     said, _ = running.communicate(timeout=20)
@@ -236,7 +238,7 @@ def test_100_pools_that_are_cut_short_end_without_a_word(tmp_path, window):
 @pytest.mark.soak
 @pytest.mark.parametrize("count", range(100))
 def test_100_studies_that_are_stopped_end_without_a_traceback(asked, tmp_path, count):
-    test_ctrl_c_ends_at_once_with_everything_done_kept(asked, tmp_path)
+    test_ctrl_c_ends_at_once_with_everything_done_kept(asked, tmp_path, 2)
 
 
 BAD = {
@@ -272,7 +274,7 @@ FULL = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6
 )
 
 
-def test_a_full_disk_is_one_line_and_what_was_done_is_kept(run, asked, tmp_path):
+def test_a_full_disk_is_one_line_and_the_same_command_goes_on_to_the_same_rows(run, asked, tmp_path):
     out = tmp_path / "out"
     command = [sys.executable, "-c", FULL, *asked, "--out", str(out), "--workers", "1"]
     full = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -285,5 +287,9 @@ def test_a_full_disk_is_one_line_and_what_was_done_is_kept(run, asked, tmp_path)
     assert code == 2
     with without_figures():
         code, said, _ = run(*asked, "--out", out, "--workers", "1")
-    assert code == 0
-    assert f"{kept} of {TASKS} tasks were done before" in said
+        assert code == 0
+        assert f"{kept} of {TASKS} tasks were done before" in said
+        whole = tmp_path / "whole"
+        assert run(*asked, "--out", whole, "--workers", "1")[0] == 0
+    for name in ("separations.csv", "explorations.csv", "tables.md"):
+        assert (out / name).read_bytes() == (whole / name).read_bytes(), name

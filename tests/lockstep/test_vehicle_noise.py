@@ -68,6 +68,7 @@ def test_a_source_of_any_kind_is_as_loud_as_it_asks_for(source, monkeypatch):
     assert level(world) == pytest.approx(-5.0, abs=0.3)
 
 
+@pytest.mark.soak
 def test_wind_is_low_not_coherent_and_comes_in_gusts(tmp_path):
     windy, even = (heard(scenario({**WIND, "gusts": gusts}), tmp_path, seconds=20).noise() for gusts in (True, False))
     assert coherence(windy, 50, 2000) < 0.05
@@ -98,6 +99,7 @@ def test_a_windscreen_takes_from_the_wind_the_more_the_higher(tmp_path):
     assert taken(390, 410) == pytest.approx(24, abs=1)
 
 
+@pytest.mark.soak
 def test_a_car_comes_from_where_it_is_and_is_loudest_where_it_is_nearest(tmp_path):
     car = {"name": "car", "kind": "passing_car", "azimuth_deg": 90.0, "at_s": 6.0, "speed_m_s": 10.0, "snr_db": 0.0}
     noise = heard(scenario(car), tmp_path, seconds=12).noise()
@@ -120,6 +122,7 @@ def test_recorded_rotors_share_the_recordings_of_a_folder(tmp_path):
     assert set(np.argsort(spectrum)[-2:].tolist()) == {500, 1500}
 
 
+@pytest.mark.soak  # of one kind: test_noise_sources
 def test_the_same_seed_makes_the_same_noise_of_every_kind(monkeypatch):
     monkeypatch.setattr(far_noise, "PERIOD", 1.0)  # more than is heard
     sources = [ONE_ROTOR, WIND, {"name": "people", "kind": "babble", "snr_db": 5.0}]

@@ -46,6 +46,7 @@ def errors(report):
     return np.abs([source["azimuth_error_deg"] for source in report["sources"]])
 
 
+@pytest.mark.soak
 def test_azimuths_from_north_hold_while_the_vehicle_turns_in_gusts(fly):
     report, _, _ = fly(SCENARIO + SHORT, 1)
     assert report["outcome"] == "target_found"

@@ -14,7 +14,8 @@ from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import talkers_of
 
-pytestmark = pytest.mark.usefixtures("undrawn")
+# without a room: test_source_tracking and test_moving_talkers
+pytestmark = [pytest.mark.soak, pytest.mark.usefixtures("undrawn")]
 
 SETS_OUT, SPEED = 3.0, 8.0  # [s], [deg/s]
 
@@ -97,7 +98,6 @@ def test_the_truth_is_written_hop_by_hop(flown):
     assert np.allclose(rows[:, 3], expected, atol=1e-3)
 
 
-@pytest.mark.soak  # of another mission: test_sitl; of what is heard of who walks: test_moving_talkers
 def test_a_rerun_gives_the_same_bytes(flown, tmp_path):
     one, other = flown[2], fly(scenario(), tmp_path / "other")[2]
     names = sorted(path.name for path in one.iterdir() if path.name != "timing.json")
