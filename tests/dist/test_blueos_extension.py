@@ -5,8 +5,11 @@ import json
 import os
 import sys
 from contextlib import closing, suppress
+from functools import partial
 from http.client import HTTPConnection
+from http.server import ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -28,6 +31,14 @@ url = "udpout:127.0.0.1:{port}"
 """
 
 
+def answered(port, path):
+    """The status and the text that a server of this computer answers."""
+    with closing(HTTPConnection("127.0.0.1", port, timeout=10)) as connection:
+        connection.request("GET", path)
+        answer = connection.getresponse()
+        return answer.status, answer.read().decode()
+
+
 @pytest.fixture
 def extension(tmp_path, monkeypatch):
     """What has an extension run in a folder, without a configuration; and what asks its front page."""
@@ -40,15 +51,14 @@ def extension(tmp_path, monkeypatch):
     soundfile.write(tmp_path / "noise.wav", np.random.default_rng(0).normal(0, 0.01, (16000 * 40, 2)), 16000)
 
     def asked(path, port=front):
-        with closing(HTTPConnection("127.0.0.1", port, timeout=10)) as connection, suppress(OSError):
-            connection.request("GET", path)
-            answer = connection.getresponse()
-            return answer.status, answer.read().decode()
+        with suppress(OSError):
+            return answered(port, path)
         return 0, ""
 
     return program([sys.executable, START], tmp_path), asked, CONFIG.format(folder=tmp_path, port=telemetry)
 
 
+@pytest.mark.soak
 def test_blueos_finds_it_and_with_its_configuration_it_runs(extension, tmp_path):
     running, asked, config = extension
     file = Path(os.environ["ROSS_CONFIG"])
@@ -76,6 +86,29 @@ def start(monkeypatch):
     monkeypatch.setattr(module, "monotonic", lambda: module.now)
     module.now = 100.0
     return module
+
+
+def test_the_token_of_the_page_is_made_once_and_for_its_owner_alone(start, tmp_path):
+    settings = start.Settings(state=tmp_path)
+    token = start.token_file(settings)
+    assert token.stat().st_mode & 0o777 == 0o600
+    before = token.read_text()
+    assert start.token_file(settings).read_text() == before
+    command = start.Extension(settings).page._command
+    assert command[command.index("--token-file") + 1] == str(token)  # nobody gets in without it
+
+
+def test_blueos_finds_the_front_page(start, tmp_path):
+    extension = start.Extension(start.Settings(config=tmp_path / "ross.toml", state=tmp_path))
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(start.Front, extension)) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        asked = partial(answered, server.server_port)
+        assert asked("/")[0] == 200
+        assert set(METADATA) <= set(json.loads(asked("/register_service")[1]))
+        assert asked("/icon.svg")[1].startswith("<svg")
+        assert asked("/../etc/passwd")[0] == 404
+        assert asked("/well") == (200, f"There is no {tmp_path / 'ross.toml'} yet.")
+        server.shutdown()
 
 
 @pytest.fixture

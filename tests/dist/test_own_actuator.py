@@ -2,6 +2,8 @@
 
 import re
 
+import pytest
+
 from own_actuator import ROOT
 from own_plugin import run
 from short_mission import ALONE
@@ -12,6 +14,7 @@ def test_it_is_in_the_list(folder):
     assert re.search(r"^my_turntable +usable +Turntable with a text protocol", listed, re.MULTILINE)
 
 
+@pytest.mark.soak
 def test_a_mission_turns_it(folder):
     (folder / "short.toml").write_text(ALONE)
     flown = run(folder, "ross_payload.cli", "sitl", "--scenario", "short.toml", "--actuator", "my_turntable")

@@ -79,6 +79,7 @@ def held_to_the_contract(folder, source, *options):
     return run(folder, *contract, "--audio-source", source, *options, cwd=ROOT)
 
 
+@pytest.mark.soak
 def test_it_keeps_the_contract(folder):
     held = held_to_the_contract(folder, source(folder), "-k", "command")
     assert held.returncode == 0, held.stdout

@@ -47,6 +47,7 @@ def advanced(voice, seconds):
     return np.fft.irfft(spectrum * np.exp(2j * np.pi * np.fft.rfftfreq(voice.size, 1 / RATE) * seconds), voice.size)
 
 
+@pytest.mark.soak
 def test_a_mission_is_flown_with_it(folder):
     (folder / "short.toml").write_text(ALONE)
     flown = run_line(folder, command(PAGE, "ross sitl") + " --scenario short.toml --json")

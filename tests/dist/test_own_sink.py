@@ -24,6 +24,7 @@ def test_its_configuration_is_good(folder):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.soak
 def test_it_takes_a_voice(folder):
     streams = (folder / "loud.toml").read_text().replace("[[listening", "[[payload.listening")
     (folder / "loud-scenario.toml").write_text(ALONE + streams)

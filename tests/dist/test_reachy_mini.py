@@ -131,6 +131,7 @@ def test_its_configuration_is_good(folder):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.soak
 def test_the_actuator_keeps_the_contract(folder):
     contract = ["pytest", "-q", "-p", "no:cacheprovider", "tests/contract/test_actuator.py"]
     held = run(folder, *contract, "--actuator-kind", "reachy_mini", cwd=ROOT)
@@ -138,6 +139,7 @@ def test_the_actuator_keeps_the_contract(folder):
     assert int(re.search(r"(\d+) passed", held.stdout)[1]) > 20
 
 
+@pytest.mark.soak
 def test_the_microphones_keep_the_contract(folder, daemon):
     contract = ["pytest", "-q", "-p", "no:cacheprovider", "tests/contract/test_audio_source.py", "-k", "reachy_mini"]
     held = run(folder, *contract, "--audio-source", f"reachy_mini:{daemon}", cwd=ROOT)

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from mission_fixtures import without_picture
 from ports import free_port
 from ross_sim.scenario import load
@@ -26,6 +28,7 @@ def test_the_scenario_of_the_guide_is_valid(tmp_path):
     assert len(load(path).talkers) == 3
 
 
+@pytest.mark.soak
 def test_the_guide_reads_the_log_of_a_mission(tmp_path, run):
     asked = brief("one-talker", tmp_path, check_s=1.0, run_s=2.0, **CHEAP)
     with without_picture():
@@ -63,6 +66,7 @@ def test_the_guide_commands_a_simulated_payload(tmp_path):
     assert commanded(tmp_path, script, "--scenario", "one-talker")[-1] == "turned"
 
 
+@pytest.mark.soak
 def test_the_guide_follows_an_exploration(tmp_path):
     asked = brief("one-talker", tmp_path, explore=SOON)
     lines = commanded(tmp_path, block("script-the-ground.md", "python", 1), "--speed", "4", "--scenario", asked)

@@ -70,7 +70,7 @@ def test_a_mission_is_watched_and_stopped_and_the_terminal_is_left_as_it_was(por
         assert screen.data.rstrip().endswith(LEFT)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGTERM, *in_soak(signal.SIGINT)])
 def test_a_signal_ends_it_in_good_order(port, number):
     with speaking(port), terminal(f"udpin:127.0.0.1:{port}") as screen:
         before = screen.settings()

@@ -118,6 +118,7 @@ def test_the_printed_answers_have_the_fields_of_true_ones(flown):
     assert json.loads(subprocess.run(command, capture_output=True, check=True).stdout) == problem
 
 
+@pytest.mark.soak
 def test_a_generated_client_flies_a_mission(flown):
     command = shell("ross_ground_client").replace(PRINTED, flown.url)
     programs = Path(sys.executable).parent

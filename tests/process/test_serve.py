@@ -76,6 +76,7 @@ def test_it_idles_until_ordered_explores_and_ends_with_the_truth(short, tmp_path
     assert soundfile.info(out / "mixture.wav").frames == truth["samples"]
 
 
+@pytest.mark.soak  # with a page: the last but one
 def test_what_it_records_on_request_is_in_the_folder(short, tmp_path):
     with serving(short, "--record", tmp_path / "tapes") as (payload, ground):
         wait(ground, "HEARTBEAT", lambda message: message.get_srcComponent() == 191)

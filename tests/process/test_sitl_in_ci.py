@@ -66,6 +66,7 @@ def asked(tmp_path):
     return brief("one-talker", tmp_path, explore=SOON, check_s=1.0, run_s=2.0, **CHEAP)
 
 
+@pytest.mark.soak
 def test_the_example_finds_everybody_and_the_target(tmp_path, asked):
     """The program of the example beside a payload, both without the shell between them."""
     port = free_port()

@@ -120,6 +120,7 @@ def test_a_cluster_of_this_computer_gives_the_rows_of_one_process(folder, whole,
     assert all(same(tmp_path / "out", whole).values())
 
 
+@pytest.mark.soak
 def test_a_worker_with_other_code_is_refused_and_named_and_the_others_go_on(folder, tmp_path):
     with cluster(tmp_path, None, OTHER_CODE, nanny="--no-nanny") as engine:
         done = study(folder, tmp_path / "out", "--engine", engine)
