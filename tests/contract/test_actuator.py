@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from device_rig import device_rig
+from examples import in_soak
 from rigs import ACCELERATION, LOWER, SWING, UPPER, Rig, kinds, rig_of
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
@@ -91,7 +92,7 @@ def test_it_is_not_settled_between_the_command_and_the_goal(rig: Rig) -> None:
         assert not rig.state.settled
 
 
-@pytest.mark.parametrize("second", [2.5, -1.0, pytest.param(0.5, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("second", [-1.0, *in_soak(2.5, 0.5)])
 def test_a_goal_replaced_in_flight_is_reached_without_a_jump_in_speed(rig: Rig, second: float) -> None:
     rig.actuator.command(2.0)
     rig.clock.sleep(0.8)

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.lockstep
 
 MANY = math.ceil(10_000 / len(KINDS))
 BRAKING = 300  # quanta in which everything comes to rest
-FEW = settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
+FEW = settings(max_examples=examples(20), suppress_health_check=list(HealthCheck))
 SOAK = settings(FEW, max_examples=MANY, phases=[Phase.explicit, Phase.generate])
 
 goals = st.one_of(st.floats(-250, 250), st.sampled_from([-200.0, 0.0, 200.0, math.nan, math.inf]))

@@ -81,6 +81,7 @@ def test_discriminants_are_those_of_scikit_learn():
         assert abs(np.corrcoef(found[:, axis], other[:, axis])[0, 1]) == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.soak
 def test_expectation_maximisation_finds_the_factors_that_made_the_statistics():
     """Two factors behind the mean of the frames of one Gaussian; scikit-learn fits them to the means themselves."""
     rng = np.random.default_rng(0)

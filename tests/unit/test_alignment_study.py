@@ -42,6 +42,7 @@ def test_a_fit_finds_the_constants_that_made_the_data() -> None:
     np.testing.assert_allclose(found, (REACH[1], ECHOES[1], BETWEEN[1]), rtol=1e-3)
 
 
+@pytest.mark.soak
 def test_two_noises_that_are_told_apart_gain_and_those_that_pose_as_one_do_not() -> None:
     """Synthetic talkers that take turns, so that a model of every bin can separate them."""
     rng = np.random.default_rng(0)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from command_line import called
+from examples import in_soak
 from ross_payload import plugins
 from ross_payload.audio.live_source import SourceStatus
 from ross_payload.audio.open_source import GROUP, open_source
@@ -207,7 +208,7 @@ def test_its_status_is_told_and_a_bad_one_is_its_trouble(installed, status, trou
     assert opened().status().trouble == trouble
 
 
-@pytest.mark.parametrize("command", [("config", "check"), ("run",), ("doctor",)])
+@pytest.mark.parametrize("command", [("config", "check"), ("run",), *in_soak(("doctor",))])
 def test_an_unknown_source_is_refused_with_what_there_is_and_how_to_get_more(command, monkeypatch, capsys, tmp_path):
     file = tmp_path / "ross.toml"
     cheap = "exploit.separator = 'duet'\nexploit.run_s = 3\n"  # to rehearse

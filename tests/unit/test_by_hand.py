@@ -175,6 +175,7 @@ def test_a_rate_that_is_none_turns_nothing(bench):
     assert State.FAULT not in [state for state, _ in one.states()]
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("kind", ["tb6600", *in_soak("dronecan_servo")])
 def test_real_drivers_follow_a_stream_a_rate_and_a_turning_base(bench, kind):
     one = bench(Base(yaw=0.0, rate=deg(6)), actuator={"kind": kind})

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from examples import in_soak
+from examples import in_soak, rows_in_soak
 from ross_payload.calibration.cross_spectrum import heading_spectrum
 from ross_payload.calibration.estimate import NotCalibrated, calibrate, span_of
 from turned_array import RATE, SPEED, around, heard_at, spectra
@@ -15,7 +15,7 @@ def found(headings, azimuth=0.7, **like):
     return calibrate(spectra(headings, **like), SPEED, azimuth=azimuth)
 
 
-@pytest.mark.parametrize("spacing", [0.1, *in_soak(0.03, 0.0453, 0.064)])
+@pytest.mark.parametrize("spacing", [*in_soak(0.1, 0.03, 0.0453, 0.064)])
 def test_the_spacing_is_found_within_half_a_millimetre_also_beyond_the_aliasing_limit(spacing):
     calibration = found(around(), spacing=spacing, noise=0.2)
     assert calibration.spacing == pytest.approx(spacing, abs=0.5e-3)
@@ -48,7 +48,7 @@ def test_microphones_that_are_swapped_are_told_from_an_offset():
     assert math.degrees(calibration.offset) == pytest.approx(0.0, abs=0.5)
 
 
-@pytest.mark.parametrize(("gain_db", "inverted"), [(-3.0, True), pytest.param(1.5, False, marks=pytest.mark.soak)])
+@pytest.mark.parametrize(("gain_db", "inverted"), rows_in_soak((-3.0, True), (1.5, False)))
 def test_gain_and_polarity_are_found_together(gain_db, inverted):
     calibration = found(around(), gain_db=gain_db, inverted=inverted)
     assert calibration.gain_db == pytest.approx(gain_db, abs=0.2)

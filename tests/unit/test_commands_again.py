@@ -16,6 +16,7 @@ from command_bench import (
     TURN,
     Payload,
 )
+from examples import in_soak
 from ross_payload.orders import (
     Home,
     Rearm,
@@ -185,12 +186,9 @@ class Patient:
 
 
 ODDS = [
-    {"loss": 0.01},
     {"loss": 0.2},
-    {"doubled": 0.3},
-    {"delayed": 0.3},
-    {"damaged": 0.2},
     {"loss": 0.2, "doubled": 0.2, "delayed": 0.2, "damaged": 0.1},
+    *in_soak({"loss": 0.01}, {"doubled": 0.3}, {"delayed": 0.3}, {"damaged": 0.2}),
 ]
 
 

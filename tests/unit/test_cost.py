@@ -73,6 +73,7 @@ def test_a_ratio_is_of_the_same_mixture():
     assert comparison([*both, *twice])[-1].split(" | ")[2:4] == ["2.0", "2.0"]
 
 
+@pytest.mark.soak
 def test_every_growing_number_has_a_row_of_its_own(voices):
     lines = growth("K", [replace(TINY, n_sources=k, seconds=0.5) for k in (2, 3)], voices, 1, 0)
     assert [line.split(" | ")[0] for line in lines[2:]] == ["| 2", "| 3"]

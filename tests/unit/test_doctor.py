@@ -5,6 +5,7 @@ import pytest
 import soundfile
 
 from doctor_bench import FAST, config, machine, put, said
+from examples import in_soak
 from ross_payload.clock import SystemClock
 from ross_payload.doctor import computer_checks, examination, speed
 from ross_payload.doctor.findings import Verdict, ok, warn, worst
@@ -207,7 +208,7 @@ class SlowClock:
         return self.time
 
 
-@pytest.mark.parametrize("motion", [{}, {"continuous": True, "rate_deg_s": 90}])
+@pytest.mark.parametrize("motion", [{}, *in_soak({"continuous": True, "rate_deg_s": 90})])
 def test_a_computer_as_fast_as_this_one_keeps_up(motion):
     cost = speed.rehearsed(config(**FAST | {"explore": FAST["explore"] | motion}), SystemClock())
     assert 0 < cost.exploring < 100

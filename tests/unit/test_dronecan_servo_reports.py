@@ -5,6 +5,7 @@ import math
 import pytest
 
 from can_servo_bench import SERVO, Rig
+from examples import rows_in_soak
 from ross_payload.errors import ActuatorFault
 from ross_protocols.dronecan.gimbal_messages import GimbalStatus
 from ross_protocols.dronecan.messages import NodeStatus, Status
@@ -136,10 +137,8 @@ def test_a_gimbal_that_hangs_upside_down_turns_the_other_way():
 @pytest.mark.parametrize(
     ("gear", "command"),
     [
-        (5.0, "position"),
         (-5.0, "unitless"),
-        pytest.param(-5.0, "position", marks=pytest.mark.soak),
-        pytest.param(5.0, "unitless", marks=pytest.mark.soak),
+        *rows_in_soak((5.0, "position"), (-5.0, "position"), (5.0, "unitless")),
     ],
 )
 def test_a_gear_makes_the_servo_turn_many_times(gear, command):

@@ -29,6 +29,7 @@ def test_it_is_for_the_python_that_runs_this(monkeypatch, tmp_path):
     assert plugins.install_line("serial").startswith("pip install")
 
 
+@pytest.mark.soak
 def test_pip_accepts_the_line_without_an_index():
     line = plugins.install_line("serial").replace("install", "install --no-index --dry-run --quiet")
     done = subprocess.run(line, shell=True, capture_output=True, text=True, check=False)  # noqa: S602

@@ -200,6 +200,7 @@ def test_nothing_is_offered_unless_it_is_asked_for():
     assert not Config().recording.offer_ftp
 
 
+@pytest.mark.soak
 def test_pymavlinks_own_client_lists_and_fetches_a_recording(payload, tmp_path, monkeypatch):
     late, calls = [], count()
     slow = SimpleNamespace(time=lambda: next(calls) * 1e-6, sleep=time.sleep)  # it gives up after seconds

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from ross_payload.localization.joint import Joint
 from ross_payload.localization.talker_evidence import FEATURES, IN_NOISE
@@ -30,6 +31,7 @@ def test_scenes_follow_from_their_numbers(monkeypatch):
     assert {args[0] for args, _ in asked} <= set(N_TALKERS)
 
 
+@pytest.mark.soak
 def test_sources_among_rotors_have_as_many_numbers_as_weights(monkeypatch):
     monkeypatch.setattr(fit_evidence_in_noise, "ROTATIONS", (5,))
     heard = SimpleNamespace(name="made-1-0-1", azimuths=np.array([1.6]))

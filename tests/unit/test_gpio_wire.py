@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from examples import examples
+from examples import examples, rows_in_soak
 from fake_lgpio import FakeLgpio
 from pulse_trains import pulse, segment
 from ross_payload.actuators.guard import Guard
@@ -229,12 +229,8 @@ OTHERWISE = {"invert_direction": True, "enable_means_off": False, "gear_ratio": 
 @pytest.mark.parametrize(
     ("phase", "options"),
     [
-        (0.0, {}),
         (0.003, OTHERWISE),
-        (0.0199, {}),
-        pytest.param(0.0, OTHERWISE, marks=pytest.mark.soak),
-        pytest.param(0.003, {}, marks=pytest.mark.soak),
-        pytest.param(0.0199, OTHERWISE, marks=pytest.mark.soak),
+        *rows_in_soak((0.0, {}), (0.0199, {}), (0.0, OTHERWISE), (0.003, {}), (0.0199, OTHERWISE)),
     ],
 )
 def test_a_move_on_pins_ends_at_its_goal_with_the_module_s_timing_kept(phase: float, options: dict[str, Any]) -> None:

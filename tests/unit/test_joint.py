@@ -157,6 +157,7 @@ def test_when_k_is_known_so_many_are_placed() -> None:
     assert joint.place([], 2) == Estimate(())
 
 
+@pytest.mark.soak
 def test_asked_again_about_the_same_it_says_the_same_and_about_more_it_is_surer_of_who_is_there() -> None:
     there, joint = list(np.deg2rad([170, 70, -50])), explorer.make(SPACING, SPEED)
     heard = listen(there, 9, noise=2.0, n_frames=360)

@@ -66,6 +66,7 @@ def test_renewing_covariances_does_not_pump(jumps_db: Jumps) -> None:
     assert jumps_db().max() < PUMPING_DB
 
 
+@pytest.mark.soak
 def test_pumping_would_be_heard(jumps_db: Jumps, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(live_gaussian, "FADE", 0.0)
     assert jumps_db().max() > PUMPING_DB
@@ -93,6 +94,7 @@ def test_talkers_never_swap_when_covariances_are_renewed(seed: int) -> None:
     assert all(group == talker for group, talker in owners)
 
 
+@pytest.mark.soak
 def test_a_swap_would_be_heard() -> None:
     live, (images, heard) = separator.live(), mixture()
     learnt = live.learn(heard, SCENE)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
 
-from examples import in_soak
+from examples import in_soak, rows_in_soak
 from ross_payload.dsp.covariance import outer
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.interfaces import Scene
@@ -106,7 +106,9 @@ def test_same_input_same_output() -> None:
     np.testing.assert_array_equal(*(separator.batch(mixture, _scene(TAU)).signals for _ in range(2)))
 
 
-@pytest.mark.parametrize(("tau", "count"), [(TAU, 2), (None, 2), (None, 1), (TAU[:1], 1), (np.zeros(0), 0)])
+@pytest.mark.parametrize(
+    ("tau", "count"), [(TAU, 2), (None, 1), (np.zeros(0), 0), *rows_in_soak((None, 2), (TAU[:1], 1))]
+)
 def test_silence_no_frames_and_a_dead_microphone_give_finite_signals(tau: np.ndarray | None, count: int) -> None:
     _, mixture = _mixture(frames=20)
     dead = [mixture * np.array(on)[:, None, None] for on in ([0, 0], [1, 0], [0, 1])]

@@ -15,6 +15,7 @@ def test_one_transform_is_the_sum_of_its_sines():
     assert sines(cycles, shifts, n, strengths) == pytest.approx(direct, abs=1e-9)
 
 
+@pytest.mark.soak
 def test_the_harmonics_of_a_rotor_follow_its_speed_and_fall_as_one_over_their_number():
     rate, blades = 16000, 2
     sound = rotor(rate, 5400.0, blades, np.random.default_rng(2))

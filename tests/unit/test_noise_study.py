@@ -18,6 +18,7 @@ def level(samples):
     return 10 * np.log10(np.mean(np.square(samples, dtype=float)))
 
 
+@pytest.mark.soak
 def test_talkers_and_noise_have_the_ratio_that_is_asked_for(monkeypatch):
     monkeypatch.setattr(noise_scenes, "HEADINGS", HEADINGS[:3])
     made = scene(2, -10.0, "synthetic", VOICES, key=[1, 2])

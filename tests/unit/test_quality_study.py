@@ -7,6 +7,7 @@ from ross_sim.study import quality_study
 pytestmark = pytest.mark.lockstep
 
 
+@pytest.mark.soak
 def test_it_compares_every_group_with_the_truth(capsys, monkeypatch):
     monkeypatch.setattr(quality_study, "DURATIONS", (2.0,))
     monkeypatch.setattr(quality_study, "TALKERS", (2, 3))

@@ -51,6 +51,7 @@ def tiny_disk(tmp_path):
     subprocess.run(["umount", "-l", folder], check=True)
 
 
+@pytest.mark.soak
 def test_a_disk_that_runs_full_ends_the_recording_and_not_the_mission(tiny_disk):
     with recording(tiny_disk) as recorder:
         for index in range(2000):

@@ -86,6 +86,7 @@ def _short(monkeypatch):
     monkeypatch.setattr(noise_clips, "KIND_SHARES", (0.0, 0.0, 1.0))
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("_short")
 def test_a_clip_in_noise_depends_on_its_number_and_its_piece_shows_what_the_payload_would():
     rng = np.random.default_rng(0)
@@ -124,6 +125,7 @@ def uncorrected():
     return Refined(in_noise=silent()).batch(*scene_of()).signals
 
 
+@pytest.mark.soak
 def test_a_network_that_corrects_nothing_leaves_nearly_the_local_gaussian_model():
     spectrogram, scene = scene_of()
     found = uncorrected()

@@ -51,6 +51,7 @@ def gains(groups, recording):
     return [si_sdr(voice, image) - si_sdr(mixture[0], image) for voice, image in zip(voices, images, strict=True)]
 
 
+@pytest.mark.soak
 def test_noise_found_anew_gains_over_the_psd_of_a_lead_in_when_the_throttle_moves(recording, alone):
     without = gains(local_gaussian_model.separator.batch(recording[2], recording[3]), recording)
     within = gains(alone, recording)

@@ -86,6 +86,7 @@ def test_one_talker_alone_tells_nothing():
     assert common_shift(estimate(10), estimate(22)) is None
 
 
+@pytest.mark.soak
 def test_other_people_seldom_stand_where_a_shift_would_put_them():
     chance = np.random.default_rng(0)
     for talkers, seldom in ((2, 0.02), (3, 0.003)):

@@ -37,6 +37,7 @@ def test_a_print_is_that_of_enrolling_to_the_last_bit_and_is_made_once(tmp_path,
     assert replace(again, embedding=0) == replace(made, embedding=0)
 
 
+@pytest.mark.soak
 def test_another_voice_model_or_code_makes_a_print_of_its_own(tmp_path, monkeypatch):
     model = built_in_model()
     other = BuiltInModel(replace(model.parameters, centre=model.parameters.centre + 0.01))

@@ -29,6 +29,7 @@ def _voices(n_talkers: int = 3, seconds: float = 4.0) -> dict[str, np.ndarray]:
     return {f"t{i}": rng.standard_normal(round(seconds * RATE)) for i in range(n_talkers)}
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("_short")
 def test_a_clip_depends_on_its_number_alone_and_adds_up(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(refiner_data, "MISSED", 0.0)

@@ -80,6 +80,7 @@ def test_steps_take_the_time_of_the_turns_and_a_turn_only_that_of_listening(sour
     assert np.rad2deg(turn.headings[0]) == pytest.approx(60 - 60 * 60 / (2 * 112.5))  # it begins from rest
 
 
+@pytest.mark.soak
 def test_a_talker_is_found_while_the_array_turns_and_the_row_says_when(source):
     rows = perform(replace(STEPPING, rate=60.0), study(), source).explorations
     assert [row.time_s for row in rows] == [1.0, 2.0, 3.0]

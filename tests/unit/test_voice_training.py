@@ -78,6 +78,7 @@ def test_everybody_is_heard_once_in_a_round_with_others_of_that_length():
     assert np.median(spans) == 1.0
 
 
+@pytest.mark.soak
 def test_what_is_separated_is_the_talker_and_as_long(voices):
     clips = [voices["ann"], voices["bob"][: 2 * RATE], voices["cleo"]]
     found = heard(clips, np.random.default_rng(7))

@@ -77,6 +77,7 @@ def test_some_talkers_of_a_folder_are_read_and_the_others_left_alone(tmp_path):
         load_folder(tmp_path, RATE)
 
 
+@pytest.mark.soak
 def test_every_separated_voice_is_scored_against_every_print(monkeypatch):
     """The scores are those of the prints themselves, though a voice is embedded once."""
     clips = {"ann": (220.0, 900.0), "bob": (110.0, 500.0), "cleo": (180.0, 1500.0)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from ross_payload.dsp.covariance import outer
 from ross_payload.dsp.ego_noise import learnt
@@ -55,6 +56,7 @@ def test_rotors_are_not_gusty():
     assert not known.gusty
 
 
+@pytest.mark.soak
 def test_the_noise_of_gusts_is_known_better_where_their_level_is():
     lead_in, (blown, _) = gust(2.0)[0], gust()
     heard = spectrogram(blown)

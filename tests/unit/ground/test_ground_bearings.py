@@ -70,6 +70,7 @@ def test_two_exact_bearings_of_a_point_cross_there(east, north):
         assert (x, y) == pytest.approx((east, north), abs=1e-3)
 
 
+@pytest.mark.soak
 def test_the_covariance_is_that_of_a_monte_carlo():
     first, second = BearingLine(0, 0, -0.6, math.radians(1.0), 1.5), BearingLine(60, 0, 0.5, math.radians(1.5), 1.5)
     rng = np.random.default_rng(7)

@@ -1,5 +1,6 @@
 """The models of orders and the schema that others get of them accept the same, and the page's protocol no less."""
 
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from jsonschema_rs import validator_for
@@ -53,6 +54,7 @@ def is_accepted(order):
         return False
 
 
+@pytest.mark.soak
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(orders)
 @example(("stream", {"address": "127.0.0.1", "port": 5004, "what": "source"}))
