@@ -1,5 +1,6 @@
-"""The manual says what the code says, and builds without a warning."""
+"""The manual says what the code says, and builds without a warning: the whole of it in `make soak` and `make docs`."""
 
+import ast
 import importlib.util
 import json
 import re
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from manual import every_block
 from ross_payload import ground, interfaces
 from ross_payload.actuators.vehicle_yaw.options import Options
 
@@ -54,6 +56,50 @@ def test_every_row_of_the_tables_of_promises_names_its_test():
     assert [row.split("|")[1].strip() for row in bare] == ["`ideal`", "your own"]  # no motor; not ours
 
 
+def test_every_page_is_in_a_table_of_contents():
+    docs, named = ROOT / "docs", set()
+    for name in ("index.md", "explanation/decisions.md"):
+        path = docs / name
+        for tree in re.findall(r"```\{toctree\}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL):
+            for entry in re.findall(r"(?m)^(?!:)\S+$", tree):
+                folder, _, pattern = entry.rpartition("/")
+                found = list((path.parent / folder).glob(f"{pattern}.md"))
+                assert found, f"{name}: {entry}"
+                named |= {page.resolve() for page in found}
+    assert set(docs.rglob("*.md")) - {docs / "index.md"} - set((docs / "_build").rglob("*.md")) == named
+
+
+def test_the_page_of_the_client_asks_for_every_public_name():
+    text = (ROOT / "docs" / "reference" / "client-api.md").read_text(encoding="utf-8")
+    asked = set(re.findall(r"^\.\. auto\w+:: ([\w.]+)$", text, re.MULTILINE))
+    places = {name: {f"ross_payload.ground.{name}", getattr(ground, name).__module__} for name in ground.__all__}
+    assert [name for name, where in places.items() if not where & asked] == []
+
+
+@pytest.mark.parametrize(
+    "block", [each for each in every_block() if each.language in ("{include}", "{literalinclude}")]
+)
+def test_what_a_page_includes_is_there(block):
+    """A file, an object of Python in it by its name, and the words at which a piece of it begins and ends."""
+    first = (ROOT / block.page).read_text(encoding="utf-8").splitlines()[block.line - 1]
+    text = ((ROOT / block.page).parent / first.rpartition(" ")[2]).read_text(encoding="utf-8")
+    options = dict(re.findall(r"(?m)^:([\w-]+): (.+)$", block.text))
+    if name := options.get("pyobject"):
+        text = piece(text, name)
+    for option in ("start-at", "start-after", "end-at", "end-before"):
+        words = options.get(option, "")
+        assert words in text, f"{block.page}: {first}: {option}: {words}"
+        text = text[text.index(words) :] if option.startswith("start") else text
+
+
+def piece(text, name):
+    """The source of a class, a function or a method."""
+    node = ast.parse(text)
+    for part in name.split("."):
+        node = next(one for one in node.body if getattr(one, "name", None) == part)
+    return ast.get_source_segment(text, node)
+
+
 THEMED = ("index", "explanation/decisions", "explanation/where-to-turn")
 BUILDS = """
 import gc
@@ -82,6 +128,7 @@ def manual(tmp_path_factory):
     return paths[1], subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.soak
 def test_the_manual_builds_with_warnings_as_errors(manual):
     folder, built = manual
     assert built.returncode == 0, built.stderr
@@ -90,6 +137,7 @@ def test_the_manual_builds_with_warnings_as_errors(manual):
         assert "furo" in (folder / f"{name}.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.soak
 def test_formulas_are_drawn_without_a_script_and_without_a_network(manual):
     folder, _ = manual
     formulas = 0
@@ -109,6 +157,7 @@ def test_how_tos_stand_in_at_most_seven_groups_and_each_page_in_one():
     assert sorted(named) == sorted(path.stem for path in (ROOT / "docs" / "how-to").glob("*.md"))
 
 
+@pytest.mark.soak
 def test_decisions_are_on_a_page_of_their_own(manual):
     folder, _ = manual
     index, page = ((folder / name).read_text(encoding="utf-8") for name in ("index.html", "explanation/decisions.html"))
@@ -116,6 +165,7 @@ def test_decisions_are_on_a_page_of_their_own(manual):
     assert "0044-a-stop" in re.search(r'<div class="toctree-wrapper.*', page, re.DOTALL)[0]
 
 
+@pytest.mark.soak
 def test_every_public_name_is_on_its_page(manual):
     folder, _ = manual
     client = (folder / "reference" / "client-api.html").read_text(encoding="utf-8")

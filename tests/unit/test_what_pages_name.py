@@ -14,9 +14,9 @@ from ross_payload.config import Config, Table
 from ross_sim.scenario import Scenario
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
+LABEL = re.compile(r"^\(([\w-]+)\)=$", re.MULTILINE)
 URL = re.compile(r"https?://[^\s)>`\"']+")
 CODE = re.compile(r"`[^`\n]+`")
-TOP = ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")  # of docs Sphinx checks the links
 KEY = re.compile(r"`\[{1,2}([\w.]+)\]{1,2} (\w+)")  # `[guard] lower_deg`
 DOTTED = re.compile(r"`([a-z_]+)\.([a-z_]+)(?= =|`)")  # `guard.lower_deg`, `mount.source = "autopilot"`
 OTHERS = {"wav", "json", "toml", "tlog", "log", "app", "load_dsdl"}  # endings of files; names of the package dronecan
@@ -28,23 +28,32 @@ def prose(path):
     return BLOCK.sub("", path.read_text(encoding="utf-8"))
 
 
+@cache
 def anchors(path):
     """The names that GitHub and MyST give the headings of a page, and those that it gives itself."""
     text = prose(path)
-    own = re.findall(r"^\(([\w-]+)\)=$", text, re.MULTILINE)
+    own = LABEL.findall(text)
     titles = re.findall(r"^#+ (.+)$", text, re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles} | set(own)
 
 
-@pytest.mark.parametrize("name", TOP)
-def test_a_link_of_the_top_leads_to_a_file_and_its_heading(name):
-    for target in LINK.findall(prose(ROOT / name)):
+@cache
+def labels():
+    """The names that pages of the manual give themselves, which all of them know."""
+    return {label for path in pages() for label in LABEL.findall(prose(path))}
+
+
+@pytest.mark.parametrize("page", (*pages(), ROOT / "CHANGELOG.md"), ids=lambda path: path.stem)
+def test_a_link_leads_to_a_file_and_its_heading(page):
+    for target in LINK.findall(CODE.sub("", prose(page))):
         if "://" in target:
             continue
         file, _, anchor = target.partition("#")
-        path = ROOT / (file or name)
-        assert path.exists(), f"{name}: {target}"
-        assert not anchor or anchor in anchors(path), f"{name}: {target}: {sorted(anchors(path))}"
+        path = page.parent / file if file else page
+        assert path.exists(), f"{page.name}: {target}"
+        if anchor:
+            known = anchors(path) if file else anchors(path) | labels()
+            assert anchor in known, f"{page.name}: {target}: {sorted(known)}"
 
 
 @pytest.mark.parametrize("path", (*pages(), ROOT / "CHANGELOG.md"), ids=lambda path: path.stem)
