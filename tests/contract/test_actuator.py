@@ -26,7 +26,7 @@ pytestmark = pytest.mark.lockstep
 TOLD_OTHERWISE = ("mavlink_gimbal:manager", "dronecan_servo:gimbal", "vehicle_yaw:offboard")  # what a goal is said with
 ROLES = {  # that run with every test; the other tests take every back end in its first role, and all roles in soak
     "test_it_reaches_every_goal_the_long_way_round_too_and_settles_there": TOLD_OTHERWISE,
-    "test_stop_halts_within_the_braking_distance_and_100_ms_of_travel": (*TOLD_OTHERWISE, "tb6600:switch"),
+    "test_stop_halts_within_the_braking_distance_and_100_ms_of_travel": TOLD_OTHERWISE,
     "test_it_is_never_settled_on_stale_feedback_and_the_guard_says_so": TOLD_OTHERWISE,
 }
 
@@ -66,6 +66,7 @@ def test_it_reaches_every_goal_the_long_way_round_too_and_settles_there(rig: Rig
         assert rig.far_end.complaints() == []
 
 
+@pytest.mark.soak
 def test_at_rest_the_true_angle_is_the_reported_angle(rig: Rig) -> None:
     rig.actuator.command(math.radians(77.7))
     rig.settle(within=5.0)

@@ -104,6 +104,7 @@ def turned(*, spacing=0.05, gain_db=0.0, inverted=False, rate_deg_s=20.0, second
     return [event for event in context.pending if isinstance(event, ArrayContradicted)]
 
 
+@pytest.mark.soak
 def test_an_exploration_without_a_pause_says_so_too():
     assert turned() == []
     assert turned(gain_db=-2.5)[0].gain_db == pytest.approx(-2.5, abs=0.2)

@@ -254,6 +254,7 @@ def test_the_command_line_refuses_it_too(command, installed, monkeypatch, capsys
     assert "Traceback" not in err
 
 
+@pytest.mark.soak
 def test_a_simulated_mission_ends_with_one_line_and_exit_code_1(installed, monkeypatch, capsys, tmp_path):
     installed("class A:\n    name = 'a'\n    def batch(self, spectrogram, scene): return None\nplugin = A()")
     (tmp_path / "short.toml").write_text(SHORT)

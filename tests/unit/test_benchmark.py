@@ -294,6 +294,7 @@ def test_estimates_that_do_not_fit_are_refused_in_one_line(audio, tmp_path, ross
     assert not (tmp_path / "rows").exists()
 
 
+@pytest.mark.soak
 def test_our_methods_are_scored_as_anybodys_and_the_oracle_is_best(audio, tmp_path, ross):
     for method in ("irm", "duet", "joint"):
         arguments = ("--audio", audio, "--method", method, "--out", tmp_path / method)

@@ -63,12 +63,14 @@ def test_a_delay_between_the_channels_is_told_apart_from_the_spacing():
     assert calibration.spacing == pytest.approx(0.05, abs=0.5e-3)
 
 
+@pytest.mark.soak
 def test_a_third_of_a_turn_is_enough_and_a_delay_is_not_told_then():
     calibration = found(around(8, 120.0))
     assert calibration.delay is None
     assert calibration.spacing == pytest.approx(0.05, abs=0.5e-3)
 
 
+@pytest.mark.soak
 def test_a_sound_below_the_array_is_no_smaller_spacing_when_its_elevation_is_told():
     low = 0.05 * math.cos(math.radians(30))  # how delays of 50 mm look from there
     calibration = calibrate(spectra(around(), spacing=low), SPEED, elevation=math.radians(-30))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from can_servo_bench import Rig
+from examples import in_soak
 from ross_payload.dronecan.node import Identity, Node
 from ross_payload.dronecan.shared_bus import SharedBuses
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
@@ -119,7 +120,7 @@ def test_a_program_that_hangs_or_dies_leaves_a_servo_at_its_last_set_point(comma
     assert abs(rig.node.shaft.rate) < math.radians(0.1)  # held by friction, or creeping within a count of its encoder
 
 
-@pytest.mark.parametrize("pause", [0.15, 0.6, 3.0])
+@pytest.mark.parametrize("pause", [0.6, *in_soak(0.15, 3.0)])
 def test_after_a_pause_of_the_program_set_points_go_on_where_they_ended(pause):
     rig = Rig(**MODEL)
     rig.actuator.home()
@@ -184,7 +185,7 @@ def test_a_bus_that_only_reports_do_not_pass_is_named_too():
     assert rig.state.fault.endswith("most of them from node 7")
 
 
-@pytest.mark.parametrize("beats_only", [False, True])
+@pytest.mark.parametrize("beats_only", [True, *in_soak(False)])
 def test_a_busy_bus_on_which_the_servo_is_heard_is_no_fault(beats_only):
     rig = Rig(guard={"watchdog_s": 2.5}, **(MODEL if beats_only else {}))
     rig.node._next_report = math.inf if beats_only else 0.0
@@ -208,6 +209,7 @@ def test_a_frame_lost_now_and_then_is_no_fault():
         assert rig.state.settled
 
 
+@pytest.mark.soak
 def test_a_good_encoder_does_not_tremble():
     rig = Rig()
     for goal in (3, -150, 150, 149, 0):

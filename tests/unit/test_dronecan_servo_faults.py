@@ -138,7 +138,7 @@ BREAKS = {
 
 
 @pytest.mark.parametrize("words", BREAKS)
-@pytest.mark.parametrize("seed", [*range(5), *in_soak(*range(5, 20))])
+@pytest.mark.parametrize("seed", [0, *in_soak(*range(1, 20))])
 def test_whatever_breaks_in_a_move_is_named_in_time_and_never_settled(words, seed):
     chance = random.Random(seed)  # noqa: S311
     rig = Rig()

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from can_servo_bench import SERVO, Rig
-from examples import rows_in_soak
+from examples import in_soak, rows_in_soak
 from ross_payload.errors import ActuatorFault
 from ross_protocols.dronecan.gimbal_messages import GimbalStatus
 from ross_protocols.dronecan.messages import NodeStatus, Status
@@ -51,7 +51,7 @@ class Liar:
         (-4.5, "outside its travel"),
     ],
 )
-@pytest.mark.parametrize("moving", [False, True])
+@pytest.mark.parametrize("moving", [True, *in_soak(False)])
 def test_an_absurd_position_is_one_line_and_no_motion(position, words, moving):
     wires = []
     rig = Rig(wrap=lambda port: wires.append(Liar(port, position)) or wires[0])

@@ -8,7 +8,7 @@ import pytest
 import soundfile
 
 from command_line import called
-from examples import in_soak
+from examples import in_soak, rows_in_soak
 from ross_payload.audio.audio_files import write_wav
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.stft import Stft
@@ -108,11 +108,12 @@ def best(values):
     return next(group for group in values["groups"] if group["best"])
 
 
-def test_the_score_is_that_of_the_ground_truth(scene, takes, scored, truth):
+@pytest.mark.parametrize(("how", "separator"), [(CHEAP, gaussian), *rows_in_soak(((), auto))])
+def test_the_score_is_that_of_the_ground_truth(scene, takes, scored, *, how, separator, truth):
     _, heading = scene
-    values = scored(takes / "a.wav", takes / "b.wav", *known(heading), how=())
+    values = scored(takes / "a.wav", takes / "b.wav", *known(heading), how=how)
     assert best(values)["sources"] == [TARGET]
-    assert best(values)["si_sdri_db"] == pytest.approx(truth(separator=auto), abs=0.1)
+    assert best(values)["si_sdri_db"] == pytest.approx(truth(separator=separator), abs=0.1)
     assert best(values)["si_sdri_db"] > 5
     assert values["lag_s"] == 0
 

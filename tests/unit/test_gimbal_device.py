@@ -147,6 +147,7 @@ def test_a_lock_is_held_by_what_the_autopilot_tells_gimbals(bench):
     assert one.attitude(11.0).flags == LOCKED
 
 
+@pytest.mark.soak
 def test_a_lock_goes_on_when_the_attitude_comes_back(bench):
     one = bench(Base(yaw=0.0, rate=deg(5)))
     vehicle = Vehicle(one)

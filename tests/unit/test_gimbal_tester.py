@@ -91,6 +91,7 @@ def test_it_looks_forward_at_first(tested):
     assert abs(yaw_of(one, 3.9)) < 1.0
 
 
+@pytest.mark.soak
 def test_it_pans_to_its_limits_in_two_seconds_each(tested):
     one, tester = tested()
     ends = [(yaw, tester.then(2.0, yaw=yaw)) for yaw in (0.0, 120.0, 0.0, -120.0, 0.0)]

@@ -88,6 +88,7 @@ def test_a_switch_that_is_high_when_pressed_and_a_motor_that_turns_the_other_way
     assert bench.go(45.0).true_deg == pytest.approx(45.0, abs=STEP)
 
 
+@pytest.mark.soak
 @settings(max_examples=examples(6))
 @given(start=st.integers(-20, 20), bounce=st.sampled_from([0.0, 0.02, 0.05]), speed=st.floats(5, 90))
 def test_wherever_it_stands_and_however_the_switch_chatters_the_zero_is_within_two_steps(

@@ -55,7 +55,7 @@ def test_an_id_that_comes_late_leaves_a_healthy_node_and_a_payload_that_turns(tm
     def script(bench):
         begin = bench.clock.now()
         while not given:
-            if not autopilot and bench.clock.now() > 10.0:
+            if not autopilot and bench.clock.now() > 6.0:
                 autopilot.append(Allocating(bench.far_end.crowd.bus, bench.clock.now()))
             for each in autopilot:
                 each.poll(bench.clock.now())
@@ -96,17 +96,17 @@ def test_a_task_of_autostart_begins_when_the_id_has_come(tmp_path):
     def script(bench):
         states.append(States(bench.clock))
         bench.runner.observers += states
-        while bench.clock.now() < 10.0:
+        while bench.clock.now() < 6.0:
             yield
         assert bench.heard.fault
         autopilot = Allocating(bench.far_end.crowd.bus, bench.clock.now())
-        while bench.clock.now() < 25.0:
+        while bench.clock.now() < 16.0:
             autopilot.poll(bench.clock.now())
             yield
 
     tables = {"dronecan": {"port": URL, "node_id": 0}, "service": {"autostart": "explore"}}
     play(script, None, tmp_path, actuator=servo, **tables)
-    found = [state for time, state in states[0].entered if time > 10.0]
+    found = [state for time, state in states[0].entered if time > 6.0]
     assert found[:2] == [State.IDLE, State.LEAD_IN], found
 
 
@@ -126,7 +126,7 @@ def test_an_autopilot_that_is_late_leaves_a_healthy_node_and_a_payload_that_turn
         yield from (None for _ in range(600))
         states.append(bench.far_end.angle())
 
-    play(script, wire.open, tmp_path, powered=8.0, actuator=gimbal)
+    play(script, wire.open, tmp_path, powered=4.0, actuator=gimbal)
     assert states == [Health.OK, pytest.approx(0.5, abs=0.03)]
 
 

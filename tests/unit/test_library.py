@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
-from examples import in_soak
+from examples import in_soak, rows_in_soak
 from ross_payload import plugins
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.errors import PluginError
@@ -94,7 +94,9 @@ def test_the_global_generator_and_the_threads_are_given_back() -> None:
 
 
 @BOTH
-@pytest.mark.parametrize(("tau", "count"), [(TAU, 2), (None, 2), (None, 1), (TAU[:1], 1), (np.zeros(0), 0)])
+@pytest.mark.parametrize(
+    ("tau", "count"), [(TAU, 2), (None, 1), *rows_in_soak((None, 2), (TAU[:1], 1), (np.zeros(0), 0))]
+)
 def test_silence_no_frames_and_a_dead_microphone_give_finite_signals(
     monkeypatch: pytest.MonkeyPatch, separator: Separator, tau: np.ndarray | None, count: int
 ) -> None:

@@ -76,6 +76,7 @@ def test_all_that_was_heard_gets_out_without_any_mission(tmp_path):
     assert np.array_equal(heard(tmp_path), MIXTURE[0])
 
 
+@pytest.mark.soak
 def test_a_voice_is_what_the_lock_step_gives_but_for_when_it_is_learnt(tmp_path):
     told = SourcesEstimated(0.0, estimate(), rotations=1, final=True), StateChanged(0.0, State.RUN)
     (first, *_) = inputs(MIXTURE)

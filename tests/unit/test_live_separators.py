@@ -30,6 +30,7 @@ def test_duet_gives_the_frames_of_the_whole_recording() -> None:
     np.testing.assert_allclose(live[..., 1:], whole[..., 1:39], atol=1e-5)
 
 
+@pytest.mark.soak
 def test_duet_guesses_the_noise_that_nobody_knows() -> None:
     unknown, (_, heard) = replace(SCENE, noise_psd=None), mixture()
     loud = listened(duet.separator.live(), heard, unknown)

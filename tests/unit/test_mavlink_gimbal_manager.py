@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from examples import examples
+from examples import examples, in_soak
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault
@@ -277,7 +277,7 @@ def test_without_a_gimbal_every_acknowledgement_is_worth_nothing():
         (-math.inf, 0.1, "got -inf to 6"),
     ],
 )
-@pytest.mark.parametrize("role", ["client", "manager"])
+@pytest.mark.parametrize("role", ["client", *in_soak("manager")])
 def test_absurd_limits_of_a_gimbal_are_one_clear_line_and_no_motion(role, lower, upper, words):
     class Absurd(Device):
         def _information(self, now):
@@ -303,7 +303,7 @@ def test_a_gimbal_that_does_not_know_its_limits_is_believed_to_have_those_of_the
     assert Bench(far_end).fault == ""
 
 
-@pytest.mark.parametrize("role", ["client", "manager"])
+@pytest.mark.parametrize("role", ["client", *in_soak("manager")])
 def test_a_slip_on_the_platform_is_seen_by_nobody(role):
     from ross_sim.devices.far_end import Fault
 

@@ -71,6 +71,7 @@ def test_a_pilot_reaches_50_degrees_again_and_again_and_the_state_follows(before
     assert rig.far_end.angle() == pytest.approx(0.2, abs=math.radians(0.1))
 
 
+@pytest.mark.soak
 def test_a_burst_of_a_pilot_is_no_fault_and_moves_the_gimbal(rig):
     for n in range(50):
         rig.point(-50.0 if n % 10 < 5 else 50.0)

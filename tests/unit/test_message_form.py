@@ -74,6 +74,7 @@ def test_no_message_says_found_and_wanted():
     assert everywhere(WORDS) == []
 
 
+@pytest.mark.soak
 def test_messages_use_the_terms_of_the_field():
     assert everywhere(TERMS) == []
 

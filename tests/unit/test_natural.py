@@ -56,6 +56,7 @@ def test_aliased_sources_come_out_together() -> None:
     assert _leak_db(groups.signals[0], images[0] + images[2]) < -15
 
 
+@pytest.mark.soak
 def test_the_gradient_vanishes_at_the_solution() -> None:
     """E[phi(y) y^H] = I is the fixed point of the natural gradient, whatever the scale of the projection back."""
     _, mixture = _mixture()

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from examples import in_soak
 from ross_payload.dsp.covariance import ROOT2, outer
 from ross_payload.dsp.noise_field import coherence, noise_field, whitened
 from rotor_scenes import ROTORS, STFT, rotor_noise, talk
@@ -74,7 +75,7 @@ def test_silence_and_nothing_are_no_trouble():
     assert noise_field(np.zeros((2, 257, 0), complex), STFT.frequencies, STFT.period).shape == (257, 4, 0)
 
 
-@pytest.mark.parametrize("heading", [0.0, 0.7, 2.0])
+@pytest.mark.parametrize("heading", [0.7, *in_soak(0.0, 2.0)])
 def test_known_places_give_the_covariance_at_any_heading(heading):
     noise = rotor_noise(6, heading)
     true = outer(STFT.analyse(noise.astype(np.float32))).mean(axis=2)

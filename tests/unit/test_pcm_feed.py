@@ -9,6 +9,7 @@ import pytest
 import soundfile
 
 from clocks import FakeClock
+from examples import in_soak
 from full_disk import fill
 from ross_payload.audio.listener.pcm_feed import DELAY_S, FARTHEST_S, NEAR_S, PcmFeed
 from ross_payload.audio.listener.playback import Meter, to_file
@@ -95,7 +96,7 @@ def test_blocks_that_come_unevenly_change_no_sample(lump):
     assert np.array_equal(heard, VOICE[: len(heard)])
 
 
-@pytest.mark.parametrize("lump", [792, 808])
+@pytest.mark.parametrize("lump", [792, *in_soak(808)])
 def test_a_sender_with_another_clock_is_followed(lump):
     """Every 50 ms come 1 % less, or more, than are taken."""
     with Sender() as sender:

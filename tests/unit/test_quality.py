@@ -40,6 +40,7 @@ def test_a_group_whose_twin_stands_in_the_same_place_is_not_clean() -> None:
     assert qualities(psds, covariances)[0].si_sdr < alone - 20
 
 
+@pytest.mark.soak
 def test_the_estimate_is_near_the_truth() -> None:
     rng = np.random.default_rng(3)
     voices = [synthetic_voice(variant, RATE).speech[: 4 * RATE] for variant in range(3)]

@@ -151,6 +151,7 @@ def test_the_weights_of_the_package_are_those_of_noise():
     assert dataclasses.asdict(network_in_noise()).keys() == dataclasses.asdict(shipped_network()).keys()
 
 
+@pytest.mark.soak
 def test_the_weights_of_the_package_leave_less_noise_than_none_and_than_those_for_white_noise():
     image, (spectrogram, scene) = talk(SECONDS, 1.9, 0.4)[0], scene_of(louder=3.0)
     networks = {"none": silent(), "white": network_of(widened(shipped_arrays())), "shipped": None}

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from examples import in_soak
 from ross_payload.errors import ConfigError
 from ross_sim.acoustics.impulse_responses import Responses
 from ross_sim.acoustics.room import SINC, RoomSpec, respond
@@ -62,7 +63,7 @@ def test_speed_of_sound_sets_the_arrival():
     assert np.abs(response).argmax() - SINC // 2 == pytest.approx(4.0 / 320 * RATE, abs=1)
 
 
-@pytest.mark.parametrize("size", [(10.0, 10.0), (5.0, 4.0, 3.0)])
+@pytest.mark.parametrize("size", [(10.0, 10.0), *in_soak((5.0, 4.0, 3.0))])
 def test_energy_decays_by_thirty_db_in_about_half_of_t60(size):
     centre = tuple(side / 2 for side in size)
     source = (centre[0] + 1.5, *centre[1:])

@@ -65,6 +65,7 @@ def test_somebody_alone_who_walks_is_not_taken_for_a_room():
     assert tracker.acts
 
 
+@pytest.mark.soak
 def test_somebody_who_walks_beside_others_is_not_taken_for_a_room():
     tracker = heard(told(*RESTING), 1.0, 5.0, path=lambda time: (80.0 + 12 * time, *RESTING[1:]))
     assert tracker.tracks.amplitude > 0.95

@@ -11,6 +11,7 @@ import pytest
 import soundfile
 
 from command_line import called
+from examples import in_soak
 from ports import free_port
 from ross_payload.audio.sinks import SinkServices, checked_options, info_of, make_sink, sdp_server
 from ross_payload.audio.sinks.sdp_server import MOST_CLIENTS, SdpServer
@@ -186,7 +187,7 @@ def test_a_payload_serves_descriptions_where_its_configuration_says_so(caplog):
         urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=30)
 
 
-@pytest.mark.parametrize("codec", ["opus", "L16"])
+@pytest.mark.parametrize("codec", ["opus", *in_soak("L16")])
 def test_a_stream_is_listened_to_by_its_session_description(tmp_path, monkeypatch, capsys, codec):
     port = free_port()
     out = tmp_path / "heard.flac"

@@ -111,6 +111,7 @@ def test_who_has_gone_far_acts_sooner():
     assert tracker.moved == [False, True]
 
 
+@pytest.mark.soak
 def test_nobody_acts_while_everybody_stays():
     tracker = tracker_of(estimate(-20, 100, -150))
     said = feed(tracker, noises([lambda t: -20.0, lambda t: 100.0, lambda t: -150.0], 4.0, 0.9), 0.9)

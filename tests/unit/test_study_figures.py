@@ -61,6 +61,7 @@ def drawn(tmp_path_factory):
     return folder, draw(folder, *rows_to_draw())
 
 
+@pytest.mark.soak
 def test_there_are_three_kinds_of_figures_each_twice(drawn):
     folder, names = drawn
     expected = {"aoa", "orientation-gaussian", "methods"}
@@ -68,6 +69,7 @@ def test_there_are_three_kinds_of_figures_each_twice(drawn):
     assert set(names) == {path.name for path in folder.iterdir()}
 
 
+@pytest.mark.soak
 def test_figures_have_ink_and_still_have_it_in_grey(drawn):
     folder, names = drawn
     for name in names:

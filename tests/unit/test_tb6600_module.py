@@ -27,6 +27,7 @@ def heavy(torque_needed: float, acceleration_deg: float) -> Motor:
     return replace(Motor(), load_inertia=inertia, coulomb=0.0, viscous=1e-3)
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("acceleration_deg", [112.5, *in_soak(6000.0)])
 def test_half_the_torque_is_enough_and_one_and_a_half_is_not(acceleration_deg: float) -> None:
     options: dict[str, Any] = {"max_acceleration_deg_s2": acceleration_deg}

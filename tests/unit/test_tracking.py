@@ -164,6 +164,7 @@ def test_past_the_axis_both_sides_stay_possible_until_the_array_turns():
     assert odds_of(tracks, 0, path(time)) > 0.9
 
 
+@pytest.mark.soak
 def test_of_two_with_one_delay_either_may_have_set_out_until_the_array_turns():
     """Sources 1 and 2 are 50 degrees to either side of the axis, and 2 sets out; source 0 is the one listened to."""
     axis, turned = 40.0, 5.0

@@ -55,13 +55,14 @@ def test_the_score_does_not_depend_on_the_level(ann):
     assert ann.score(0.01 * voice, RATE).value == pytest.approx(ann.score(voice, RATE).value, abs=1e-3)
 
 
+@pytest.mark.soak
 def test_the_score_hardly_depends_on_the_sampling_rate(ann):
     at_48k = talk(ANN, 3, seed=1, rate=48000)
     at_16k = at_48k.reshape(-1, 3)[:, 0]  # nothing above 8 kHz but the noise 80 dB below
     assert ann.score(at_48k, 48000).value == pytest.approx(ann.score(at_16k, RATE).value, abs=0.3)
 
 
-@pytest.mark.parametrize("seconds", [1.5, *in_soak(3.0, 10.0)])
+@pytest.mark.parametrize("seconds", in_soak(1.5, 3.0, 10.0))
 def test_the_enrolled_voice_is_accepted_however_long_it_speaks(ann, seconds):
     assert ann.score(talk(ANN, 10, seed=3)[: round(seconds * RATE)], RATE).accepted
 

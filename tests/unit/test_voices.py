@@ -54,6 +54,7 @@ def test_any_three_neighbours_say_different_things():
     assert not set(texts.SPEECH) & set(texts.ENROLMENT)
 
 
+@pytest.mark.soak
 def test_a_minute_of_levelled_speech_comes_from_the_cache_the_second_time(tmp_path):
     first = synthetic_voice(1, 16000, tmp_path)
     (path,) = (tmp_path / "voices").iterdir()

@@ -55,7 +55,7 @@ def test_an_interval_is_as_wide_as_mixtures_differ():
     assert low[0] == 0.0 < 1 / 9 < high[0] < 0.5
 
 
-@pytest.mark.parametrize(("room", "least"), [("S1", 0.8), *rows_in_soak(("S2", 0.5))])
+@pytest.mark.parametrize(("room", "least"), rows_in_soak(("S1", 0.8), ("S2", 0.5)))
 def test_the_separated_voice_is_most_of_all_like_its_talker(room, least):
     rng = np.random.default_rng(0)
     t = np.arange(2 * RATE) / RATE

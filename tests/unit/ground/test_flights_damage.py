@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from command_line import called
+from examples import in_soak
 from flight_logs import frames, log_of, raw_frame, record
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights import tlog_index as scanning
@@ -45,7 +46,7 @@ def pieces(rng):
     return b"".join(kinds[rng.integers(len(kinds))]() for _ in range(60))
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", [0, 1, *in_soak(*range(2, 8))])
 def test_all_places_at_once_are_those_that_are_found_one_by_one(seed):
     data = pieces(np.random.default_rng(seed))
     whole = [place for place in range(len(data)) if scanning._chained(data, place)]
@@ -78,13 +79,13 @@ def test_20_mb_of_any_bytes_take_less_than_3_s_of_computing(tmp_path, kind, befo
     assert computing(tmp_path / "a.tlog") < 3
 
 
-@pytest.mark.parametrize("kind", ["0xFD", "0xFE"])
+@pytest.mark.parametrize("kind", ["0xFD", *in_soak("0xFE")])
 def test_8_mb_of_markers_behind_a_frame_take_less_than_3_s_of_computing(tmp_path, kind):
     (tmp_path / "a.tlog").write_bytes(record(10**15, HEARTBEAT) * 2 + HOSTILE[kind] * 8_000_000)
     assert computing(tmp_path / "a.tlog") < 3
 
 
-@pytest.mark.parametrize("stamp", [2**64 - 1, 2**62, 253_402_300_800_000_000, 10**18])
+@pytest.mark.parametrize("stamp", [2**64 - 1, 253_402_300_800_000_000, *in_soak(2**62, 10**18)])
 def test_a_stamp_past_the_year_9999_is_no_date(tmp_path, monkeypatch, capsys, stamp):
     (tmp_path / "a.tlog").write_bytes(b"".join(record(stamp, frame) for frame in frames(5)))
     for more in ([], ["--json"]):

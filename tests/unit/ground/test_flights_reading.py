@@ -183,6 +183,7 @@ runpy.run_module("pymavlink.tools.mavlogdump", run_name="__main__")
 """
 
 
+@pytest.mark.soak
 def test_mavlogdump_reads_as_many_of_every_message(opened, tmp_path):
     mixed = [*frames(4), *vehicle_frames(), *frames(2, component=192)]
     flight = opened(log_of(mixed))

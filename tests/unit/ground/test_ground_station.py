@@ -97,6 +97,7 @@ async def test_subscribers_get_every_packet_as_it_came_until_they_have_enough(
         assert len(heard) == 1
 
 
+@pytest.mark.soak
 async def test_links_count_what_goes_through_them(two: tuple[Far, Far], ports: tuple[int, int]) -> None:
     clock = LeapingClock()
     async with Station(urls(ports), now=clock.now) as station:

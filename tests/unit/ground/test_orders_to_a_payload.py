@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from client_bench import OVER, US, WHO, Served, Station
+from examples import in_soak
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_types import Explore, Listen, Rearm, Stop, Turn
 from ross_payload.orders import Rearm as Rearmed
@@ -139,15 +140,13 @@ def test_arming_again_after_a_stop_is_obeyed_though_its_first_frame_is_lost(rig)
 
 
 ODDS = [
-    {"loss": 0.2},
-    {"doubled": 0.3},
-    {"delayed": 0.3},
     {"loss": 0.2, "doubled": 0.2, "delayed": 0.2, "damaged": 0.1},
+    *in_soak({"loss": 0.2}, {"doubled": 0.3}, {"delayed": 0.3}),
 ]
 
 
 @pytest.mark.parametrize("odds", ODDS, ids="+".join)
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, *in_soak(2)])
 def test_on_a_bad_link_everything_is_done_once_and_its_end_is_known(sky, odds, seed):
     rig = rig_of(sky, **odds, seed=seed)
     headings = [10 * (turn % 3 - 1) for turn in range(10)]

@@ -119,6 +119,7 @@ def test_on_a_slow_line_it_waits_behind_what_matters(aloft):
     assert 2 <= len(told(sky)) <= 7
 
 
+@pytest.mark.soak
 def test_on_a_line_without_room_for_it_everything_else_still_comes(aloft):
     with aloft(NARROW, computer=busy) as sky:
         sky.live(30.0)
