@@ -75,6 +75,7 @@ def test_at_rest_the_true_angle_is_the_reported_angle(rig: Rig) -> None:
     assert rig.far_end.angle() == pytest.approx(rig.state.angle, abs=max(rig.tolerance / 2 if measured else 0, 1e-6))
 
 
+@pytest.mark.soak
 def test_15_degrees_take_what_the_paper_s_acceleration_allows(rig: Rig) -> None:
     rig.actuator.command(math.radians(15))
     began, last = rig.clock.now(), math.nan

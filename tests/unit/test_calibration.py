@@ -55,6 +55,7 @@ def test_gain_and_polarity_are_found_together(gain_db, inverted):
     assert calibration.inverted is inverted
 
 
+@pytest.mark.soak
 def test_a_delay_between_the_channels_is_told_apart_from_the_spacing():
     calibration = found(around(), delay=62.5e-6)
     assert calibration.delay == pytest.approx(62.5e-6, abs=1e-6)

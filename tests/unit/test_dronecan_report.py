@@ -137,6 +137,7 @@ def test_the_table_of_the_guide_is_valid():
     assert validated(Config, tomllib.loads(block("toml")), "the guide").dronecan.node_id == 121
 
 
+@pytest.mark.soak
 def test_the_program_of_the_guide_prints_what_it_says(tmp_path):
     pytest.importorskip("dronecan")
     home = os.environ | {"HOME": str(tmp_path)}

@@ -214,6 +214,7 @@ def test_talkers_that_mirror_each_other_are_told_apart_by_turning() -> None:
     assert errors_deg(believe(listen(azimuths, 9)), azimuths).max() < 3
 
 
+@pytest.mark.soak
 def test_a_pause_at_half_of_the_orientations_does_not_hide_a_talker() -> None:
     both, one = list(np.deg2rad([0, 100])), list(np.deg2rad([0]))
     observations = listen(both, 10)

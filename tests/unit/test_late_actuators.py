@@ -126,7 +126,7 @@ def test_an_autopilot_that_is_late_leaves_a_healthy_node_and_a_payload_that_turn
         yield from (None for _ in range(600))
         states.append(bench.far_end.angle())
 
-    play(script, wire.open, tmp_path, powered=4.0, actuator=gimbal)
+    play(script, wire.open, tmp_path, powered=8.0, actuator=gimbal)
     assert states == [Health.OK, pytest.approx(0.5, abs=0.03)]
 
 

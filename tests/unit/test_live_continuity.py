@@ -62,6 +62,7 @@ def jumps_db() -> Jumps:
     return lambda: _jumps_db(_between(live, heard, one, other), steady)
 
 
+@pytest.mark.soak
 def test_renewing_covariances_does_not_pump(jumps_db: Jumps) -> None:
     assert jumps_db().max() < PUMPING_DB
 

@@ -28,6 +28,7 @@ def _moved(images: Complex, heard: Complex, tau: np.ndarray) -> Complex:
     return moved
 
 
+@pytest.mark.soak
 def test_covariances_follow_a_source_whose_tdoa_changes() -> None:
     separator, (images, heard) = load_separator("gaussian"), mixture()
     live, elsewhere = separator.live(), TAU - 0.09 * LONGEST * np.array([-1, 1, 1])

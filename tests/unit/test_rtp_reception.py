@@ -72,7 +72,7 @@ def separated_quality(codec, network):
 
 
 @pytest.mark.parametrize(
-    ("codec", "answers", "worst"), [("opus", True, 0.5), *rows_in_soak(("opus", False, 2.0), ("L16", True, 1.0))]
+    ("codec", "answers", "worst"), rows_in_soak(("opus", True, 0.5), ("opus", False, 2.0), ("L16", True, 1.0))
 )
 def test_five_percent_lost_and_fifty_milliseconds_of_jitter_cost_little(codec, answers, worst):
     """A voice that was separated with 12 dB loses less than `worst` dB."""

@@ -51,6 +51,7 @@ def test_a_task_gives_the_same_rows_every_time(source):
     assert other.explorations != once.explorations
 
 
+@pytest.mark.soak
 def test_two_voices_in_the_open_are_found_and_separated(explored):
     last = explored.explorations[-1]
     assert last.k_estimated == 2
@@ -63,6 +64,7 @@ def test_two_voices_in_the_open_are_found_and_separated(explored):
         assert row.si_sdri_db == pytest.approx(row.si_sdr_out_db - row.si_sdr_in_db, abs=1e-5)
 
 
+@pytest.mark.soak
 def test_an_explorer_that_is_told_k_finds_so_many(source):
     asked = study(k=(3,), tell_k=True, separators=(), unit_s=(0.5,), rotations=(3,))
     told = perform(replace(EXPLORED, k=3, unit=0.5), asked, source).explorations

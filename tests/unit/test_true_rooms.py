@@ -28,7 +28,7 @@ def test_people_sit_and_stand_two_to_four_metres_away_and_one_is_soft(name):
     assert np.rad2deg(apart.min()) >= 25
 
 
-@pytest.mark.parametrize("name", [ROOMS[0], *in_soak(*ROOMS[1:])])
+@pytest.mark.parametrize("name", ["hall", *in_soak("living-room", "office")])
 def test_a_room_decays_as_long_as_the_manual_says(name):
     spec = load(name).spec()
     spec = replace(spec, sources=spec.sources[:1])

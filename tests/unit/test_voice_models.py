@@ -167,6 +167,7 @@ def test_silence_and_a_moment_say_nothing(network):
         assert (print_.score(voice, RATE).value, print_.score(voice, RATE).accepted) == (0.0, False)
 
 
+@pytest.mark.soak
 def test_a_print_is_of_many_conditions_unless_it_was_separated(network):
     clean, separated = (enrol(vowel(), RATE, network, separated=flag) for flag in (False, True))
     assert separated.embedding == pytest.approx(network.embed(vowel()))

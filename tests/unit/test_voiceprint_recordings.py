@@ -71,6 +71,7 @@ def test_the_training_command_makes_the_shipped_model(tmp_path):
         np.testing.assert_allclose(getattr(again, field.name), getattr(shipped, field.name), rtol=1e-3, atol=slack)
 
 
+@pytest.mark.soak
 def test_disturbed_voices_of_three_seconds_are_told_apart(people, prints):
     targets, strangers = [], []
     for name, person in people.items():

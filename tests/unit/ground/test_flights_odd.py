@@ -76,6 +76,7 @@ def test_no_message_is_too_odd_to_be_drawn(place, frames):
 NASTY = [-3e38, -1.0, 0.0, 1e-38, 4.0, 3e38]
 
 
+@pytest.mark.soak
 def test_sources_and_scores_beyond_all_measure_are_drawn(place):
     picture = pytest.importorskip("ross_payload.ground.flights.plot", reason="needs the extra 'sim'")
     export = pytest.importorskip("ross_payload.ground.flights.mcap", reason="needs the extra 'mcap'").export
