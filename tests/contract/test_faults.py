@@ -1,8 +1,9 @@
 """Every fault in every driver where it makes sense: noticed in time, motion ended, cause named, never 'settled'.
 
 A fault begins in the middle of a move or at rest before one, and when it is over the actuator comes back: home, rearm,
-and a move that ends where it should. Every back end meets every fault; in its other roles (`ROLES`) it meets what it
-notices in another way there. `make soak` has 20 moments of each fault in each role, and the return after both.
+and a move that ends where it should. Every back end meets every fault in mid-move, and at rest too what is not noticed
+by the move alone (`AT_REST`); in its other roles (`ROLES`) it meets what it notices in another way there.
+`make soak` has 20 moments of each fault in each role, and the return after both.
 """
 
 from __future__ import annotations

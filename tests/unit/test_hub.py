@@ -15,7 +15,6 @@ from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
 from ross_payload.transport.link_url import tcp_endpoint
 from ross_protocols.can import CanFrame
-from ross_sim.devices import can_hub
 from ross_sim.devices.can_hub import MOST_CLIENTS, MOST_WAITING, CanHub
 
 can = pytest.importorskip("can")
@@ -164,8 +163,7 @@ def test_a_word_without_an_end_is_hung_up_on_and_others_live(hub):
         assert heard(two, 1) == [CanFrame(5, b"x")]
 
 
-def test_who_does_not_read_is_dropped_and_the_others_lose_nothing(hub, monkeypatch):
-    monkeypatch.setattr(can_hub, "MOST_WAITING", 32_768)
+def test_who_does_not_read_is_dropped_and_the_others_lose_nothing(hub):
     with raw(hub) as deaf, client(hub) as one, client(hub) as two:
         deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         for word in (b"< open can0 >", b"< rawmode >"):
