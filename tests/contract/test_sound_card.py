@@ -106,7 +106,6 @@ def test_a_stall_of_which_the_driver_keeps_everything_loses_nothing(listen, make
     assert np.abs(errors(blocks, card)).max() < NEAR
 
 
-@pytest.mark.soak
 def test_a_gap_does_not_spoil_the_measured_rate(listen, make_card, moments):
     card = make_card(ppm=100)
     with listen(card) as source:

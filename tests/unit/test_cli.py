@@ -128,7 +128,6 @@ for command in ("sitl", "world"):
 """
 
 
-@pytest.mark.soak
 def test_a_command_without_its_extra_says_what_to_install(tmp_path):
     ended = subprocess.run([sys.executable, "-c", LACKING], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert ended.stdout.split() == ["2", "2"]

@@ -256,7 +256,6 @@ def test_a_yaw_that_passes_south_is_no_jump():
         assert goal is None or abs(goal) < 2.0
 
 
-@pytest.mark.soak
 def test_a_vehicle_that_spins_faster_than_the_joint_does_not_hold_the_mission_up():
     spinning = Yaw(amplitude=np.deg2rad(3600), speed=np.deg2rad(400))
     settings = replace(base.SETTINGS, min_rotations=1, max_rotations=1)

@@ -88,7 +88,6 @@ def test_a_source_is_followed_while_the_array_turns():
     assert off(tracks, 1, path(time)) < 4.0
 
 
-@pytest.mark.soak
 def test_a_quiet_source_that_walks_is_found_beside_a_loud_one():
     """A loud one that rests must not select, by chance, among the particles that have the quiet one walk."""
     late = []

@@ -158,7 +158,6 @@ def test_an_autopilot_hands_on_the_longest_report(aloft):
     assert (report.number, report.count, report.address, report.detail) == (254, 255, "a" * 40, "d" * 24)
 
 
-@pytest.mark.soak
 def test_a_slow_link_still_tells_all_else_beside_many_streams(aloft):
     streams = tuple(replace(RTP, number=number, port=5004 + number) for number in range(6))
     with aloft(Link(url="udpout:127.0.0.1:14551", max_bytes_s=350), listening=Stage(*streams)) as sky:
