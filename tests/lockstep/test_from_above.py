@@ -10,7 +10,7 @@ from recording_bench import only
 from ross_payload.config import Config
 from short_mission import CHEAP, LATER, SOON, brief
 
-pytestmark = pytest.mark.lockstep
+pytestmark = [pytest.mark.lockstep, pytest.mark.soak]
 
 
 def test_talkers_below_are_found_and_the_target_is_separated(fly, tmp_path: Path) -> None:
@@ -26,7 +26,6 @@ def test_talkers_below_are_found_and_the_target_is_separated(fly, tmp_path: Path
     assert target["si_sdri_db"] > 12
 
 
-@pytest.mark.soak
 def test_twenty_metres_below_rotors_the_height_of_the_autopilot_finds_everybody(fly, tmp_path: Path) -> None:
     """The talkers are 70 to 79 deg below: nobody looks for delays so short who does not know the height."""
     asked = brief("from-above-20", tmp_path, explore=SOON | {"unit_s": 2.0}, check_s=1.0, run_s=1.0, **CHEAP)

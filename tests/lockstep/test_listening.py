@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import soundfile
 
+from command_line import called_once
 from ross_payload.sessions.session_store import SessionStore
 from short_mission import PAIR
 
@@ -13,16 +14,7 @@ pytestmark = pytest.mark.usefixtures("undrawn")
 
 LISTENING = '[payload.listening]\nseparator = "gaussian"\n'
 LISTENED = PAIR.replace("run_s = 1.0", "run_s = 2.0") + LISTENING
-RECORDED = (
-    PAIR
-    + LISTENING
-    + """
-[payload.recording]
-target = true
-sources = true
-min_free_gb = 0
-"""
-)
+RECORDED = "[payload.recording]\ntarget = true\nsources = true\nmin_free_gb = 0\n"
 
 
 @pytest.fixture
@@ -37,10 +29,20 @@ def si_sdr(estimate, reference):
     return 10 * np.log10(scaled @ scaled / ((estimate - scaled) @ (estimate - scaled)))
 
 
-def test_the_target_is_heard_live_as_it_is_separated_afterwards(fly, scenario, tmp_path):
-    out = tmp_path / "out"
-    fly("--scenario", scenario, "--informed", "--out", out, "--listen", tmp_path / "heard.flac")
-    heard, rate = soundfile.read(tmp_path / "heard.flac")
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory):
+    """The folder of a mission that is listened to and recorded: `heard.flac`, its results in `out`, its `tapes`."""
+    folder = tmp_path_factory.mktemp("flown")
+    (folder / "recorded.toml").write_text(LISTENED + RECORDED)
+    kept = ("--listen", folder / "heard.flac", "--out", folder / "out", "--record", folder / "tapes")
+    code, _, err = called_once("sitl", "--json", "--scenario", folder / "recorded.toml", "--informed", *kept)
+    assert code == 0, err
+    return folder
+
+
+def test_the_target_is_heard_live_as_it_is_separated_afterwards(flown):
+    out = flown / "out"
+    heard, rate = soundfile.read(flown / "heard.flac")
     mixture = soundfile.read(out / "mixture.wav")[0][:, 0]
     assert len(heard) == len(mixture)
     events = [json.loads(line) for line in (out / "events.jsonl").read_text().splitlines()]
@@ -65,11 +67,8 @@ def test_a_rerun_is_heard_the_same(fly, scenario, tmp_path):
     assert (tmp_path / "heard.flac").read_bytes() == (tmp_path / "again.flac").read_bytes()
 
 
-def test_a_recording_keeps_the_voices_that_it_is_asked_for_beside_the_mixture(fly, run, tmp_path):
-    path = tmp_path / "recorded.toml"
-    path.write_text(RECORDED)
-    fly("--scenario", path, "--informed", "--record", tmp_path / "tapes")
-    one = tmp_path / "tapes" / "0001"
+def test_a_recording_keeps_the_voices_that_it_is_asked_for_beside_the_mixture(flown, run):
+    one = flown / "tapes" / "0001"
     voices = sorted(path.name for path in one.glob("*.flac"))
     assert voices == ["source-0.flac", "source-1.flac", "target.flac"]
     assert all((one / name).stat().st_mode & 0o777 == 0o600 for name in voices)
@@ -77,9 +76,9 @@ def test_a_recording_keeps_the_voices_that_it_is_asked_for_beside_the_mixture(fl
     target = soundfile.read(one / "target.flac")[0]
     assert 0 <= len(mixture) - len(target) < 0.3 * rate
     assert np.abs(target[: 2 * rate] - mixture[: 2 * rate, 0]).max() < 2**-22  # the lead-in: nobody is known
-    (kept,) = SessionStore(tmp_path / "tapes").all()
+    (kept,) = SessionStore(flown / "tapes").all()
     assert kept.bytes >= sum((one / name).stat().st_size for name in voices)
-    code, _, errors = run("sessions", "--folder", tmp_path / "tapes", "delete", "0001")
+    code, _, errors = run("sessions", "--folder", flown / "tapes", "delete", "0001")
     assert (code, errors) == (0, "")
     assert not one.exists()
 

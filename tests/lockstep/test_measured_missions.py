@@ -7,14 +7,13 @@ import pytest
 from reports import gain
 from short_mission import CHEAP, SOON, brief
 
-pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
+pytestmark = [pytest.mark.lockstep, pytest.mark.soak, pytest.mark.usefixtures("undrawn")]
 
 
 def worst(report):
     return max(abs(source["azimuth_error_deg"]) for source in report["sources"])
 
 
-@pytest.mark.soak
 def test_in_the_field_everybody_is_found_and_the_target_is_separated(run, tmp_path):
     code, out, err = run(
         "sitl", "--scenario", brief("setting-4", tmp_path, explore=SOON, check_s=1.0, run_s=1.0, **CHEAP), "--json"
@@ -26,7 +25,6 @@ def test_in_the_field_everybody_is_found_and_the_target_is_separated(run, tmp_pa
     assert gain(report) > 12
 
 
-@pytest.mark.soak
 def test_in_the_conference_room_everybody_is_found_even_when_the_voice_is_not_recognised(run, tmp_path):
     soon = brief("setting-5", tmp_path, explore=SOON, check_s=1.0, run_s=1.0, **CHEAP)
     code, out, err = run("sitl", "--scenario", soon, "--json")

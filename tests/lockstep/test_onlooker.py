@@ -121,6 +121,7 @@ def address(process):
     return line.split()[-1] if line.startswith("the page:") else line.split()[-4]
 
 
+@pytest.mark.soak  # in a browser: test_whole_mission
 @pytest.mark.timeout(240)
 def test_the_page_is_there_during_the_mission_and_after_it_until_ctrl_c(short, tmp_path):
     pytest.importorskip("aiohttp", reason="the extra [ground]")

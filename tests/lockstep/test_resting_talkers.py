@@ -15,5 +15,6 @@ def test_nobody_moves_while_everybody_rests_in_a_room_with_echoes(scene):
     assert tracked(scene, 0).moved_at_s is None
 
 
+@pytest.mark.soak
 def test_the_same_echoes_would_feign_a_move_in_the_open(scene):
     assert tracked(scene, 0, directness=1.0).moved_at_s is not None

@@ -51,6 +51,7 @@ def test_a_pipelined_mission_hears_the_same_target_sooner(mission, pipelined, tm
     assert target(report)["si_sdri_db"] > 12
 
 
+@pytest.mark.soak  # told by eye: below
 def test_an_informed_mission_turns_at_once_and_says_that_it_was_informed(mission, tmp_path):
     code, report = mission("informed", "--scenario", quick("demo", tmp_path), "--informed", "--seed", 1)
     assert (code, report["informed"], report["rotations"]) == (0, True, 0)

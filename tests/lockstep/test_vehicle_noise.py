@@ -84,6 +84,7 @@ def test_wind_is_low_not_coherent_and_comes_in_gusts(tmp_path):
     assert spread[1] < 1.5
 
 
+@pytest.mark.soak
 def test_a_windscreen_takes_from_the_wind_the_more_the_higher(tmp_path):
     bare, screened = (
         np.abs(np.fft.rfft(heard(scenario({**WIND, "windscreen": on}), tmp_path, seconds=4).noise()[0])) ** 2
@@ -131,6 +132,7 @@ def test_the_same_seed_makes_the_same_noise_of_every_kind(monkeypatch):
     assert abs(np.corrcoef(first[0], other[0])[0, 1]) < 0.3
 
 
+@pytest.mark.soak  # of talkers: test_world
 def test_how_audio_is_read_does_not_change_the_noise(tmp_path):
     scene = scenario(ONE_ROTOR, WIND)
     clip = np.random.default_rng(7).standard_normal(4 * RATE).astype(np.float32)

@@ -80,7 +80,7 @@ def test_a_model_that_is_not_there_is_one_line(run, tmp_path):
 
 
 SHORT = """
-title = "two talkers"
+title = "one talker"
 [payload.explore]
 lead_in_s = 1.0
 unit_s = 1.0
@@ -94,6 +94,4 @@ run_s = 1.0
 max_restarts = 0
 [[talkers]]
 azimuth_deg = 40
-[[talkers]]
-azimuth_deg = 155
 """
