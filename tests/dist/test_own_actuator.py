@@ -29,6 +29,7 @@ def test_it_keeps_the_contract(folder):
     assert int(re.search(r"(\d+) passed", held.stdout)[1]) > 20
 
 
+@pytest.mark.soak
 def test_a_driver_that_breaks_a_rule_does_not_keep_the_contract(folder, tmp_path):
     broken = tmp_path / "site"
     broken.mkdir()

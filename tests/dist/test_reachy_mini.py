@@ -147,6 +147,7 @@ def test_the_microphones_keep_the_contract(folder, daemon):
     assert int(re.search(r"(\d+) passed", held.stdout)[1]) > 10
 
 
+@pytest.mark.soak
 def test_the_probe_turns_the_head_of_a_daemon_in_another_process(folder, daemon):
     probed = run_line(folder, f"ross actuators probe {configured(folder, daemon)} --move --yes")
     assert probed.returncode == 0, probed.stdout + probed.stderr

@@ -20,6 +20,7 @@ from ports import free_port
 from short_mission import CHEAP, SOON, brief
 
 ROOT = Path(__file__).parents[2]
+pytestmark = pytest.mark.soak  # what only a release builds
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +64,6 @@ def test_the_wheel_holds_three_packages_and_their_data(wheel):
     assert page <= set(names)
 
 
-@pytest.mark.soak
 def test_the_installed_command_flies_a_mission_outside_the_checkout(installed, tmp_path):
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     asked = brief("one-talker", tmp_path, explore=SOON, check_s=1.0, run_s=2.0, **CHEAP)
@@ -78,7 +78,6 @@ def test_the_installed_command_flies_a_mission_outside_the_checkout(installed, t
     assert Path(found.strip()).is_relative_to(installed)
 
 
-@pytest.mark.soak
 def test_the_installed_ground_serves_its_page_outside_the_checkout(installed, tmp_path):
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     command = [installed / "bin" / "ross", "ground", f"udpin:127.0.0.1:{free_port()}", "--port", "0"]

@@ -176,6 +176,7 @@ def test_another_version_of_the_dialect_at_the_other_end_is_named(payload, groun
         texts_until(ground, f"payload 9/191: dialect {DIALECT_VERSION + 1}, expected {DIALECT_VERSION}")
 
 
+@pytest.mark.soak  # behind a switch: test_neighbours
 def test_two_payloads_with_one_component_id_say_so_and_both_go_on(payload, ground, tmp_path):
     port = ground.port.getsockname()[1]
     ground.close()

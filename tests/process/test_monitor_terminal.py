@@ -103,6 +103,7 @@ def test_it_follows_the_size_of_the_terminal(port):
         screen.until(lambda seen: len(seen.splitlines()) == 10 and "RoSS 1-191" in seen)
 
 
+@pytest.mark.soak
 def test_two_payloads_are_told_apart(port):
     with FleetBench(port, payloads=2), terminal(f"udpin:127.0.0.1:{port}", "--payload", "2-191") as screen:
         screen.shows("RoSS 2-191", " 1 1-191", " 2 2-191")
@@ -110,6 +111,7 @@ def test_two_payloads_are_told_apart(port):
         screen.shows("RoSS 1-191")
 
 
+@pytest.mark.soak
 def test_without_colour_nothing_is_coloured_and_without_utf_8_all_is_ascii(port):
     environment = {"NO_COLOR": "1", "PYTHONIOENCODING": "ascii"}
     with speaking(port), terminal(f"udpin:127.0.0.1:{port}", **environment) as screen:
