@@ -290,6 +290,7 @@ def test_stations_without_our_dialect_read_it(flown):
     same(headings[-1:], [flown.heading], 1.0)
 
 
+@pytest.mark.soak
 def test_a_replay_says_it(flown):
     said = "\n".join(replay_in_words(perform_replay(flown.session, None, None, ())))
     same(numbers(rf"sources: (.*) deg {flown.frame}", said), flown.azimuths)
