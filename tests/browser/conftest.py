@@ -21,7 +21,7 @@ from browsing import FLAGS, PATIENCE_S, Profile, chromium
 def browser():
     executable = chromium()
     if executable is None:
-        pytest.skip("needs a browser: apt-get install chromium (or CHROMIUM=path)")
+        pytest.skip("needs a browser: apt-get install chromium-headless-shell (or CHROMIUM=path)")
     from playwright.sync_api import expect, sync_playwright
 
     expect.set_options(timeout=1000 * PATIENCE_S)

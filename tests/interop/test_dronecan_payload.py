@@ -112,6 +112,7 @@ azimuth_deg = 155
 """
 
 
+@pytest.mark.soak
 @pytest.mark.process
 def test_a_mission_is_followed_on_the_bus_until_it_has_found_everybody(tmp_path):
     with ross(tmp_path, "hub", "--listen", "tcp:127.0.0.1:0", "--json") as hub:

@@ -40,6 +40,7 @@ print(heard, monitor.exists(121))
 """
 
 
+@pytest.mark.soak
 def test_the_folder_of_vendor_types_lets_a_client_read_us_and_load_dsdl_does_not(tmp_path):
     with_folder, without = tmp_path / "with", tmp_path / "without"
     for home in (with_folder, without):

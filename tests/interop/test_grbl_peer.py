@@ -92,6 +92,7 @@ def until_idle(port):
     return wait_for(idle)[0]
 
 
+@pytest.mark.soak
 def test_send_and_wait_as_grbl_s_simple_streaming_does(port):
     port.write(b"\x18")
     assert port.readline() == b"\r\n"
@@ -115,6 +116,7 @@ def test_the_settings_are_listed_as_documented(port):
     assert {b"$1=255", b"$100=8.889", b"$110=13500.000", b"$120=112.500"} <= set(lines)
 
 
+@pytest.mark.soak
 def test_the_package_grbl_streamer_streams_a_job(path, port):
     port.close()
     job = "\n".join([*SQUARE, *(f"G1 X{n % 7} F9000" for n in range(10)), "G0 X-15"])

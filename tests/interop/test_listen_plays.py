@@ -19,6 +19,7 @@ def played(loudspeaker):
     return samples[loud[0] : loud[0] + RATE] if len(loud) > RATE else samples[:0]
 
 
+@pytest.mark.soak
 def test_a_tone_that_is_streamed_is_played(loudspeaker, tmp_path):
     tone = 0.5 * np.sin(2 * np.pi * PITCH * np.arange(4 * RATE) / RATE)
     with ear() as sock:

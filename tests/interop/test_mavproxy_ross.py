@@ -82,6 +82,7 @@ def test_a_recording_is_begun_and_ended(prompt):
     prompt.read("RoSS 1-191 stop recording: done", prompt.type("ross record off"))
 
 
+@pytest.mark.soak
 def test_behind_an_autopilot_tunnels_are_read_and_orders_arrive(behind):
     behind.asks("ross status", rf"RoSS {SYSTEM}-191  \w+")
     behind.asks("ross status", "ok microphones")

@@ -163,6 +163,7 @@ def test_a_command_that_nobody_knows_is_unsupported(client):
     assert client.order(NOTHING) == UNSUPPORTED
 
 
+@pytest.mark.soak
 def test_the_program_of_the_guide_sets_turns_and_reads(ross_run, free_port, guide, request, tmp_path):
     url = f"127.0.0.1:{free_port()}"
     xml = request.config.rootpath / "protocols" / "mavlink" / "ross.xml"

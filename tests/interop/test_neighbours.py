@@ -73,6 +73,7 @@ def test_two_payloads_with_one_component_id_go_on_and_both_say_it(ross_run, grou
             wait_for(lambda payload=payload: "stopped: stopped by command" in payload.lines())
 
 
+@pytest.mark.soak
 def test_payloads_with_their_own_component_ids_have_nothing_to_say(ross_run, ground, switch, tmp_path):
     link = f'url = "udpout:{LOOPBACK}:{switch.port}"'
     own = "[telemetry]\ncomponent_id = 192\n"

@@ -142,6 +142,7 @@ def explore():
     return direct.MavlinkMessage("COMMAND_LONG", 0, 0, 1, 191, json.dumps(fields))
 
 
+@pytest.mark.soak
 def test_through_an_autopilot_it_points_from_north(ross_run, free_port, living, tmp_path):
     inside, outside = free_port(), free_port()
     ways = ("--link", f"udpin:127.0.0.1:{inside}", "--link", f"udpout:127.0.0.1:{outside}")
@@ -216,6 +217,7 @@ def test_an_autopilot_manages_and_points_it(ross_run, free_port, tmp_path):
         flight.close()
 
 
+@pytest.mark.soak
 def test_the_guide_points_a_simulated_payload(free_port, living, request, tmp_path):
     page = (request.config.rootpath / "docs" / "how-to" / "turntable-as-gimbal.md").read_text(encoding="utf-8")
     scenario = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)[1]

@@ -121,7 +121,7 @@ def measured(case, folder, moves, seconds, *, moving=True, **options):
     }
 
 
-@pytest.mark.parametrize("case", [*QUICK[:-1], pytest.param("stepper", marks=pytest.mark.alone)])
+@pytest.mark.parametrize("case", [*QUICK[:-1], pytest.param("stepper", marks=(pytest.mark.alone, pytest.mark.soak))])
 def test_commands_count_soon_and_nobody_waits_busily(case, tmp_path):
     found = measured(case, tmp_path, moves=3, seconds=0.5, moving=False, **PATIENT.get(case, {}))
     assert found["accepted_ms"] < 150, found

@@ -65,6 +65,7 @@ def test_ctrl_c_in_the_middle_of_a_move_ends_it_in_good_order(servo, tmp_path):
     assert angle_deg(servo) == pytest.approx(here, abs=0.1)
 
 
+@pytest.mark.soak
 def test_a_device_in_another_process_is_held_to_the_contract_of_real_ones(servo, tmp_path):
     file = str(tmp_path / "bench.toml")
     which = "another_thread or stale_feedback"

@@ -6,6 +6,7 @@ import os
 import pytest
 
 from device_bench import SERIAL_OVER_TCP, driver, ross
+from examples import in_soak
 from ports import free_port
 from ross_payload.clock import may_hurry
 from ross_sim.live_world.world_session import URGENCY
@@ -30,7 +31,7 @@ WIRES = {
 }
 
 
-@pytest.mark.parametrize("kind", WIRES)
+@pytest.mark.parametrize("kind", ["dronecan_servo", *in_soak("mavlink_gimbal", "grbl")])
 def test_a_driver_in_another_process_turns_the_array_of_a_world(kind, tmp_path):
     """The world reports late while it computes its room."""
     out = tmp_path / "out"

@@ -72,6 +72,7 @@ def rig(noise, tmp_path, process, ground_station, free_port):
     return make
 
 
+@pytest.mark.soak
 def test_a_move_beside_two_busy_loops_arrives_or_says_that_its_pulses_ran_out(rig):
     with rig("urgent pump", 100) as payload, busy_loops():
         assert lost(payload, 1) <= 1

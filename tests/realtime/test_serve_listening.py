@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import soundfile
 
+from examples import in_soak
 from ross_payload.config import Link
 from ross_sim.scenario import load
 from ross_sim.sitl.mission_view import MissionView
@@ -54,7 +55,7 @@ def served(scenario, folder, speed):
     return ear
 
 
-@pytest.mark.parametrize("speed", [1.0, 2.0])
+@pytest.mark.parametrize("speed", [*in_soak(1.0), 2.0])
 def test_sound_and_heartbeats_go_on_while_the_mission_computes(short, tmp_path, speed):
     ear = served(short, tmp_path, speed)
     assert ear.missing == 0

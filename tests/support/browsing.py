@@ -16,6 +16,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 HERE = "127.0.0.1"
+COMMANDS = ("chromium-headless-shell", "chromium", "chromium-browser")  # what Debian and Ubuntu call it
 FLAGS = (
     "--disable-background-networking",
     "--disable-component-update",
@@ -39,8 +40,8 @@ LOCAL = ("about", "blob", "data")  # schemes that leave no machine
 
 
 def chromium() -> Path | None:
-    """The browser: $CHROMIUM, else the one of the system."""
-    named = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+    """The browser: $CHROMIUM, else the one of the system, best the one without windows: it costs a sixth less."""
+    named = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, COMMANDS)), None)
     return None if named is None else Path(named)
 
 

@@ -11,7 +11,9 @@ command gcc gcc linux-libc-dev libc6-dev
 command systemd-analyze systemd
 command openssl openssl
 command curl curl
-[ -n "$CHROMIUM" ] || command chromium chromium fonts-dejavu-core
+browser=$CHROMIUM
+for each in chromium chromium-browser; do type $each >/dev/null 2>&1 && browser=$each; done
+[ -n "$browser" ] || command chromium-headless-shell chromium-headless-shell fonts-dejavu-core
 command tshark tshark
 command pulseaudio pulseaudio
 command ps procps
