@@ -35,6 +35,7 @@ def not_reloaded(page):
     return page.evaluate("() => globalThis.rossHere === true")
 
 
+@pytest.mark.soak
 def test_a_source_that_is_clicked_is_listened_to_and_a_stop_ends_it(fly, open_page):
     with fly() as (ground, _):
         page = shown(open_page(f"{ground.url}#/payload/1-191"))
@@ -66,6 +67,7 @@ def test_a_wrong_token_opens_nothing_and_the_right_one_the_page(fly, open_page, 
         page.locator(".topbar").wait_for()
 
 
+@pytest.mark.soak
 def test_a_payload_that_starts_with_other_parameters_is_asked_again(fly, open_page):
     with fly() as (ground, bench):
         page = shown(open_page(f"{ground.url}#/payload/1-191"))

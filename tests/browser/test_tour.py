@@ -21,6 +21,7 @@ def tour():
     return module
 
 
+@pytest.mark.soak
 def test_every_view_can_be_taken_and_the_manual_shows_it(tour, browser, tmp_path):
     flights = tmp_path / "flights"
     flights.mkdir()

@@ -1,7 +1,7 @@
 """A small payload for the tests of live worlds, in a process of its own: real driver, runner and mission, real time.
 
-``python live_payload.py SCENARIO FOLDER QUIET WORLD`` flies one mission in a `ross world` that lives already, ends it,
-flies the mission again in lock-step, and prints both reports as JSON. WORLD is what the world has told of itself, with
+``python live_payload.py SCENARIO FOLDER QUIET WORLD [alone]`` flies one mission in a `ross world` that lives already,
+ends it, flies the mission again in lock-step unless told otherwise, and prints the reports as JSON. WORLD is what the world has told of itself, with
 its ``pid``; FOLDER is the world's, which is silent for QUIET seconds at first. The sound comes over TCP, or where the
 world has told no address, by the sound card ``pulse``.
 What was heard is compared with what the world made stretch by stretch: those between what the payload calls missing.
@@ -149,10 +149,10 @@ def flown(path, out, quiet, world):
     return judge(scenario, out, memory, result, quiet) | told
 
 
-def main(path, folder, quiet, world):
+def main(path, folder, quiet, world, *alone):
     live = flown(path, Path(folder), float(quiet), json.loads(world))
     scene = later(load(path), -live["began_s"])  # as seen from where the payload began to listen
-    lock_step = perform(scene, talkers_of(scene, None, None), MissionView(), None, None).report
+    lock_step = None if alone else perform(scene, talkers_of(scene, None, None), MissionView(), None, None).report
     print(json.dumps({"live": live, "lock_step": lock_step}))  # noqa: T201
 
 

@@ -30,7 +30,7 @@ def pilot(living, ground_stations, free_port, noise, tmp_path_factory):
 
 
 def test_a_pilot_turns_the_gimbal_while_the_payload_is_idle(pilot):
-    turned(pilot, times=3)
+    turned(pilot, times=1)
 
 
 @pytest.mark.soak

@@ -11,7 +11,7 @@ from ross_protocols.mavlink.tunnel import unwrap
 from waiting import wait_for
 
 SYSTEM, YAW = 7, 90.0  # [deg], clockwise
-TALKERS = (40.0, 155.0, -80.0)  # [deg], counter-clockwise from the mount
+TALKERS = (40.0, -80.0)  # [deg], counter-clockwise from the mount
 SCENARIO = """
 title = "a payload under a vehicle that points east"
 [payload.telemetry]
@@ -22,8 +22,8 @@ source = "autopilot"
 url = "udpout:127.0.0.1:{port}"
 role = "autopilot"
 [payload.explore]
-lead_in_s = 2.0
-unit_s = 1.5
+lead_in_s = 1.0
+unit_s = 1.0
 min_rotations = 2
 max_rotations = 2
 [noise]

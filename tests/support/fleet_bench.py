@@ -34,7 +34,7 @@ from ross_protocols.mavlink.values import Health, Heartbeat, Source, Status
 from waiting import LIMIT_S
 
 COMPONENT = 191
-POLL = 0.005  # [s]
+POLL = 0.010  # [s]
 BOOTING = 0.3  # [s] that a start takes
 OTHER = {"OTHER_ONE": 1.0, "OTHER_TWO": 2.5}  # parameters of another version
 
@@ -212,7 +212,7 @@ class FleetBench:
 class FleetThread:
     """What `FleetBench` does, on a thread: a context manager with the same ``tell``."""
 
-    def __init__(self, port, payloads=1, hz=5.0, sources=3):
+    def __init__(self, port, payloads=1, hz=2.0, sources=3):
         self._told = SimpleQueue()
         self._thread = threading.Thread(
             target=run, args=(f"udpout:127.0.0.1:{port}", payloads, hz, sources, self._told), name="payloads"
