@@ -54,7 +54,9 @@ def main() -> None:
         command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--seed", SEED, "--out", folder]
         subprocess.run(command, check=True)  # noqa: S603 - our own command
         with sync_playwright() as playwright:
-            executable = os.environ.get("CHROMIUM") or shutil.which("chromium-headless-shell") or shutil.which("chromium")
+            executable = (
+                os.environ.get("CHROMIUM") or shutil.which("chromium-headless-shell") or shutil.which("chromium")
+            )
             browser = playwright.chromium.launch(executable_path=executable, args=["--no-sandbox", "--disable-gpu"])
             take(Path(folder) / "mission.tlog", STATIC, browser)
             browser.close()

@@ -94,6 +94,7 @@ def test_a_flight_that_is_closed_leaves_the_other_its_own_time(both, window):
     assert not page.locator(".comparison").count()
 
 
+@pytest.mark.soak
 def test_a_simulated_flight_has_no_date(ground, open_page):
     page = open_page(f"{ground.url}#/flights")
     row = page.locator(".known li", has_text="mission.tlog")

@@ -56,6 +56,7 @@ def test_a_simulation_that_has_ended_has_nothing_to_stop_and_says_so(simulated, 
     assert page.locator(".order", has_text="stop").count() == 0
 
 
+@pytest.mark.soak
 def test_who_may_listen_is_told_how_fast_simulated_time_goes(simulated, open_page):
     served, _ = simulated
     page = watch(open_page, served.url)

@@ -75,6 +75,7 @@ def test_a_stop_that_stops_nobody_says_so(alone, open_page):
     assert fates[1] == [f"No telemetry from 1-191: {other}", f"1-191 has not stopped: {other}", "Stop sent", "Stopped"]
 
 
+@pytest.mark.soak
 def test_what_is_odd_is_told_in_words(lone, open_page):
     ground, payloads = lone
     page = watch(open_page, ground.url)

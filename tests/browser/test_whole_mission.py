@@ -10,7 +10,7 @@ import pytest
 
 from browsing import eventually
 from page_eyes import sees
-from short_mission import CHEAP, SHORT, SOON, brief
+from short_mission import SHORT, brief
 
 PANEL = "section[aria-label='Listen']"
 INTERRUPTED = 130
@@ -56,8 +56,8 @@ def payload(open_page, url):
 
 @pytest.mark.timeout(280)
 def test_the_whole_mission_is_watched_and_played_again(window, open_page, tmp_path):
-    short = brief("demo", tmp_path, explore=SOON, **CHEAP)
-    with mission(window, "--scenario", short, "--out", tmp_path) as (process, url):
+    (tmp_path / "short.toml").write_text(SHORT)
+    with mission(window, "--scenario", tmp_path / "short.toml", "--out", tmp_path) as (process, url):
         page = payload(open_page, url)  # however late: the mission does not wait for it
         eventually(page, lambda: page.locator(".payload-title .state").text_content() == "Done", 120.0)
         assert "target" in page.locator("table.sources").text_content()
@@ -94,14 +94,14 @@ def replayed(page):
     slider.wait_for()
     passed = re.findall("|".join(PASSES), page.locator("ol.marks").text_content())
     assert list(dict.fromkeys(passed)) == PASSES
-    slider.fill("2")
+    slider.fill("3")
     sees(page, "orientation of the exploration", ".recorded .mission")
-    slider.fill("9")
+    slider.fill("6")
     moment = page.locator(".playback .moment")
-    eventually(page, lambda: moment.text_content().startswith("0:09"))
+    eventually(page, lambda: moment.text_content().startswith("0:06"))
     page.locator(".recorded .scope .source").first.wait_for()
     page.get_by_role("button", name="Play", exact=True).click()
-    eventually(page, lambda: "0:09" < moment.text_content()[:4] <= "0:59")
+    eventually(page, lambda: "0:06" < moment.text_content()[:4] <= "0:59")
 
 
 @pytest.mark.timeout(200)

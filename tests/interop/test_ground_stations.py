@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from examples import in_soak
 from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
@@ -25,7 +26,7 @@ HOP = Input(AudioBlock(np.zeros((2, 160), np.float32), 0, 0.0), 0.0, Pointing(),
 SOURCES = tuple(SourceEstimate(np.radians(azimuth), 0.02, 0.9, resolved=True) for azimuth in (-80.0, 40.0))
 
 
-@pytest.mark.parametrize("role", ["autopilot", "ground"])
+@pytest.mark.parametrize("role", ["autopilot", *in_soak("ground")])
 def test_the_program_of_the_guide_shows_the_sources(role: str) -> None:
     found = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     assert found is not None

@@ -43,6 +43,7 @@ def recorded(ross_run, ground_stations, tmp_path_factory):
     return next(log.parent.glob("telemetry.tlog*")), ground
 
 
+@pytest.mark.soak
 def test_mavlogdump_prints_it_with_our_names(recorded):
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", MAVLOGDUMP, "--dialect", "ross", recorded[0]],
@@ -58,6 +59,7 @@ def test_mavlogdump_prints_it_with_our_names(recorded):
     assert names["ROSS_STATUS"] == pytest.approx(4 * seconds, rel=0.4)
 
 
+@pytest.mark.soak
 def test_it_holds_what_the_ground_heard(recorded):
     path, ground = recorded
     log = mavutil.mavlink_connection(str(path))

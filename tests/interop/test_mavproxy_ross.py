@@ -110,6 +110,7 @@ for words in (["st"], ["listen", ""], ["record", "o"]):
 """
 
 
+@pytest.mark.soak
 def test_mavproxy_completes_our_words():
     need_mavproxy()
     command = [sys.executable, "-W", "ignore", "-c", COMPLETE]

@@ -61,6 +61,7 @@ def switch(ground):
     switch.close()
 
 
+@pytest.mark.soak
 def test_two_payloads_with_one_component_id_go_on_and_both_say_it(ross_run, ground, switch, tmp_path):
     link = f'url = "udpout:{LOOPBACK}:{switch.port}"'
     with ross_run(tmp_path / "one", link) as one, ross_run(tmp_path / "other", link) as other:

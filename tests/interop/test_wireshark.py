@@ -76,6 +76,7 @@ def test_numbers_are_those_that_were_sent(fields, encoder):
     assert numbers == pytest.approx([math.pi / 2, -0.25, 125.0, 3.5, 0b110, 3, 5e6], rel=1e-5)
 
 
+@pytest.mark.soak
 def test_a_stream_of_live_listening_is_shown_with_its_address_also_inside_a_tunnel(tshark, encoder):
     stream = StreamReport(
         1, 3, 4, "rtp", Selection.SOURCE, True, 48000, on=True, source=2, codec=Codec.OPUS, address="192.168.1.20",
@@ -98,6 +99,7 @@ def test_units_and_names_of_entries_are_shown(tshark, encoder):
     assert "Component id: MAV_COMP_ID_ONBOARD_COMPUTER (191)" in shown
 
 
+@pytest.mark.soak
 def test_bits_are_shown_one_by_one(tshark, encoder):
     tree = json.loads(tshark([encoder.encode(Audio(time_usec=1, trouble=0b101))], "-T", "json"))
     text = json.dumps(tree)
@@ -114,6 +116,7 @@ def test_a_tunnel_is_looked_into(fields, encoder):
     assert float(heading) == pytest.approx(math.pi / 2, rel=1e-5)
 
 
+@pytest.mark.soak
 def test_another_tunnel_is_only_shown(fields, encoder):
     other = common.MAVLink_tunnel_message(0, 0, 200, 2, [0xFD, 9] + [0] * 126)
     assert fields([encoder.encode(other)], "msgid", "TUNNEL_payload_1") == [["385", "9"]]
@@ -126,6 +129,7 @@ def test_broken_tunnels_do_not_break_the_dissector(tshark, encoder):
     assert shown.count("heading (float) [rad]: 1.570") == len(lengths)
 
 
+@pytest.mark.soak
 def test_what_a_payload_also_says_and_hears_is_read(tshark, encoder):
     turn = common.MAVLink_command_long_message(7, 191, 54003, 0, 30.0, 0, 0, 0, 0, 0, 0)
     shown = tshark([encoder.encode(Heartbeat(Health.ACTIVE, 6)), encoder.encode(turn)], "-V")
@@ -140,6 +144,7 @@ def test_a_message_of_another_dialect_does_not_hide_the_next_one(fields, encoder
     assert fields([both], "msgid", "ROSS_ALIGNMENT_plan") == [["74,54003", "3"]]
 
 
+@pytest.mark.soak
 def test_any_port_will_do(fields, encoder):
     status = Status(time_usec=1, mission_time=2.0, earth=False, state=6)
     assert fields([encoder.encode(status)], "ROSS_STATUS_state", port=15777) == [["6"]]
@@ -149,6 +154,7 @@ def test_other_traffic_is_left_alone(fields):
     assert fields([b"\xfd" + b"no MAVLink, surely" * 2], "msgid", port=15777) == [[""]]
 
 
+@pytest.mark.soak
 def test_a_signature_is_shown(fields):
     signed = Encoder(7, 191, key=bytes(32), link_id=5).encode(ALIGNMENT, timestamp=10**12)
     assert fields([signed], "msgid", "signature_link", port=15777) == [["54003", "5"]]

@@ -10,6 +10,7 @@ import time
 import pytest
 
 from device_bench import device, driver, ross
+from examples import in_soak
 from ports import free_port
 from waiting import wait_for
 
@@ -33,7 +34,7 @@ def test_a_driver_turns_a_device_in_another_process_to_where_it_says(kind, tmp_p
         assert process.ask("status")["complaints"] == []
 
 
-@pytest.mark.parametrize("mode", ["hold", "offboard"])  # "hold" is of PX4: here it is an ArduCopter
+@pytest.mark.parametrize("mode", [*in_soak("hold"), "offboard"])  # "hold" is of PX4: here it is an ArduCopter
 def test_an_autopilot_in_another_process_turns_its_vehicle_until_the_pilot_objects(mode, tmp_path):
     option = ("--option", f"px4_mode={mode}")
     with device(tmp_path, "vehicle", *option) as process, driver(process.told, **VEHICLE, px4_mode=mode) as one:

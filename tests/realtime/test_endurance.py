@@ -14,7 +14,6 @@ import pytest
 
 from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.dialect import common
-from short_mission import ALONE
 from waiting import wait_for
 
 LOOPBACK = "127.0.0.1"
@@ -154,17 +153,10 @@ def cpu_of(stat):
 
 
 @pytest.fixture
-def scene():
-    """What the world is."""
-    return "demo"
-
-
-@pytest.fixture
-def bench(scene, tmp_path, process, ground_station, free_port):
+def bench(tmp_path, process, ground_station, free_port):
     """A world, a payload, a ground station, and somebody who watches."""
-    (tmp_path / "alone.toml").write_text(ALONE)
     with ExitStack() as stack:
-        world = ["world", scene, "--json", "--pcm", f"tcp:{LOOPBACK}:0"]
+        world = ["world", "demo", "--json", "--pcm", f"tcp:{LOOPBACK}:0"]
         told = json.loads(
             stack.enter_context(process(world, tmp_path, "world", stdout=subprocess.PIPE)).stdout.readline()
         )
@@ -215,7 +207,7 @@ def day(ground, rng, ports, longest=4.0):
     return ends
 
 
-@pytest.mark.parametrize("scene", ["alone.toml"])
+@pytest.mark.soak
 def test_a_short_life_leaves_nothing_behind_and_counts_what_it_did_not_hear(bench):
     relay, ground, watch, ports = bench
     wait_for(lambda: len(watch.rows) >= 1)

@@ -2,11 +2,14 @@
 
 import time
 
+import pytest
+
 from flight_logs import write_hour
 from ground_page import browser, page
 from ross_payload.ground.web.flight_library import FlightLibrary
 
 
+@pytest.mark.soak
 async def test_a_playing_flight_goes_on_with_the_wall_clock_times_its_speed(tmp_path):
     write_hour(tmp_path / "two.tlog", seconds=60, payloads=2)
     async with page(None, FlightLibrary(tmp_path)) as served, browser(served.url) as one:

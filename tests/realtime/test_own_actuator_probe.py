@@ -8,10 +8,13 @@ import re
 import subprocess
 import sys
 
+import pytest
+
 from own_plugin import run
 from short_mission import SHORT
 
 
+@pytest.mark.soak
 def test_the_probe_looks_at_one_in_another_process(folder):
     environment = os.environ | {"PYTHONPATH": str(folder / "site")}
     world = [sys.executable, "-m", "ross_payload.cli", "world", "--actuator", "my_turntable"]

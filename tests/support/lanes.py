@@ -50,12 +50,12 @@ REACHES_OUT = {"aiohttp", "asyncio", "distributed", "multiprocessing", "pty", "s
 }  # fmt: skip
 TIMED = {"realtime": ("realtime", "alone"), "browser": ("browser",)}  # folders of other lanes hold none of these
 FIRST = (  # what takes long, the longest first, so that nobody waits for it in the end
-    "test_guides", "test_sitl", "test_dronecan_payload", "test_ground_command", "test_onlooker", "test_signed",
+    "test_guides", "test_sitl", "test_ground_command", "test_onlooker", "test_signed",
     "test_bad_input_live", "test_study", "test_ground_station", "test_slip", "test_drone", "test_measured_missions",
-    "test_live_portaudio", "test_first_look", "test_endurance", "test_gimbal_pilot", "test_turntable_gimbal",
-    "test_grbl_peer", "test_device", "test_through_ardupilot", "test_listening_live", "test_full_disk",
-    "test_canopen_peer", "test_weather", "test_own_actuator_probe", "test_ground_promptness", "test_shell",
-    "test_whole_mission", "test_listening", "test_ground_page", "test_portaudio", "test_tour",
+    "test_live_portaudio", "test_first_look", "test_gimbal_pilot", "test_turntable_gimbal",
+    "test_grbl_peer", "test_device", "test_through_ardupilot", "test_full_disk",
+    "test_canopen_peer", "test_weather", "test_ground_promptness", "test_shell",
+    "test_whole_mission", "test_listening", "test_ground_page", "test_portaudio",
 )  # fmt: skip
 REPORTS = "ROSS_TEST_REPORTS"  # a folder for reports in junit's form
 
@@ -64,7 +64,7 @@ STAGES = (
     Stage(("lockstep", "process"), workers=6),
     Stage(("realtime",), workers=6, niceness=-10, spare=True),
     Stage(("alone",), workers=1, niceness=-10, quiet=True),
-    Stage(("browser",), workers=3, niceness=-10, spare=True),
+    Stage(("browser",), workers=2, niceness=-10, spare=True),
     Stage(("pure",), workers=4),
 )
 SPARE = Stage(("pure",), workers=2, niceness=19)
