@@ -1,9 +1,9 @@
 """A small payload for the tests of live worlds, in a process of its own: real driver, runner and mission, real time.
 
 ``python live_payload.py SCENARIO FOLDER QUIET WORLD [alone]`` flies one mission in a `ross world` that lives already,
-ends it, flies the mission again in lock-step unless told otherwise, and prints the reports as JSON. WORLD is what the world has told of itself, with
-its ``pid``; FOLDER is the world's, which is silent for QUIET seconds at first. The sound comes over TCP, or where the
-world has told no address, by the sound card ``pulse``.
+ends it, flies the mission again in lock-step unless told otherwise, and prints the reports as JSON. WORLD is what the
+world has told of itself, with its ``pid``; FOLDER is the world's, which is silent for QUIET seconds at first. The sound
+comes over TCP, or where the world has told no address, by the sound card ``pulse``.
 What was heard is compared with what the world made stretch by stretch: those between what the payload calls missing.
 """
 
