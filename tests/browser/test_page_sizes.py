@@ -85,7 +85,6 @@ def test_a_refusal_is_in_sight_at_every_width_and_wherever_the_page_is_scrolled(
             assert page.evaluate(IN_SIGHT, "#failure") == "in sight", f"{width} x {height}, scrolled to {place}"
 
 
-@pytest.mark.soak
 def test_what_became_of_a_stop_does_not_cover_a_refusal(crew, open_page):
     page = watch(open_page, crew.url, width=SIZES[0][0], height=SIZES[0][1])
     page.get_by_role("button", name="Take control").click()

@@ -6,7 +6,6 @@ import threading
 import time
 
 import numpy as np
-import pytest
 import soundfile
 
 from ross_protocols.audio.pcm import Decoder
@@ -73,7 +72,6 @@ def connected(port):
         return socket.create_connection(("127.0.0.1", port), 20)
 
 
-@pytest.mark.soak
 def test_it_is_heard_while_it_explores_and_while_other_sinks_fail(tmp_path, process, ground_station, free_port):
     port, pcm, absent = free_port(), free_port(), free_port()
     noise = np.random.default_rng(0).integers(-3000, 3000, (120 * RATE, 2), np.int16)
