@@ -4,7 +4,7 @@ import pytest
 
 from browsing import eventually
 from fleet_bench import FleetThread
-from page_eyes import watch
+from page_eyes import sees, watch
 from served_ground import served
 
 pytest.importorskip("aiohttp", reason="the extra [ground]")
@@ -77,7 +77,7 @@ def test_a_refusal_is_in_sight_at_every_width_and_wherever_the_page_is_scrolled(
     page.get_by_role("button", name="Listen to source 3").first.click()  # its commands know of three: 0, 1 and 2
     page.locator(".order[data-state='refused']").wait_for()
     assert page.evaluate(IN_SIGHT, "#failure") == "in sight"  # as soon as it is known here
-    assert "expected 0 to 2" in page.locator("#failure").inner_text()
+    sees(page, "expected 0 to 2", "#failure")  # in the payload's words, which come by themselves
     for width, height in SIZES:
         page.set_viewport_size({"width": width, "height": height})
         for place in ("document.body.scrollHeight", "0"):

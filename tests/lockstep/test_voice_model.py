@@ -28,7 +28,7 @@ def test_the_command_adds_lists_enrols_and_removes(run, file, tmp_path):
     assert run("voice-model", "list")[:2] == (0, "* built-in\n")
     code, out, _ = run("voice-model", "add", str(file))
     assert code == 0
-    assert "added small: 0.0 MB, 16 numbers for each voice\nlicence: CC0-1.0\n" in out
+    assert "added small: 0.0 MB, 136 numbers for each voice\nlicence: CC0-1.0\n" in out
     assert run("voice-model", "list")[1] == "  built-in\n* small\n"
     assert run("enroll", "ann", str(voice))[0] == 0
     model = ModelFolder.default().in_use()
