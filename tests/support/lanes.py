@@ -51,7 +51,7 @@ REACHES_OUT = {"aiohttp", "asyncio", "distributed", "multiprocessing", "pty", "s
 TIMED = {"realtime": ("realtime", "alone"), "browser": ("browser",)}  # folders of other lanes hold none of these
 FIRST = (  # what takes long, the longest first, so that nobody waits for it in the end
     "test_guides", "test_sitl", "test_ground_command", "test_onlooker", "test_signed",
-    "test_bad_input_live", "test_study", "test_ground_station", "test_slip", "test_drone", "test_measured_missions",
+    "test_bad_input_live", "test_study", "test_ground_station", "test_slip", "test_drone",
     "test_live_portaudio", "test_first_look", "test_gimbal_pilot", "test_turntable_gimbal",
     "test_grbl_peer", "test_device", "test_through_ardupilot", "test_full_disk",
     "test_canopen_peer", "test_weather", "test_ground_promptness", "test_shell",
