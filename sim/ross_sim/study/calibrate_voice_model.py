@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -141,7 +142,8 @@ def headings_for(azimuths: Real, target: int, setting: Setting, rng: np.random.G
 
 def fitted(parts: Sequence[Sequence[Comparison]]) -> tuple[float, float]:
     """Fit slope [nat] and threshold, with `MARGIN`, to parts that count alike, as targets and strangers do."""
-    weights = [[1 / sum(each.own == other.own for other in part) for each in part] for part in parts]
+    counts = [Counter(each.own for each in part) for part in parts]
+    weights = [[1 / count[each.own] for each in part] for part, count in zip(parts, counts, strict=True)]
     every = [each for part in parts for each in part]
     cosines, own = np.array([each.cosine for each in every]), np.array([each.own for each in every])
     slope, threshold = logistic(cosines, own, np.concatenate(weights) * len(every) / (2 * len(parts)))
