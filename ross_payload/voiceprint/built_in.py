@@ -32,7 +32,7 @@ FILE = "built_in.npz"
 HALVED = ("means", "deviations", "directions")  # float16: rounding moves a score by less than 0.01 nat
 PITCH_QUANTILES = (20, 50, 80)  # [percent]
 USUAL_PITCH, PITCH_SPREAD = 5.0, 0.3  # of the logarithm of F0 / 1 Hz
-SEVERAL = 1.0  # [nat], see `Embedder`
+SEVERAL = 1.0  # `Embedder.several` [nat], as docs/decisions/0119 measured it
 PITCH_FRAMES = 20.0  # after so many, half of the pitch is believed
 
 
