@@ -9,16 +9,11 @@ import pytest
 
 from grbl_bench import TURN, Bench
 from ross_payload.actuators.grbl.driver import backend
-from ross_payload.actuators.grbl.options import Options
-from ross_payload.actuators.wires import open_wire
-from ross_payload.clock import SystemClock
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_payload.interfaces import Services
 from ross_protocols.grbl.protocol import State
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
-from ross_sim.devices.grbl_far_end import far_end
-from ross_sim.devices.wire_servers import WireServer, side_of
 
 
 @pytest.mark.parametrize("gives_up", ["home", "release"])
@@ -232,26 +227,3 @@ def test_a_state_without_its_report_is_not_settled():
     bench.clock.sleep(0.4)
     assert not bench.state.settled
     assert replace(bench.state, time=0.0).homed
-
-
-def test_over_tcp_it_turns_in_real_time_as_in_simulated():
-    clock = SystemClock()
-    end, epoch = far_end.make(Options()), clock.now()
-    side = side_of("serial", end.port, epoch)
-    with WireServer("127.0.0.1", 0, side, clock) as server:
-        options = Options(port=f"serial:tcp:127.0.0.1:{server.port}")
-        deadline = clock.now() + 60
-
-        def live(until):
-            while not until():
-                assert clock.now() < deadline, actuator.state()
-                clock.sleep(0.005)
-                side.exchange(clock.now() - epoch)
-                end.advance(clock.now() - epoch)
-                actuator.poll(clock.now())
-
-        with backend.open(options, Services(clock, lambda url: open_wire(url, clock))) as actuator:
-            live(lambda: actuator.state().homed and actuator.state().settled)
-            actuator.command(0.5)
-            live(lambda: actuator.state().settled)
-    assert end.angle() == pytest.approx(0.5, abs=options.resolution)
