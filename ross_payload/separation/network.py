@@ -223,7 +223,7 @@ def shipped_network() -> Network:
 
 def shipped_arrays() -> dict[str, Real]:
     """The weights of the package by name."""
-    return _arrays(files(__package__).joinpath("refiner.npz").read_bytes(), "refiner.npz")
+    return arrays_of(files(__package__).joinpath("refiner.npz").read_bytes(), "refiner.npz")
 
 
 @cache
@@ -240,14 +240,21 @@ def read_network(content: bytes, name: str) -> Network:
     ConfigError
         When it is damaged or something else.
     """
-    arrays = _arrays(content, name)
+    arrays = arrays_of(content, name)
     try:
         return network_of(arrays)
     except KeyError as error:
         raise ConfigError(f"{name}: expected the weights of a refiner, got something else") from error
 
 
-def _arrays(content: bytes, name: str) -> dict[str, Real]:
+def arrays_of(content: bytes, name: str) -> dict[str, Real]:
+    """Read the arrays that `encode_network` wrote, by name; ``name`` is for the error.
+
+    Raises
+    ------
+    ConfigError
+        When it is damaged or something else.
+    """
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
             return {key: np.asarray(arrays[key], np.float32) for key in arrays.files}

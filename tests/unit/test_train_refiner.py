@@ -9,10 +9,10 @@ from ross_payload.errors import ConfigError
 from ross_payload.separation.local_gaussian_model import wiener
 from ross_payload.separation.network import encode_network, network_of, places
 from ross_payload.separation.refiner_features import N_FEATURES
-from ross_sim.study import refiner_data, refiner_model
+from ross_sim.study import refiner_clips, refiner_data, refiner_model
 from ross_sim.study.refiner_clips import N_KEPT, clips, kept_out, load, packed, piece
 from ross_sim.study.refiner_data import clip
-from ross_sim.study.train_refiner import GROUPS, PIECE, Recipe, train
+from ross_sim.study.train_refiner import FASTEST, GROUPS, LONGER, PIECE, SLOWER, Recipe, train, training
 from ross_sim.study.voice_augmentation import RATE
 
 
@@ -100,3 +100,36 @@ def test_a_few_steps_lessen_the_loss_and_the_payload_computes_the_same(tmp_path:
     last = next(tmp_path.glob("steps-*/000040.npz"))
     last.unlink()  # as when it was interrupted
     assert encode_network(train(paths, [], tmp_path, recipe, seed=0)) == encode_network(weights)
+
+
+def test_going_on_begins_with_the_weights_of_a_file_and_takes_smaller_steps(tmp_path: Path) -> None:
+    weights = refiner_model.initial(8, 2, 8, np.random.default_rng(4))
+    file = tmp_path / "earlier.npz"
+    file.write_bytes(encode_network(weights))
+    anew, further = training(None, None), training(file, None)
+    begun = further.purpose.begin(further.recipe, 0)
+    assert set(begun) == set(weights)
+    np.testing.assert_allclose(begun["in"], weights["in"], rtol=1e-3)
+    assert (anew.recipe.fastest, further.recipe.fastest) == (FASTEST, SLOWER)
+    assert anew.recipe.begun != further.recipe.begun
+    assert further.folder != anew.folder
+
+
+def test_going_on_is_in_more_reverberant_rooms(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    monkeypatch.setattr(refiner_clips, "clip", lambda _voices, _seed, index, longest: asked.append((index, longest)))
+    monkeypatch.setattr(refiner_clips, "packed", lambda _: {"rate": np.array(1)})
+    file = tmp_path / "earlier.npz"
+    file.write_bytes(encode_network(refiner_model.initial(8, 2, 8, np.random.default_rng(4))))
+    for way in (training(None, None), training(file, None)):
+        assert len(list(way.make({}, tmp_path / f"{way.folder}clips", 2, 0))) == 2
+    assert asked == [(0, None), (1, None), (0, LONGER), (1, LONGER)]
+
+
+def test_two_ways_to_train_at_once_and_damaged_weights_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "weights.npz"
+    file.write_bytes(b"no weights")
+    with pytest.raises(ConfigError, match="expected --begin or --motor, got both"):
+        training(file, file)
+    with pytest.raises(ConfigError, match="expected the weights of a refiner"):
+        training(file, None)

@@ -43,12 +43,14 @@ def packed(made: Clip) -> dict[str, Array]:
     return {name: array.astype(np.float16) for name, array in halves.items()} | exact
 
 
-def clips(voices: Mapping[str, Real], folder: Path, count: int, seed: int) -> Iterator[Path]:
-    """Make the clips that a folder lacks."""
+def clips(
+    voices: Mapping[str, Real], folder: Path, count: int, seed: int, longest: float | None = None
+) -> Iterator[Path]:
+    """Make the clips that a folder lacks, up to another T60 [s] than usual when told."""
     for index in range(count):
         path = folder / f"{seed}-{index:05d}.npz"
         if not path.exists():
-            cached(path, lambda index=index: packed(clip(voices, seed, index)))  # type: ignore[misc]
+            cached(path, lambda index=index: packed(clip(voices, seed, index, longest)))  # type: ignore[misc]
         yield path
 
 

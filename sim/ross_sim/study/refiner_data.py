@@ -68,9 +68,10 @@ class Clip:
     wanted: Complex  # every group alone at microphone 1, (n_groups, n_freqs, n_frames)
 
 
-def clip(voices: Mapping[str, Real], seed: int, index: int) -> Clip:
-    """Make one clip from recordings (n,) at `RATE` by talker."""
-    stage, rng = _stage(seed, index // SHARING), np.random.default_rng([seed, 1, index])
+def clip(voices: Mapping[str, Real], seed: int, index: int, longest: float | None = None) -> Clip:
+    """Make one clip from recordings (n,) at `RATE` by talker; ``longest`` is another limit of `T60` [s]."""
+    stage = _stage(seed, index // SHARING, T60[1] if longest is None else longest)
+    rng = np.random.default_rng([seed, 1, index])
     names = rng.permutation(sorted(voices))
     n_sources = len(stage.azimuths)
     cast = [recorded_voice(voices[names[i % len(names)]], stage.rate, rng) for i in range(n_sources)]
@@ -79,7 +80,7 @@ def clip(voices: Mapping[str, Real], seed: int, index: int) -> Clip:
 
 
 @lru_cache(maxsize=1)
-def _stage(seed: int, index: int) -> Stage:
+def _stage(seed: int, index: int, at_most: float) -> Stage:
     """Draw a room, and simulate it."""
     rng = np.random.default_rng([seed, 0, index])
     chance = rng.random()
@@ -103,7 +104,7 @@ def _stage(seed: int, index: int) -> Stage:
         volume = float(size.prod())
         surface = 2 * volume * float((1 / size).sum())
         longest = (0.75 / np.pi * IMAGES * volume) ** (1 / 3) / SPEED_OF_SOUND
-        t60 = float(rng.uniform(max(T60[0], 1.2 * SABINE * volume / surface), min(T60[1], longest)))
+        t60 = float(rng.uniform(max(T60[0], 1.2 * SABINE * volume / surface), min(at_most, longest)))
     spots = tuple(map(tuple, places.tolist()))
     spec = RoomSpec(tuple(size.tolist()), t60, rate, tuple(centre.tolist()), SPACING, spots, SPEED_OF_SOUND)
     return Stage(rate, azimuths, heading, respond(spec, [heading])[0])

@@ -1,7 +1,8 @@
-"""Train the refiner: ``python -m ross_sim.study.train_refiner --readers DIR --work DIR [--seed 0] [--motor FILE] OUT``.
+"""Train the refiner: ``python -m ross_sim.study.train_refiner --readers DIR --work DIR [--seed 0] [--begin FILE] OUT``.
 
-With ``--motor``, the recording of a motor without a propeller, it is trained for noise that has a direction, beginning
-with the shipped weights.
+With ``--begin`` it goes on from the weights of an earlier training, with more clips, also in more reverberant rooms,
+and smaller steps. With ``--motor``, the recording of a motor without a propeller, it is trained for noise that has a
+direction, beginning with the shipped weights.
 
 Clips of random mixtures are made once; then a network is trained on random pieces of them, one piece per step, with
 Adam and an average of the weights. The folder of readers has a list, MANIFEST.tsv, that says who is in the set
@@ -12,10 +13,12 @@ depends on the seed and on its number alone. Needs the packages jax and optax.
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +29,7 @@ from threadpoolctl import threadpool_limits
 from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError, RossError
 from ross_payload.interfaces import Real
-from ross_payload.separation.network import encode_network, shipped_arrays
+from ross_payload.separation.network import arrays_of, encode_network, shipped_arrays
 from ross_sim.cache import Array, cached, fingerprint
 from ross_sim.study import noise_pieces, refiner_model
 from ross_sim.study.refiner_clips import Batch, clips, kept_out, load, piece
@@ -38,14 +41,16 @@ from ross_sim.talkers.speech import read
 N_CLIPS, N_WATCHED = 800, 40
 N_CHANNELS, N_BLOCKS, N_LAST = 48, 6, 64
 N_STEPS = 7_000
+N_MORE_CLIPS, LONGER = 2_400, 0.72  # when it goes on from the weights of a training, and the longest T60 in them [s]
 N_NOISY_CLIPS, N_NOISY_WATCHED, N_NOISY_STEPS = 115, 8, 2_000  # from the shipped weights on
 PIECE = 64  # frames
 GROUPS = (2, 3, 4, 5)
 BLIND = 0.25  # how often nothing is known of what follows, as frame by frame
-FASTEST, SECOND = 1.5e-3, 0.995  # step size of Adam, and its memory of squares
+FASTEST, SLOWER, SECOND = 1.5e-3, 5e-4, 0.995  # step size of Adam, from trained weights on, and its memory of squares
 WARM, FALLING = 300, 0.35  # steps in which the step size rises, and share of them in which it falls to 0 at the end
 MEMORY = 0.004  # of the average of the weights, per step
 EACH = 1000  # steps between what is kept
+EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 
 
@@ -58,6 +63,8 @@ class Recipe:
     n_blocks: int = N_BLOCKS
     n_last: int = N_LAST
     each: int = EACH
+    fastest: float = FASTEST
+    begun: str = ""  # fingerprint of the weights to begin with
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,13 +99,13 @@ class Progress:
     losses: list[float] = field(default_factory=list)  # of the steps since the last that was kept [dB]
 
 
-def step_size(step: int, n_steps: int) -> float:
+def step_size(step: int, n_steps: int, fastest: float = FASTEST) -> float:
     """Step size of Adam: up at first, level, and down to 0 in a straight line.
 
     >>> [round(step_size(step, 1000), 5) for step in (0, 299, 500, 825, 1000)]
     [1e-05, 0.0015, 0.0015, 0.00075, 0.0]
     """
-    return FASTEST * min((step + 1) / WARM, 1.0, max(n_steps - step, 0) / (FALLING * n_steps))
+    return fastest * min((step + 1) / WARM, 1.0, max(n_steps - step, 0) / (FALLING * n_steps))
 
 
 def train(
@@ -124,7 +131,7 @@ def train(
         def some(done: int = done, before: Progress = before) -> dict[str, Array]:
             after = before
             for step in range(before.step, done):
-                after = _stepped(jax.tree, advance, after, _drawn(known, seed, step, purpose), recipe.n_steps)
+                after = _stepped(jax.tree, advance, after, _drawn(known, seed, step, purpose), recipe)
             error = (
                 np.mean([float(judge(after.mean, load_whole(path, purpose))) for path in watched])
                 if watched
@@ -161,8 +168,9 @@ def _drawn(known: Sequence[Path], seed: int, step: int, purpose: Purpose) -> tup
     return purpose.piece(kept, start, PIECE), float(rng.random() >= BLIND)
 
 
-def _stepped(tree: Any, advance: Any, before: Progress, drawn: tuple[Batch, float], n_steps: int) -> Progress:
-    size, memory = step_size(before.step, n_steps), max(MEMORY, 1 / (before.step + 1))
+def _stepped(tree: Any, advance: Any, before: Progress, drawn: tuple[Batch, float], recipe: Recipe) -> Progress:
+    size = step_size(before.step, recipe.n_steps, recipe.fastest)
+    memory = max(MEMORY, 1 / (before.step + 1))
     state = tree.unflatten(before.shape, before.state)
     now, value = advance((before.weights, before.mean, state), *drawn, np.array([size, memory], np.float32))
     weights, mean, state = now
@@ -212,34 +220,81 @@ def _import(name: str) -> Any:
         raise ConfigError(f"training needs the package {name}: pip install jax optax") from error
 
 
+@dataclass(frozen=True, slots=True)
+class Training:
+    """One way to train: what clips are made, how many, and what is done with them."""
+
+    make: Callable[[Mapping[str, Real], Path, int, int], Iterator[Path]]
+    n_clips: int
+    n_watched: int
+    recipe: Recipe
+    purpose: Purpose = WHITE
+    folder: str = ""  # what the names of its folders begin with
+
+
+def training(begin: Path | None, motor: Path | None) -> Training:
+    """The way that was asked for: anew, from these weights on, or for noise like that of a motor.
+
+    Raises
+    ------
+    ConfigError
+        When both are given, or one cannot be used.
+    """
+    if begin is not None and motor is not None:
+        raise ConfigError("expected --begin or --motor, got both")
+    if motor is not None:
+        sound = read(motor, RATE).astype(float)
+
+        def make(voices: Mapping[str, Real], folder: Path, count: int, seed: int) -> Iterator[Path]:
+            return noise_pieces.noisy_clips(voices, sound, folder, count, seed)
+
+        return Training(make, N_NOISY_CLIPS, N_NOISY_WATCHED, Recipe(n_steps=N_NOISY_STEPS, each=500), IN_NOISE)
+    if begin is not None:
+        content = begin.read_bytes()
+        weights = arrays_of(content, begin.name)
+        recipe = Recipe(fastest=SLOWER, begun=hashlib.sha256(content).hexdigest())
+        purpose = replace(WHITE, begin=lambda *_: weights)
+        return Training(partial(clips, longest=LONGER), N_MORE_CLIPS, N_WATCHED, recipe, purpose, "more-")
+    return Training(clips, N_CLIPS, N_WATCHED, Recipe())
+
+
 @click.command(help=__doc__)
 @click.option("--readers", "folder", type=click.Path(path_type=Path), required=True, help="Folder with MANIFEST.tsv.")
 @click.option("--work", type=click.Path(path_type=Path), required=True, help="What is made on the way is kept here.")
-@click.option("--clips", "n_clips", type=click.IntRange(min=1), help=f"{N_CLIPS}; {N_NOISY_CLIPS} for noise.")
+@click.option(
+    "--clips",
+    "n_clips",
+    type=click.IntRange(min=1),
+    help=f"{N_CLIPS}, {N_MORE_CLIPS} further, {N_NOISY_CLIPS} for noise.",
+)
 @click.option("--steps", type=click.IntRange(min=1), help=f"{N_STEPS}; {N_NOISY_STEPS} for noise.")
 @click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--motor", type=click.Path(path_type=Path), default=None, help="Train for noise that has a direction.")
+@click.option("--begin", type=EXISTING, help="Go on from the weights in this file.")
+@click.option("--motor", type=EXISTING, help="Train for noise that has a direction.")
 @click.argument("out", type=click.Path(path_type=Path))
 def main(
-    *, folder: Path, work: Path, n_clips: int | None, steps: int | None, seed: int, motor: Path | None, out: Path
+    *,
+    folder: Path,
+    work: Path,
+    n_clips: int | None,
+    steps: int | None,
+    seed: int,
+    begin: Path | None,
+    motor: Path | None,
+    out: Path,
 ) -> None:
     """Train and write the weights (.npz)."""
     try:
         with threadpool_limits(1):
+            way = training(begin, motor)
             voices = readers(folder, "train")
             held = {name: voices.pop(name) for name in kept_out(voices, seed)}
-            if motor is None:
-                watched = list(usable(list(clips(held, work / "watched", N_WATCHED, seed + 1))))
-                paths = list(clips(voices, work / "clips", n_clips or N_CLIPS, seed))
-                weights = train(paths, watched, work, Recipe(n_steps=steps or N_STEPS), seed=seed)
-            else:
-                sound, make = read(motor, RATE).astype(float), noise_pieces.noisy_clips
-                watched = list(make(held, sound, work / "watched", N_NOISY_WATCHED, seed + 1))
-                paths = list(make(voices, sound, work / "clips", n_clips or N_NOISY_CLIPS, seed))
-                weights = train(
-                    paths, watched, work, Recipe(n_steps=steps or N_NOISY_STEPS, each=500), seed=seed, purpose=IN_NOISE
-                )
-            content = encode_network(weights)
+            watched = list(
+                usable(list(way.make(held, work / f"{way.folder}watched", way.n_watched, seed + 1)), way.purpose)
+            )
+            paths = list(way.make(voices, work / f"{way.folder}clips", n_clips or way.n_clips, seed))
+            recipe = replace(way.recipe, n_steps=steps or way.recipe.n_steps)
+            content = encode_network(train(paths, watched, work, recipe, seed=seed, purpose=way.purpose))
         write_whole(out, content)
     except RossError as error:
         raise click.ClickException(str(error)) from error
